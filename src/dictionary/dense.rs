@@ -1,0 +1,67 @@
+//! Φ stored whole, column after column.
+
+use super::Dictionary;
+
+/// A column-major M × N matrix with its column norms.
+#[derive(Clone, Debug)]
+pub struct Dense {
+    rows: usize,
+    values: Vec<f64>,
+    norms: Vec<f64>,
+}
+
+impl Dense {
+    /// `values` holds the columns one after another; its length is a multiple of `rows`.
+    pub fn new(rows: usize, values: Vec<f64>) -> Self {
+        debug_assert!(rows > 0 && values.len() % rows == 0);
+        let norms = values.chunks_exact(rows.max(1)).map(norm).collect();
+        Dense {
+            rows,
+            values,
+            norms,
+        }
+    }
+
+    /// Column-major values, M · N of them.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+}
+
+impl Dictionary for Dense {
+    fn rows(&self) -> usize {
+        self.rows
+    }
+
+    fn cols(&self) -> usize {
+        self.norms.len()
+    }
+
+    fn norms(&self) -> &[f64] {
+        &self.norms
+    }
+
+    fn column(&self, j: usize, out: &mut [f64]) {
+        out.copy_from_slice(&self.values[j * self.rows..(j + 1) * self.rows]);
+    }
+
+    fn correlate(&self, lambda: &[f64], out: &mut [f64]) {
+        for (o, column) in out.iter_mut().zip(self.values.chunks_exact(self.rows)) {
+            *o = column.iter().zip(lambda).map(|(a, b)| a * b).sum();
+        }
+    }
+}
+
+/// Euclidean length without overflow for columns of any magnitude.
+fn norm(column: &[f64]) -> f64 {
+    let largest = column.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return largest;
+    }
+    largest
+        * column
+            .iter()
+            .map(|x| (x / largest).powi(2))
+            .sum::<f64>()
+            .sqrt()
+}

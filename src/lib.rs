@@ -1,0 +1,8 @@
+//! `sidc` is a compiler. Source: a `.sid` file (what the engineer knows) plus data (what was measured).
+//! Target: the differential equations, with evidence that they are right, and code that runs them.
+
+pub mod data;
+pub mod dictionary;
+pub mod lang;
+pub mod solve;
+pub mod term;

@@ -1,0 +1,65 @@
+//! Sparse solvers: numbers in, numbers and a status out; no names, no files.
+//!
+//! A solver is one file that implements [`Solver`] and one line in [`SOLVERS`].
+
+use std::ops::ControlFlow;
+
+use crate::dictionary::Dictionary;
+
+/// `min ‖D a‖₁ s.t. ‖Φ a − y‖₂ ≤ ε`, D the column norms: basis pursuit (ε = 0) or basis pursuit denoising on unit columns.
+pub struct Problem<'a> {
+    pub dictionary: &'a dyn Dictionary,
+    /// y, length M.
+    pub target: &'a [f64],
+    /// ε ≥ 0, in the units of y.
+    pub tolerance: f64,
+}
+
+/// What a solver found. Always finite; `status` says how far to believe it.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// a, length N, in the units of the raw columns.
+    pub coefficients: Vec<f64>,
+    /// λ, length M: a dual point, near-feasible for |φ_jᵀλ| ≤ ‖φ_j‖.
+    pub dual: Vec<f64>,
+    pub status: Status,
+    pub iterations: usize,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Status {
+    /// The solver's own stopping test was met.
+    Solved,
+    /// It stopped short: the relative gap and residual it reached.
+    Inaccurate {
+        gap: f64,
+        residual: f64,
+    },
+    /// Φ a = y (within ε) has no solution; the smallest residual found.
+    Inconsistent {
+        residual: f64,
+    },
+    Interrupted,
+}
+
+/// One step of a long computation, for a progress line.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    pub iteration: usize,
+    pub gap: f64,
+    pub residual: f64,
+}
+
+/// Told after every iteration; `Break` asks the solver to stop and return what it has.
+pub type Monitor<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
+
+pub trait Solver: Sync {
+    /// What `--solver` takes.
+    fn name(&self) -> &'static str;
+    /// One line for help texts.
+    fn about(&self) -> &'static str;
+    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution;
+}
+
+/// Every solver; the first is the default.
+pub static SOLVERS: &[&dyn Solver] = &[];

@@ -1,0 +1,14 @@
+//! Candidate terms: expressions of signals in one normal form.
+//!
+//! In: names already resolved to [`Signal`]s. Out: [`Expr`]s and [`Term`]s that compare, merge, print and evaluate.
+//! Knows nothing of files, data tables or solvers.
+
+mod expr;
+mod function;
+mod print;
+mod signal;
+
+pub use expr::{Atom, Expr, Term};
+pub use function::{FUNCTIONS, Func, Function};
+pub use print::{Language, Notation, Precedence, write_expr, write_term};
+pub use signal::{Signal, SignalNames, VarId};
