@@ -4,5 +4,6 @@
 pub mod data;
 pub mod dictionary;
 pub mod lang;
+pub mod library;
 pub mod solve;
 pub mod term;

@@ -1,7 +1,9 @@
 //! Φ as an operator: what a solver may ask of a library on data, however it is stored.
 
+mod compile;
 mod dense;
 
+pub use compile::{BadValue, compile, evaluate};
 pub use dense::Dense;
 
 /// The matrix Φ (M rows, N columns) of a library on samples.

@@ -4,16 +4,17 @@
 //! `x*(1 - x)` stays one product, because the user wrote one column.
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 use super::{Func, Signal};
 
-/// A factor that cannot be split further.
+/// A factor that cannot be split further; cheap to clone, since large libraries repeat each factor thousands of times.
 #[derive(Clone, Debug)]
 pub enum Atom {
     Signal(Signal),
-    Call(Func, Vec<Expr>),
+    Call(Func, Arc<[Expr]>),
     /// A sum of two or more terms used as one factor.
-    Sum(Expr),
+    Sum(Arc<Expr>),
 }
 
 /// A product of powers of atoms, sorted; empty is the constant 1. No numeric factor.
@@ -114,7 +115,7 @@ impl Term {
             return Term::one();
         }
         Term(vec![Factor {
-            atom: Atom::Sum(Expr::from(self.clone())),
+            atom: Atom::Sum(Arc::new(Expr::from(self.clone()))),
             power: p,
         }])
     }
@@ -160,7 +161,7 @@ impl Expr {
         let numbers: Option<Vec<f64>> = args.iter().map(Expr::as_number).collect();
         match numbers {
             Some(xs) => Expr::number((f.eval)(&xs)),
-            None => Expr::from(Term::atom(Atom::Call(f, args))),
+            None => Expr::from(Term::atom(Atom::Call(f, args.into()))),
         }
     }
 
@@ -186,7 +187,7 @@ impl Expr {
                 .0
                 .pop()
                 .map_or((0.0, Term::one()), |w| (w.weight, w.term)),
-            _ => (1.0, Term::atom(Atom::Sum(self))),
+            _ => (1.0, Term::atom(Atom::Sum(Arc::new(self)))),
         }
     }
 
@@ -236,7 +237,7 @@ impl Expr {
             // (-x)^0.5 has no real weight to pull out.
             let inner = Expr::from((k, t));
             return Expr::from(Term(vec![Factor {
-                atom: Atom::Sum(inner),
+                atom: Atom::Sum(Arc::new(inner)),
                 power: p,
             }]));
         }
@@ -294,7 +295,7 @@ impl Atom {
     pub fn eval(&self, at: &impl Fn(Signal) -> f64) -> f64 {
         match self {
             Atom::Signal(s) => at(*s),
-            Atom::Call(f, args) => match args.as_slice() {
+            Atom::Call(f, args) => match args.as_ref() {
                 [x] => (f.eval)(&[x.eval(at)]),
                 [x, y] => (f.eval)(&[x.eval(at), y.eval(at)]),
                 many => (f.eval)(&many.iter().map(|a| a.eval(at)).collect::<Vec<_>>()),

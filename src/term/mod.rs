@@ -8,6 +8,7 @@ mod function;
 mod print;
 mod signal;
 
+pub(crate) use expr::power;
 pub use expr::{Atom, Expr, Term};
 pub use function::{FUNCTIONS, Func, Function};
 pub use print::{Language, Notation, Precedence, write_expr, write_term};

@@ -1,0 +1,55 @@
+//! `poly(atoms; d)`: all monomials of total degree up to d, 1 included; `poly(atoms; a..b)` a range of degrees.
+
+use super::{factors, power_table, whole_range};
+use crate::lang::model::NumberArg;
+use crate::library::size::binomial;
+use crate::library::{Generator, Misuse};
+use crate::term::{Expr, Term};
+
+pub(super) struct Poly;
+
+const USAGE: &str = "poly(atoms; degree)";
+
+impl Generator for Poly {
+    fn name(&self) -> &'static str {
+        "poly"
+    }
+
+    fn usage(&self) -> &'static str {
+        USAGE
+    }
+
+    fn about(&self) -> &'static str {
+        "all monomials of total degree 0 … d (or a range a..b)"
+    }
+
+    /// C(n + b, b) − C(n + a − 1, a − 1) monomials of n atoms with degree a … b.
+    fn count(&self, atoms: usize, numbers: &[NumberArg]) -> Result<u128, Misuse> {
+        let (from, to) = whole_range(numbers, "degree", 0, USAGE)?;
+        let up_to = |d: u32| binomial(atoms as u128 + u128::from(d), u128::from(d));
+        let below = if from == 0 { 0 } else { up_to(from - 1) };
+        Ok(match up_to(to) {
+            u128::MAX => u128::MAX,
+            all => all - below,
+        })
+    }
+
+    fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
+        let (from, to) = whole_range(numbers, "degree", 0, USAGE)?;
+        let mut partial = vec![(Term::one(), 0)];
+        for atom in &factors(atoms) {
+            let table = &power_table(atom, to);
+            partial = partial
+                .iter()
+                .flat_map(|&(ref t, used)| {
+                    (0..=to - used).map(move |p| (t.mul(&table[p as usize]), used + p))
+                })
+                .collect();
+        }
+        Ok(partial
+            .into_iter()
+            .filter(|(_, degree)| *degree >= from)
+            .map(|(t, _)| t)
+            .collect())
+    }
+}

@@ -1,0 +1,43 @@
+//! `powers(atoms; p)`: the tensor power series, each atom to 0 … p independently.
+
+use super::{factors, power_table, whole};
+use crate::lang::model::NumberArg;
+use crate::library::size::power;
+use crate::library::{Generator, Misuse};
+use crate::term::{Expr, Term};
+
+pub(super) struct Powers;
+
+const USAGE: &str = "powers(atoms; cap)";
+
+impl Generator for Powers {
+    fn name(&self) -> &'static str {
+        "powers"
+    }
+
+    fn usage(&self) -> &'static str {
+        USAGE
+    }
+
+    fn about(&self) -> &'static str {
+        "all products of powers 0 … p of each atom"
+    }
+
+    fn count(&self, atoms: usize, numbers: &[NumberArg]) -> Result<u128, Misuse> {
+        let cap = whole(numbers, "power", 0, USAGE)?;
+        Ok(power(u128::from(cap) + 1, atoms))
+    }
+
+    fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
+        let cap = whole(numbers, "power", 0, USAGE)?;
+        let mut terms = vec![Term::one()];
+        for atom in &factors(atoms) {
+            let table = power_table(atom, cap);
+            terms = terms
+                .iter()
+                .flat_map(|t| table.iter().map(|p| t.mul(p)))
+                .collect();
+        }
+        Ok(terms)
+    }
+}
