@@ -1,9 +1,14 @@
 //! `sidc` is a compiler. Source: a `.sid` file (what the engineer knows) plus data (what was measured).
 //! Target: the differential equations, with evidence that they are right, and code that runs them.
 
+pub mod cli;
 pub mod data;
 pub mod dictionary;
+pub mod discover;
+pub mod emit;
 pub mod lang;
 pub mod library;
+pub mod pipeline;
+pub mod result;
 pub mod solve;
 pub mod term;

@@ -1,0 +1,80 @@
+//! `sidc check MODEL [DATA…]`: what the model means, how large it is, what the data lack.
+
+use std::path::PathBuf;
+
+use super::inputs::{self, Inputs};
+use super::{Failure, output, status};
+use crate::lang::source::Sources;
+use crate::pipeline::{self, Program};
+use crate::term::{Language, SignalNames};
+
+/// Check a model, and whether the data fit it
+#[derive(clap::Args)]
+pub struct Args {
+    /// A model (.sid) and any data files
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// List every candidate term of every equation
+    #[arg(long)]
+    terms: bool,
+    /// Constant parameters: one value a trajectory, or one for all
+    #[arg(long = "param", value_parser = super::identify::parameter)]
+    params: Vec<(String, Vec<f64>)>,
+}
+
+pub fn run(args: &Args) -> Result<u8, Failure> {
+    let files = Inputs::sort(&args.files)?;
+    let mut sources = Sources::default();
+    let file = inputs::model(&files.model, &mut sources)?;
+    let program = inputs::report(pipeline::compile(file, &sources), &sources, false)?;
+    let mut text = describe(&program);
+    if args.terms {
+        text.push_str(&terms(&program));
+    }
+    if !files.data.is_empty() {
+        let tables = inputs::tables(&files.data, &mut sources)?;
+        let staged = pipeline::measure(&program, &tables, &args.params, (None, None), &mut sources);
+        let measured = inputs::report(staged, &sources, false)?;
+        text.push_str(&format!(
+            "{} rows from {} trajectories\n",
+            measured.samples.len(),
+            measured.dataset.trajectories.len()
+        ));
+        text.push_str(&super::identify::signals_text(&program, &measured));
+    }
+    output::print(&text)?;
+    Ok(status::PASS)
+}
+
+/// One line an equation: what it asks, how many terms.
+fn describe(program: &Program) -> String {
+    let model = &program.model;
+    let mut text = String::new();
+    if let Some(name) = &model.system {
+        text.push_str(&format!("system {name}\n"));
+    }
+    for (equation, library) in model.equations.iter().zip(&program.libraries) {
+        let target = model.name(equation.target);
+        text.push_str(&match library {
+            None => format!("{target} is known\n"),
+            Some(l) => format!(
+                "{target} ~ {} candidate terms; Φ takes {} kB per 100 rows\n",
+                l.len(),
+                (l.len() * 100 * 8).div_ceil(1000)
+            ),
+        });
+    }
+    text
+}
+
+fn terms(program: &Program) -> String {
+    let mut text = String::new();
+    for (equation, library) in program.model.equations.iter().zip(&program.libraries) {
+        let Some(library) = library else { continue };
+        text.push_str(&format!("{} ~\n", program.model.name(equation.target)));
+        for term in &library.terms {
+            text.push_str(&format!("  {}\n", Language(&program.model).term(term)));
+        }
+    }
+    text
+}

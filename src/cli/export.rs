@@ -1,0 +1,48 @@
+//! `sidc export R.json --to TARGET`: a result as code or mathematics.
+
+use std::path::PathBuf;
+
+use super::{Failure, inputs, output, status};
+use crate::emit::{self, TARGETS};
+use crate::lang::diagnostic::did_you_mean;
+use crate::lang::source::Sources;
+use crate::result;
+
+/// Write a result as LaTeX, Rust, …
+#[derive(clap::Args)]
+pub struct Args {
+    /// Result of `sidc identify … -o R.json`
+    result: PathBuf,
+    /// Target language (`sidc list` shows them)
+    #[arg(long)]
+    to: String,
+    /// File to write instead of stdout
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<u8, Failure> {
+    let target = emit::target(&args.to).ok_or_else(|| unknown(&args.to))?;
+    let text = inputs::text(&args.result)?;
+    let name = inputs::short_name(&args.result);
+    let discovery = result::read(&name, &text)
+        .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
+    let code = target
+        .emit(&discovery)
+        .map_err(|why| Failure::new(format!("error[not-expressible]: {why}")))?;
+    match &args.output {
+        Some(path) => output::write(path, &code)?,
+        None => output::print(&code)?,
+    }
+    Ok(status::PASS)
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<&str> = TARGETS.iter().map(|t| t.name()).collect();
+    let hint = did_you_mean(name, names.iter().copied())
+        .map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+    Failure::new(format!(
+        "error[unknown-target]: no target named `{name}`{hint}\n  = targets: {}",
+        names.join(", ")
+    ))
+}

@@ -1,0 +1,234 @@
+//! `sidc identify MODEL DATA…`: the main job.
+
+use std::path::PathBuf;
+
+use super::inputs::{self, Inputs};
+use super::progress::Line;
+use super::{Failure, output, status};
+use crate::discover::{Discovery, Options, Reason};
+use crate::emit;
+use crate::lang::diagnostic::{Diagnostic, Severity, did_you_mean};
+use crate::lang::source::Sources;
+use crate::pipeline::{self, Measured, Program};
+use crate::result::{self, Settings, SignalEntry};
+use crate::solve::{SOLVERS, Solver};
+use crate::term::SignalNames;
+
+/// Find the equations of a model in data
+#[derive(clap::Args)]
+pub struct Args {
+    /// A model (.sid) and one or more data files; several files are several trajectories
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Write the result document here
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Print the result document instead of the equations
+    #[arg(long)]
+    json: bool,
+    /// Use N random rows; the others test the result
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    samples: Option<u32>,
+    /// Seed of that draw
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Use only times A to B, ends optional: --window=2..10, --window=..5
+    #[arg(long, value_name = "A..B", value_parser = window, allow_hyphen_values = true)]
+    window: Option<(Option<f64>, Option<f64>)>,
+    /// Sparse solver (`sidc list` shows them)
+    #[arg(long, value_parser = solver, default_value = SOLVERS[0].name())]
+    solver: &'static dyn Solver,
+    /// Constant parameters: one value a trajectory, or one for all
+    #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = parameter)]
+    params: Vec<(String, Vec<f64>)>,
+    /// Only warnings and errors on stderr
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+pub fn run(args: &Args) -> Result<u8, Failure> {
+    let files = Inputs::sort(&args.files)?;
+    let mut sources = Sources::default();
+    let file = inputs::model(&files.model, &mut sources)?;
+    let compiled = pipeline::compile(file, &sources);
+    if files.data.is_empty() {
+        inputs::report(compiled, &sources, args.quiet)?;
+        return Err(Failure::new(
+            "error[no-data]: no data file\n  = help: sidc identify MODEL.sid DATA.csv",
+        ));
+    }
+    let mut warnings = said(&compiled.1);
+    let program = inputs::report(compiled, &sources, args.quiet)?;
+    let tables = inputs::tables(&files.data, &mut sources)?;
+    let window = args.window.unwrap_or_default();
+    let staged = pipeline::measure(&program, &tables, &args.params, window, &mut sources);
+    warnings.extend(said(&staged.1));
+    let measured = inputs::report(staged, &sources, args.quiet)?;
+
+    let options = Options {
+        solver: args.solver,
+        samples: args.samples.map(|n| n as usize),
+        seed: args.seed,
+    };
+    let mut line = Line::new();
+    let found = pipeline::identify(&program, &measured, &options, &mut |p| line.show(p));
+    drop(line);
+    let discovery = found.map_err(|d| Failure::new(inputs::render(&d, &sources)))?;
+
+    let settings = settings(args, &files, &measured);
+    let document = result::write(
+        &discovery,
+        &settings,
+        &signal_entries(&program, &measured),
+        &warnings,
+    )
+    .map_err(|e| Failure::new(format!("error[internal]: {e}; please report this")))?;
+    if let Some(path) = &args.output {
+        output::write(path, &document)?;
+    }
+    if args.json {
+        output::print(&document)?;
+    } else {
+        output::print(&answer(args, &program, &measured, &discovery))?;
+    }
+    Ok(if discovery.passes() {
+        status::PASS
+    } else {
+        status::DOUBT
+    })
+}
+
+fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) -> String {
+    let mut text = String::new();
+    let rows = measured.samples.len();
+    let drawn = match args.samples {
+        Some(n) if (n as usize) < rows => format!(" ({n} drawn, seed {})", args.seed),
+        _ => String::new(),
+    };
+    text.push_str(&format!(
+        "{}: {rows} rows{drawn} from {}\n\n",
+        d.system.as_deref().unwrap_or("system"),
+        trajectories(measured)
+    ));
+    text.push_str(&emit::answer(d));
+    text.push('\n');
+    text.push_str(&signals_text(program, measured));
+    text
+}
+
+fn trajectories(measured: &Measured) -> String {
+    match measured.dataset.trajectories.as_slice() {
+        [one] => one.name.clone(),
+        many => format!("{} trajectories", many.len()),
+    }
+}
+
+/// What was measured and what was estimated, and how.
+pub(super) fn signals_text(program: &Program, measured: &Measured) -> String {
+    let entries = signal_entries(program, measured);
+    let measured: Vec<&str> = entries
+        .iter()
+        .filter(|e| e.error.is_none())
+        .map(|e| e.signal.as_str())
+        .collect();
+    let mut text = format!("measured: {}\n", measured.join(", "));
+    for e in &entries {
+        if let Some(error) = e.error {
+            text.push_str(&format!(
+                "estimated: {} by {}, error about {} of its size\n",
+                e.signal,
+                e.origin,
+                emit::significant(error, 2)
+            ));
+        }
+    }
+    text
+}
+
+fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry> {
+    measured
+        .report
+        .iter()
+        .map(|r| SignalEntry {
+            signal: program.model.name(r.signal),
+            origin: r.method.clone().unwrap_or_else(|| "measured".into()),
+            error: r.method.as_ref().map(|_| r.error),
+        })
+        .collect()
+}
+
+fn settings(args: &Args, files: &Inputs, measured: &Measured) -> Settings {
+    Settings {
+        model: inputs::short_name(&files.model),
+        data: measured
+            .dataset
+            .trajectories
+            .iter()
+            .map(|t| t.name.clone())
+            .collect(),
+        solver: args.solver.name().into(),
+        samples: args.samples.map(|n| n as usize),
+        seed: args.seed,
+        window: args.window,
+    }
+}
+
+/// Warnings travel with the result; notes do not.
+fn said(diagnostics: &[Diagnostic]) -> Vec<Reason> {
+    diagnostics
+        .iter()
+        .filter(|d| d.severity == Severity::Warning)
+        .map(|d| Reason::new(d.code, &d.message))
+        .collect()
+}
+
+fn solver(name: &str) -> Result<&'static dyn Solver, String> {
+    let names = SOLVERS.iter().map(|s| s.name());
+    SOLVERS
+        .iter()
+        .copied()
+        .find(|s| s.name() == name)
+        .ok_or_else(|| {
+            let known: Vec<&str> = names.clone().collect();
+            match did_you_mean(name, names) {
+                Some(n) => format!("did you mean `{n}`? known: {}", known.join(", ")),
+                None => format!("known: {}", known.join(", ")),
+            }
+        })
+}
+
+/// `2..10`, `..5`, `3..`
+fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
+    let (from, to) = text
+        .split_once("..")
+        .ok_or("write a stretch of time as A..B")?;
+    let end = |t: &str| -> Result<Option<f64>, String> {
+        if t.trim().is_empty() {
+            return Ok(None);
+        }
+        match t.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(Some(x)),
+            _ => Err(format!("`{t}` is not a time in seconds")),
+        }
+    };
+    let (from, to) = (end(from)?, end(to)?);
+    match (from, to) {
+        (Some(a), Some(b)) if a >= b => Err(format!("{a} is not before {b}")),
+        ends => Ok(ends),
+    }
+}
+
+/// `m=0.3,0.5`
+pub(super) fn parameter(text: &str) -> Result<(String, Vec<f64>), String> {
+    let (name, values) = text
+        .split_once('=')
+        .ok_or("write a parameter as name=value")?;
+    let values: Result<Vec<f64>, String> = values
+        .split(',')
+        .map(|v| match v.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(format!("`{v}` is not a number")),
+        })
+        .collect();
+    Ok((name.trim().to_string(), values?))
+}

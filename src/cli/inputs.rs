@@ -1,0 +1,147 @@
+//! Files given on the command line: models end in `.sid`, the rest is data.
+
+use std::fs::File;
+use std::io::{IsTerminal, Read};
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use crate::data::{self, Limits, Table};
+use crate::lang;
+use crate::lang::diagnostic::{Diagnostic, Severity};
+use crate::lang::source::{FileId, Sources};
+
+/// Largest model or result, bytes: far beyond any written by hand.
+const LARGEST_TEXT: u64 = 64 << 20;
+
+/// The command line's files, told apart.
+pub struct Inputs {
+    pub model: PathBuf,
+    pub data: Vec<PathBuf>,
+}
+
+impl Inputs {
+    /// # Errors
+    /// No model, or more than one.
+    pub fn sort(files: &[PathBuf]) -> Result<Inputs, Failure> {
+        let (models, data): (Vec<_>, Vec<_>) = files
+            .iter()
+            .cloned()
+            .partition(|f| f.extension().is_some_and(|e| e == "sid"));
+        match models.as_slice() {
+            [model] => Ok(Inputs {
+                model: model.clone(),
+                data,
+            }),
+            [] => Err(Failure::new(
+                "error[no-model]: no model among the files: a model's name ends in .sid",
+            )),
+            [_, second, ..] => Err(Failure::new(format!(
+                "error[several-models]: one model at a time; {} is a second one",
+                second.display()
+            ))),
+        }
+    }
+}
+
+/// Reads a whole text file of limited size.
+///
+/// # Errors
+/// Not there, not a file, too large, not UTF-8.
+pub fn text(path: &Path) -> Result<String, Failure> {
+    let fail = |why: String| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
+    let file = open(path)?;
+    let mut bytes = Vec::new();
+    file.take(LARGEST_TEXT + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|e| fail(e.to_string()))?;
+    if bytes.len() as u64 > LARGEST_TEXT {
+        return Err(fail(format!("larger than {} MB", LARGEST_TEXT >> 20)));
+    }
+    let text = String::from_utf8(bytes).map_err(|e| {
+        fail(format!(
+            "not UTF-8 at byte {}; save the file as UTF-8",
+            e.utf8_error().valid_up_to()
+        ))
+    })?;
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_string(),
+        None => text,
+    })
+}
+
+/// Adds a model's text to the sources.
+pub fn model(path: &Path, sources: &mut Sources) -> Result<FileId, Failure> {
+    Ok(sources.add(path.display().to_string(), text(path)?))
+}
+
+/// Reads every data file; all their faults at once.
+pub fn tables(paths: &[PathBuf], sources: &mut Sources) -> Result<Vec<Table>, Failure> {
+    let mut tables = Vec::new();
+    let mut faults = Vec::new();
+    for path in paths {
+        let file = open(path)?;
+        match data::read(&short_name(path), file, &Limits::default(), sources) {
+            Ok(table) => tables.push(table),
+            Err(found) => faults.extend(found),
+        }
+    }
+    if faults.is_empty() {
+        return Ok(tables);
+    }
+    Err(Failure::new(render(&faults, sources)))
+}
+
+/// The file's name without folders: what messages and results call it.
+pub fn short_name(path: &Path) -> String {
+    path.file_name()
+        .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
+}
+
+/// Diagnostics as text, in colour on a terminal.
+pub fn render(diagnostics: &[Diagnostic], sources: &Sources) -> String {
+    let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    lang::render(diagnostics, sources, colour)
+}
+
+/// Prints what a stage had to say; without its result, that is the failure.
+pub fn report<T>(
+    staged: (Option<T>, Vec<Diagnostic>),
+    sources: &Sources,
+    quiet: bool,
+) -> Result<T, Failure> {
+    let (result, mut diagnostics) = staged;
+    if quiet {
+        diagnostics.retain(|d| d.severity != Severity::Note);
+    }
+    // Errors last: what stands next to the prompt is what has to be mended.
+    diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
+    let text = render(&diagnostics, sources);
+    match result {
+        Some(result) => {
+            eprint!("{text}");
+            Ok(result)
+        }
+        None => Err(Failure::new(text)),
+    }
+}
+
+fn open(path: &Path) -> Result<File, Failure> {
+    let fail = |why: &str| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
+    let kind = std::fs::metadata(path).map_err(|e| fail(&plain(&e)))?;
+    if kind.is_dir() {
+        return Err(fail("this is a folder, not a file"));
+    }
+    if !kind.is_file() {
+        return Err(fail("not a regular file; copy the data into one"));
+    }
+    File::open(path).map_err(|e| fail(&plain(&e)))
+}
+
+/// "No such file or directory" without the number behind it.
+fn plain(e: &std::io::Error) -> String {
+    let text = e.to_string();
+    match text.split_once(" (os error") {
+        Some((words, _)) => words.to_lowercase(),
+        None => text,
+    }
+}

@@ -1,0 +1,77 @@
+//! The command line: one file a subcommand; the only place that touches files and terminals.
+
+mod check;
+mod export;
+mod fmt;
+mod identify;
+mod inputs;
+mod list;
+mod output;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Exit statuses, as docs/command-line.md promises them. 2 (usage) is clap's own.
+pub(crate) mod status {
+    pub const PASS: u8 = 0;
+    /// The model, the data or a file is at fault.
+    pub const INPUT: u8 = 1;
+    /// A doubt, a failure, an interrupt or a limit: equations are still printed.
+    pub const DOUBT: u8 = 3;
+}
+
+/// A compiler for equation discovery: from measured time series to differential equations, with evidence.
+#[derive(Parser)]
+#[command(name = "sidc", version, arg_required_else_help = true, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "Examples:
+  sidc check pendulum.sid data.csv                  what the model means, and what the data lack
+  sidc identify pendulum.sid data.csv -o R.json     find the equations
+  sidc export R.json --to latex                     write them down
+Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt";
+
+#[derive(Subcommand)]
+enum Command {
+    Check(check::Args),
+    Identify(identify::Args),
+    Fmt(fmt::Args),
+    Export(export::Args),
+    List(list::Args),
+}
+
+/// Parses the command line, runs the subcommand, and turns what happened into an exit status.
+pub fn run() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Check(args) => check::run(&args),
+        Command::Identify(args) => identify::run(&args),
+        Command::Fmt(args) => fmt::run(&args),
+        Command::Export(args) => export::run(&args),
+        Command::List(args) => list::run(&args),
+    };
+    ExitCode::from(result.unwrap_or_else(|said| said.print()))
+}
+
+/// A failure of the whole command, with everything to say about it.
+pub(crate) struct Failure(Vec<String>);
+
+impl Failure {
+    pub fn new(text: impl Into<String>) -> Self {
+        Failure(vec![text.into()])
+    }
+
+    fn print(&self) -> u8 {
+        for text in &self.0 {
+            eprint!("{text}");
+            if !text.ends_with('\n') {
+                eprintln!();
+            }
+        }
+        status::INPUT
+    }
+}

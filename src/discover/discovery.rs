@@ -1,0 +1,173 @@
+//! What was found: the equations of a system, each with its evidence. All that emitters, simulation and reports may see.
+
+use serde::{Deserialize, Serialize};
+
+use crate::lang::model::{Model, VarKind};
+use crate::term::{Signal, SignalNames, Term, VarId};
+
+/// The identified system.
+#[derive(Clone, Debug, Default)]
+pub struct Discovery {
+    pub system: Option<String>,
+    /// True if targets are next samples, not derivatives.
+    pub discrete: bool,
+    /// All declared variables; index 0 is time.
+    pub variables: Vec<Variable>,
+    pub equations: Vec<Equation>,
+    pub failed: Vec<Failed>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    pub name: String,
+    pub kind: VarKind,
+    /// Highest derivative that exists.
+    pub order: u8,
+}
+
+/// target = Σ coefficient · term, in model units.
+#[derive(Clone, Debug)]
+pub struct Equation {
+    pub target: Signal,
+    pub terms: Vec<FoundTerm>,
+    pub status: Status,
+    /// Why it is doubted; empty for a pass.
+    pub reasons: Vec<Reason>,
+    /// `None` for an equation that the model states as known.
+    pub evidence: Option<Evidence>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundTerm {
+    pub term: Term,
+    pub coefficient: f64,
+    /// True if the model states it, in `known(…)` or with `=`.
+    pub fixed: bool,
+    /// Standard error from the scatter of the residual; `None` for fixed terms.
+    pub standard_error: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Stated by the model.
+    Known,
+    /// Found, and nothing speaks against it.
+    Pass,
+    /// Found, but with reasons to distrust it.
+    Doubt,
+}
+
+/// One reason for a doubt or a failure.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reason {
+    /// Stable, kebab-case, never renamed.
+    pub code: String,
+    /// A sentence with its figures.
+    pub text: String,
+}
+
+impl Reason {
+    pub fn new(code: &str, text: impl Into<String>) -> Self {
+        Reason {
+            code: code.to_string(),
+            text: text.into(),
+        }
+    }
+}
+
+/// An equation that was asked for and not found.
+#[derive(Clone, Debug)]
+pub struct Failed {
+    pub target: Signal,
+    pub reasons: Vec<Reason>,
+}
+
+/// The figures behind one equation. Relative figures are against the root mean square of the target (known part taken off).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Rows M the coefficients were found from.
+    pub rows: usize,
+    /// Candidate terms N.
+    pub candidates: usize,
+    /// Solver that proposed the support.
+    pub solver: String,
+    pub iterations: usize,
+    /// Root mean square of the residual, relative.
+    pub residual: f64,
+    /// Root mean square of the target's estimated error, relative; 0 if it was measured.
+    pub target_error: f64,
+    /// Root mean square of the residual on rows not used, relative.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub held_out: Option<HeldOut>,
+    pub certificate: Proof,
+    /// Other supports that these data cannot tell from the answer.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub ties: Vec<Vec<String>>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    pub rows: usize,
+    pub residual: f64,
+}
+
+/// What the dual point proves about the ℓ1 problem that proposed the support.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Proof {
+    /// ε of ‖Φa − y‖₂ ≤ ε, relative to ‖y‖; 0 is basis pursuit with equality.
+    pub tolerance: f64,
+    /// (‖a‖₁ − dual value) / ‖a‖₁ on unit columns.
+    pub gap: f64,
+    /// max |φᵀλ| over all unit columns; 1 on the support of an optimal answer.
+    pub max_correlation: f64,
+    /// 1 − max |φᵀλ| off the support.
+    pub margin: f64,
+    /// Numerical rank of the support's columns, and how many there are.
+    pub rank: usize,
+    pub support: usize,
+    /// Condition number of the support's unit columns.
+    pub condition: f64,
+    /// No combination of candidates that fits has a smaller ℓ1 norm.
+    pub optimal: bool,
+    /// No other combination has the same one.
+    pub unique: bool,
+    /// True if the printed terms are the ℓ1 answer's own support, not a choice among its proposals.
+    pub of_answer: bool,
+}
+
+impl Discovery {
+    /// A discovery without equations, for the variables of a model.
+    pub fn of(model: &Model) -> Self {
+        Discovery {
+            system: model.system.clone(),
+            discrete: model.discrete,
+            variables: model
+                .vars
+                .iter()
+                .map(|v| Variable {
+                    name: v.name.clone(),
+                    kind: v.kind,
+                    order: v.order,
+                })
+                .collect(),
+            equations: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    /// True if every equation that was asked for passes.
+    pub fn passes(&self) -> bool {
+        self.failed.is_empty() && self.equations.iter().all(|e| e.status != Status::Doubt)
+    }
+
+    pub fn variable_of(&self, id: VarId) -> Option<&Variable> {
+        self.variables.get(id.0 as usize)
+    }
+}
+
+impl SignalNames for Discovery {
+    fn variable(&self, var: VarId) -> &str {
+        self.variable_of(var).map_or("?", |v| &v.name)
+    }
+}

@@ -1,0 +1,193 @@
+//! What speaks against an equation: each rule is one function with its figure, and its text says the figure.
+
+use super::{Evidence, FoundTerm, Reason};
+use crate::solve::Status as Solved;
+
+/// Residual above which the equation leaves too much of its target open.
+const POOR_FIT: f64 = 0.1;
+/// Residual over the known error of the data above which something is missing.
+const MISFIT: f64 = 10.0;
+/// Residual under which a misfit is academic.
+const CLOSE: f64 = 1e-4;
+/// Held-out residual over the one in the fit above which the equation does not carry over.
+const OVERFIT: f64 = 2.0;
+/// Rows a term, in noisy data, under which chance is a rival.
+const ROWS_A_TERM: usize = 15;
+/// Standard error over coefficient above which a term could as well be absent.
+const UNCERTAIN: f64 = 0.3;
+/// Condition of the unit columns above which the support is numerically dependent.
+const DEPENDENT: f64 = 1e8;
+/// Smallest 1 − max |φᵀλ| that separates the support from the rest.
+const MARGIN: f64 = 1e-6;
+
+/// Everything the rules see.
+pub(super) struct Case<'a> {
+    pub evidence: &'a Evidence,
+    pub terms: &'a [FoundTerm],
+    pub names: &'a [String],
+    pub solved: &'a Solved,
+}
+
+pub(super) fn weigh(case: &Case) -> Vec<Reason> {
+    let rules: [fn(&Case) -> Option<Reason>; 9] = [
+        interrupted,
+        solver,
+        crowded,
+        poor_fit,
+        misfit,
+        held_out,
+        few_rows,
+        dependent,
+        tied,
+    ];
+    let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
+    reasons.extend(uncertain(case));
+    reasons
+}
+
+fn noisy(e: &Evidence) -> bool {
+    e.residual > 1e-6
+}
+
+fn interrupted(c: &Case) -> Option<Reason> {
+    (*c.solved == Solved::Interrupted).then(|| {
+        Reason::new(
+            "interrupted",
+            "the solver was stopped before it finished; this is the best it had",
+        )
+    })
+}
+
+fn solver(c: &Case) -> Option<Reason> {
+    match c.solved {
+        Solved::Inaccurate { gap, residual } if !c.evidence.certificate.optimal => Some(Reason::new(
+            "solver-inaccurate",
+            format!(
+                "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
+            ),
+        )),
+        _ => None,
+    }
+}
+
+/// As many terms as rows: any target can be fitted so.
+fn crowded(c: &Case) -> Option<Reason> {
+    let (k, m) = (c.terms.len(), c.evidence.rows);
+    (3 * k > m && k > 1).then(|| {
+        Reason::new(
+            "not-sparse",
+            format!("{k} terms from {m} rows is no sparse law: more rows, or a library that contains the physics"),
+        )
+    })
+}
+
+fn poor_fit(c: &Case) -> Option<Reason> {
+    let r = c.evidence.residual;
+    (r > POOR_FIT).then(|| {
+        Reason::new(
+            "poor-fit",
+            format!(
+                "the equation leaves {:.0} % of the target's size unexplained (R² {:.3})",
+                100.0 * r.min(1.0),
+                1.0 - r * r
+            ),
+        )
+    })
+}
+
+fn misfit(c: &Case) -> Option<Reason> {
+    let (r, e) = (c.evidence.residual, c.evidence.target_error);
+    (e > 0.0 && r > MISFIT * e && r > CLOSE).then(|| {
+        Reason::new(
+            "misfit",
+            format!(
+                "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data: a term is missing, or the noise is larger than it looks",
+                r / e
+            ),
+        )
+    })
+}
+
+fn held_out(c: &Case) -> Option<Reason> {
+    let held = c.evidence.held_out.as_ref()?;
+    let expected = c.evidence.residual.max(c.evidence.target_error).max(1e-7);
+    (held.residual > OVERFIT * expected).then(|| {
+        Reason::new(
+            "held-out",
+            format!(
+                "on {} rows not used the residual is {:.1e}, in the fit {:.1e}: the equation does not carry over",
+                held.rows, held.residual, c.evidence.residual
+            ),
+        )
+    })
+}
+
+fn few_rows(c: &Case) -> Option<Reason> {
+    let (k, m) = (c.terms.len().max(1), c.evidence.rows);
+    (noisy(c.evidence) && m < ROWS_A_TERM * k).then(|| {
+        Reason::new(
+            "few-rows",
+            format!("{m} noisy rows for {k} terms: another law may fit as well by chance"),
+        )
+    })
+}
+
+fn dependent(c: &Case) -> Option<Reason> {
+    let p = &c.evidence.certificate;
+    (p.rank < p.support || p.condition > DEPENDENT).then(|| {
+        Reason::new(
+            "dependent-support",
+            format!(
+                "the terms found are dependent on these data (rank {} of {}, condition {:.0e}): their coefficients are not separate facts",
+                p.rank, p.support, p.condition
+            ),
+        )
+    })
+}
+
+fn tied(c: &Case) -> Option<Reason> {
+    let e = c.evidence;
+    let p = &e.certificate;
+    if let Some(first) = e.ties.first() {
+        let more = match e.ties.len() {
+            1 => String::new(),
+            n => format!(", and {} more", n - 1),
+        };
+        return Some(Reason::new(
+            "tie",
+            format!(
+                "these data cannot tell this support from {{{}}}{more}",
+                first.join(", ")
+            ),
+        ));
+    }
+    let open = p.of_answer && p.optimal && p.tolerance == 0.0 && p.margin < MARGIN;
+    (open && p.support < e.candidates && !noisy(e)).then(|| {
+        Reason::new(
+            "tie",
+            format!(
+                "another term is as good as those found: |φᵀλ| reaches {:.6} off the support",
+                1.0 - p.margin
+            ),
+        )
+    })
+}
+
+fn uncertain(c: &Case) -> Vec<Reason> {
+    if !noisy(c.evidence) {
+        return Vec::new();
+    }
+    c.terms
+        .iter()
+        .zip(c.names)
+        .filter_map(|(t, name)| {
+            let part = t.standard_error? / t.coefficient.abs();
+            (part > UNCERTAIN).then(|| {
+                Reason::new(
+                    "uncertain-coefficient",
+                    format!("the coefficient of {name} is known only to {:.0} %", 100.0 * part),
+                )
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,240 @@
+//! One equation, start to end: rows, Φ, proposal, choice, polish, proof, doubts.
+
+use super::doubts::{self, Case};
+use super::rows::{self, Split};
+use super::subset::Criterion;
+use super::support::{self, Choice};
+use super::weights::{Weights, rms};
+use super::{
+    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Options, Proof, Reason, Status,
+};
+use crate::data::Samples;
+use crate::dictionary::{BadValue, Dense, Dictionary, compile, evaluate};
+use crate::library::Library;
+use crate::solve::{self, Monitor, Polished, Problem, Solution};
+use crate::term::{Language, Signal, SignalNames, Term};
+
+/// What is asked.
+pub(super) struct Task<'a> {
+    pub target: Signal,
+    pub known: Vec<(f64, Term)>,
+    pub library: &'a Library,
+    pub samples: &'a Samples,
+    pub options: &'a Options,
+}
+
+/// Relative residual of the whole library above which a tall system is noisy and not exact.
+const EXACT: f64 = 1e-9;
+/// Room that the noise tolerance leaves over the smallest residual there is.
+const ROOM: f64 = 1.001;
+
+impl Task<'_> {
+    /// # Errors
+    /// A term that the data cannot evaluate; inside, an equation that was not found.
+    pub fn run(
+        &self,
+        names: &Discovery,
+        monitor: Monitor,
+    ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
+        let split = rows::split(
+            self.samples.len(),
+            self.library.len(),
+            self.options.samples,
+            self.options.seed,
+        );
+        let used = self.samples.select(&split.used);
+        let y = self.target_values(&used);
+        if rms(&y) == 0.0 {
+            return Ok(Err(self.motionless(names)));
+        }
+        let weights = Weights::new(&used, self.target, self.library, &y);
+        let phi = compile(&self.library.terms, &used, Some(&weights.row))?;
+        let aim: Vec<f64> = y.iter().zip(&weights.row).map(|(y, w)| y * w).collect();
+
+        let problem = Problem {
+            dictionary: &phi,
+            target: &aim,
+            tolerance: tolerance(&phi, &aim, &weights),
+        };
+        let solution = self.options.solver.solve(&problem, monitor);
+        let criterion = Criterion::new(used.len(), weights.correlation, phi.cols(), weights.floor);
+        let choice = support::choose(&phi, &aim, &solution.coefficients, criterion);
+        let polished = solve::polish(&phi, &aim, &choice.support);
+
+        let proof = prove(&problem, &solution, &choice, &polished);
+        let size = rms(&y);
+        let terms = self.found_terms(&choice, &polished);
+        let evidence = Evidence {
+            rows: used.len(),
+            candidates: phi.cols(),
+            solver: self.options.solver.name().into(),
+            iterations: solution.iterations,
+            residual: self.residual(&terms, &used, &y) / size,
+            target_error: weights.target_error / size,
+            held_out: self.held_out(&terms, &split, size),
+            certificate: proof,
+            ties: self.named(&choice.ties, names),
+        };
+        Ok(Ok(self.equation(names, terms, evidence, &solution)))
+    }
+
+    /// y without what is known.
+    fn target_values(&self, samples: &Samples) -> Vec<f64> {
+        let mut y = samples
+            .column(self.target)
+            .map_or_else(|| vec![0.0; samples.len()], |c| c.values.clone());
+        subtract(&mut y, &self.known, samples);
+        y
+    }
+
+    fn found_terms(&self, choice: &Choice, polished: &Polished) -> Vec<FoundTerm> {
+        choice
+            .support
+            .iter()
+            .zip(&polished.coefficients)
+            .zip(&polished.standard_errors)
+            .map(|((j, a), e)| FoundTerm {
+                term: self.library.terms[*j].clone(),
+                coefficient: *a,
+                fixed: false,
+                standard_error: e.is_finite().then_some(*e),
+            })
+            .collect()
+    }
+
+    /// Root mean square of y − Σ coefficient · term.
+    fn residual(&self, terms: &[FoundTerm], samples: &Samples, y: &[f64]) -> f64 {
+        let mut r = y.to_vec();
+        let weighted: Vec<(f64, Term)> = terms
+            .iter()
+            .map(|t| (t.coefficient, t.term.clone()))
+            .collect();
+        subtract(&mut r, &weighted, samples);
+        rms(&r)
+    }
+
+    fn held_out(&self, terms: &[FoundTerm], split: &Split, size: f64) -> Option<HeldOut> {
+        if split.held.is_empty() {
+            return None;
+        }
+        let held = self.samples.select(&split.held);
+        let residual = self.residual(terms, &held, &self.target_values(&held)) / size;
+        Some(HeldOut {
+            rows: held.len(),
+            residual: if residual.is_finite() { residual } else { f64::MAX },
+        })
+    }
+
+    fn named(&self, supports: &[Vec<usize>], names: &Discovery) -> Vec<Vec<String>> {
+        let name = |j: &usize| Language(names).term(&self.library.terms[*j]);
+        supports
+            .iter()
+            .map(|s| s.iter().map(name).collect())
+            .collect()
+    }
+
+    fn equation(
+        &self,
+        names: &Discovery,
+        terms: Vec<FoundTerm>,
+        evidence: Evidence,
+        solution: &Solution,
+    ) -> Equation {
+        let written: Vec<String> = terms.iter().map(|t| Language(names).term(&t.term)).collect();
+        let reasons = doubts::weigh(&Case {
+            evidence: &evidence,
+            terms: &terms,
+            names: &written,
+            solved: &solution.status,
+        });
+        let status = if reasons.is_empty() {
+            Status::Pass
+        } else {
+            Status::Doubt
+        };
+        let mut all: Vec<FoundTerm> = self.known.iter().cloned().map(super::fixed).collect();
+        all.extend(terms);
+        Equation {
+            target: self.target,
+            terms: all,
+            status,
+            reasons,
+            evidence: Some(evidence),
+        }
+    }
+
+    fn motionless(&self, names: &Discovery) -> Failed {
+        Failed {
+            target: self.target,
+            reasons: vec![Reason::new(
+                "no-motion",
+                format!(
+                    "{} is zero on every row (known parts taken off): there is nothing to explain",
+                    names.name(self.target)
+                ),
+            )],
+        }
+    }
+}
+
+fn subtract(y: &mut [f64], terms: &[(f64, Term)], samples: &Samples) {
+    for (c, term) in terms {
+        let values = evaluate(term, samples);
+        y.iter_mut().zip(&values).for_each(|(y, v)| *y -= c * v);
+    }
+}
+
+/// ε: the data's own estimated error, or, where more rows than terms show a larger one, that.
+fn tolerance(phi: &Dense, y: &[f64], weights: &Weights) -> f64 {
+    let (m, n) = (phi.rows(), phi.cols());
+    if m <= n {
+        return weights.tolerance;
+    }
+    let fit = solve::least_squares(phi, y);
+    let size = y.iter().map(|y| y * y).sum::<f64>().sqrt();
+    if fit.residual <= EXACT * size && weights.tolerance == 0.0 {
+        // Exact data: the smallest residual that rounding allows.
+        return ROOM * fit.residual + EXACT * size;
+    }
+    let free = (m - fit.rank.min(m - 1)) as f64;
+    let noise = fit.residual * (m as f64 / free).sqrt();
+    (ROOM * noise).max(weights.tolerance)
+}
+
+/// The certificate of the printed answer if it is the solver's own, else of the solver's.
+fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Polished) -> Proof {
+    let answer = spread(problem.dictionary.cols(), &choice.support, &polished.coefficients);
+    let own = solve::certify(problem, &answer, &solution.dual);
+    let of_answer = choice.as_proposed && own.proves_optimal;
+    let certificate = if of_answer {
+        own
+    } else {
+        solve::certify(problem, &solution.coefficients, &solution.dual)
+    };
+    let size = problem.target.iter().map(|y| y * y).sum::<f64>().sqrt();
+    Proof {
+        tolerance: problem.tolerance / size,
+        gap: finite(certificate.gap),
+        max_correlation: finite(certificate.max_correlation),
+        margin: finite(certificate.margin),
+        rank: polished.rank,
+        support: choice.support.len(),
+        condition: finite(polished.condition),
+        optimal: certificate.proves_optimal,
+        unique: certificate.proves_unique,
+        of_answer,
+    }
+}
+
+fn spread(n: usize, support: &[usize], values: &[f64]) -> Vec<f64> {
+    let mut all = vec![0.0; n];
+    for (j, v) in support.iter().zip(values) {
+        all[*j] = *v;
+    }
+    all
+}
+
+/// Figures in a result must be numbers.
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { f64::MAX }
+}

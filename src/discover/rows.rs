@@ -1,0 +1,77 @@
+//! Which rows the coefficients are found from, and which are left to test them.
+
+/// Most entries of a stored Φ, M · N: about a second of basis pursuit, 32 MB.
+const ENTRIES: usize = 4_000_000;
+/// Fewest rows that the limit leaves.
+const FEWEST: usize = 100;
+
+/// Row indices, rising.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Split {
+    pub used: Vec<usize>,
+    pub held: Vec<usize>,
+    /// True if rows were left out though nobody asked, to keep Φ within its limit.
+    pub limited: bool,
+}
+
+/// Splits `rows` rows: `samples` of them if asked for, else as many as Φ with `terms` columns may have.
+pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Split {
+    let fits = (ENTRIES / terms.max(1)).max(FEWEST);
+    let wanted = samples.unwrap_or(fits).min(rows);
+    if wanted == rows {
+        return Split {
+            used: (0..rows).collect(),
+            ..Split::default()
+        };
+    }
+    let mut order: Vec<usize> = (0..rows).collect();
+    let mut random = SplitMix(seed);
+    for i in 0..wanted {
+        // Fisher–Yates, only as far as needed.
+        let j = i + (random.next() % (rows - i) as u64) as usize;
+        order.swap(i, j);
+    }
+    let mut held = order.split_off(wanted);
+    order.sort_unstable();
+    held.sort_unstable();
+    Split {
+        used: order,
+        held,
+        limited: samples.is_none(),
+    }
+}
+
+/// SplitMix64 (Steele, Lea & Flood 2014): small, and the same on every machine.
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_used_or_held_once() {
+        let s = split(50, 10, Some(20), 7);
+        assert_eq!((s.used.len(), s.held.len(), s.limited), (20, 30, false));
+        let mut all = [s.used, s.held].concat();
+        all.sort_unstable();
+        assert_eq!(all, (0..50).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn seeds_draw_different_rows_and_large_tables_are_limited() {
+        assert_ne!(split(50, 10, Some(20), 1).used, split(50, 10, Some(20), 2).used);
+        let s = split(10_000, 6_561, None, 0);
+        assert_eq!((s.used.len(), s.limited), (609, true));
+        assert_eq!(split(300, 6_561, Some(1000), 0).used.len(), 300);
+    }
+}

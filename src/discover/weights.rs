@@ -1,0 +1,101 @@
+//! What the data's own errors allow: a weight for each row, the tolerance of the fit, the floor below which residuals say nothing.
+
+use std::collections::BTreeSet;
+
+use crate::data::{Origin, Samples};
+use crate::library::Library;
+use crate::term::Signal;
+
+/// Rounding of measured data, relative: a residual below it is not evidence.
+const ROUNDING: f64 = 1e-9;
+/// Rows over which estimated derivatives share samples, and so errors.
+const STENCIL: f64 = 9.0;
+
+/// The error model of one equation on M rows.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    /// Factor of each row, length M; 1 for rows of usual accuracy, less for worse ones.
+    pub row: Vec<f64>,
+    /// Estimated ‖W e‖₂ of the weighted error; 0 if everything was measured.
+    pub tolerance: f64,
+    /// Variance of the weighted error of one row, never zero.
+    pub floor: f64,
+    /// Rows over which errors are correlated.
+    pub correlation: f64,
+    /// Root mean square of the target's estimated error, unweighted; 0 if it was measured.
+    pub target_error: f64,
+}
+
+impl Weights {
+    /// Combines the estimated errors of the target and of the signals in the library. `y` is the target without known parts.
+    pub fn new(samples: &Samples, target: Signal, library: &Library, y: &[f64]) -> Weights {
+        let size = rms(y);
+        let target_errors = errors(samples, target);
+        let mut square = vec![0.0; samples.len()];
+        add_squares(&mut square, target_errors, 1.0);
+        for s in signals(library) {
+            if let Some(c) = samples.column(s)
+                && s != target
+            {
+                // A term's error matters in proportion to its share of the target, at most all of it.
+                let scale = size / rms(&c.values).max(f64::MIN_POSITIVE);
+                add_squares(&mut square, errors(samples, s), scale);
+            }
+        }
+        let error: Vec<f64> = square.iter().map(|e| e.sqrt()).collect();
+        let usual = median(&error);
+        let rounding = ROUNDING * size;
+        if usual <= rounding * 1e-3 {
+            return Weights {
+                row: vec![1.0; samples.len()],
+                tolerance: 0.0,
+                floor: (rounding * rounding).max(f64::MIN_POSITIVE),
+                correlation: if usual > 0.0 { STENCIL } else { 1.0 },
+                target_error: target_errors.map_or(0.0, rms),
+            };
+        }
+        let row: Vec<f64> = error.iter().map(|e| usual / e.max(usual)).collect();
+        let weighted: f64 = row.iter().zip(&error).map(|(w, e)| (w * e).powi(2)).sum();
+        Weights {
+            row,
+            tolerance: weighted.sqrt(),
+            floor: usual * usual,
+            correlation: STENCIL,
+            target_error: target_errors.map_or(0.0, rms),
+        }
+    }
+}
+
+fn errors(samples: &Samples, s: Signal) -> Option<&[f64]> {
+    match &samples.column(s)?.origin {
+        Origin::Measured => None,
+        Origin::Estimated { error, .. } => Some(error),
+    }
+}
+
+fn add_squares(sum: &mut [f64], errors: Option<&[f64]>, scale: f64) {
+    for (s, e) in sum.iter_mut().zip(errors.unwrap_or_default()) {
+        *s += (scale * e).powi(2);
+    }
+}
+
+fn signals(library: &Library) -> BTreeSet<Signal> {
+    let mut found = BTreeSet::new();
+    for term in &library.terms {
+        term.for_each_signal(&mut |s| {
+            found.insert(s);
+        });
+    }
+    found
+}
+
+/// Root mean square.
+pub(super) fn rms(v: &[f64]) -> f64 {
+    (v.iter().map(|x| x * x).sum::<f64>() / v.len().max(1) as f64).sqrt()
+}
+
+fn median(v: &[f64]) -> f64 {
+    let mut sorted = v.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}

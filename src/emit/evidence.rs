@@ -1,0 +1,109 @@
+//! Evidence in words: what was proved, what was only measured, and every doubt.
+
+use crate::discover::{Discovery, Equation, Evidence, Proof, Reason, Status};
+use crate::term::SignalNames;
+
+use super::text;
+
+/// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found.
+pub fn answer(d: &Discovery) -> String {
+    let mut out = String::new();
+    for (e, lines) in d.equations.iter().zip(text::equations(d)) {
+        out.push_str(&lines);
+        for line in remarks(e) {
+            out.push_str(&format!("    {line}\n"));
+        }
+    }
+    for f in &d.failed {
+        out.push_str(&format!("{}: not found\n", d.name(f.target)));
+        out.push_str(&reasons("failed", &f.reasons));
+    }
+    out
+}
+
+fn remarks(e: &Equation) -> Vec<String> {
+    let Some(evidence) = &e.evidence else {
+        return vec!["known: stated by the model".into()];
+    };
+    let mut lines = vec![format!("{}; {}", fit(evidence), scope(evidence))];
+    lines.push(proof(evidence));
+    if e.status == Status::Doubt {
+        lines.extend(
+            e.reasons
+                .iter()
+                .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
+        );
+    }
+    lines
+}
+
+fn reasons(kind: &str, all: &[Reason]) -> String {
+    all.iter()
+        .map(|r| format!("    {kind}[{}]: {}\n", r.code, r.text))
+        .collect()
+}
+
+fn fit(e: &Evidence) -> String {
+    let mut out = format!("fit: residual {} of the target", power(e.residual));
+    if e.target_error > 0.0 {
+        out.push_str(&format!(" (its estimated error: {})", power(e.target_error)));
+    }
+    if let Some(h) = &e.held_out {
+        out.push_str(&format!(
+            "; {} on {} rows held out",
+            power(h.residual),
+            h.rows
+        ));
+    }
+    out
+}
+
+fn scope(e: &Evidence) -> String {
+    format!("{} terms tried on {} rows", e.candidates, e.rows)
+}
+
+/// One line that says what the certificate proves, and what it does not.
+fn proof(e: &Evidence) -> String {
+    let p = &e.certificate;
+    let fits = if p.tolerance == 0.0 {
+        "fits these rows".to_string()
+    } else {
+        format!("fits within {} of the target", power(p.tolerance))
+    };
+    if !p.optimal {
+        return format!(
+            "not proved: the dual bound leaves a gap of {} (max |φᵀλ| {:.6})",
+            power(p.gap),
+            p.max_correlation
+        );
+    }
+    let figures = figures(p);
+    match (p.of_answer, p.unique) {
+        (true, true) => format!(
+            "proved: of all that {fits}, this has the smallest 1-norm, and no other equals it ({figures})"
+        ),
+        (true, false) => format!(
+            "proved: of all that {fits}, none has a smaller 1-norm; another may equal it ({figures})"
+        ),
+        (false, _) => format!(
+            "proved: the proposal has the smallest 1-norm of all that {fits} ({figures}); \
+             the terms were chosen from it by the extended Bayesian criterion"
+        ),
+    }
+}
+
+fn figures(p: &Proof) -> String {
+    let mut out = format!("gap {}", power(p.gap));
+    if p.of_answer {
+        out.push_str(&format!(", |φᵀλ| ≤ {:.4} off the support", 1.0 - p.margin));
+    } else {
+        out.push_str(&format!(", max |φᵀλ| {:.6}", p.max_correlation));
+    }
+    out.push_str(&format!(", rank {} of {}", p.rank, p.support));
+    out
+}
+
+/// Two digits: `3.1e-12`, `0.042`.
+fn power(x: f64) -> String {
+    text::significant(x, 2)
+}

@@ -1,0 +1,148 @@
+//! The whole flow on one page: text → model → libraries → samples → discovery.
+//!
+//! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
+
+use crate::data::{self, Dataset, Report, Samples, Table};
+use crate::discover::{self, Discovery, Options};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{Model, RightSide};
+use crate::lang::source::{FileId, Sources};
+use crate::lang::{self, GeneratorSignature, Vocabulary};
+use crate::library::{self, GENERATORS, Library};
+use crate::solve::Monitor;
+use crate::term::Signal;
+
+mod unevaluable;
+
+/// A checked model with the library of each equation; `None` where the equation is known.
+#[derive(Debug)]
+pub struct Program {
+    pub model: Model,
+    pub libraries: Vec<Option<Library>>,
+}
+
+/// A program's signals on common rows.
+pub struct Measured {
+    pub dataset: Dataset,
+    pub samples: Samples,
+    /// What was measured and what was estimated.
+    pub report: Vec<Report>,
+}
+
+/// What a stage gave, if it gave anything, and everything it had to say.
+pub type Staged<T> = (Option<T>, Vec<Diagnostic>);
+
+/// The words that the registries add to the language.
+pub fn vocabulary() -> Vocabulary {
+    Vocabulary {
+        generators: GENERATORS
+            .iter()
+            .map(|g| GeneratorSignature {
+                name: g.name(),
+                usage: g.usage(),
+                discrete_only: g.discrete_only(),
+            })
+            .collect(),
+    }
+}
+
+/// Text → program.
+pub fn compile(file: FileId, sources: &Sources) -> Staged<Program> {
+    let (model, mut diagnostics) = lang::compile(file, sources, &vocabulary());
+    let Some(model) = model else {
+        return (None, diagnostics);
+    };
+    let mut libraries = Vec::new();
+    for equation in &model.equations {
+        libraries.push(match &equation.right {
+            RightSide::Search {
+                library: Some(written),
+                ..
+            } => {
+                let (library, found) = library::expand(&model, equation.target, written);
+                // One `let` used by several equations has the same to say about each.
+                diagnostics.extend(found.into_iter().filter(|d| !diagnostics.contains(d)).collect::<Vec<_>>());
+                Some(library)
+            }
+            _ => None,
+        });
+    }
+    finish(Program { model, libraries }, diagnostics)
+}
+
+/// Program + tables → samples of every signal that its equations mention.
+pub fn measure(
+    program: &Program,
+    tables: &[Table],
+    params: &[(String, Vec<f64>)],
+    window: (Option<f64>, Option<f64>),
+    sources: &mut Sources,
+) -> Staged<Measured> {
+    let (mut dataset, mut diagnostics) = data::bind(&program.model, tables, params, sources);
+    if diagnostics.iter().any(Diagnostic::is_error) {
+        return (None, diagnostics);
+    }
+    diagnostics.extend(data::keep_window(&mut dataset, window));
+    if diagnostics.iter().any(Diagnostic::is_error) {
+        return (None, diagnostics);
+    }
+    let (samples, found, report) = data::samples(&program.model, &dataset, &needed(program));
+    diagnostics.extend(found);
+    finish(
+        Measured {
+            dataset,
+            samples,
+            report,
+        },
+        diagnostics,
+    )
+}
+
+/// Program + samples → equations with evidence.
+pub fn identify(
+    program: &Program,
+    measured: &Measured,
+    options: &Options,
+    monitor: Monitor,
+) -> Result<Discovery, Vec<Diagnostic>> {
+    discover::discover(
+        &program.model,
+        &program.libraries,
+        &measured.samples,
+        options,
+        monitor,
+    )
+    .map_err(|bad| {
+        bad.iter()
+            .map(|(i, value)| unevaluable::explain(program, measured, *i, value))
+            .collect()
+    })
+}
+
+/// Every signal that some equation mentions, each once, sorted.
+pub fn needed(program: &Program) -> Vec<Signal> {
+    let mut all = Vec::new();
+    for (equation, library) in program.model.equations.iter().zip(&program.libraries) {
+        let Some(library) = library else { continue };
+        all.push(equation.target);
+        for term in &library.terms {
+            term.for_each_signal(&mut |s| all.push(s));
+        }
+        if let RightSide::Search { known, .. } = &equation.right {
+            known
+                .iter()
+                .for_each(|(e, _)| e.for_each_signal(&mut |s| all.push(s)));
+        }
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+fn finish<T>(stage: T, diagnostics: Vec<Diagnostic>) -> Staged<T> {
+    if diagnostics.iter().any(Diagnostic::is_error) {
+        (None, diagnostics)
+    } else {
+        (Some(stage), diagnostics)
+    }
+}

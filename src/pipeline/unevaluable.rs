@@ -1,0 +1,67 @@
+//! A term that has no finite value on the data: the term, the row, the value.
+
+use super::{Measured, Program};
+use crate::dictionary::BadValue;
+use crate::emit::significant;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::RightSide;
+use crate::term::{Atom, Language, Term};
+
+pub(super) fn explain(
+    program: &Program,
+    measured: &Measured,
+    equation: usize,
+    bad: &BadValue,
+) -> Diagnostic {
+    let language = Language(&program.model);
+    let place = place(measured, bad.row);
+    let name = language.term(&bad.term);
+    let d = match &bad.atom {
+        Some(atom @ Atom::Call(f, args)) => {
+            let argument = args.first().map_or_else(String::new, |a| language.expr(a));
+            let call = language.term(&Term::atom(atom.clone()));
+            let d = Diagnostic::error(
+                "undefined-term",
+                format!(
+                    "`{call}` has no finite value {place}: {argument} = {}",
+                    significant(bad.value, 6)
+                ),
+            );
+            match f.domain {
+                "" => d,
+                domain => d.fact(format!("{} is defined for {domain}", f.name)),
+            }
+        }
+        Some(atom) => Diagnostic::error(
+            "undefined-term",
+            format!(
+                "`{name}` has no finite value {place}: {} = {}",
+                language.term(&Term::atom(atom.clone())),
+                significant(bad.value, 6)
+            ),
+        ),
+        None => Diagnostic::error(
+            "undefined-term",
+            format!("`{name}` overflows {place}"),
+        ),
+    };
+    let d = d.help("take the term out, or keep to rows where it is defined with --window=A..B");
+    match program.model.equations.get(equation).map(|e| &e.right) {
+        Some(RightSide::Search {
+            library: Some(library),
+            ..
+        }) => d.at(library.span, format!("`{name}` is one of these terms")),
+        _ => d,
+    }
+}
+
+fn place(measured: &Measured, row: usize) -> String {
+    let time = measured.samples.time.get(row).copied().unwrap_or(f64::NAN);
+    let trajectory = measured
+        .samples
+        .trajectory
+        .get(row)
+        .and_then(|i| measured.dataset.trajectories.get(*i as usize))
+        .map_or("the data", |t| t.name.as_str());
+    format!("at t = {} of {trajectory}", significant(time, 6))
+}

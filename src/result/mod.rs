@@ -1,0 +1,112 @@
+//! The result document: a discovery as JSON, and back.
+//!
+//! Pinned: first key `"sidc_result": 1`; fields are only ever added; numbers round-trip f64; no times of day, no absolute paths.
+
+mod read;
+mod write;
+
+use serde::{Deserialize, Serialize};
+
+use crate::discover::{Evidence, Reason, Status};
+
+pub use read::read;
+pub use write::write;
+
+/// Version of the document that this program writes, and the newest it reads.
+pub const VERSION: u32 = 1;
+
+/// The document. Keys come out in this order.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Document {
+    pub sidc_result: u32,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub system: Option<String>,
+    /// `continuous` or `discrete`.
+    #[serde(default)]
+    pub time: TimeKind,
+    pub variables: Vec<VariableEntry>,
+    pub equations: Vec<EquationEntry>,
+    #[serde(default)]
+    pub failed: Vec<FailedEntry>,
+    #[serde(default)]
+    pub settings: Settings,
+    /// What was measured and what was estimated.
+    #[serde(default)]
+    pub signals: Vec<SignalEntry>,
+    /// Codes and texts of warnings that bear on the result.
+    #[serde(default)]
+    pub warnings: Vec<Reason>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TimeKind {
+    #[default]
+    Continuous,
+    Discrete,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VariableEntry {
+    pub name: String,
+    /// `state`, `input`, `output` or `param`.
+    pub kind: String,
+    #[serde(default)]
+    pub order: u8,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct EquationEntry {
+    pub target: String,
+    pub terms: Vec<TermEntry>,
+    pub status: Status,
+    #[serde(default)]
+    pub reasons: Vec<Reason>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub evidence: Option<Evidence>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct TermEntry {
+    pub term: String,
+    pub coefficient: f64,
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub fixed: bool,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub standard_error: Option<f64>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FailedEntry {
+    pub target: String,
+    pub reasons: Vec<Reason>,
+}
+
+/// What to set to get the same result again.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// File name of the model, without folders.
+    #[serde(default)]
+    pub model: String,
+    /// Names of the trajectories, without folders.
+    #[serde(default)]
+    pub data: Vec<String>,
+    #[serde(default)]
+    pub solver: String,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub samples: Option<usize>,
+    #[serde(default)]
+    pub seed: u64,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub window: Option<(Option<f64>, Option<f64>)>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SignalEntry {
+    pub signal: String,
+    /// `measured`, or how it was estimated.
+    pub origin: String,
+    /// Root mean square of the estimated error, relative to the signal's own; absent if measured.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub error: Option<f64>,
+}

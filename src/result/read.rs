@@ -1,0 +1,164 @@
+//! Text → document → discovery: names and terms go through the language's own parser.
+
+use super::{Document, EquationEntry, TimeKind, VERSION};
+use crate::discover::{Discovery, Equation, Failed, FoundTerm};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{LibKind, Model, RightSide};
+use crate::lang::source::Sources;
+use crate::lang::{self, Vocabulary};
+use crate::term::{SignalNames, Term};
+
+/// Reads a result document.
+///
+/// # Errors
+/// One diagnostic for text that is no result of this program's, a newer version (named), or terms that do not parse.
+pub fn read(name: &str, text: &str) -> Result<Discovery, Diagnostic> {
+    let value: serde_json::Value =
+        serde_json::from_str(text).map_err(|e| not_json(name, &e.to_string()))?;
+    match value.get("sidc_result").and_then(serde_json::Value::as_u64) {
+        None => return Err(no_result(name)),
+        Some(v) if v > u64::from(VERSION) => return Err(newer(name, v)),
+        Some(_) => {}
+    }
+    let document: Document =
+        serde_json::from_value(value).map_err(|e| damaged(name, &e.to_string()))?;
+    discovery(name, &document)
+}
+
+fn discovery(name: &str, doc: &Document) -> Result<Discovery, Diagnostic> {
+    let mut sources = Sources::default();
+    let file = sources.add(name, as_model(doc));
+    let vocabulary = Vocabulary { generators: vec![] };
+    let (model, found) = lang::compile(file, &sources, &vocabulary);
+    let Some(model) = model else {
+        let first = found.iter().find(|d| d.is_error());
+        let why = first.map_or_else(String::new, |d| d.message.clone());
+        return Err(damaged(name, &why));
+    };
+    let mut d = Discovery::of(&model);
+    d.system = doc.system.clone();
+    d.discrete = doc.time == TimeKind::Discrete;
+    for (entry, equation) in doc.equations.iter().zip(&model.equations) {
+        let terms = terms(&equation.right);
+        if terms.len() != entry.terms.len() {
+            return Err(damaged(
+                name,
+                &format!("the terms of {} do not parse one by one", entry.target),
+            ));
+        }
+        d.equations.push(equation_of(entry, equation.target, terms));
+    }
+    for entry in &doc.failed {
+        let target = model
+            .equations
+            .iter()
+            .map(|e| e.target)
+            .find(|t| model.name(*t) == entry.target);
+        if let Some(target) = target {
+            d.failed.push(Failed {
+                target,
+                reasons: entry.reasons.clone(),
+            });
+        }
+    }
+    Ok(d)
+}
+
+/// A model that declares the document's variables and lists its terms, so that the one parser reads them.
+fn as_model(doc: &Document) -> String {
+    let mut text = String::new();
+    for v in &doc.variables {
+        match (v.kind.as_str(), v.order) {
+            ("state", _) if doc.time == TimeKind::Discrete => {
+                text.push_str(&format!("state {}\n", v.name));
+            }
+            ("state" | "input", n) => {
+                text.push_str(&format!("{} {} : order {n}\n", v.kind, v.name));
+            }
+            (kind, _) => text.push_str(&format!("{kind} {}\n", v.name)),
+        }
+    }
+    for e in &doc.equations {
+        let terms: Vec<&str> = e.terms.iter().map(|t| t.term.as_str()).collect();
+        let right = if terms.is_empty() {
+            "= 0".to_string()
+        } else {
+            format!("~ <{}>", terms.join(", "))
+        };
+        text.push_str(&format!("{} {right}\n", e.target));
+    }
+    for f in &doc.failed {
+        text.push_str(&format!("{} = 0\n", f.target));
+    }
+    text
+}
+
+fn terms(right: &RightSide) -> Vec<Term> {
+    let RightSide::Search {
+        library: Some(library),
+        ..
+    } = right
+    else {
+        return Vec::new();
+    };
+    let LibKind::List(items) = &library.kind else {
+        return Vec::new();
+    };
+    items
+        .iter()
+        .filter_map(|i| match &i.kind {
+            LibKind::Term(e) => Some(e.clone().into_term().1),
+            _ => None,
+        })
+        .collect()
+}
+
+fn equation_of(
+    entry: &EquationEntry,
+    target: crate::term::Signal,
+    terms: Vec<Term>,
+) -> Equation {
+    Equation {
+        target,
+        terms: entry
+            .terms
+            .iter()
+            .zip(terms)
+            .map(|(t, term)| FoundTerm {
+                term,
+                coefficient: t.coefficient,
+                fixed: t.fixed,
+                standard_error: t.standard_error,
+            })
+            .collect(),
+        status: entry.status,
+        reasons: entry.reasons.clone(),
+        evidence: entry.evidence.clone(),
+    }
+}
+
+fn not_json(name: &str, why: &str) -> Diagnostic {
+    Diagnostic::error("result-not-json", format!("{name} is not JSON: {why}"))
+        .help("give the file that `sidc identify … -o R.json` wrote")
+}
+
+fn no_result(name: &str) -> Diagnostic {
+    Diagnostic::error(
+        "result-unknown",
+        format!("{name} is JSON, but not a result of sidc: it has no `sidc_result`"),
+    )
+    .help("give the file that `sidc identify … -o R.json` wrote")
+}
+
+fn newer(name: &str, version: u64) -> Diagnostic {
+    Diagnostic::error(
+        "result-newer",
+        format!("{name} is a result of version {version}; this program reads up to {VERSION}"),
+    )
+    .help("update sidc")
+}
+
+fn damaged(name: &str, why: &str) -> Diagnostic {
+    Diagnostic::error("result-damaged", format!("{name} is damaged: {why}"))
+        .help("write it again with `sidc identify … -o R.json`")
+}

@@ -1,0 +1,78 @@
+//! Discovery → document → text.
+
+use super::{
+    Document, EquationEntry, FailedEntry, Settings, SignalEntry, TermEntry, TimeKind, VERSION,
+    VariableEntry,
+};
+use crate::discover::{Discovery, Equation, Reason};
+use crate::lang::model::VarKind;
+use crate::term::{Language, SignalNames};
+
+/// The document as JSON text, ending in a newline.
+///
+/// # Errors
+/// Only if a figure cannot be represented, which would be a fault of this program.
+pub fn write(
+    d: &Discovery,
+    settings: &Settings,
+    signals: &[SignalEntry],
+    warnings: &[Reason],
+) -> Result<String, serde_json::Error> {
+    let document = Document {
+        sidc_result: VERSION,
+        system: d.system.clone(),
+        time: if d.discrete {
+            TimeKind::Discrete
+        } else {
+            TimeKind::Continuous
+        },
+        variables: d.variables.iter().skip(1).map(variable).collect(),
+        equations: d.equations.iter().map(|e| equation(d, e)).collect(),
+        failed: d
+            .failed
+            .iter()
+            .map(|f| FailedEntry {
+                target: d.name(f.target),
+                reasons: f.reasons.clone(),
+            })
+            .collect(),
+        settings: settings.clone(),
+        signals: signals.to_vec(),
+        warnings: warnings.to_vec(),
+    };
+    serde_json::to_string_pretty(&document).map(|text| text + "\n")
+}
+
+fn variable(v: &crate::discover::Variable) -> VariableEntry {
+    let kind = match v.kind {
+        VarKind::Time => "time",
+        VarKind::State => "state",
+        VarKind::Input => "input",
+        VarKind::Output => "output",
+        VarKind::Param => "param",
+    };
+    VariableEntry {
+        name: v.name.clone(),
+        kind: kind.into(),
+        order: v.order,
+    }
+}
+
+fn equation(d: &Discovery, e: &Equation) -> EquationEntry {
+    EquationEntry {
+        target: d.name(e.target),
+        terms: e
+            .terms
+            .iter()
+            .map(|t| TermEntry {
+                term: Language(d).term(&t.term),
+                coefficient: t.coefficient,
+                fixed: t.fixed,
+                standard_error: t.standard_error.filter(|s| s.is_finite()),
+            })
+            .collect(),
+        status: e.status,
+        reasons: e.reasons.clone(),
+        evidence: e.evidence.clone(),
+    }
+}
