@@ -61,7 +61,12 @@ pub fn compile(file: FileId, sources: &Sources) -> Staged<Program> {
             } => {
                 let (library, found) = library::expand(&model, equation.target, written);
                 // One `let` used by several equations has the same to say about each.
-                diagnostics.extend(found.into_iter().filter(|d| !diagnostics.contains(d)).collect::<Vec<_>>());
+                diagnostics.extend(
+                    found
+                        .into_iter()
+                        .filter(|d| !diagnostics.contains(d))
+                        .collect::<Vec<_>>(),
+                );
                 Some(library)
             }
             _ => None,

@@ -48,7 +48,8 @@ impl Inputs {
 /// # Errors
 /// Not there, not a file, too large, not UTF-8.
 pub fn text(path: &Path) -> Result<String, Failure> {
-    let fail = |why: String| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
+    let fail =
+        |why: String| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
     let file = open(path)?;
     let mut bytes = Vec::new();
     file.take(LARGEST_TEXT + 1)
@@ -93,8 +94,10 @@ pub fn tables(paths: &[PathBuf], sources: &mut Sources) -> Result<Vec<Table>, Fa
 
 /// The file's name without folders: what messages and results call it.
 pub fn short_name(path: &Path) -> String {
-    path.file_name()
-        .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
+    path.file_name().map_or_else(
+        || path.display().to_string(),
+        |n| n.to_string_lossy().into_owned(),
+    )
 }
 
 /// Diagnostics as text, in colour on a terminal.
@@ -126,7 +129,8 @@ pub fn report<T>(
 }
 
 fn open(path: &Path) -> Result<File, Failure> {
-    let fail = |why: &str| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
+    let fail =
+        |why: &str| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
     let kind = std::fs::metadata(path).map_err(|e| fail(&plain(&e)))?;
     if kind.is_dir() {
         return Err(fail("this is a folder, not a file"));

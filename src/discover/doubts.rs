@@ -60,12 +60,14 @@ fn interrupted(c: &Case) -> Option<Reason> {
 
 fn solver(c: &Case) -> Option<Reason> {
     match c.solved {
-        Solved::Inaccurate { gap, residual } if !c.evidence.certificate.optimal => Some(Reason::new(
-            "solver-inaccurate",
-            format!(
-                "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
-            ),
-        )),
+        Solved::Inaccurate { gap, residual } if !c.evidence.certificate.optimal => {
+            Some(Reason::new(
+                "solver-inaccurate",
+                format!(
+                    "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
+                ),
+            ))
+        }
         _ => None,
     }
 }
@@ -185,7 +187,10 @@ fn uncertain(c: &Case) -> Vec<Reason> {
             (part > UNCERTAIN).then(|| {
                 Reason::new(
                     "uncertain-coefficient",
-                    format!("the coefficient of {name} is known only to {:.0} %", 100.0 * part),
+                    format!(
+                        "the coefficient of {name} is known only to {:.0} %",
+                        100.0 * part
+                    ),
                 )
             })
         })

@@ -121,7 +121,11 @@ impl Task<'_> {
         let residual = self.residual(terms, &held, &self.target_values(&held)) / size;
         Some(HeldOut {
             rows: held.len(),
-            residual: if residual.is_finite() { residual } else { f64::MAX },
+            residual: if residual.is_finite() {
+                residual
+            } else {
+                f64::MAX
+            },
         })
     }
 
@@ -140,7 +144,10 @@ impl Task<'_> {
         evidence: Evidence,
         solution: &Solution,
     ) -> Equation {
-        let written: Vec<String> = terms.iter().map(|t| Language(names).term(&t.term)).collect();
+        let written: Vec<String> = terms
+            .iter()
+            .map(|t| Language(names).term(&t.term))
+            .collect();
         let reasons = doubts::weigh(&Case {
             evidence: &evidence,
             terms: &terms,
@@ -203,7 +210,11 @@ fn tolerance(phi: &Dense, y: &[f64], weights: &Weights) -> f64 {
 
 /// The certificate of the printed answer if it is the solver's own, else of the solver's.
 fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Polished) -> Proof {
-    let answer = spread(problem.dictionary.cols(), &choice.support, &polished.coefficients);
+    let answer = spread(
+        problem.dictionary.cols(),
+        &choice.support,
+        &polished.coefficients,
+    );
     let own = solve::certify(problem, &answer, &solution.dual);
     let of_answer = choice.as_proposed && own.proves_optimal;
     let certificate = if of_answer {

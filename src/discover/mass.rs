@@ -43,11 +43,7 @@ fn typical_condition(form: &Form, scales: &[f64], samples: &Samples) -> f64 {
     let mut all: Vec<f64> = (0..samples.len())
         .step_by(step)
         .map(|row| {
-            let at = |s: Signal| {
-                samples
-                    .column(s)
-                    .map_or(f64::NAN, |c| c.values[row])
-            };
+            let at = |s: Signal| samples.column(s).map_or(f64::NAN, |c| c.values[row]);
             let mut mass = form.mass(&at);
             for i in 0..scales.len() {
                 for j in 0..scales.len() {

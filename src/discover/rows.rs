@@ -69,7 +69,10 @@ mod tests {
 
     #[test]
     fn seeds_draw_different_rows_and_large_tables_are_limited() {
-        assert_ne!(split(50, 10, Some(20), 1).used, split(50, 10, Some(20), 2).used);
+        assert_ne!(
+            split(50, 10, Some(20), 1).used,
+            split(50, 10, Some(20), 2).used
+        );
         let s = split(10_000, 6_561, None, 0);
         assert_eq!((s.used.len(), s.limited), (609, true));
         assert_eq!(split(300, 6_561, Some(1000), 0).used.len(), 300);

@@ -103,9 +103,13 @@ fn search(
     if m <= n + 1 {
         return Search::new(m, columns, target.to_vec(), 0.0, criterion);
     }
-    let all = Mat::from_fn(m, n + 1, |i, j| {
-        if j < n { columns[j * m + i] } else { target[i] }
-    });
+    let all = Mat::from_fn(
+        m,
+        n + 1,
+        |i, j| {
+            if j < n { columns[j * m + i] } else { target[i] }
+        },
+    );
     let qr = Qr::new(all.as_ref());
     let r = qr.thin_R();
     let rotated = (0..n)

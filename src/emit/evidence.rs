@@ -3,6 +3,7 @@
 use crate::discover::{Discovery, Equation, Evidence, Proof, Reason, Status};
 use crate::term::SignalNames;
 
+use super::number::significant;
 use super::text;
 
 /// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found.
@@ -46,7 +47,10 @@ fn reasons(kind: &str, all: &[Reason]) -> String {
 fn fit(e: &Evidence) -> String {
     let mut out = format!("fit: residual {} of the target", power(e.residual));
     if e.target_error > 0.0 {
-        out.push_str(&format!(" (its estimated error: {})", power(e.target_error)));
+        out.push_str(&format!(
+            " (its estimated error: {})",
+            power(e.target_error)
+        ));
     }
     if let Some(h) = &e.held_out {
         out.push_str(&format!(
@@ -105,5 +109,5 @@ fn figures(p: &Proof) -> String {
 
 /// Two digits: `3.1e-12`, `0.042`.
 fn power(x: f64) -> String {
-    text::significant(x, 2)
+    significant(x, 2)
 }

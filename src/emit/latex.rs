@@ -1,7 +1,7 @@
 //! LaTeX: an `align*` block with \dot, \ddot and Greek letters, for amsmath.
 
 use super::Target;
-use super::text::significant;
+use super::number::significant;
 use crate::discover::{Discovery, Equation};
 use crate::term::{Func, Notation, Precedence, Signal, SignalNames, write_term};
 

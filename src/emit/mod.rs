@@ -5,13 +5,15 @@
 mod evidence;
 mod latex;
 mod names;
+mod number;
 mod rust;
 mod text;
 
 use crate::discover::Discovery;
 
 pub use evidence::answer;
-pub use text::{equations, significant, terms_text};
+pub use number::significant;
+pub use text::equations;
 
 /// A language that a discovery can be written in.
 pub trait Target: Sync {

@@ -132,7 +132,10 @@ fn unknowns(form: &Form, code: &Code) -> String {
         .map(|r| format!("        {},\n", code.sum(&r.force)))
         .collect();
     if !form.coupled() {
-        return format!("    let unknown: [f64; {m}] = [\n{}    ];\n", forces.concat());
+        return format!(
+            "    let unknown: [f64; {m}] = [\n{}    ];\n",
+            forces.concat()
+        );
     }
     let mut mass = String::new();
     for row in &form.rows {

@@ -1,6 +1,7 @@
 //! Equations for people: one line where it fits, one term a line where not; never a fitted term left out.
 
 use super::Target;
+use super::number::significant;
 use crate::discover::{Discovery, Equation};
 use crate::term::{Language, SignalNames};
 
@@ -35,16 +36,6 @@ pub fn equations(d: &Discovery) -> Vec<String> {
             layout(&format!("{name}{pad} = "), &signed_terms(d, e))
         })
         .collect()
-}
-
-/// The terms of an equation as `1.5 x - 2 y`, on one line.
-pub fn terms_text(d: &Discovery, e: &Equation) -> String {
-    signed_terms(d, e)
-        .iter()
-        .enumerate()
-        .map(|(i, t)| first_or_next(i, t))
-        .collect::<Vec<_>>()
-        .join(" ")
 }
 
 fn layout(left: &str, terms: &[(bool, String)]) -> String {
@@ -95,57 +86,4 @@ fn signed_terms(d: &Discovery, e: &Equation) -> Vec<(bool, String)> {
             (t.coefficient < 0.0, text)
         })
         .collect()
-}
-
-/// A number with so many significant digits, plain or in powers of ten, without trailing zeros.
-pub fn significant(x: f64, digits: usize) -> String {
-    if x == 0.0 || !x.is_finite() {
-        return format!("{x}");
-    }
-    let rounded = format!("{x:.*e}", digits - 1);
-    let exponent: i32 = rounded
-        .split_once('e')
-        .and_then(|(_, e)| e.parse().ok())
-        .unwrap_or(0);
-    if (-4..digits as i32 + 2).contains(&exponent) {
-        let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-        let plain = format!("{x:.decimals$}");
-        if !plain.contains('.') {
-            return plain;
-        }
-        return plain
-            .trim_end_matches('0')
-            .trim_end_matches('.')
-            .to_string();
-    }
-    match rounded.split_once('e') {
-        Some((m, e)) if m.contains('.') => {
-            format!("{}e{e}", m.trim_end_matches('0').trim_end_matches('.'))
-        }
-        _ => rounded,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::significant;
-
-    #[test]
-    fn numbers_are_short_and_never_zero_by_rounding() {
-        let cases = [
-            (1.290_322_58, "1.29032"),
-            (-0.064_516_129, "-0.0645161"),
-            (2.0, "2"),
-            (19.6, "19.6"),
-            (180_000.0, "180000"),
-            (1.5e5, "150000"),
-            (5.5e9, "5.5e9"),
-            (-4e-4, "-0.0004"),
-            (1.234e-9, "1.234e-9"),
-            (0.999_999_9, "1"),
-        ];
-        for (x, text) in cases {
-            assert_eq!(significant(x, 6), text);
-        }
-    }
 }

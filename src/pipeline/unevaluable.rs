@@ -40,10 +40,7 @@ pub(super) fn explain(
                 significant(bad.value, 6)
             ),
         ),
-        None => Diagnostic::error(
-            "undefined-term",
-            format!("`{name}` overflows {place}"),
-        ),
+        None => Diagnostic::error("undefined-term", format!("`{name}` overflows {place}")),
     };
     let d = d.help("take the term out, or keep to rows where it is defined with --window=A..B");
     match program.model.equations.get(equation).map(|e| &e.right) {

@@ -113,11 +113,7 @@ fn terms(right: &RightSide) -> Vec<Term> {
         .collect()
 }
 
-fn equation_of(
-    entry: &EquationEntry,
-    target: crate::term::Signal,
-    terms: Vec<Term>,
-) -> Equation {
+fn equation_of(entry: &EquationEntry, target: crate::term::Signal, terms: Vec<Term>) -> Equation {
     Equation {
         target,
         terms: entry

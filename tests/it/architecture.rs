@@ -1,0 +1,145 @@
+//! The rules of ARCHITECTURE.md, read off the `use` lines.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Each room and the rooms it may know. What is not listed may know everything.
+const MAY_KNOW: &[(&str, &[&str])] = &[
+    ("term", &[]),
+    ("lang", &["term"]),
+    ("library", &["term", "lang"]),
+    ("data", &["term", "lang"]),
+    ("dictionary", &["term", "data"]),
+    ("solve", &["dictionary"]),
+    (
+        "discover",
+        &["term", "lang", "library", "data", "dictionary", "solve"],
+    ),
+    ("emit", &["term", "lang", "discover"]),
+    ("result", &["term", "lang", "discover"]),
+];
+
+/// Folders whose files are alternatives of each other, and the shared files they may all use.
+const SIBLINGS: &[(&str, &[&str])] = &[
+    ("src/library/generators", &["mod", "poly", "powers", "fourier", "lags"]),
+    ("src/solve", &["interior_point", "clarabel"]),
+    ("src/emit", &["text", "latex", "rust"]),
+];
+
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Code without its test module and comments.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).unwrap();
+    let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+    text.lines()
+        .filter(|l| !l.trim_start().starts_with("//"))
+        .map(|l| format!("{l}\n"))
+        .collect()
+}
+
+fn room(path: &Path) -> String {
+    let inside = path.strip_prefix(root().join("src")).unwrap();
+    let first = inside.components().next().unwrap().as_os_str();
+    first.to_string_lossy().trim_end_matches(".rs").to_string()
+}
+
+#[test]
+fn rooms_know_only_whom_they_may() {
+    let mut broken = Vec::new();
+    for path in sources(&root().join("src")) {
+        let here = room(&path);
+        let Some((_, allowed)) = MAY_KNOW.iter().find(|(name, _)| *name == here) else {
+            continue;
+        };
+        for part in code(&path).split("crate::").skip(1) {
+            let there: String = part
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect();
+            if there != here && !there.is_empty() && !allowed.contains(&there.as_str()) {
+                broken.push(format!("{} knows {there}", path.display()));
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+#[test]
+fn siblings_never_import_each_other() {
+    for (folder, names) in SIBLINGS {
+        for name in names.iter().filter(|n| **n != "mod") {
+            let path = root().join(folder).join(format!("{name}.rs"));
+            let text = code(&path);
+            for other in names.iter().filter(|n| *n != name && **n != "mod") {
+                assert!(
+                    !text.contains(&format!("super::{other}")),
+                    "{folder}/{name}.rs imports its sibling {other}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn only_the_command_line_touches_files_and_terminals() {
+    for path in sources(&root().join("src")) {
+        if matches!(room(&path).as_str(), "cli" | "main") {
+            continue;
+        }
+        let text = code(&path);
+        for forbidden in ["std::fs", "std::env", "println!", "eprint", "print!("] {
+            assert!(
+                !text.contains(forbidden),
+                "{} uses {forbidden}",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn files_are_short_and_say_what_they_are_for() {
+    for path in sources(&root().join("src")) {
+        let text = fs::read_to_string(&path).unwrap();
+        let lines = text.lines().count();
+        assert!(lines <= 450, "{} has {lines} lines", path.display());
+        assert!(
+            text.starts_with("//!"),
+            "{} opens without a word on its purpose",
+            path.display()
+        );
+    }
+}
+
+#[test]
+fn pest_and_the_diagnostics_crate_stay_in_their_files() {
+    for path in sources(&root().join("src")) {
+        let text = code(&path);
+        let name = path.to_string_lossy();
+        assert!(
+            !text.contains("pest::") || name.contains("lang/parse"),
+            "{name} uses pest"
+        );
+        assert!(
+            !text.contains("codespan_reporting") || name.ends_with("lang/render.rs"),
+            "{name} uses codespan-reporting"
+        );
+    }
+}
