@@ -8,7 +8,7 @@ pub fn tables() -> Vec<(&'static str, Table)> {
     let f = |_: f64, &[_, speed]: &[f64; 2]| [speed, -9.81 - 0.11 * speed * speed.abs()];
     let times = grid(120, 0.02);
     let mut table = Table::new(&["throw", "t", "height"]);
-    for (throw, start) in [[1.5, 14.0], [25.0, 0.0], [45.0, -20.0]]
+    for (throw, start) in [[4.0, 14.0], [25.0, 0.0], [45.0, -20.0]]
         .into_iter()
         .enumerate()
     {
