@@ -255,11 +255,19 @@ impl Point {
             primal = primal.min(cone.x.longest_step(dx));
             dual = dual.min(cone.s.longest_step(ds));
         }
+        if self.cone.is_some() {
+            primal = primal.min(dual);
+            dual = primal;
+        }
         ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
     }
 
     /// Mehrotra's σ: how much of μ the predictor alone would leave, cubed.
     fn centring(&self, predictor: &Direction, mu: f64) -> f64 {
+        if self.cone.is_some() {
+            let (primal, _) = self.steps(predictor);
+            return (1.0 - primal).powi(3);
+        }
         let mut ahead = self.clone();
         ahead.advance(predictor);
         (ahead.complementarity() / (self.degree() * mu)).powi(3)

@@ -9,14 +9,14 @@ use faer::linalg::solvers::{Llt, Solve};
 use faer::{Accum, ColMut, Mat, MatRef, Par, Side};
 
 use super::cone::Scaling;
-use super::reduce::{add_scaled, minus, norm, times, times_transposed};
+use super::reduce::{add_scaled, dot, norm, times, times_transposed};
 
 /// First regularisation, relative to the mean diagonal entry; a hundred times more after each breakdown.
 const REGULARISATION: f64 = 1e-14;
 const STRONGEST_REGULARISATION: f64 = 1e-5;
 /// Refinement stops at this relative residual, or after as many steps.
 const REFINED: f64 = 1e-13;
-const REFINEMENTS: usize = 3;
+const REFINEMENTS: usize = 20;
 
 pub(super) struct Normal<'a> {
     unit: MatRef<'a, f64>,
@@ -98,37 +98,39 @@ impl<'a> Normal<'a> {
         }
     }
 
-    /// δ and Pᵀδ. Without a factor the answer is zero.
+    /// δ and Pᵀδ by conjugate gradients, the Cholesky factor as preconditioner (Saad 2003, algorithm 9.1). Its first step
+    /// is the plain solve; the others repair what regularisation and rounding of the product have cost.
     pub fn solve(&self, rhs: &[f64], cone: Option<&Scaling>) -> (Vec<f64>, Vec<f64>) {
-        let mut delta = self.back_substitute(rhs);
-        let mut correlated = times_transposed(self.unit, &delta);
-        let mut best = f64::INFINITY;
-        let mut kept = (delta.clone(), correlated.clone());
+        let mut delta = vec![0.0; rhs.len()];
+        let mut correlated = vec![0.0; self.unit.ncols()];
+        let mut residual = rhs.to_vec();
+        let mut preconditioned = self.back_substitute(&residual);
+        let mut direction = preconditioned.clone();
+        let mut energy = dot(&residual, &preconditioned);
+        let mut best = (norm(rhs), delta.clone(), correlated.clone());
         for _ in 0..REFINEMENTS {
-            let residual = minus(rhs, &self.apply(&delta, &correlated, cone));
+            let image = times_transposed(self.unit, &direction);
+            let applied = self.apply(&direction, &image, cone);
+            let step = energy / dot(&direction, &applied);
+            if !step.is_finite() || step <= 0.0 {
+                break;
+            }
+            add_scaled(&mut delta, step, &direction);
+            add_scaled(&mut correlated, step, &image);
+            add_scaled(&mut residual, -step, &applied);
             let size = norm(&residual);
-            if !(size < best) {
-                return kept;
+            if size < best.0 {
+                best = (size, delta.clone(), correlated.clone());
             }
-            best = size;
-            kept = (delta.clone(), correlated.clone());
             if size <= REFINED * norm(rhs) {
-                return kept;
+                break;
             }
-            let correction = self.back_substitute(&residual);
-            add_scaled(&mut delta, 1.0, &correction);
-            add_scaled(
-                &mut correlated,
-                1.0,
-                &times_transposed(self.unit, &correction),
-            );
+            preconditioned = self.back_substitute(&residual);
+            let next = dot(&residual, &preconditioned);
+            direction.iter_mut().zip(&preconditioned).for_each(|(d, z)| *d = z + next / energy * *d);
+            energy = next;
         }
-        let residual = minus(rhs, &self.apply(&delta, &correlated, cone));
-        if norm(&residual) < best {
-            (delta, correlated)
-        } else {
-            kept
-        }
+        (best.1, best.2)
     }
 
     /// (P D Pᵀ + C) δ, given Pᵀδ.

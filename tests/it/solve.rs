@@ -15,7 +15,7 @@ fn solve(solver: usize, dictionary: &dyn Dictionary, target: &[f64], tolerance: 
         target,
         tolerance,
     };
-    SOLVERS[solver].solve(&problem, &mut |_| ControlFlow::Continue(()))
+    SOLVERS[solver].solve(&problem, &mut |p| { if std::env::var("TRACE").is_ok() { eprintln!("{p:?}"); } ControlFlow::Continue(()) })
 }
 
 /// Largest coefficient error relative to its truth, and the largest false one in unit columns relative to the largest.
@@ -126,6 +126,7 @@ fn noise_bound_is_met_with_a_small_gap() {
             };
             let tolerance = floor + part * 0.1 * (rows as f64).sqrt();
             let s = solve(0, &phi, &y, tolerance);
+            eprintln!("{rows} {cols} {part}: {} iterations", s.iterations);
             assert_eq!(s.status, Status::Solved, "{rows} {cols} {part}");
             let r = residual(&phi, &s.coefficients, &y);
             assert!(
@@ -154,4 +155,25 @@ fn dependent_rows_contradicting_each_other_are_inconsistent() {
         unreachable!("contradiction not seen")
     };
     assert!((residual - 1.0 / 3.0_f64.sqrt()).abs() < 1e-9);
+}
+
+#[test]
+#[ignore]
+fn survey_noise() {
+    for (rows, target, level) in [(40, Target::Cart, 1e-1), (40, Target::Pendulum, 1e-2), (40, Target::Cart, 1e-3), (60, Target::Pendulum, 1e-5), (60, Target::Cart, 1e-8)] {
+        for seed in 0..2 {
+            let r = regression(&draw(rows, seed), target, POWERS);
+            let mut random = Random::new(seed);
+            let noise: Vec<f64> = r.target.iter().map(|_| random.normal()).collect();
+            let size = level * length(&r.target) / length(&noise);
+            let y: Vec<f64> = r.target.iter().zip(&noise).map(|(y, n)| y + size * n).collect();
+            for part in [1.0] {
+                let tolerance = part * level * length(&r.target);
+                let t = std::time::Instant::now();
+                let s = solve(0, &r.dictionary, &y, tolerance);
+                println!("pendulum {rows} {target:?} {level:e} {seed}: {:?} {} it {:.3} s excess {:.1e} gap {:.1e}", s.status, s.iterations, t.elapsed().as_secs_f64(),
+                    residual(&r.dictionary, &s.coefficients, &y) / tolerance - 1.0, gap(&r.dictionary, &s, &y, tolerance));
+            }
+        }
+    }
 }
