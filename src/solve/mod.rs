@@ -2,9 +2,21 @@
 //!
 //! A solver is one file that implements [`Solver`] and one line in [`SOLVERS`].
 
+mod cone;
+mod interior_point;
+mod least_squares;
+mod normal;
+mod reduce;
+
 use std::ops::ControlFlow;
 
 use crate::dictionary::Dictionary;
+
+pub use interior_point::InteriorPoint;
+pub use least_squares::{LeastSquares, RANK_TOLERANCE, least_squares};
+
+/// With ε = 0, a residual up to this part of ‖y‖ is rounding and not a contradiction.
+pub const CONSISTENT: f64 = 1e-9;
 
 /// `min ‖D a‖₁ s.t. ‖Φ a − y‖₂ ≤ ε`, D the column norms: basis pursuit (ε = 0) or basis pursuit denoising on unit columns.
 pub struct Problem<'a> {
@@ -42,6 +54,28 @@ pub enum Status {
     Interrupted,
 }
 
+impl Solution {
+    /// a = 0, λ = 0.
+    pub(crate) fn zero(problem: &Problem, status: Status) -> Solution {
+        Solution {
+            coefficients: vec![0.0; problem.dictionary.cols()],
+            dual: vec![0.0; problem.dictionary.rows()],
+            status,
+            iterations: 0,
+        }
+    }
+}
+
+impl Status {
+    /// Nothing usable was reached, for example because an input is not finite.
+    pub(crate) fn broken() -> Status {
+        Status::Inaccurate {
+            gap: f64::INFINITY,
+            residual: f64::INFINITY,
+        }
+    }
+}
+
 /// One step of a long computation, for a progress line.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
@@ -62,4 +96,4 @@ pub trait Solver: Sync {
 }
 
 /// Every solver; the first is the default.
-pub static SOLVERS: &[&dyn Solver] = &[];
+pub static SOLVERS: &[&dyn Solver] = &[&InteriorPoint];

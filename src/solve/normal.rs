@@ -1,0 +1,158 @@
+//! The normal equations of an interior-point step, (P D Pᵀ + C) δ = rhs: built, factorised, solved with refinement.
+//!
+//! P (m × n) has unit columns, D > 0 is diagonal, C is the Schur complement of the second-order cone or nothing. P's rows
+//! may be numerically dependent, so the matrix is only positive semidefinite: a trace-sized regularisation makes the
+//! Cholesky factor exist, and refinement against P itself (never against the rounded product) wins the digits back.
+
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Accum, ColMut, Mat, MatRef, Par, Side};
+
+use super::cone::Scaling;
+use super::reduce::{add_scaled, dot, norm, times, times_transposed};
+
+/// First regularisation, relative to the mean diagonal entry; a hundred times more after each breakdown.
+const REGULARISATION: f64 = 1e-14;
+const STRONGEST_REGULARISATION: f64 = 1e-5;
+/// Refinement stops at this relative residual, or after as many steps.
+const REFINED: f64 = 1e-13;
+const REFINEMENTS: usize = 20;
+
+pub(super) struct Normal<'a> {
+    unit: MatRef<'a, f64>,
+    weights: Vec<f64>,
+    scaled: Mat<f64>,
+    product: Mat<f64>,
+    factor: Option<Llt<f64>>,
+}
+
+impl<'a> Normal<'a> {
+    pub fn new(unit: MatRef<'a, f64>) -> Self {
+        let (m, n) = (unit.nrows(), unit.ncols());
+        Normal {
+            unit,
+            weights: vec![1.0; n],
+            scaled: Mat::zeros(m, n),
+            product: Mat::zeros(m, m),
+            factor: None,
+        }
+    }
+
+    /// Builds and factorises; false when even strong regularisation does not help (a value is not finite).
+    pub fn factorise(&mut self, weights: Vec<f64>, cone: Option<&Scaling>) -> bool {
+        self.weights = weights;
+        self.multiply();
+        if let Some(cone) = cone {
+            self.add_cone(cone);
+        }
+        let m = self.product.nrows();
+        let mean = (0..m).map(|i| self.product[(i, i)]).sum::<f64>() / m.max(1) as f64;
+        let (mut added, mut wanted) = (0.0, REGULARISATION);
+        self.factor = None;
+        while self.factor.is_none() && wanted <= STRONGEST_REGULARISATION && mean.is_finite() {
+            for i in 0..m {
+                self.product[(i, i)] += (wanted - added) * mean;
+            }
+            added = wanted;
+            wanted *= 100.0;
+            self.factor = Llt::new(self.product.as_ref(), Side::Lower).ok();
+        }
+        self.factor.is_some()
+    }
+
+    /// Lower triangle of P D Pᵀ, band by band.
+    fn multiply(&mut self) {
+        for ((out, column), d) in self
+            .scaled
+            .col_iter_mut()
+            .zip(self.unit.col_iter())
+            .zip(&self.weights)
+        {
+            let root = d.sqrt();
+            out.iter_mut()
+                .zip(column.iter())
+                .for_each(|(o, c)| *o = c * root);
+        }
+        triangular::matmul(
+            self.product.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            self.scaled.as_ref(),
+            BlockStructure::Rectangular,
+            self.scaled.transpose(),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
+    }
+
+    fn add_cone(&mut self, cone: &Scaling) {
+        let (w, factor) = cone.rank_one();
+        for (j, column) in self.product.col_iter_mut().enumerate() {
+            for (i, entry) in column.iter_mut().enumerate().skip(j) {
+                *entry -= factor * w[i] * w[j];
+                if i == j {
+                    *entry += cone.weight;
+                }
+            }
+        }
+    }
+
+    /// δ and Pᵀδ by conjugate gradients, the Cholesky factor as preconditioner (Saad 2003, algorithm 9.1). Its first step
+    /// is the plain solve; the others repair what regularisation and rounding of the product have cost.
+    pub fn solve(&self, rhs: &[f64], cone: Option<&Scaling>) -> (Vec<f64>, Vec<f64>) {
+        let mut delta = vec![0.0; rhs.len()];
+        let mut correlated = vec![0.0; self.unit.ncols()];
+        let mut residual = rhs.to_vec();
+        let mut preconditioned = self.back_substitute(&residual);
+        let mut direction = preconditioned.clone();
+        let mut energy = dot(&residual, &preconditioned);
+        let mut best = (norm(rhs), delta.clone(), correlated.clone());
+        for _ in 0..REFINEMENTS {
+            let image = times_transposed(self.unit, &direction);
+            let applied = self.apply(&direction, &image, cone);
+            let step = energy / dot(&direction, &applied);
+            if !step.is_finite() || step <= 0.0 {
+                break;
+            }
+            add_scaled(&mut delta, step, &direction);
+            add_scaled(&mut correlated, step, &image);
+            add_scaled(&mut residual, -step, &applied);
+            let size = norm(&residual);
+            if size < best.0 {
+                best = (size, delta.clone(), correlated.clone());
+            }
+            if size <= REFINED * norm(rhs) {
+                break;
+            }
+            preconditioned = self.back_substitute(&residual);
+            let next = dot(&residual, &preconditioned);
+            direction.iter_mut().zip(&preconditioned).for_each(|(d, z)| *d = z + next / energy * *d);
+            energy = next;
+        }
+        (best.1, best.2)
+    }
+
+    /// (P D Pᵀ + C) δ, given Pᵀδ.
+    fn apply(&self, delta: &[f64], correlated: &[f64], cone: Option<&Scaling>) -> Vec<f64> {
+        let weighted: Vec<f64> = correlated
+            .iter()
+            .zip(&self.weights)
+            .map(|(c, d)| c * d)
+            .collect();
+        let mut out = times(self.unit, &weighted);
+        if let Some(cone) = cone {
+            add_scaled(&mut out, 1.0, &cone.schur(delta));
+        }
+        out
+    }
+
+    fn back_substitute(&self, rhs: &[f64]) -> Vec<f64> {
+        let mut x = rhs.to_vec();
+        match &self.factor {
+            Some(factor) => factor.solve_in_place(ColMut::from_slice_mut(&mut x).as_mat_mut()),
+            None => x.fill(0.0),
+        }
+        x
+    }
+}
