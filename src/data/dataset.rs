@@ -1,11 +1,29 @@
 //! Trajectories as they were measured.
 
-use crate::term::Signal;
+use crate::lang::model::Between;
+use crate::term::{Signal, VarId};
 
 /// All trajectories of one run, in the order of files, then of appearance.
 #[derive(Clone, Debug, Default)]
 pub struct Dataset {
     pub trajectories: Vec<Trajectory>,
+    /// How each measured input moves between samples, in order of declaration.
+    pub inputs: Vec<Input>,
+}
+
+/// An input's course between samples, declared or decided from its record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    pub var: VarId,
+    pub between: Between,
+    pub declared: bool,
+}
+
+impl Dataset {
+    /// How an input moves between samples; `None` if the variable is not a measured input.
+    pub fn between(&self, var: VarId) -> Option<Between> {
+        self.inputs.iter().find(|i| i.var == var).map(|i| i.between)
+    }
 }
 
 /// One uninterrupted record.

@@ -3,8 +3,17 @@
 //! In: a reader and the model's data block. Out: a [`Dataset`], and from it [`Samples`] with every signal that the model's
 //! equations need, measured or estimated. Only `cli` opens files.
 
+mod bind;
+mod checks;
+mod columns;
+mod csv;
 mod dataset;
+mod inputs;
+mod instants;
+mod missing;
 mod samples;
 
-pub use dataset::{Dataset, Trajectory};
+pub use bind::bind;
+pub use csv::{Limits, Table, read};
+pub use dataset::{Dataset, Input, Trajectory};
 pub use samples::{Column, Origin, Samples};

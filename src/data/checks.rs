@@ -1,0 +1,427 @@
+//! Is the record what it seems? Falling times, gaps, constant columns, wrapped angles, units that disagree.
+//!
+//! In: bound trajectories. Out: findings, each with file, row and value. Changes nothing but times rounded in print.
+
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{Model, VarKind};
+use crate::lang::source::Sources;
+use crate::term::{Signal, SignalNames};
+
+use super::bind::Piece;
+use super::csv::Table;
+use super::instants;
+
+/// Checks of the bound signals.
+pub(super) fn check(
+    model: &Model,
+    pieces: &[Piece],
+    sources: &mut Sources,
+    out: &mut Vec<Diagnostic>,
+) {
+    let mut signals: Vec<Signal> = pieces
+        .iter()
+        .flat_map(|p| p.trajectory.columns.iter().map(|(s, _)| *s))
+        .filter(|s| *s != Signal::TIME)
+        .collect();
+    signals.sort();
+    signals.dedup();
+    for signal in signals {
+        let kind = model.var(signal.var).map(|v| v.kind);
+        gaps(model, pieces, signal, out);
+        if kind == Some(VarKind::Param) {
+            varying_param(model, pieces, signal, out);
+            continue;
+        }
+        constant(model, pieces, signal, out);
+        if kind == Some(VarKind::State) && signal.der == 0 {
+            wrapped(model, pieces, signal, sources, out);
+        }
+        if signal.der > 0 {
+            slope(model, pieces, signal, out);
+        }
+    }
+}
+
+/// The first time that does not rise.
+pub(super) fn falling_time(
+    table: &Table,
+    name: &str,
+    rows: &[usize],
+    time: &[f64],
+    column: Option<usize>,
+    sources: &mut Sources,
+) -> Option<Diagnostic> {
+    let falls: Vec<usize> = time
+        .windows(2)
+        .enumerate()
+        .filter(|(_, w)| w[1] <= w[0])
+        .map(|(i, _)| i + 1)
+        .collect();
+    let at = *falls.first()?;
+    let (before, now, start) = (*time.get(at - 1)?, *time.get(at)?, *time.first()?);
+    let row = *rows.get(at)?;
+    let span = table.cell_span(sources, row, column.unwrap_or(0));
+    let place = format!("{name}, row {} (line {})", row + 1, table.line_number(row));
+    let more = match falls.len() - 1 {
+        0 => String::new(),
+        n => format!(", and at {n} more row{}", if n == 1 { "" } else { "s" }),
+    };
+    if now == before {
+        return Some(
+            Diagnostic::error("time-not-rising", format!("{place}: time {now} stands twice{more}"))
+                .at(span, format!("same as the row before: {before}"))
+                .help("delete one of the rows; if the clock's digits are too few, leave the column out and give `step`"),
+        );
+    }
+    let d = Diagnostic::error(
+        "time-not-rising",
+        format!("{place}: time falls from {before} to {now}{more}"),
+    )
+    .at(span, format!("after {before}"));
+    // Back to the start, or to the same instant every time: several records in one file.
+    if now > start + 0.1 * (before - start) {
+        return Some(d.help("sort the rows by time, or delete the rows out of order"));
+    }
+    let d = d.fact(format!(
+        "time starts again: does the file hold {} trajectories?",
+        falls.len() + 1
+    ));
+    let splits: Vec<usize> = falls.iter().filter_map(|i| rows.get(*i)).copied().collect();
+    Some(match run_candidate(table, rows, &splits) {
+        Some(header) => d.help(format!("data {{ run = \"{header}\" }} splits the file by that column")),
+        None => d.help("add a column that numbers the runs and name it, data { run = \"HEADER\" }, or split the file"),
+    })
+}
+
+/// A column that changes exactly where time starts again.
+fn run_candidate<'a>(table: &'a Table, rows: &[usize], splits: &[usize]) -> Option<&'a str> {
+    let matches = |column: usize| {
+        rows.windows(2).all(|w| {
+            let same = table.cell(w[0], column) == table.cell(w[1], column);
+            same != splits.contains(&w[1])
+        })
+    };
+    // Long files are not worth comparing as text, cell by cell.
+    if rows.len() > 200_000 {
+        return None;
+    }
+    table
+        .headers()
+        .iter()
+        .enumerate()
+        .find(|(i, h)| !h.is_empty() && matches(*i))
+        .map(|(_, h)| h.as_str())
+}
+
+/// Steps of one trajectory: rounded times are put back on their grid, irregular ones and gaps are told.
+pub(super) fn steps(
+    name: &str,
+    rows: &[usize],
+    time: &mut Vec<f64>,
+    table: &Table,
+    discrete: bool,
+    out: &mut Vec<Diagnostic>,
+) {
+    let Some(s) = instants::steps(time) else {
+        return;
+    };
+    if let Some((grid, worst)) = instants::even_grid(time) {
+        if worst > 1e-6 * s.median {
+            let step = grid
+                .get(1)
+                .zip(grid.first())
+                .map_or(s.median, |(b, a)| b - a);
+            out.push(
+                Diagnostic::note(
+                    "time-rounded",
+                    format!("{name}: times are an even grid rounded in print; the grid is used"),
+                )
+                .fact(format!(
+                    "step {step:.6e} s, corrections up to {worst:.1e} s"
+                )),
+            );
+            *time = grid;
+        }
+        return;
+    }
+    let gaps = instants::gaps(time);
+    let (min, median, max) = (s.min, s.median, s.max);
+    if let Some(first) = gaps.first() {
+        let row = rows.get(*first).copied().unwrap_or(0);
+        let n = gaps.len();
+        out.push(
+            Diagnostic::warning(
+                "time-gap",
+                format!("{name}: {n} gap{} in time", if n == 1 { "" } else { "s" }),
+            )
+            .fact(format!(
+                "the first before row {} (line {}); the median step is {median:.6} s, the longest {max:.6} s",
+                row + 1,
+                table.line_number(row)
+            ))
+            .fact("nothing is estimated across a gap"),
+        );
+    }
+    let within = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d <= s.gap);
+    let (low, high) = within.fold((f64::INFINITY, 0.0), |(a, b), d| (a.min(d), f64::max(b, d)));
+    if high - low <= 0.01 * median {
+        return;
+    }
+    let told = format!("steps from {min:.6} to {max:.6} s, median {median:.6} s");
+    if discrete {
+        let whole = |d: f64| (d / median - (d / median).round()).abs() <= 0.05;
+        if time.windows(2).all(|w| whole(w[1] - w[0])) {
+            return;
+        }
+        out.push(
+            Diagnostic::error(
+                "uneven-steps",
+                format!("{name}: a model in discrete time needs even steps"),
+            )
+            .fact(told)
+            .help("resample the record, or write the model with derivatives"),
+        );
+    } else {
+        out.push(
+            Diagnostic::note(
+                "irregular-steps",
+                format!("{name}: the steps are irregular"),
+            )
+            .fact(told)
+            .fact("the times are used as they are"),
+        );
+    }
+}
+
+/// Missing values: how many, and where the first is.
+fn gaps(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnostic>) {
+    for p in pieces {
+        let Some(values) = p.trajectory.column(signal) else {
+            continue;
+        };
+        let count = values.iter().filter(|x| x.is_nan()).count();
+        let Some(first) = values.iter().position(|x| x.is_nan()) else {
+            continue;
+        };
+        let row = p.rows.get(first).copied().unwrap_or(0);
+        let (name, what) = (&p.trajectory.name, model.name(signal));
+        let all = values.len();
+        let message = format!("{name}: {what} is missing in {count} of {all} rows");
+        let place = format!(
+            "the first is row {} (line {})",
+            row + 1,
+            p.table.line_number(row)
+        );
+        out.push(if count == all {
+            Diagnostic::error(
+                "no-values",
+                format!("{name}: {what} has no value in any row"),
+            )
+            .help("every cell is empty, or its arithmetic leaves the numbers")
+        } else {
+            Diagnostic::warning("missing-values", message)
+                .fact(place)
+                .fact("these rows are left out, and nothing is estimated across them")
+        });
+    }
+}
+
+fn varying_param(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnostic>) {
+    for p in pieces {
+        let values = p.trajectory.column(signal).unwrap_or(&[]);
+        let Some(first) = values.iter().find(|x| x.is_finite()) else {
+            continue;
+        };
+        let differs = |x: &f64| x.is_finite() && (x - first).abs() > 1e-12 * first.abs();
+        if let Some(i) = values.iter().position(differs) {
+            let row = p.rows.get(i).copied().unwrap_or(0);
+            let (name, what) = (&p.trajectory.name, model.name(signal));
+            let now = values.get(i).copied().unwrap_or(f64::NAN);
+            out.push(
+                Diagnostic::error(
+                    "param-varies",
+                    format!("{name}: the parameter {what} changes from {first} to {now}"),
+                )
+                .fact(format!(
+                    "at row {} (line {})",
+                    row + 1,
+                    p.table.line_number(row)
+                ))
+                .help(format!(
+                    "a param is constant along a trajectory; declare it as input {what}"
+                )),
+            );
+        }
+    }
+}
+
+fn constant(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnostic>) {
+    let mut values = pieces
+        .iter()
+        .filter_map(|p| p.trajectory.column(signal))
+        .flatten()
+        .filter(|x| x.is_finite());
+    let Some(first) = values.next() else {
+        return;
+    };
+    let mut count = 1;
+    for x in values {
+        if x != first {
+            return;
+        }
+        count += 1;
+    }
+    if count > 1 {
+        let name = model.name(signal);
+        out.push(
+            Diagnostic::warning("constant-column", format!("{name} is {first} in all {count} rows"))
+                .fact(format!(
+                    "terms with {name} are multiples of the same terms without it: their coefficients cannot be told apart"
+                ))
+                .help(format!("leave {name} out of the library, or record data in which it moves")),
+        );
+    }
+}
+
+/// Angles that jump by about a turn: radians and degrees.
+fn wrapped(
+    model: &Model,
+    pieces: &[Piece],
+    signal: Signal,
+    sources: &Sources,
+    out: &mut Vec<Diagnostic>,
+) {
+    for (period, text) in [(std::f64::consts::TAU, "2*pi"), (360.0, "360")] {
+        for p in pieces {
+            let values = p.trajectory.column(signal).unwrap_or(&[]);
+            let Some((at, count)) = turns(values, period) else {
+                continue;
+            };
+            let (name, what) = (&p.trajectory.name, model.name(signal));
+            let row = p.rows.get(at).copied().unwrap_or(0);
+            let value = |i: usize| values.get(i).copied().unwrap_or(f64::NAN);
+            let entry = model.data.entries.iter().find(|e| e.signal == signal);
+            let source = entry
+                .and_then(|e| e.source.as_ref())
+                .map(|e| sources.slice(e.span).to_string())
+                .filter(|s| !s.is_empty())
+                .unwrap_or(format!("\"{what}\""));
+            out.push(
+                Diagnostic::warning(
+                    "wrapped-angle",
+                    format!(
+                        "{name}: {what} jumps by about {text} at {count} rows: a wrapped angle?"
+                    ),
+                )
+                .fact(format!(
+                    "row {} (line {}): from {:.4} to {:.4}",
+                    row + 1,
+                    p.table.line_number(row),
+                    value(at.saturating_sub(1)),
+                    value(at)
+                ))
+                .help(format!("data {{ {what} = unwrap({source}, {text}) }}")),
+            );
+            return;
+        }
+    }
+}
+
+/// First row and number of the jumps, if all values lie within one turn and all other steps are small.
+fn turns(values: &[f64], period: f64) -> Option<(usize, usize)> {
+    let finite = || values.iter().filter(|x| x.is_finite());
+    let (low, high) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+        (a.min(*x), b.max(*x))
+    });
+    if !(0.75 * period..=1.02 * period).contains(&(high - low)) {
+        return None;
+    }
+    let (mut first, mut count) = (None, 0);
+    for (i, w) in values.windows(2).enumerate() {
+        let step = (w[1] - w[0]).abs();
+        if step > 0.75 * period {
+            first = first.or(Some(i + 1));
+            count += 1;
+        } else if step > 0.25 * period {
+            return None;
+        }
+    }
+    first.map(|f| (f, count))
+}
+
+/// A measured derivative against the slope of what it is the derivative of.
+fn slope(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnostic>) {
+    let below = Signal::derivative(signal.var, signal.der - 1);
+    let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
+    for p in pieces {
+        let t = &p.trajectory;
+        let (Some(y), Some(dy)) = (t.column(below), t.column(signal)) else {
+            continue;
+        };
+        // Areas instead of slopes: differences of y against the trapezoid of dy over several steps, so that noise averages out.
+        let span = (t.len() / 50).clamp(1, 20);
+        let mut from = 0;
+        while from + span < t.len() {
+            let at = |v: &[f64], i: usize| v.get(i).copied().unwrap_or(f64::NAN);
+            let rise = at(y, from + span) - at(y, from);
+            let area: f64 = (from..from + span)
+                .map(|i| 0.5 * (at(dy, i) + at(dy, i + 1)) * (at(&t.time, i + 1) - at(&t.time, i)))
+                .sum();
+            if rise.is_finite() && area.is_finite() {
+                xy += rise * area;
+                xx += rise * rise;
+                yy += area * area;
+            }
+            from += span;
+        }
+    }
+    if xx == 0.0 || yy == 0.0 {
+        return;
+    }
+    let (factor, correlation) = (xy.signum() * (yy / xx).sqrt(), xy / (xx * yy).sqrt());
+    let (what, of) = (model.name(signal), model.name(below));
+    if correlation.abs() < 0.5 {
+        out.push(
+            Diagnostic::warning(
+                "slope-disagrees",
+                format!("{what} does not follow the slope of {of} (correlation {correlation:.2})"),
+            )
+            .help(format!(
+                "data {{ {what} = none }} estimates it from {of} instead"
+            )),
+        );
+        return;
+    }
+    if (factor - 1.0).abs() <= 0.1 || correlation.abs() < 0.9 {
+        return;
+    }
+    let guess = GUESSES
+        .iter()
+        .find(|(k, _, _)| (factor / k - 1.0).abs() < 0.05);
+    let d = Diagnostic::warning(
+        "slope-disagrees",
+        format!("{what} is {factor:.4} times the slope of {of}"),
+    );
+    let d = match guess {
+        Some((_, why, _)) => d.fact(format!("{why}?")),
+        None => d,
+    };
+    let fix = guess.map_or(format!("/ {factor:.4}"), |(_, _, fix)| (*fix).to_string());
+    out.push(d.help(format!(
+        "data {{ {what} = \"HEADER\" {fix} }}, or {what} = none to estimate it from {of}"
+    )));
+}
+
+/// Factors that units explain, and the arithmetic that undoes them.
+#[rustfmt::skip]
+const GUESSES: [(f64, &str, &str); 9] = [
+    (1000.0, "is the derivative in mm/s, or the time in ms", "* 1e-3"),
+    (1e-3, "is the signal in mm and its derivative in m/s", "* 1e3"),
+    (100.0, "is the derivative in cm/s", "* 1e-2"),
+    (57.29578, "is the derivative in degrees per second", "* pi/180"),
+    (0.0174533, "is the signal in degrees and its derivative in rad/s", "* 180/pi"),
+    (9.549297, "is the derivative in revolutions per minute", "* 2*pi/60"),
+    (60.0, "is the derivative per minute", "/ 60"),
+    (0.159155, "is the derivative in turns per second", "* 2*pi"),
+    (-1.0, "does one of them point the other way", "* -1"),
+];

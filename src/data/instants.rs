@@ -1,0 +1,109 @@
+//! Sampling instants: are they rising, even, broken by gaps?
+//!
+//! In: times of one trajectory. Out: figures and repaired times. Reports nothing itself.
+
+/// The steps between consecutive instants of one trajectory.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps {
+    pub min: f64,
+    pub median: f64,
+    pub max: f64,
+    /// A longer step is a gap.
+    pub gap: f64,
+}
+
+/// Figures about the M − 1 steps; `None` below two instants.
+pub(super) fn steps(time: &[f64]) -> Option<Steps> {
+    let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let at = |q: f64| {
+        let i = (q * (steps.len().saturating_sub(1)) as f64).round() as usize;
+        steps.get(i).copied()
+    };
+    let median = at(0.5)?;
+    Some(Steps {
+        min: at(0.0)?,
+        median,
+        max: at(1.0)?,
+        // Records sampled at random have long steps too; they are no gaps.
+        gap: f64::max(4.5 * median, 2.0 * at(0.95)?),
+    })
+}
+
+/// Times that are an even grid but for their printed digits, put back on the grid.
+///
+/// Returns the grid and the largest correction, if every time is within half a unit of its last decimal (and a quarter
+/// of a step, and in any case 1e-6 steps) of the least-squares grid.
+pub(super) fn even_grid(time: &[f64]) -> Option<(Vec<f64>, f64)> {
+    let n = time.len();
+    let (first, last) = (*time.first()?, *time.last()?);
+    if n < 3 || last <= first {
+        return None;
+    }
+    // Least squares t = a + b·k about the mean index.
+    let middle = (n - 1) as f64 / 2.0;
+    let mean = time.iter().map(|t| t - first).sum::<f64>() / n as f64 + first;
+    let (mut sxy, mut sxx) = (0.0, 0.0);
+    for (k, t) in time.iter().enumerate() {
+        let d = k as f64 - middle;
+        sxy += d * (t - mean);
+        sxx += d * d;
+    }
+    let step = sxy / sxx;
+    let grid: Vec<f64> = (0..n).map(|k| mean + step * (k as f64 - middle)).collect();
+    let worst = time
+        .iter()
+        .zip(&grid)
+        .map(|(t, g)| (t - g).abs())
+        .fold(0.0, f64::max);
+    let digits = last_decimal(time).map_or(0.0, |d| 0.51 * d);
+    let allowed = f64::max(digits.min(0.25 * step), 1e-6 * step);
+    (worst <= allowed).then_some((grid, worst))
+}
+
+/// The unit of the last decimal that the values use; `None` if they use more than nine.
+pub(super) fn last_decimal(values: &[f64]) -> Option<f64> {
+    (0..=9).map(|k| 10f64.powi(k)).find_map(|scale| {
+        let whole = |v: &f64| {
+            let x = v * scale;
+            (x - x.round()).abs() <= 1e-9 * x.abs().max(1.0)
+        };
+        values.iter().all(whole).then_some(1.0 / scale)
+    })
+}
+
+/// Rows before which a gap in time lies.
+pub(super) fn gaps(time: &[f64]) -> Vec<usize> {
+    let Some(s) = steps(time) else {
+        return Vec::new();
+    };
+    time.windows(2)
+        .enumerate()
+        .filter(|(_, w)| w[1] - w[0] > s.gap)
+        .map(|(i, _)| i + 1)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounded_grids_are_recognised() {
+        let rounded: Vec<f64> = (0..200)
+            .map(|k| (k as f64 / 60.0 * 1000.0).round() / 1000.0)
+            .collect();
+        let (grid, worst) = even_grid(&rounded).expect("an even grid");
+        assert!(worst <= 5.1e-4);
+        assert!((grid[199] - 199.0 / 60.0).abs() < 2e-4);
+        let irregular: Vec<f64> = (0..200).map(|k| (k as f64).powf(1.1)).collect();
+        assert!(even_grid(&irregular).is_none());
+    }
+
+    #[test]
+    fn a_long_step_is_a_gap() {
+        let mut time: Vec<f64> = (0..50).map(|k| k as f64 * 0.1).collect();
+        time.iter_mut().skip(30).for_each(|t| *t += 2.0);
+        assert_eq!(gaps(&time), [30]);
+    }
+}
