@@ -8,12 +8,15 @@ mod checks;
 mod columns;
 mod csv;
 mod dataset;
+mod derivatives;
 mod inputs;
 mod instants;
 mod missing;
 mod samples;
+mod sampling;
 
 pub use bind::bind;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use samples::{Column, Origin, Samples};
+pub use sampling::{Provenance, samples};

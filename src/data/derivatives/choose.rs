@@ -1,0 +1,293 @@
+//! The local polynomial of least estimated error: one for the whole record, another where it is clearly better.
+//!
+//! In: a signal, its noise, the stretches. Out: an [`Estimate`]. The bias of a fit is judged by its difference r·reach to a
+//! finer fit, averaged over neighbouring samples after the noise in it is taken off: bias² = reach² · max(0, ⟨r²⟩ − σ²).
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use super::stencil::{self, Choice, Stencil, dot};
+use super::{Estimate, Grid, Stretch};
+
+/// Samples that the choice for the whole record is made on, at most; a quarter of it on uneven grids, where weights cost more.
+const TRIED: usize = 16_384;
+/// Samples worked on at once.
+const BLOCK: usize = 16_384;
+/// A local choice must promise this much less mean squared error than the choice for the whole record.
+const CLEARLY: f64 = 0.25;
+
+/// Widths of least-squares windows, samples.
+const WIDTHS: [usize; 12] = [7, 9, 13, 17, 23, 33, 47, 65, 91, 129, 181, 257];
+
+/// All polynomials tried: interpolating ones of 3 to 13 points, least squares of degrees 2 to 8.
+fn candidates(order: usize, longest: usize) -> Vec<Choice> {
+    let mut out = Vec::new();
+    for degree in (2..=12).step_by(2) {
+        out.push(Choice {
+            points: degree + 1,
+            degree,
+        });
+    }
+    for degree in (2..=8).step_by(2) {
+        for points in WIDTHS.into_iter().filter(|n| *n >= degree + 3) {
+            out.push(Choice { points, degree });
+        }
+    }
+    out.retain(|c| c.degree >= order && c.points <= longest);
+    out
+}
+
+pub(super) fn least_error(
+    grid: &Grid,
+    values: &[f64],
+    stretches: &[Stretch],
+    order: usize,
+    sigma: f64,
+) -> Estimate {
+    let longest = stretches.iter().map(Stretch::len).max().unwrap_or(0);
+    let mut work = Work {
+        grid,
+        values,
+        order,
+        sigma,
+        cache: BTreeMap::new(),
+    };
+    let all = candidates(order, longest);
+    let tried = if grid.step.is_some() {
+        TRIED
+    } else {
+        TRIED / 4
+    };
+    let (best, kept) = work.contest(&all, &sampled(stretches, tried));
+    let mut out = Estimate {
+        values: vec![f64::NAN; values.len()],
+        error: vec![f64::NAN; values.len()],
+        points: 0,
+        degree: 0,
+        noise: sigma,
+    };
+    let mut used: BTreeMap<Choice, usize> = BTreeMap::new();
+    for part in blocks(stretches, BLOCK) {
+        let mut judged: Vec<(Choice, Vec<Judged>)> = kept
+            .iter()
+            .filter(|c| c.points <= part.stretch.len())
+            .map(|c| (*c, work.judge(*c, part)))
+            .collect();
+        if let Some(c) = short(part.stretch, order) {
+            judged.push((c, work.judge(c, part)));
+        }
+        for row in part.from..part.to {
+            let at = |j: &Vec<Judged>| j.get(row - part.from).copied();
+            let common = judged
+                .iter()
+                .find(|(c, _)| Some(*c) == best)
+                .and_then(|(c, j)| Some((*c, at(j)?)));
+            let local = judged
+                .iter()
+                .filter_map(|(c, j)| Some((*c, at(j)?)))
+                .min_by(|(_, a), (_, b)| a.square.total_cmp(&b.square));
+            let taken = match (common, local) {
+                (Some(c), Some(l)) if l.1.square < CLEARLY * c.1.square => l,
+                (Some(c), _) => c,
+                (None, Some(l)) => l,
+                (None, None) => continue,
+            };
+            *used.entry(taken.0).or_default() += 1;
+            if let (Some(v), Some(e)) = (out.values.get_mut(row), out.error.get_mut(row)) {
+                *v = taken.1.value;
+                *e = taken.1.square.sqrt();
+            }
+        }
+    }
+    if let Some((choice, _)) = used.into_iter().max_by_key(|(_, n)| *n) {
+        (out.points, out.degree) = (choice.points, choice.degree);
+    }
+    out
+}
+
+/// Rows `from..to` of one stretch.
+#[derive(Clone, Copy)]
+struct Part {
+    stretch: Stretch,
+    from: usize,
+    to: usize,
+}
+
+/// One candidate's estimate at one row, and its estimated mean squared error.
+#[derive(Clone, Copy)]
+struct Judged {
+    value: f64,
+    square: f64,
+}
+
+fn blocks(stretches: &[Stretch], size: usize) -> impl Iterator<Item = Part> {
+    stretches.iter().flat_map(move |s| {
+        (s.start..s.rows_end).step_by(size).map(move |from| Part {
+            stretch: *s,
+            from,
+            to: (from + size).min(s.rows_end),
+        })
+    })
+}
+
+/// Blocks spread evenly over the record, `most` rows together.
+fn sampled(stretches: &[Stretch], most: usize) -> Vec<Part> {
+    let rows: usize = stretches.iter().map(|s| s.rows_end - s.start).sum();
+    if rows <= most {
+        return blocks(stretches, BLOCK).collect();
+    }
+    let all: Vec<Part> = blocks(stretches, 512).collect();
+    let stride = rows.div_ceil(most);
+    all.into_iter().step_by(stride).collect()
+}
+
+/// What a stretch of a few samples allows: the polynomial through all of them.
+fn short(stretch: Stretch, order: usize) -> Option<Choice> {
+    let n = stretch.len();
+    (n > order && n <= 6).then_some(Choice {
+        points: n,
+        degree: n - 1,
+    })
+}
+
+struct Work<'a> {
+    grid: &'a Grid,
+    values: &'a [f64],
+    order: usize,
+    sigma: f64,
+    /// Stencils of even grids, by choice, window start, and the room there is.
+    cache: BTreeMap<(Choice, usize, usize, usize), Rc<Stencil>>,
+}
+
+impl Work<'_> {
+    /// The choice of least mean log error over the sampled rows, and all choices that clearly win somewhere.
+    fn contest(&mut self, all: &[Choice], parts: &[Part]) -> (Option<Choice>, Vec<Choice>) {
+        let mut score = vec![0.0; all.len()];
+        let mut wins = vec![0usize; all.len()];
+        let mut rows = 0;
+        for part in parts {
+            let judged: Vec<Option<Vec<Judged>>> = all
+                .iter()
+                .map(|c| (c.points <= part.stretch.len()).then(|| self.judge(*c, *part)))
+                .collect();
+            for i in 0..part.to - part.from {
+                let square = |j: &Option<Vec<Judged>>| Some(j.as_ref()?.get(i)?.square);
+                let squares: Vec<Option<f64>> = judged.iter().map(square).collect();
+                let worst = squares.iter().flatten().copied().fold(0.0, f64::max);
+                let mut least = (f64::INFINITY, 0);
+                for (k, (s, square)) in score.iter_mut().zip(&squares).enumerate() {
+                    // A window that does not fit counts as the worst that does.
+                    let e = square.unwrap_or(worst).max(f64::MIN_POSITIVE);
+                    *s += e.ln();
+                    if square.is_some() && e < least.0 {
+                        least = (e, k);
+                    }
+                }
+                if let Some(w) = wins.get_mut(least.1) {
+                    *w += 1;
+                }
+                rows += 1;
+            }
+        }
+        let best = all
+            .iter()
+            .zip(&score)
+            .min_by(|a, b| a.1.total_cmp(b.1))
+            .map(|(c, _)| *c);
+        let few = rows / 200;
+        let kept = all
+            .iter()
+            .zip(&wins)
+            .filter(|(c, w)| **w > few || Some(**c) == best)
+            .map(|(c, _)| *c)
+            .collect();
+        (best, kept)
+    }
+
+    /// Estimates and errors of one choice at the rows of a part; the stretch must hold its points.
+    fn judge(&mut self, choice: Choice, part: Part) -> Vec<Judged> {
+        let Stretch {
+            start, rows_end, ..
+        } = part.stretch;
+        let reach = choice.points;
+        let (from, to) = (
+            part.from.saturating_sub(reach).max(start),
+            (part.to + reach).min(rows_end),
+        );
+        let mut last: Option<((Choice, usize, usize, usize), Rc<Stencil>)> = None;
+        // Running sums of r², for the local mean.
+        let mut sums = Vec::with_capacity(to - from + 1);
+        sums.push(0.0);
+        let mut total = 0.0;
+        let mut raw = Vec::with_capacity(part.to - part.from);
+        for i in from..to {
+            let stencil = self.stencil(choice, i, part.stretch, &mut last);
+            let first = (i as isize + stencil.first) as usize;
+            let window = self
+                .values
+                .get(first..first + stencil.weights.len())
+                .unwrap_or(&[]);
+            let r = dot(&stencil.contrast, window);
+            total += r * r;
+            sums.push(total);
+            if i >= part.from && i < part.to {
+                raw.push((dot(&stencil.weights, window), stencil.norm, stencil.reach));
+            }
+        }
+        let noise = self.sigma * self.sigma;
+        raw.into_iter()
+            .enumerate()
+            .map(|(k, (value, norm, length))| {
+                let i = part.from + k;
+                let (a, b) = (
+                    i.saturating_sub(reach).max(from) - from,
+                    (i + reach + 1).min(to) - from,
+                );
+                let sum = sums.get(b).unwrap_or(&0.0) - sums.get(a).unwrap_or(&0.0);
+                let bias = (sum / (b - a) as f64 - noise).max(0.0) * length * length;
+                Judged {
+                    value,
+                    square: noise * norm * norm + bias,
+                }
+            })
+            .collect()
+    }
+
+    fn stencil(
+        &mut self,
+        choice: Choice,
+        i: usize,
+        stretch: Stretch,
+        last: &mut Option<((Choice, usize, usize, usize), Rc<Stencil>)>,
+    ) -> Rc<Stencil> {
+        let ends = (stretch.start, stretch.end);
+        let make = || {
+            Rc::new(stencil::stencil(
+                &self.grid.time,
+                i,
+                ends,
+                choice,
+                self.order,
+            ))
+        };
+        if self.grid.step.is_none() {
+            return make();
+        }
+        // On an even grid only the room to both ends matters, and only as far as the wider window reaches.
+        let wide = choice.points.max(choice.degree + 3);
+        let key = (
+            choice,
+            (i - stretch.start).min(wide),
+            (stretch.end - i).min(wide),
+            stretch.len().min(wide),
+        );
+        if let Some((k, s)) = last
+            && *k == key
+        {
+            return s.clone();
+        }
+        let s = self.cache.entry(key).or_insert_with(make).clone();
+        *last = Some((key, s.clone()));
+        s
+    }
+}

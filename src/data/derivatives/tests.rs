@@ -1,0 +1,113 @@
+use super::*;
+
+fn whole(n: usize) -> Vec<Stretch> {
+    vec![Stretch {
+        start: 0,
+        end: n,
+        rows_end: n,
+    }]
+}
+
+/// Normal deviates by summing twelve uniform ones of a small generator.
+fn noise(seed: u64, n: usize) -> Vec<f64> {
+    let mut state = seed.wrapping_mul(2_862_933_555_777_941_757).wrapping_add(3);
+    let mut uniform = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    (0..n)
+        .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)
+        .collect()
+}
+
+type Function = fn(f64, usize) -> f64;
+
+/// Signals with all their derivatives.
+const SIGNALS: [(&str, Function); 4] = [
+    ("sine", |t, d| {
+        (t + d as f64 * std::f64::consts::FRAC_PI_2).sin()
+    }),
+    ("decay", |t, d| (-0.7f64).powi(d as i32) * (-0.7 * t).exp()),
+    ("chirp-like", |t, d| {
+        (0..3)
+            .map(|k| {
+                let w = 1.0 + 1.7 * k as f64;
+                w.powi(d as i32) * (w * t + k as f64 + d as f64 * std::f64::consts::FRAC_PI_2).sin()
+                    / (1.0 + k as f64)
+            })
+            .sum()
+    }),
+    ("logistic-like", |t, d| {
+        // tanh and its derivatives by s = tanh: s' = 1 − s².
+        let s = (t - 5.0).tanh();
+        let q = 1.0 - s * s;
+        match d {
+            0 => s,
+            1 => q,
+            2 => -2.0 * s * q,
+            _ => -2.0 * q * (1.0 - 3.0 * s * s),
+        }
+    }),
+];
+
+fn rms(v: impl Iterator<Item = f64>) -> f64 {
+    let (mut s, mut n) = (0.0, 0.0);
+    for x in v {
+        s += x * x;
+        n += 1.0;
+    }
+    (s / f64::max(n, 1.0)).sqrt()
+}
+
+struct Score {
+    relative: f64,
+    covered: f64,
+    overrated: f64,
+}
+
+fn score(time: &[f64], f: Function, order: usize, sigma: f64, seed: u64) -> Score {
+    let n = time.len();
+    let y: Vec<f64> = time
+        .iter()
+        .zip(noise(seed, n))
+        .map(|(t, e)| f(*t, 0) + sigma * e)
+        .collect();
+    let e = differentiate(&Grid::new(time), &y, &whole(n), order, None);
+    let truth: Vec<f64> = time.iter().map(|t| f(*t, order)).collect();
+    let miss: Vec<f64> = e
+        .values
+        .iter()
+        .zip(&truth)
+        .map(|(a, b)| (a - b).abs())
+        .collect();
+    let inside = miss.iter().zip(&e.error).filter(|(m, s)| **m <= 3.0 * **s);
+    let relative = rms(miss.iter().copied()) / rms(truth.iter().copied());
+    let judged = rms(e.error.iter().copied()) / rms(truth.iter().copied());
+    Score {
+        relative,
+        covered: inside.count() as f64 / n as f64,
+        overrated: judged / relative,
+    }
+}
+
+#[test]
+fn clean_signals_are_differentiated_to_many_digits_and_errors_are_honest() {
+    for order in 1..=3 {
+        for (name, f) in SIGNALS {
+            for n in [200usize, 1000] {
+                let time: Vec<f64> = (0..n).map(|k| 10.0 * k as f64 / n as f64).collect();
+                let s = score(&time, f, order, 0.0, 1);
+                println!(
+                    "{name} d{order} n={n}: relative {:.1e}, covered {:.3}, overrated {:.1}",
+                    s.relative, s.covered, s.overrated
+                );
+                let want = [1e-8, 1e-6, 1e-4][order - 1];
+                assert!(s.relative < want, "{name} {order} {n}: {}", s.relative);
+                assert!(s.covered > 0.9, "{name} {order} {n}: {}", s.covered);
+                assert!(s.overrated < 100.0, "{name} {order} {n}: {}", s.overrated);
+            }
+        }
+    }
+}

@@ -1,0 +1,370 @@
+//! From a dataset to the rows that equations are found from: every needed signal, measured or estimated.
+//!
+//! In: a model, its dataset, the signals needed. Out: [`Samples`], and how each signal was come by. Measured derivatives are
+//! used as measured; absent ones are estimated from the highest measured one below. Nothing crosses a gap or a trajectory.
+
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::Model;
+use crate::term::{Signal, SignalNames};
+
+use super::derivatives::{self, Grid, Stretch};
+use super::{Column, Dataset, Origin, Samples, Trajectory, inputs, instants};
+
+/// How one signal was come by, for printing.
+#[derive(Clone, Debug)]
+pub struct Provenance {
+    pub signal: Signal,
+    pub measured: bool,
+    /// `measured`, or how it was estimated, in a few words.
+    pub method: String,
+    /// Median standard error of the estimates, in units of the signal.
+    pub error: Option<f64>,
+    /// Root mean square of the signal over the rows.
+    pub rms: f64,
+}
+
+/// All `needed` signals at common instants, what is to be said about them, and how each was come by (sorted by signal).
+///
+/// Rows at which any needed signal is unknown are left out. Errors: `no-signal`, `no-samples`.
+pub fn samples(
+    model: &Model,
+    dataset: &Dataset,
+    needed: &[Signal],
+) -> (Samples, Vec<Diagnostic>, Vec<Provenance>) {
+    let mut needed = needed.to_vec();
+    needed.sort();
+    needed.dedup();
+    let mut out = Vec::new();
+    let mut columns: Vec<Gathered> = needed.iter().map(|s| Gathered::new(*s)).collect();
+    let mut table = Samples::default();
+    let (mut left_out, mut rows_read) = (0, 0);
+    let mut often = Often::default();
+    for (index, trajectory) in dataset.trajectories.iter().enumerate() {
+        let source = Source::new(model, dataset, trajectory);
+        let mut found: Vec<Known> = Vec::with_capacity(needed.len());
+        for signal in &needed {
+            match source.signal(*signal, &mut often) {
+                Some(known) => found.push(known),
+                None => out.push(no_signal(model, trajectory, *signal)),
+            }
+        }
+        if found.len() < needed.len() {
+            continue;
+        }
+        let whole = |row: &usize| {
+            found
+                .iter()
+                .all(|k| k.values.get(*row).is_some_and(|x| x.is_finite()))
+        };
+        let rows: Vec<usize> = (0..trajectory.len()).filter(whole).collect();
+        rows_read += trajectory.len();
+        left_out += trajectory.len() - rows.len();
+        table.trajectory.extend(rows.iter().map(|_| index as u32));
+        table.time.extend(pick(&trajectory.time, &rows));
+        for (column, known) in columns.iter_mut().zip(found) {
+            column.extend(known, &rows);
+        }
+    }
+    if out.is_empty() && table.is_empty() {
+        out.push(no_samples(rows_read));
+    } else if left_out > 0 && out.is_empty() {
+        out.push(rows_left_out(left_out, rows_read, model.discrete));
+    }
+    if 2 * often.crossed > often.rows {
+        out.push(input_changes_often(often));
+    }
+    let report: Vec<Provenance> = columns.iter().map(Gathered::provenance).collect();
+    for p in &report {
+        if let Some(error) = p.error.filter(|e| *e > 0.3 * p.rms) {
+            out.push(noisy_derivative(model, p, error));
+        }
+    }
+    table.columns = columns.into_iter().map(Gathered::into_column).collect();
+    (table, out, report)
+}
+
+/// One signal along one trajectory; NaN where it is unknown.
+struct Known {
+    values: Vec<f64>,
+    /// Standard errors and the method, if estimated.
+    estimated: Option<(Vec<f64>, String)>,
+}
+
+/// Rows whose derivatives had to be estimated across jumps of an input.
+#[derive(Clone, Copy, Debug, Default)]
+struct Often {
+    crossed: usize,
+    rows: usize,
+}
+
+/// A trajectory with what the estimates of all its signals share.
+struct Source<'a> {
+    model: &'a Model,
+    trajectory: &'a Trajectory,
+    grid: Grid,
+    gaps: Vec<usize>,
+    jumps: Vec<usize>,
+}
+
+impl<'a> Source<'a> {
+    fn new(model: &'a Model, dataset: &Dataset, trajectory: &'a Trajectory) -> Self {
+        Source {
+            model,
+            trajectory,
+            grid: Grid::new(&trajectory.time),
+            gaps: instants::gaps(&trajectory.time),
+            jumps: inputs::jumps(&dataset.inputs, trajectory),
+        }
+    }
+
+    fn signal(&self, s: Signal, often: &mut Often) -> Option<Known> {
+        let measured = |values: Vec<f64>| Known {
+            values,
+            estimated: None,
+        };
+        if s.shift != 0 {
+            let base = Signal { shift: 0, ..s };
+            return Some(measured(self.shifted(&self.plain(base)?, s.shift)));
+        }
+        if let Some(values) = self.plain(s) {
+            return Some(measured(values));
+        }
+        let below = (0..s.der)
+            .rev()
+            .map(|der| Signal { der, ..s })
+            .find(|b| self.trajectory.column(*b).is_some())?;
+        let order = s.der - below.der;
+        let values = self.trajectory.column(below)?;
+        (order <= 3).then(|| self.derivative(values, below, order as usize, often))
+    }
+
+    fn plain(&self, s: Signal) -> Option<Vec<f64>> {
+        match self.trajectory.column(s) {
+            Some(values) => Some(values.to_vec()),
+            None => (s == Signal::TIME).then(|| self.trajectory.time.clone()),
+        }
+    }
+
+    /// The sample whose number is `by` higher, where there is one.
+    fn shifted(&self, values: &[f64], by: i32) -> Vec<f64> {
+        let time = &self.trajectory.time;
+        let at = |row: usize| -> Option<f64> {
+            let target = row.checked_add_signed(by as isize)?;
+            let apart = time.get(target)? - time.get(row)?;
+            (apart == by as f64)
+                .then(|| values.get(target).copied())
+                .flatten()
+        };
+        (0..values.len())
+            .map(|row| at(row).unwrap_or(f64::NAN))
+            .collect()
+    }
+
+    fn derivative(&self, values: &[f64], below: Signal, order: usize, often: &mut Often) -> Known {
+        let noise = match below.der {
+            0 => self.model.var(below.var).and_then(|v| v.noise),
+            _ => None,
+        };
+        let within = stretches(values, &self.gaps, &self.jumps);
+        let mut e = derivatives::differentiate(&self.grid, values, &within, order, noise);
+        let mut across = 0;
+        if !self.jumps.is_empty() {
+            // Short stretches and noise can make it better to step over a jump than to respect it: the errors decide.
+            let open = stretches(values, &self.gaps, &[]);
+            let wide = derivatives::differentiate(&self.grid, values, &open, order, noise);
+            for (i, (value, error)) in wide.values.iter().zip(&wide.error).enumerate() {
+                let (Some(v), Some(s)) = (e.values.get_mut(i), e.error.get_mut(i)) else {
+                    continue;
+                };
+                if v.is_nan() && value.is_finite() || *error < 0.5 * *s {
+                    (*v, *s) = (*value, *error);
+                    across += 1;
+                }
+            }
+            if 2 * across > values.len() {
+                (e.points, e.degree) = (wide.points, wide.degree);
+            }
+            let short: usize = within
+                .iter()
+                .filter(|s| s.len() < 5)
+                .map(|s| s.rows_end - s.start)
+                .sum();
+            often.crossed += short;
+        }
+        often.rows += values.len();
+        let of = self.model.name(below);
+        let method = format!(
+            "local polynomial of {of}, degree {} on {} points",
+            e.degree, e.points
+        );
+        Known {
+            values: e.values,
+            estimated: Some((e.error, method)),
+        }
+    }
+}
+
+/// Uninterrupted stretches of finite values, cut at gaps, and at jumps with the sample of the jump in both.
+fn stretches(values: &[f64], gaps: &[usize], jumps: &[usize]) -> Vec<Stretch> {
+    let mut out = Vec::new();
+    let mut start: Option<usize> = None;
+    let mut close = |start: usize, end: usize, rows_end: usize| {
+        out.push(Stretch {
+            start,
+            end,
+            rows_end,
+        });
+    };
+    let (mut gaps, mut jumps) = (gaps.iter().peekable(), jumps.iter().peekable());
+    for (i, x) in values.iter().enumerate() {
+        let gap = gaps.next_if(|g| **g <= i).is_some();
+        let jump = jumps.next_if(|j| **j <= i).is_some();
+        match start {
+            Some(a) if gap || !x.is_finite() => {
+                close(a, i, i);
+                start = x.is_finite().then_some(i);
+            }
+            Some(a) if jump => {
+                close(a, i + 1, i);
+                start = Some(i);
+            }
+            None if x.is_finite() => start = Some(i),
+            _ => {}
+        }
+    }
+    if let Some(a) = start {
+        close(a, values.len(), values.len());
+    }
+    out
+}
+
+/// A column being put together from its trajectories.
+struct Gathered {
+    signal: Signal,
+    values: Vec<f64>,
+    error: Vec<f64>,
+    method: Option<String>,
+}
+
+impl Gathered {
+    fn new(signal: Signal) -> Self {
+        Gathered {
+            signal,
+            values: Vec::new(),
+            error: Vec::new(),
+            method: None,
+        }
+    }
+
+    fn extend(&mut self, known: Known, rows: &[usize]) {
+        self.values.extend(pick(&known.values, rows));
+        match known.estimated {
+            Some((error, method)) => {
+                self.error.extend(pick(&error, rows));
+                self.method.get_or_insert(method);
+            }
+            None => self.error.extend(rows.iter().map(|_| 0.0)),
+        }
+    }
+
+    fn provenance(&self) -> Provenance {
+        let mut errors = self.error.clone();
+        errors.sort_by(f64::total_cmp);
+        let squares: f64 = self.values.iter().map(|x| x * x).sum();
+        Provenance {
+            signal: self.signal,
+            measured: self.method.is_none(),
+            method: self.method.clone().unwrap_or("measured".into()),
+            error: self
+                .method
+                .as_ref()
+                .and_then(|_| errors.get(errors.len() / 2).copied()),
+            rms: (squares / self.values.len().max(1) as f64).sqrt(),
+        }
+    }
+
+    fn into_column(self) -> Column {
+        Column {
+            signal: self.signal,
+            values: self.values,
+            origin: match self.method {
+                None => Origin::Measured,
+                Some(method) => Origin::Estimated {
+                    error: self.error,
+                    method,
+                },
+            },
+        }
+    }
+}
+
+fn pick(values: &[f64], rows: &[usize]) -> Vec<f64> {
+    rows.iter()
+        .map(|r| values.get(*r).copied().unwrap_or(f64::NAN))
+        .collect()
+}
+
+fn no_signal(model: &Model, trajectory: &Trajectory, signal: Signal) -> Diagnostic {
+    let name = model.name(signal);
+    let base = model.name(Signal::new(signal.var));
+    let d = Diagnostic::error(
+        "no-signal",
+        format!(
+            "{}: {name} is neither measured nor derivable",
+            trajectory.name
+        ),
+    );
+    if signal.der > 3 {
+        return d.help(format!("derivatives are estimated up to three orders above a measured one; measure one nearer to {name}"));
+    }
+    d.help(format!("data {{ {base} = \"HEADER\" }}"))
+}
+
+fn no_samples(rows: usize) -> Diagnostic {
+    Diagnostic::error(
+        "no-samples",
+        format!("none of the {rows} rows has all the signals that the equations need"),
+    )
+    .help("look for empty cells, or for records too short to take derivatives or shifts")
+}
+
+fn rows_left_out(count: usize, all: usize, discrete: bool) -> Diagnostic {
+    let why = if discrete {
+        "a value is missing, or a shift reaches beyond the record"
+    } else {
+        "a value is missing, or too few samples stand between gaps or jumps of an input"
+    };
+    Diagnostic::note(
+        "rows-left-out",
+        format!("{count} of {all} rows lack a signal and are left out"),
+    )
+    .fact(why)
+}
+
+fn input_changes_often(often: Often) -> Diagnostic {
+    let percent = 100.0 * often.crossed as f64 / often.rows.max(1) as f64;
+    Diagnostic::warning(
+        "input-changes-often",
+        format!("{percent:.0} % of the rows lie between jumps of an input fewer than 5 samples apart"),
+    )
+    .fact("derivatives there are estimated across the jumps, with large errors")
+    .help("sample faster than the input is set, measure the derivatives, or declare the input linear if it is smooth")
+}
+
+fn noisy_derivative(model: &Model, p: &Provenance, error: f64) -> Diagnostic {
+    let name = model.name(p.signal);
+    Diagnostic::warning(
+        "noisy-derivative",
+        format!(
+            "the estimate of {name} is off by about {:.0} % of its size",
+            100.0 * error / p.rms
+        ),
+    )
+    .fact(format!(
+        "typical error {error:.3e}, rms of {name} {:.3e}",
+        p.rms
+    ))
+    .help(format!(
+        "measure {name}, sample faster, or declare the sensor's noise"
+    ))
+}
