@@ -68,6 +68,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn simulate(options: &Options) -> Result<Table, Box<dyn Error>> {
+    if !(options.rate.is_finite() && options.rate > 0.0) {
+        return Err(format!(
+            "--rate {}: expected samples per second, above 0",
+            options.rate
+        )
+        .into());
+    }
     let plant = &options.plant;
     let mut random = Random::new(options.seed);
     let theta = start_angle(options, &mut random)?;
@@ -82,9 +89,11 @@ fn simulate(options: &Options) -> Result<Table, Box<dyn Error>> {
     table.digits = None;
     table.comments = comments(plant);
 
-    let times = grid(options.rows, 1.0 / options.rate);
+    // One instant more than rows: the last sample's interval ends there.
+    let times = grid(options.rows + 1, 1.0 / options.rate);
     let mut x: State = [0.0, 0.0, theta, 0.0];
-    for (k, &t) in times.iter().enumerate() {
+    for (k, pair) in times.windows(2).enumerate() {
+        let (t, next) = (pair[0], pair[1]);
         let held = force.at(k, plant, &x);
         let mut row = vec![t, x[0], x[2], held];
         if options.columns == Columns::All {
@@ -92,12 +101,7 @@ fn simulate(options: &Options) -> Result<Table, Box<dyn Error>> {
             row.extend([x[1], x[3], ddy, ddtheta]);
         }
         table.push(&row);
-        x = integrate(
-            &|_, x: &State| plant.derivative(x, held),
-            0.0,
-            1.0 / options.rate,
-            x,
-        );
+        x = integrate(&|_, x: &State| plant.derivative(x, held), t, next, x);
     }
     Ok(table)
 }

@@ -23,7 +23,7 @@ pub fn integrate<const N: usize>(
 /// `rows` instants from 0, `step` apart. Products of decimals are rounded to the decimal meant: 0.03, not 0.030000000000000002.
 pub fn grid(rows: usize, step: f64) -> Vec<f64> {
     (0..rows)
-        .map(|k| (k as f64 * step * 1e9).round() / 1e9)
+        .map(|k| (k as f64 * step * 1e12).round() / 1e12)
         .collect()
 }
 
