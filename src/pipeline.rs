@@ -2,7 +2,7 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
-use crate::data::{self, Dataset, Report, Samples, Table};
+use crate::data::{self, Dataset, Provenance, Samples, Table};
 use crate::discover::{self, Discovery, Options};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Model, RightSide};
@@ -26,7 +26,7 @@ pub struct Measured {
     pub dataset: Dataset,
     pub samples: Samples,
     /// What was measured and what was estimated.
-    pub report: Vec<Report>,
+    pub report: Vec<Provenance>,
 }
 
 /// What a stage gave, if it gave anything, and everything it had to say.

@@ -151,8 +151,8 @@ fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry> {
         .iter()
         .map(|r| SignalEntry {
             signal: program.model.name(r.signal),
-            origin: r.method.clone().unwrap_or_else(|| "measured".into()),
-            error: r.method.as_ref().map(|_| r.error),
+            origin: r.method.clone(),
+            error: r.error.map(|e| e / r.rms.max(f64::MIN_POSITIVE)),
         })
         .collect()
 }

@@ -14,9 +14,11 @@ mod instants;
 mod missing;
 mod samples;
 mod sampling;
+mod window;
 
 pub use bind::bind;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, samples};
+pub use window::keep_window;

@@ -11,7 +11,7 @@ use super::{
 use crate::data::Samples;
 use crate::dictionary::{BadValue, Dense, Dictionary, compile, evaluate};
 use crate::library::Library;
-use crate::solve::{self, Monitor, Polished, Problem, Solution};
+use crate::solve::{self, Certificate, Monitor, Polished, Problem, Solution};
 use crate::term::{Language, Signal, SignalNames, Term};
 
 /// What is asked.
@@ -210,12 +210,7 @@ fn tolerance(phi: &Dense, y: &[f64], weights: &Weights) -> f64 {
 
 /// The certificate of the printed answer if it is the solver's own, else of the solver's.
 fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Polished) -> Proof {
-    let answer = spread(
-        problem.dictionary.cols(),
-        &choice.support,
-        &polished.coefficients,
-    );
-    let own = solve::certify(problem, &answer, &solution.dual);
+    let own = certify_answer(problem, solution, choice, polished);
     let of_answer = choice.as_proposed && own.proves_optimal;
     let certificate = if of_answer {
         own
@@ -226,7 +221,7 @@ fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Pol
     Proof {
         tolerance: problem.tolerance / size,
         gap: finite(certificate.gap),
-        max_correlation: finite(certificate.max_correlation),
+        max_correlation: finite(certificate.largest_correlation),
         margin: finite(certificate.margin),
         rank: polished.rank,
         support: choice.support.len(),
@@ -243,6 +238,31 @@ fn spread(n: usize, support: &[usize], values: &[f64]) -> Vec<f64> {
         all[*j] = *v;
     }
     all
+}
+
+/// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more.
+fn certify_answer(
+    problem: &Problem,
+    solution: &Solution,
+    choice: &Choice,
+    polished: &Polished,
+) -> Certificate {
+    let support = &choice.support;
+    let answer = spread(problem.dictionary.cols(), support, &polished.coefficients);
+    let signs: Vec<f64> = polished.coefficients.iter().map(|a| a.signum()).collect();
+    let certify = |dual: &[f64]| solve::certify_support(problem, &answer, dual, support.clone());
+    let plain = certify(&solution.dual);
+    let refined = certify(&solve::refine_dual(
+        problem,
+        support,
+        &signs,
+        &solution.dual,
+    ));
+    if refined.gap.abs() < plain.gap.abs() {
+        refined
+    } else {
+        plain
+    }
 }
 
 /// Figures in a result must be numbers.
