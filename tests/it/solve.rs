@@ -15,7 +15,12 @@ fn solve(solver: usize, dictionary: &dyn Dictionary, target: &[f64], tolerance: 
         target,
         tolerance,
     };
-    SOLVERS[solver].solve(&problem, &mut |p| { if std::env::var("TRACE").is_ok() { eprintln!("{p:?}"); } ControlFlow::Continue(()) })
+    SOLVERS[solver].solve(&problem, &mut |p| {
+        if std::env::var("TRACE").is_ok() {
+            eprintln!("{p:?}");
+        }
+        ControlFlow::Continue(())
+    })
 }
 
 /// Largest coefficient error relative to its truth, and the largest false one in unit columns relative to the largest.
@@ -160,19 +165,36 @@ fn dependent_rows_contradicting_each_other_are_inconsistent() {
 #[test]
 #[ignore]
 fn survey_noise() {
-    for (rows, target, level) in [(40, Target::Cart, 1e-1), (40, Target::Pendulum, 1e-2), (40, Target::Cart, 1e-3), (60, Target::Pendulum, 1e-5), (60, Target::Cart, 1e-8)] {
+    for (rows, target, level) in [
+        (40, Target::Cart, 1e-1),
+        (40, Target::Pendulum, 1e-2),
+        (40, Target::Cart, 1e-3),
+        (60, Target::Pendulum, 1e-5),
+        (60, Target::Cart, 1e-8),
+    ] {
         for seed in 0..2 {
             let r = regression(&draw(rows, seed), target, POWERS);
             let mut random = Random::new(seed);
             let noise: Vec<f64> = r.target.iter().map(|_| random.normal()).collect();
             let size = level * length(&r.target) / length(&noise);
-            let y: Vec<f64> = r.target.iter().zip(&noise).map(|(y, n)| y + size * n).collect();
+            let y: Vec<f64> = r
+                .target
+                .iter()
+                .zip(&noise)
+                .map(|(y, n)| y + size * n)
+                .collect();
             for part in [1.0] {
                 let tolerance = part * level * length(&r.target);
                 let t = std::time::Instant::now();
                 let s = solve(0, &r.dictionary, &y, tolerance);
-                println!("pendulum {rows} {target:?} {level:e} {seed}: {:?} {} it {:.3} s excess {:.1e} gap {:.1e}", s.status, s.iterations, t.elapsed().as_secs_f64(),
-                    residual(&r.dictionary, &s.coefficients, &y) / tolerance - 1.0, gap(&r.dictionary, &s, &y, tolerance));
+                println!(
+                    "pendulum {rows} {target:?} {level:e} {seed}: {:?} {} it {:.3} s excess {:.1e} gap {:.1e}",
+                    s.status,
+                    s.iterations,
+                    t.elapsed().as_secs_f64(),
+                    residual(&r.dictionary, &s.coefficients, &y) / tolerance - 1.0,
+                    gap(&r.dictionary, &s, &y, tolerance)
+                );
             }
         }
     }
