@@ -5,7 +5,7 @@
 //! Nesterov–Todd scaling. One dense m × m Cholesky factorisation an iteration. It knows no names and stores no model units.
 
 use super::cone::{Pair, Scaling};
-use super::least_squares::least_squares;
+use super::least_squares::inconsistent;
 use super::normal::Normal;
 use super::reduce::{Reduced, add_scaled, dot, minus, norm, times, times_transposed};
 use super::{Monitor, Problem, Progress, Solution, Solver, Status};
@@ -22,6 +22,8 @@ const ITERATIONS: usize = 100;
 const PATIENCE: usize = 8;
 /// Fraction of the way to the boundary.
 const STEP: f64 = 0.99;
+/// Weight of the cone in μ relative to the number of columns.
+const CONE_WEIGHT: f64 = 0.1;
 
 /// Mehrotra predictor–corrector with a second-order cone for ε.
 pub struct InteriorPoint;
@@ -59,25 +61,6 @@ impl Solver for InteriorPoint {
             Status::Inaccurate { .. } => inconsistent(problem, Some(solution)),
             _ => solution,
         }
-    }
-}
-
-/// The least-squares answer if no a reaches the tolerance, otherwise what the solver had.
-fn inconsistent(problem: &Problem, found: Option<Solution>) -> Solution {
-    let fit = least_squares(problem.dictionary, problem.target);
-    let allowed = problem
-        .tolerance
-        .max(super::CONSISTENT * norm(problem.target));
-    match found {
-        Some(solution) if fit.residual <= allowed => solution,
-        found => Solution {
-            coefficients: fit.coefficients,
-            dual: vec![0.0; problem.target.len()],
-            status: Status::Inconsistent {
-                residual: fit.residual,
-            },
-            iterations: found.map_or(0, |s| s.iterations),
-        },
     }
 }
 
@@ -178,7 +161,7 @@ impl Point {
                 tail: vec![0.0; m],
             },
             s: Pair {
-                head: (largest / tolerance).max(1.0),
+                head: (n as f64 * largest / tolerance).max(1.0),
                 tail: vec![0.0; m],
             },
         });
@@ -227,7 +210,14 @@ impl Point {
     }
 
     fn degree(&self) -> f64 {
-        (2 * self.p.len() + usize::from(self.cone.is_some())) as f64
+        let cone = self.cone.as_ref().map_or(0.0, |_| self.cone_weight());
+        2.0 * self.p.len() as f64 + cone
+    }
+
+    /// The cone's share of μ: with the weight of one variable among thousands it would hug its boundary and the steps
+    /// along the curved surface be short.
+    fn cone_weight(&self) -> f64 {
+        (CONE_WEIGHT * self.p.len() as f64).max(1.0)
     }
 
     /// Diagonal of D.
@@ -255,19 +245,11 @@ impl Point {
             primal = primal.min(cone.x.longest_step(dx));
             dual = dual.min(cone.s.longest_step(ds));
         }
-        if self.cone.is_some() {
-            primal = primal.min(dual);
-            dual = primal;
-        }
         ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
     }
 
     /// Mehrotra's σ: how much of μ the predictor alone would leave, cubed.
     fn centring(&self, predictor: &Direction, mu: f64) -> f64 {
-        if self.cone.is_some() {
-            let (primal, _) = self.steps(predictor);
-            return (1.0 - primal).powi(3);
-        }
         let mut ahead = self.clone();
         ahead.advance(predictor);
         (ahead.complementarity() / (self.degree() * mu)).powi(3)
@@ -335,7 +317,7 @@ impl Newton<'_> {
         let mut rhs = minus(&res.primal, &times(self.reduced.unit.as_ref(), &fixed));
         let pull = self.scaling.map(|scaling| {
             let second = predictor.and_then(|d| d.cone.as_ref());
-            let pull = scaling.complementarity(sigma_mu, second);
+            let pull = scaling.complementarity(sigma_mu * self.point.cone_weight(), second);
             add_scaled(&mut rhs, -1.0, &pull.tail);
             scaling.eliminate(-pull.head, &mut rhs);
             pull

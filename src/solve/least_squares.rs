@@ -7,6 +7,7 @@ use faer::Mat;
 use faer::linalg::solvers::{Qr, Svd};
 
 use super::reduce::{dot, minus, nonzero, norm, times, times_transposed, unit_columns};
+use super::{CONSISTENT, Problem, Solution, Status};
 use crate::dictionary::Dictionary;
 
 /// Singular values below this part of the largest count as zero: what f64 leaves of columns of length one.
@@ -55,6 +56,23 @@ pub fn least_squares(dictionary: &dyn Dictionary, target: &[f64]) -> LeastSquare
         fit.condition = core.condition();
     }
     fit
+}
+
+/// The least-squares answer if no a reaches the tolerance, otherwise what the solver had.
+pub(super) fn inconsistent(problem: &Problem, found: Option<Solution>) -> Solution {
+    let fit = least_squares(problem.dictionary, problem.target);
+    let allowed = problem.tolerance.max(CONSISTENT * norm(problem.target));
+    match found {
+        Some(solution) if fit.residual <= allowed => solution,
+        found => Solution {
+            coefficients: fit.coefficients,
+            dual: vec![0.0; problem.target.len()],
+            status: Status::Inconsistent {
+                residual: fit.residual,
+            },
+            iterations: found.map_or(0, |s| s.iterations),
+        },
+    }
 }
 
 /// P ≈ U Σ Vᵀ cut at the numerical rank.

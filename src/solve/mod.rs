@@ -2,18 +2,24 @@
 //!
 //! A solver is one file that implements [`Solver`] and one line in [`SOLVERS`].
 
+mod certificate;
+mod clarabel;
 mod cone;
 mod interior_point;
 mod least_squares;
 mod normal;
+mod polish;
 mod reduce;
 
 use std::ops::ControlFlow;
 
 use crate::dictionary::Dictionary;
 
+pub use certificate::{Certificate, certify, certify_support, refine_dual, support};
+pub use clarabel::Clarabel;
 pub use interior_point::InteriorPoint;
 pub use least_squares::{LeastSquares, RANK_TOLERANCE, least_squares};
+pub use polish::{Polished, polish};
 
 /// With ε = 0, a residual up to this part of ‖y‖ is rounding and not a contradiction.
 pub const CONSISTENT: f64 = 1e-9;
@@ -96,4 +102,4 @@ pub trait Solver: Sync {
 }
 
 /// Every solver; the first is the default.
-pub static SOLVERS: &[&dyn Solver] = &[&InteriorPoint];
+pub static SOLVERS: &[&dyn Solver] = &[&InteriorPoint, &Clarabel];

@@ -127,7 +127,10 @@ impl<'a> Normal<'a> {
             }
             preconditioned = self.back_substitute(&residual);
             let next = dot(&residual, &preconditioned);
-            direction.iter_mut().zip(&preconditioned).for_each(|(d, z)| *d = z + next / energy * *d);
+            direction
+                .iter_mut()
+                .zip(&preconditioned)
+                .for_each(|(d, z)| *d = z + next / energy * *d);
             energy = next;
         }
         (best.1, best.2)

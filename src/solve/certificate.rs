@@ -1,0 +1,249 @@
+//! Proof that coefficients are optimal, computed from the problem alone: no solver is trusted.
+//!
+//! Weak duality: for any λ with |φ_jᵀλ| ≤ ‖φ_j‖ every feasible a has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂ (Boyd & Vandenberghe, section 5.2).
+//! Any λ is scaled into that set; the gap left is the proof. It never alters coefficients.
+
+use super::polish::{Pivoted, condition};
+use super::reduce::{add_scaled, dot, minus, nonzero, norm, unit_columns};
+use super::{CONSISTENT, Problem};
+
+/// Coefficients whose share |a_j|‖φ_j‖ exceeds this part of the largest form the support.
+pub const SUPPORT: f64 = 1e-6;
+/// A relative duality gap up to this proves optimality.
+pub const OPTIMAL_GAP: f64 = 1e-6;
+/// Residual allowed beyond ε, relative to ε; with ε = 0 relative to ‖y‖.
+pub const FEASIBLE: f64 = 1e-6;
+/// Uniqueness: any other minimiser has at most this part of its ℓ1 norm off the support.
+pub const ELSEWHERE: f64 = 1e-3;
+
+/// What can be said about a pair (a, λ) on the original problem.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certificate {
+    /// ‖Da‖₁
+    pub primal: f64,
+    /// yᵀλ − ε‖λ‖₂ after scaling λ into feasibility: a lower bound on the minimum.
+    pub dual: f64,
+    /// (primal − dual)/primal; negative only as far as a is infeasible.
+    pub gap: f64,
+    /// ‖Φa − y‖₂ in the units of y.
+    pub residual: f64,
+    /// The same relative to ‖y‖.
+    pub relative_residual: f64,
+    /// max |φ_jᵀλ|/‖φ_j‖ over all columns, of λ as given.
+    pub largest_correlation: f64,
+    /// 1 − max |φ_jᵀλ|/‖φ_j‖ over the columns off the support, of the scaled λ.
+    pub margin: f64,
+    /// gap/margin: bound on the part of the ℓ1 norm any other minimiser can have off the support.
+    pub elsewhere: f64,
+    /// Column indices, ascending.
+    pub support: Vec<usize>,
+    /// Numerical rank of the support's unit columns.
+    pub rank: usize,
+    /// Their condition number.
+    pub condition: f64,
+    /// Feasible within [`FEASIBLE`] and |gap| ≤ [`OPTIMAL_GAP`].
+    pub proves_optimal: bool,
+    /// Optimal, the support has full rank, and `elsewhere` ≤ [`ELSEWHERE`].
+    pub proves_unique: bool,
+}
+
+/// Checks `coefficients` (length N, raw units) and `dual` (length M) against the problem, on the support of [`support`].
+pub fn certify(problem: &Problem, coefficients: &[f64], dual: &[f64]) -> Certificate {
+    let support = support(problem, coefficients);
+    certify_support(problem, coefficients, dual, support)
+}
+
+/// The columns that matter: |a_j|‖φ_j‖ > [`SUPPORT`] · max.
+pub fn support(problem: &Problem, coefficients: &[f64]) -> Vec<usize> {
+    let shares: Vec<f64> = shares(problem, coefficients).collect();
+    let largest = shares.iter().fold(0.0_f64, |m, s| m.max(*s));
+    (0..shares.len())
+        .filter(|&j| shares[j] > SUPPORT * largest)
+        .collect()
+}
+
+/// The same on a support of the caller's choice (ascending indices).
+pub fn certify_support(
+    problem: &Problem,
+    coefficients: &[f64],
+    dual: &[f64],
+    support: Vec<usize>,
+) -> Certificate {
+    let primal: f64 = shares(problem, coefficients).sum();
+    let correlations = unit_correlations(problem, dual);
+    let largest_correlation = correlations.iter().fold(0.0_f64, |m, c| m.max(*c));
+    let scale = largest_correlation.max(1.0);
+    let dual = dual_value(problem, dual) / scale;
+    let mut off = correlations;
+    support.iter().for_each(|&j| off[j] = 0.0);
+    let margin = 1.0 - off.iter().fold(0.0_f64, |m, c| m.max(*c)) / scale;
+    let gap = (primal - dual) / nonzero(primal.max(dual));
+    let residual = residual(problem, coefficients);
+    let length = norm(problem.target);
+    let (rank, condition) = rank_and_condition(problem, &support);
+    let allowed = if problem.tolerance > 0.0 {
+        problem.tolerance * (1.0 + FEASIBLE)
+    } else {
+        FEASIBLE * length
+    };
+    let rounding = CONSISTENT * length;
+    let proves_optimal = residual <= allowed.max(problem.tolerance + rounding * FEASIBLE)
+        && gap.abs() <= OPTIMAL_GAP;
+    let elsewhere = if margin > 0.0 {
+        gap.max(0.0) / margin
+    } else {
+        f64::INFINITY
+    };
+    Certificate {
+        primal,
+        dual,
+        gap,
+        residual,
+        relative_residual: residual / nonzero(length),
+        largest_correlation,
+        margin,
+        elsewhere,
+        rank,
+        condition,
+        proves_optimal,
+        proves_unique: proves_optimal && rank == support.len() && elsewhere <= ELSEWHERE,
+        support,
+    }
+}
+
+/// The dual point of a vertex: λ plus the least-norm correction that makes φ_jᵀλ = sign_j ‖φ_j‖ on the support, if that
+/// closes the gap further than λ does. `signs` (±1) goes with `support`. With ε > 0 the given λ usually stays.
+pub fn refine_dual(problem: &Problem, support: &[usize], signs: &[f64], dual: &[f64]) -> Vec<f64> {
+    let norms = problem.dictionary.norms();
+    let lengths: Vec<f64> = support.iter().map(|&j| nonzero(norms[j])).collect();
+    let unit = unit_columns(problem.dictionary, support, &lengths);
+    let Some(pivoted) = Pivoted::new(unit.as_ref()) else {
+        return dual.to_vec();
+    };
+    let mut refined = dual.to_vec();
+    for _ in 0..2 {
+        let wrong = minus(
+            signs,
+            &super::reduce::times_transposed(unit.as_ref(), &refined),
+        );
+        add_scaled(&mut refined, 1.0, &pivoted.least_norm(&wrong));
+    }
+    let bound = |lambda: &[f64]| {
+        let largest = unit_correlations(problem, lambda)
+            .iter()
+            .fold(1.0_f64, |m, c| m.max(*c));
+        dual_value(problem, lambda) / largest
+    };
+    if bound(&refined) > bound(dual) {
+        refined
+    } else {
+        dual.to_vec()
+    }
+}
+
+/// |a_j|‖φ_j‖ for every column.
+fn shares<'a>(problem: &'a Problem, coefficients: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    coefficients
+        .iter()
+        .zip(problem.dictionary.norms())
+        .map(|(a, n)| a.abs() * n)
+}
+
+/// |φ_jᵀλ|/‖φ_j‖; zero for all-zero columns.
+fn unit_correlations(problem: &Problem, lambda: &[f64]) -> Vec<f64> {
+    let mut c = vec![0.0; problem.dictionary.cols()];
+    problem.dictionary.correlate(lambda, &mut c);
+    c.iter()
+        .zip(problem.dictionary.norms())
+        .map(|(c, n)| c.abs() / nonzero(*n))
+        .collect()
+}
+
+/// yᵀλ − ε‖λ‖₂
+fn dual_value(problem: &Problem, lambda: &[f64]) -> f64 {
+    dot(problem.target, lambda) - problem.tolerance * norm(lambda)
+}
+
+/// ‖Φa − y‖₂ column by column over the non-zero coefficients.
+fn residual(problem: &Problem, coefficients: &[f64]) -> f64 {
+    let mut rest = problem.target.to_vec();
+    let mut column = vec![0.0; rest.len()];
+    for (j, a) in coefficients.iter().enumerate().filter(|(_, a)| **a != 0.0) {
+        problem.dictionary.column(j, &mut column);
+        add_scaled(&mut rest, -a, &column);
+    }
+    norm(&rest)
+}
+
+fn rank_and_condition(problem: &Problem, support: &[usize]) -> (usize, f64) {
+    let norms = problem.dictionary.norms();
+    let lengths: Vec<f64> = support.iter().map(|&j| nonzero(norms[j])).collect();
+    let unit = unit_columns(problem.dictionary, support, &lengths);
+    let rank = Pivoted::new(unit.as_ref()).map_or(0, |p| p.rank);
+    (rank, condition(unit.as_ref()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dictionary::Dense;
+
+    fn problem<'a>(phi: &'a Dense, y: &'a [f64], tolerance: f64) -> Problem<'a> {
+        Problem {
+            dictionary: phi,
+            target: y,
+            tolerance,
+        }
+    }
+
+    #[test]
+    fn one_column_is_optimal_and_unique() {
+        let phi = Dense::new(1, vec![2.0, 1.0]);
+        // Both unit columns are 1: any split is optimal, so nothing is unique.
+        let c = certify(&problem(&phi, &[4.0], 0.0), &[2.0, 0.0], &[1.0]);
+        assert!(c.proves_optimal && !c.proves_unique);
+        assert_eq!((c.primal, c.dual, c.support.len()), (4.0, 4.0, 1));
+        let phi = Dense::new(2, vec![2.0, 0.0, 0.0, 1.0]);
+        let c = certify(&problem(&phi, &[4.0, 0.0], 0.0), &[2.0, 0.0], &[1.0, 0.25]);
+        assert!(c.proves_optimal && c.proves_unique);
+        assert_eq!((c.margin, c.rank, c.condition), (0.75, 1, 1.0));
+    }
+
+    #[test]
+    fn wrong_answers_are_not_certified() {
+        let phi = Dense::new(2, vec![1.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        let y = [1.0, 1.0];
+        // (1, 1, 0) is feasible with norm 2; the minimum is √2 on the third column.
+        let split = certify(&problem(&phi, &y, 0.0), &[1.0, 1.0, 0.0], &[1.0, 1.0]);
+        assert!(!split.proves_optimal);
+        let infeasible = certify(&problem(&phi, &y, 0.0), &[0.0, 0.0, 0.9], &[0.7, 0.7]);
+        assert!(!infeasible.proves_optimal);
+        let right = certify(
+            &problem(&phi, &y, 0.0),
+            &[0.0, 0.0, 1.0],
+            &[0.5_f64.sqrt(), 0.5_f64.sqrt()],
+        );
+        assert!(right.proves_optimal && right.proves_unique);
+    }
+
+    #[test]
+    fn refining_reaches_the_vertex() {
+        let phi = Dense::new(2, vec![1.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+        let y = [1.0, 1.0];
+        let p = problem(&phi, &y, 0.0);
+        let rough = [0.7, 0.7];
+        let fine = refine_dual(&p, &[2], &[1.0], &rough);
+        let (before, after) = (
+            certify(&p, &[0.0, 0.0, 1.0], &rough),
+            certify(&p, &[0.0, 0.0, 1.0], &fine),
+        );
+        assert!(before.gap > 1e-3 && after.gap.abs() < 1e-15);
+    }
+
+    #[test]
+    fn zero_is_certified_for_a_target_within_tolerance() {
+        let phi = Dense::new(1, vec![1.0]);
+        let c = certify(&problem(&phi, &[0.5], 1.0), &[0.0], &[0.0]);
+        assert!(c.proves_optimal && c.support.is_empty());
+    }
+}
