@@ -1,0 +1,210 @@
+//! Equations and constraints: targets, known parts, coefficients, and what a model lacks.
+
+use crate::lang::check::equation::has_equation;
+use crate::lang::check::scope::Scope;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{Model, Var, VarKind};
+use crate::lang::source::{FileId, Span};
+use crate::term::VarId;
+
+pub fn not_a_target(at: Span, example: &str) -> Diagnostic {
+    Diagnostic::error("target", "an equation is about one signal")
+        .at(at, "not a derivative, a next sample or an output")
+        .help(format!(
+            "write `{example} ~ …`, with everything else on the right"
+        ))
+}
+
+pub fn next_of_other(at: Span, var: &Var) -> Diagnostic {
+    let d = Diagnostic::error("target", format!("`{}` is not a state", var.name))
+        .at(at, "only a state has a next sample");
+    match var.span {
+        Some(span) => d.also(span, "declared here"),
+        None => d,
+    }
+    .help("an output has an equation of its own: `y ~ …`")
+}
+
+pub fn let_as_target(at: Span, name: &str, definition: Option<Span>) -> Diagnostic {
+    let d = Diagnostic::error("target", format!("`{name}` is defined by `let`"))
+        .at(at, "cannot have an equation");
+    match definition {
+        Some(span) => d.also(span, "defined here"),
+        None => d,
+    }
+    .help(format!("declare it instead: `output {name}`"))
+}
+
+/// `x ~ …` for a state, an input or time.
+pub fn wrong_target(at: Span, name: &str, var: &Var, discrete: bool) -> Diagnostic {
+    let what = match var.kind {
+        VarKind::Time => "time",
+        VarKind::State => "a state",
+        VarKind::Input => "an input",
+        VarKind::Output => "an output",
+        VarKind::Param => "a parameter",
+    };
+    let d = Diagnostic::error(
+        "target",
+        format!("`{name}` is {what}, and cannot have an equation"),
+    )
+    .at(
+        at,
+        "an equation is about a derivative, a next sample or an output",
+    );
+    let d = match var.span {
+        Some(span) => d.also(span, "declared here"),
+        None => d,
+    };
+    match var.kind {
+        VarKind::State if discrete => d.help(format!("write `next {} ~ …`", var.name)),
+        VarKind::State => d.help(format!(
+            "write `{}{} ~ …`",
+            "d".repeat(usize::from(var.order)),
+            var.name
+        )),
+        VarKind::Input => d.help(format!(
+            "what is to be explained is declared as `output {}`",
+            var.name
+        )),
+        _ => d.help("declare a state or an output for it"),
+    }
+}
+
+pub fn second_equation(at: Span, first: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("second-equation", format!("a second equation for `{name}`"))
+        .at(at, "again here")
+        .also(first, "first here")
+        .help("join the libraries with `+`, or put the candidates in two model files")
+}
+
+pub fn known_with_target(at: Span, target: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("known-part", format!("the known part contains its own target `{name}`"))
+        .at(at, "known, and sought")
+        .also(target, "the target")
+        .help(format!("bring `{name}` to the left by hand, or write a library with a product of it: `{name} * <x>`"))
+}
+
+pub fn known_subtracted(at: Span) -> Diagnostic {
+    Diagnostic::error("known-part", "`known(…)` is added as it stands")
+        .at(at, "no `-`, power or `;` here")
+        .help("put the sign inside: `known(-(…))`")
+}
+
+pub fn minus_from_nothing(at: Span) -> Diagnostic {
+    Diagnostic::error("difference-removes-nothing", "this `-` has no library before it")
+        .at(at, "taken from nothing")
+        .help("a known part is no library: put its sign inside, `known(-x)`, and remove terms from a library")
+}
+
+pub fn constraint_without_coefficient(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "constraint",
+        "a constraint is about at least one coefficient",
+    )
+    .at(at, "no `coef(…)`, or they cancel")
+    .help("write `constrain coef(dx, x) < 0`")
+}
+
+pub fn constraint_not_linear(at: Span) -> Diagnostic {
+    Diagnostic::error("constraint", "a constraint is linear in the coefficients")
+        .at(at, "a product or quotient of coefficients")
+        .help("multiply out: `coef(dx, x) = 2*coef(dy, y)`")
+}
+
+pub fn coefficient_of_no_equation(at: Span, example: &str) -> Diagnostic {
+    Diagnostic::error("constraint", "there is no equation for this")
+        .at(at, "no target of an equation")
+        .help(format!(
+            "the first argument is a target such as `{example}`"
+        ))
+}
+
+pub fn coefficient_of_known(at: Span, equation: Span) -> Diagnostic {
+    Diagnostic::error(
+        "constraint",
+        "this equation is known and has no coefficients to find",
+    )
+    .at(at, "stated, not asked")
+    .also(equation, "with `=`")
+    .help("constrain an equation written with `~`")
+}
+
+pub fn coefficient_of_multiple(at: Span, weight: f64) -> Diagnostic {
+    Diagnostic::error(
+        "constraint",
+        format!("the term carries the number {weight}"),
+    )
+    .at(at, "terms have no numeric factor")
+    .help("leave the number out here and multiply the coefficient: `2*coef(dx, x)`")
+}
+
+/// A model without an equation, with one that would fit it.
+pub fn no_equation(at: Option<Span>, model: &Model, file: FileId) -> Diagnostic {
+    let states: Vec<&Var> = model.vars_of(VarKind::State).map(|(_, v)| v).collect();
+    let inputs = model.vars_of(VarKind::Input).map(|(_, v)| v.name.clone());
+    let example = match states.first() {
+        None => "state x`, then `dx ~ poly(x; 3)".to_string(),
+        Some(first) => {
+            let names: Vec<String> = states
+                .iter()
+                .flat_map(|v| (0..usize::from(v.order.max(1))).map(|k| "d".repeat(k) + &v.name))
+                .chain(inputs)
+                .take(6)
+                .collect();
+            let target = "d".repeat(usize::from(first.order.max(1))) + &first.name;
+            format!("{target} ~ poly({}; 2)", names.join(", "))
+        }
+    };
+    Diagnostic::error("no-equation", "the model has no equation")
+        .at(
+            at.unwrap_or(Span::new(file, 0, 0)),
+            "nothing is asked up to here",
+        )
+        .help(format!("add a line such as `{example}`"))
+}
+
+/// What is legal and probably meant, and worth a word: states that nothing moves, names that nothing uses.
+pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    for (id, var) in model.vars_of(VarKind::State) {
+        if !has_equation(model, id) {
+            out.extend(var.span.map(|span| driven(span, var)));
+        }
+    }
+    for (i, var) in model.vars.iter().enumerate() {
+        let id = VarId(i as u16);
+        let target = has_equation(model, id);
+        let idle =
+            matches!(var.kind, VarKind::Input | VarKind::Param) && !scope.used_vars.contains(&id);
+        let asked_nothing = var.kind == VarKind::Output && !target;
+        if let (Some(span), true) = (var.span, idle || asked_nothing) {
+            out.push(unused(span, &var.name, asked_nothing));
+        }
+    }
+    for (name, l) in &scope.lets {
+        if !scope.used_lets.contains(name) {
+            out.push(unused(l.span, name, false));
+        }
+    }
+    out
+}
+
+fn driven(at: Span, var: &Var) -> Diagnostic {
+    Diagnostic::note(
+        "driven-state",
+        format!("the state `{}` has no equation", var.name),
+    )
+    .at(at, "driven by its measurement in simulation")
+}
+
+fn unused(at: Span, name: &str, output: bool) -> Diagnostic {
+    if output {
+        return Diagnostic::note(
+            "unused-name",
+            format!("the output `{name}` has no equation"),
+        )
+        .at(at, "declared here");
+    }
+    Diagnostic::note("unused-name", format!("`{name}` is never used")).at(at, "defined here")
+}

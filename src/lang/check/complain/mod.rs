@@ -1,0 +1,13 @@
+//! What can be wrong with the meaning of a model, by the kind of statement it is about.
+//!
+//! Constructors only: places and names in, a [`crate::lang::diagnostic::Diagnostic`] with a fix to copy out.
+
+mod data;
+mod equations;
+mod names;
+mod terms;
+
+pub use data::*;
+pub use equations::*;
+pub use names::*;
+pub use terms::*;

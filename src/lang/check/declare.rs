@@ -1,0 +1,249 @@
+//! `state`, `input`, `output`, `param`: the variables of a model and the names they make.
+
+use super::{Checker, complain};
+use crate::lang::ast::{Attribute, Expr, ExprKind, Keyword, StatementKind};
+use crate::lang::model::{Between, Var, VarKind};
+use crate::lang::source::Span;
+use crate::term::{Signal, VarId};
+
+/// More variables than any model needs, and few enough for a [`VarId`].
+const MAX_VARIABLES: usize = 10_000;
+const MAX_ORDER: u8 = 9;
+
+/// What the attributes of one statement say.
+struct Attributes {
+    order: u8,
+    noise: Option<f64>,
+    unit: Option<String>,
+    between: Option<Between>,
+}
+
+impl Checker<'_> {
+    pub fn declarations(&mut self) {
+        self.scope.vars.push(Var {
+            name: "t".to_string(),
+            kind: VarKind::Time,
+            order: 0,
+            noise: None,
+            unit: None,
+            between: None,
+            span: None,
+        });
+        self.scope.signals.insert("t".to_string(), Signal::TIME);
+        self.scope.poisoned = self
+            .file
+            .broken
+            .iter()
+            .flat_map(|b| b.names.iter().cloned())
+            .collect();
+        for s in self.statements() {
+            if let StatementKind::Declare {
+                keyword,
+                names,
+                attributes,
+            } = &s.kind
+            {
+                self.declare(*keyword, names, attributes);
+            }
+        }
+    }
+
+    fn declare(&mut self, keyword: Keyword, names: &[Expr], attributes: &[Attribute]) {
+        let kind = match keyword {
+            Keyword::Input => VarKind::Input,
+            Keyword::Output => VarKind::Output,
+            Keyword::Param => VarKind::Param,
+            _ => VarKind::State,
+        };
+        let declared: Vec<(String, Span)> = names
+            .iter()
+            .filter_map(|n| self.declared_names(n, keyword))
+            .flatten()
+            .collect();
+        let a = self.attributes(keyword, attributes);
+        for (name, span) in declared {
+            self.add_variable(Var {
+                name,
+                kind,
+                order: a.order,
+                noise: a.noise,
+                unit: a.unit.clone(),
+                between: a.between,
+                span: Some(span),
+            });
+        }
+    }
+
+    /// One name, or a range `x1..x12`.
+    fn declared_names(&mut self, e: &Expr, keyword: Keyword) -> Option<Vec<(String, Span)>> {
+        match &e.kind {
+            ExprKind::Name(text) if text.ends_with('\'') => {
+                self.fail(complain::declared_derivative(e.span, text))
+            }
+            ExprKind::Name(text) => Some(vec![(text.clone(), e.span)]),
+            ExprKind::Range(from, to) => {
+                let names = self.expand_range(e.span, from, to)?;
+                Some(names.into_iter().map(|n| (n, e.span)).collect())
+            }
+            ExprKind::Call(call) if call.juxtaposed => {
+                let second = call.args.first().and_then(Expr::as_name).unwrap_or("");
+                let d = complain::two_names(e.span, keyword.text(), &call.name.text, second);
+                self.scope.poisoned.insert(call.name.text.clone());
+                self.scope.poisoned.insert(second.to_string());
+                self.fail(d)
+            }
+            _ => self.fail(complain::not_a_name(e.span, keyword.text())),
+        }
+    }
+
+    fn add_variable(&mut self, var: Var) {
+        let span = var.span;
+        let at = span.unwrap_or(Span::new(self.file.id, 0, 0));
+        if var.name == "t" || var.name == "pi" {
+            return self.say(complain::taken(at, &var.name));
+        }
+        if self.scope.vars.len() > MAX_VARIABLES {
+            if self.reported.insert("\0variables".to_string()) {
+                self.say(complain::too_many_variables(at, MAX_VARIABLES));
+            }
+            return;
+        }
+        let id = VarId(self.scope.vars.len() as u16);
+        for k in 0..=var.order {
+            let name = "d".repeat(usize::from(k)) + &var.name;
+            if let Some(other) = self.scope.signals.get(&name) {
+                let other = self.scope.var(other.var).cloned();
+                if let Some(other) = other {
+                    self.say(complain::clash(at, &var, k, &other));
+                }
+                if k == 0 {
+                    return;
+                }
+            }
+        }
+        for k in 0..=var.order {
+            let name = "d".repeat(usize::from(k)) + &var.name;
+            self.scope
+                .signals
+                .entry(name)
+                .or_insert(Signal::derivative(id, k));
+        }
+        self.scope.vars.push(var);
+    }
+
+    fn attributes(&mut self, keyword: Keyword, attributes: &[Attribute]) -> Attributes {
+        let discrete = self.scope.discrete;
+        let mut out = Attributes {
+            order: u8::from(keyword == Keyword::State && discrete.is_none()),
+            noise: None,
+            unit: None,
+            between: None,
+        };
+        for (i, a) in attributes.iter().enumerate() {
+            let before = attributes.iter().take(i).find(|b| b.key.text == a.key.text);
+            if let Some(first) = before {
+                self.say(complain::twice(a.key.span, first.key.span, "attribute"));
+                continue;
+            }
+            match a.key.text.as_str() {
+                "order" if matches!(keyword, Keyword::State | Keyword::Input) => {
+                    if let Some(order) = self.order(keyword, a) {
+                        out.order = order;
+                    }
+                }
+                "noise" if keyword != Keyword::Param => out.noise = self.noise(a),
+                "unit" => out.unit = self.unit(a),
+                "hold" | "linear" if keyword == Keyword::Input => self.between(a, &mut out.between),
+                key if KEYS.contains(&key) => {
+                    self.say(complain::attribute_elsewhere(
+                        a.key.span,
+                        key,
+                        keyword.text(),
+                    ));
+                }
+                key => {
+                    let d = complain::unknown_attribute(a.key.span, key, &KEYS);
+                    self.say(d);
+                }
+            }
+        }
+        out
+    }
+
+    /// `order 2`
+    fn order(&mut self, keyword: Keyword, a: &Attribute) -> Option<u8> {
+        let least = u8::from(keyword == Keyword::State);
+        let value = self.attribute_number(a, "order 2")?;
+        if value.fract() != 0.0 || value < f64::from(least) || value > f64::from(MAX_ORDER) {
+            let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
+            return self.fail(complain::order(at, value, least, MAX_ORDER));
+        }
+        match self.scope.discrete {
+            Some(place) if value > f64::from(least) => {
+                self.fail(complain::order_in_discrete(a.key.span, place))
+            }
+            Some(_) => Some(0),
+            None => Some(value as u8),
+        }
+    }
+
+    /// `noise 0.01`
+    fn noise(&mut self, a: &Attribute) -> Option<f64> {
+        let value = self.attribute_number(a, "noise 0.01")?;
+        if value > 0.0 && value.is_finite() {
+            return Some(value);
+        }
+        let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
+        self.fail(complain::noise(at, value))
+    }
+
+    /// `unit "m"`
+    fn unit(&mut self, a: &Attribute) -> Option<String> {
+        match a.value.as_ref().map(|v| &v.kind) {
+            Some(ExprKind::Text(text)) => Some(text.trim().to_string()),
+            _ => self.fail(complain::attribute_value(
+                a.key.span,
+                "unit",
+                "a text in quotes",
+                "unit \"m\"",
+            )),
+        }
+    }
+
+    /// `hold` or `linear`
+    fn between(&mut self, a: &Attribute, between: &mut Option<Between>) {
+        if let Some(value) = &a.value {
+            return self.say(complain::attribute_without_value(value.span, &a.key.text));
+        }
+        if between.is_some() {
+            return self.say(complain::hold_and_linear(a.key.span));
+        }
+        *between = Some(if a.key.text == "hold" {
+            Between::Hold
+        } else {
+            Between::Linear
+        });
+    }
+
+    fn attribute_number(&mut self, a: &Attribute, example: &str) -> Option<f64> {
+        match &a.value {
+            Some(value) => self.early_number(value, &a.key.text, example),
+            None => self.fail(complain::attribute_value(
+                a.key.span,
+                &a.key.text,
+                "a number",
+                example,
+            )),
+        }
+    }
+
+    /// A number before any `let` is known: declarations come first whatever the order of lines.
+    fn early_number(&mut self, e: &Expr, key: &str, example: &str) -> Option<f64> {
+        if matches!(e.kind, ExprKind::Text(_)) {
+            return self.fail(complain::attribute_value(e.span, key, "a number", example));
+        }
+        self.constant(e, &format!("`{key}`"))
+    }
+}
+
+pub const KEYS: [&str; 5] = ["order", "noise", "unit", "hold", "linear"];

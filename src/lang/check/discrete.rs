@@ -1,0 +1,68 @@
+//! Whether a model is about samples or about continuous time, and that it is not about both.
+//!
+//! A model is discrete if it mentions `next`, `lag` or a generator of lagged terms anywhere.
+
+use super::{Checker, complain};
+use crate::lang::ast::{Expr, ExprKind, StatementKind};
+use crate::lang::source::Span;
+
+impl Checker<'_> {
+    pub fn find_time_kind(&mut self) {
+        let mut place: Option<Span> = None;
+        for s in self.statements() {
+            let exprs: Vec<&Expr> = match &s.kind {
+                StatementKind::Equation { targets, right, .. } => {
+                    targets.iter().chain([right]).collect()
+                }
+                StatementKind::Let { body, .. } => vec![body],
+                _ => continue,
+            };
+            place = place.or_else(|| exprs.into_iter().find_map(|e| self.sample_word(e)));
+        }
+        self.scope.discrete = place;
+    }
+
+    /// The first `next(…)`, `lag(…)` or discrete generator in an expression.
+    fn sample_word(&self, e: &Expr) -> Option<Span> {
+        match &e.kind {
+            ExprKind::Number(_) | ExprKind::Text(_) | ExprKind::Name(_) => None,
+            ExprKind::Negate(x) | ExprKind::Group(x) => self.sample_word(x),
+            ExprKind::Power(x, y) | ExprKind::Range(x, y) => {
+                self.sample_word(x).or_else(|| self.sample_word(y))
+            }
+            ExprKind::Sum(parts) => parts.iter().find_map(|(_, x)| self.sample_word(x)),
+            ExprKind::Product(parts) => parts.iter().find_map(|(_, x)| self.sample_word(x)),
+            ExprKind::List(items) => items.iter().find_map(|x| self.sample_word(x)),
+            ExprKind::Call(call) => {
+                let name = call.name.text.as_str();
+                let sampled = ["next", "lag"].contains(&name)
+                    || self
+                        .vocabulary
+                        .generator(name)
+                        .is_some_and(|g| g.discrete_only);
+                if sampled {
+                    return Some(e.span);
+                }
+                call.args.iter().find_map(|x| self.sample_word(x))
+            }
+        }
+    }
+
+    /// `dx` in a model about samples: the name does not exist there, and the reason is elsewhere.
+    pub fn derivative_in_discrete(&mut self, at: Span, text: &str) -> bool {
+        let Some(place) = self.scope.discrete else {
+            return false;
+        };
+        let base = text.trim_end_matches('\'');
+        let undotted = base.trim_start_matches('d');
+        let is_derivative = base.len() < text.len() && self.scope.signal(base).is_some()
+            || (0..base.len() - undotted.len()).any(|k| {
+                base.get(k + 1..)
+                    .is_some_and(|rest| self.scope.signals.get(rest).is_some_and(|s| s.var.0 != 0))
+            });
+        if is_derivative {
+            self.say(complain::derivative_in_discrete(at, text, place));
+        }
+        is_derivative
+    }
+}

@@ -1,0 +1,535 @@
+//! Expressions over sets of terms: ast → [`LibExpr`], still factored.
+//!
+//! Outside `< >` and arguments, `+ - * / ^` join libraries; inside they are arithmetic. What a difference removes
+//! and how many terms a divisor has is seen only when the library is expanded.
+
+use super::scope::{Let, Value};
+use super::{Checker, complain};
+use crate::lang::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{LibExpr, LibKind, NumberArg};
+use crate::lang::source::Span;
+use crate::term::{Expr, Signal};
+
+/// Differences, quotients and products of whole libraries in one chain: each nests the result one deeper.
+const MAX_CHAIN: usize = 200;
+const MAX_RANGE: usize = 10_000;
+
+impl Checker<'_> {
+    /// The `let`s that are plain numbers, known before anything else.
+    pub fn number_lets(&mut self) {
+        for s in self.statements() {
+            if let StatementKind::Let { name, body } = &s.kind
+                && self.is_numeric(body)
+                && !self.scope.lets.contains_key(&name.text)
+                && self.sized(body).is_some()
+            {
+                let value = self
+                    .constant(body, "a constant")
+                    .map_or(Value::Wrong, Value::Number);
+                self.define(&name.text, name.span, value, (1, 1));
+            }
+        }
+    }
+
+    fn is_numeric(&self, e: &Ast) -> bool {
+        match &e.kind {
+            ExprKind::Number(_) => true,
+            ExprKind::Name(text) => {
+                text == "pi"
+                    || matches!(
+                        self.scope.lets.get(text).map(|l| &l.value),
+                        Some(Value::Number(_))
+                    )
+            }
+            ExprKind::Negate(x) | ExprKind::Group(x) => self.is_numeric(x),
+            ExprKind::Power(x, y) => self.is_numeric(x) && self.is_numeric(y),
+            ExprKind::Sum(parts) => parts.iter().all(|(_, x)| self.is_numeric(x)),
+            ExprKind::Product(parts) => parts.iter().all(|(_, x)| self.is_numeric(x)),
+            ExprKind::Call(call) => {
+                crate::term::Func::named(&call.name.text).is_some()
+                    && call.args.iter().all(|x| self.is_numeric(x))
+            }
+            ExprKind::Text(_) | ExprKind::List(_) | ExprKind::Range(..) => false,
+        }
+    }
+
+    fn define(&mut self, name: &str, span: Span, value: Value, (nodes, depth): (usize, usize)) {
+        let entry = Let {
+            span,
+            value,
+            nodes,
+            depth,
+        };
+        self.scope.lets.insert(name.to_string(), entry);
+    }
+
+    /// All other `let`s, each of which may use those above it.
+    pub fn lets(&mut self) {
+        for s in self.statements() {
+            let StatementKind::Let { name, body } = &s.kind else {
+                continue;
+            };
+            let text = name.text.as_str();
+            if text == "t" || text == "pi" {
+                self.say(complain::taken(name.span, text));
+                continue;
+            }
+            if let Some(signal) = self.scope.signal(text) {
+                let declared = self.scope.var(signal.var).and_then(|v| v.span);
+                self.say(complain::let_clash(name.span, text, declared));
+                continue;
+            }
+            match self.scope.lets.get(text).map(|l| l.span) {
+                Some(span) if span == name.span => continue,
+                Some(first) => {
+                    self.say(complain::twice(name.span, first, "name"));
+                    continue;
+                }
+                None => {}
+            }
+            let Some(size) = self.sized(body) else {
+                self.define(text, name.span, Value::Wrong, (1, 1));
+                continue;
+            };
+            let value = self.let_value(body).unwrap_or(Value::Wrong);
+            self.define(text, name.span, value, (size.nodes, size.depth));
+        }
+    }
+
+    fn let_value(&mut self, body: &Ast) -> Option<Value> {
+        if self.is_library(body) {
+            return self.library(body).map(Value::Library);
+        }
+        let expr = self.arithmetic(body)?;
+        if !expr.is_finite() {
+            return self.fail(complain::not_finite(body.span));
+        }
+        if let Some(x) = expr.as_number() {
+            return Some(Value::Number(x));
+        }
+        let before = self.found.len();
+        let library = match self.library(body) {
+            Some(library) => Ok(library),
+            None => Err(self.found.split_off(before)),
+        };
+        Some(Value::Expr { expr, library })
+    }
+
+    /// True if the text has a list, a generator or a named library in it.
+    fn is_library(&self, e: &Ast) -> bool {
+        match &e.kind {
+            ExprKind::Number(_) | ExprKind::Text(_) => false,
+            ExprKind::Name(text) => {
+                self.scope.signal(text).is_none()
+                    && matches!(
+                        self.scope.lets.get(text).map(|l| &l.value),
+                        Some(Value::Library(_))
+                    )
+            }
+            ExprKind::Negate(x) | ExprKind::Group(x) => self.is_library(x),
+            ExprKind::Power(x, _) => self.is_library(x),
+            ExprKind::Range(..) => false,
+            ExprKind::Sum(parts) => parts.iter().any(|(_, x)| self.is_library(x)),
+            ExprKind::Product(parts) => parts.iter().any(|(_, x)| self.is_library(x)),
+            ExprKind::List(_) => true,
+            ExprKind::Call(call) => self.vocabulary.generator(&call.name.text).is_some(),
+        }
+    }
+
+    /// An expression as a set of terms.
+    pub fn library(&mut self, e: &Ast) -> Option<LibExpr> {
+        match &e.kind {
+            ExprKind::Name(text) => match self.named(e, text) {
+                Some(found) => found,
+                None => self.term(e),
+            },
+            ExprKind::Number(_) => self.term(e),
+            ExprKind::Group(x) => self.library(x),
+            ExprKind::Negate(x) => self.negated(e, x),
+            ExprKind::Sum(parts) => {
+                let parts: Vec<(Sign, &Ast)> = parts.iter().map(|(s, x)| (*s, x)).collect();
+                self.set_sum(&parts)
+            }
+            ExprKind::Product(parts) => self.set_product(e, parts),
+            ExprKind::Power(base, exponent) => self.set_power(e, base, exponent),
+            ExprKind::List(items) => {
+                let items = self.items(items)?;
+                Some(LibExpr {
+                    span: e.span,
+                    kind: LibKind::List(items),
+                })
+            }
+            ExprKind::Call(call) if self.vocabulary.generator(&call.name.text).is_some() => {
+                self.generator(e, call)
+            }
+            ExprKind::Call(_) | ExprKind::Text(_) => self.term(e),
+            ExprKind::Range(..) => self.fail(complain::range_inside(e.span)),
+        }
+    }
+
+    /// A `let` used by name where a library may stand; outer `None` if it is not one.
+    fn named(&mut self, e: &Ast, text: &str) -> Option<Option<LibExpr>> {
+        if self.scope.signal(text).is_some() {
+            return None;
+        }
+        let body = match &self.scope.lets.get(text)?.value {
+            Value::Library(body) => body.clone(),
+            Value::Expr {
+                library: Ok(body), ..
+            } if !matches!(body.kind, LibKind::Term(_)) => body.clone(),
+            Value::Expr {
+                library: Err(why), ..
+            } => {
+                let why = why.clone();
+                self.found.extend(why);
+                return Some(None);
+            }
+            _ => return None,
+        };
+        self.scope.used_lets.insert(text.to_string());
+        Some(Some(LibExpr {
+            span: e.span,
+            kind: LibKind::Named {
+                name: text.to_string(),
+                body: Box::new(body),
+            },
+        }))
+    }
+
+    /// A single term, by arithmetic.
+    fn term(&mut self, e: &Ast) -> Option<LibExpr> {
+        let expr = self.arithmetic(e)?;
+        self.checked_term(e.span, expr)
+    }
+
+    fn checked_term(&mut self, span: Span, expr: Expr) -> Option<LibExpr> {
+        if !expr.is_finite() {
+            return self.fail(complain::not_finite(span));
+        }
+        if expr.terms().len() == 0 {
+            return self.fail(complain::zero_term(span));
+        }
+        Some(LibExpr {
+            span,
+            kind: LibKind::Term(expr),
+        })
+    }
+
+    fn negated(&mut self, e: &Ast, x: &Ast) -> Option<LibExpr> {
+        let inner = self.library(x)?;
+        let span = e.span;
+        Some(match inner.kind {
+            LibKind::Term(expr) => LibExpr {
+                span,
+                kind: LibKind::Term(expr.scale(-1.0)),
+            },
+            kind => {
+                let minus = LibExpr {
+                    span,
+                    kind: LibKind::Term(Expr::number(-1.0)),
+                };
+                let kind = LibKind::Product(
+                    Box::new(minus),
+                    Box::new(LibExpr {
+                        span: inner.span,
+                        kind,
+                    }),
+                );
+                LibExpr { span, kind }
+            }
+        })
+    }
+
+    /// `A + B - C`: unions are joined by halves, so that a long chain stays shallow.
+    pub fn set_sum(&mut self, parts: &[(Sign, &Ast)]) -> Option<LibExpr> {
+        let sets: Vec<Option<(Sign, LibExpr)>> = parts
+            .iter()
+            .map(|(sign, x)| Some((*sign, self.library(x)?)))
+            .collect();
+        let sets = sets.into_iter().collect::<Option<Vec<_>>>()?;
+        if let Some(number) = sum_of_numbers(&sets) {
+            return self.checked_term(number.span, number.expr);
+        }
+        if let Some(d) = number_minus_term(&sets) {
+            return self.fail(d);
+        }
+        let differences = sets.iter().filter(|(s, _)| *s == Sign::Minus).count();
+        if let (true, Some((_, last))) = (differences > MAX_CHAIN, sets.last()) {
+            return self.fail(complain::chain_too_long(last.span, MAX_CHAIN));
+        }
+        let mut pending: Vec<LibExpr> = Vec::with_capacity(sets.len());
+        for (sign, set) in sets {
+            if sign == Sign::Plus {
+                pending.push(set);
+                continue;
+            }
+            let left = union(std::mem::take(&mut pending))?;
+            pending.push(LibExpr {
+                span: left.span.to(set.span),
+                kind: LibKind::Difference(Box::new(left), Box::new(set)),
+            });
+        }
+        union(pending)
+    }
+
+    /// `A * B / C`; single terms that meet are multiplied at once.
+    fn set_product(&mut self, e: &Ast, parts: &[(Side, Ast)]) -> Option<LibExpr> {
+        let sets: Vec<Option<LibExpr>> = parts.iter().map(|(_, x)| self.library(x)).collect();
+        let sets = sets.into_iter().collect::<Option<Vec<_>>>()?;
+        let whole = sets
+            .iter()
+            .filter(|s| !matches!(s.kind, LibKind::Term(_)))
+            .count();
+        if whole > MAX_CHAIN || sets.len() > 5 * MAX_CHAIN {
+            return self.fail(complain::chain_too_long(e.span, MAX_CHAIN));
+        }
+        let mut out: Option<LibExpr> = None;
+        for (set, (side, ast)) in sets.into_iter().zip(parts) {
+            out = Some(match out {
+                None => set,
+                Some(left) => self.join(left, *side, set, ast)?,
+            });
+        }
+        out
+    }
+
+    fn join(&mut self, left: LibExpr, side: Side, right: LibExpr, ast: &Ast) -> Option<LibExpr> {
+        let span = left.span.to(right.span);
+        let kind = match (left.kind, side, right.kind) {
+            (LibKind::Term(a), Side::Above, LibKind::Term(b)) => LibKind::Term(a.mul(b)),
+            (LibKind::Term(a), Side::Below, LibKind::Term(b)) => {
+                LibKind::Term(self.quotient(ast, a, b)?)
+            }
+            (a, side, b) => {
+                let a = Box::new(LibExpr {
+                    span: left.span,
+                    kind: a,
+                });
+                let b = Box::new(LibExpr {
+                    span: right.span,
+                    kind: b,
+                });
+                match side {
+                    Side::Above => LibKind::Product(a, b),
+                    Side::Below => LibKind::Quotient(a, b),
+                }
+            }
+        };
+        Some(LibExpr { span, kind })
+    }
+
+    fn set_power(&mut self, e: &Ast, base: &Ast, exponent: &Ast) -> Option<LibExpr> {
+        let (base_set, p) = (self.library(base), self.exponent(exponent));
+        let (set, p) = (base_set?, p?);
+        Some(match set.kind {
+            LibKind::Term(expr) => {
+                let power = self.powered(e, expr, p)?;
+                return self.checked_term(e.span, power);
+            }
+            _ => LibExpr {
+                span: e.span,
+                kind: LibKind::Power(Box::new(set), p),
+            },
+        })
+    }
+
+    /// The items of a list or the arguments of a generator: terms, or whole libraries.
+    fn items(&mut self, items: &[Ast]) -> Option<Vec<LibExpr>> {
+        let mut out = Vec::with_capacity(items.len());
+        let mut complete = true;
+        for item in items {
+            match self.item(item) {
+                Some(sets) => out.extend(sets),
+                None => complete = false,
+            }
+        }
+        complete.then_some(out)
+    }
+
+    fn item(&mut self, e: &Ast) -> Option<Vec<LibExpr>> {
+        if let ExprKind::Range(from, to) = &e.kind {
+            return self.signal_range(e.span, from, to);
+        }
+        let whole = match &e.ungrouped().kind {
+            ExprKind::List(_) => true,
+            ExprKind::Call(call) => self.vocabulary.generator(&call.name.text).is_some(),
+            ExprKind::Name(_) => self.is_library(e.ungrouped()),
+            _ => false,
+        };
+        let set = if whole { self.library(e) } else { self.term(e) };
+        Some(vec![set?])
+    }
+
+    /// `x1..x12`
+    fn signal_range(&mut self, span: Span, from: &Ast, to: &Ast) -> Option<Vec<LibExpr>> {
+        let names = self.expand_range(span, from, to)?;
+        let mut out = Vec::with_capacity(names.len());
+        for name in names {
+            let signal: Signal = match self.scope.use_signal(&name) {
+                Some(s) => s,
+                None => return self.unknown_name(span, &name),
+            };
+            out.push(LibExpr {
+                span,
+                kind: LibKind::Term(Expr::signal(signal)),
+            });
+        }
+        Some(out)
+    }
+
+    /// The names of `x1..x12`: one stem, numbers that rise.
+    pub fn expand_range(&mut self, span: Span, from: &Ast, to: &Ast) -> Option<Vec<String>> {
+        let ends = from
+            .as_name()
+            .and_then(numbered)
+            .zip(to.as_name().and_then(numbered));
+        let Some(((stem, first), (other, last))) = ends.filter(|((a, _), (b, _))| a == b) else {
+            return self.fail(complain::range_of_names(span));
+        };
+        debug_assert_eq!(stem, other);
+        let (Ok(a), Ok(b)) = (first.parse::<usize>(), last.parse::<usize>()) else {
+            return self.fail(complain::range_of_names(span));
+        };
+        if a > b || b - a >= MAX_RANGE {
+            return self.fail(complain::range_bounds(span, a, b, MAX_RANGE));
+        }
+        let width = if first.starts_with('0') {
+            first.len()
+        } else {
+            1
+        };
+        Some((a..=b).map(|i| format!("{stem}{i:0width$}")).collect())
+    }
+
+    fn generator(&mut self, e: &Ast, call: &Call) -> Option<LibExpr> {
+        let name = &call.name;
+        let usage = self
+            .vocabulary
+            .generator(&name.text)
+            .map_or("", |g| g.usage);
+        if call.juxtaposed || call.power.is_some() {
+            return self.fail(complain::generator_without_arguments(
+                e.span, &name.text, usage,
+            ));
+        }
+        let args = self.items(&call.args);
+        if call.numbers.is_none() && usage.contains(';') {
+            let last = call.args.last().map(|a| {
+                (
+                    a.span,
+                    matches!(a.kind, ExprKind::Number(_) | ExprKind::Range(..)),
+                )
+            });
+            return self.fail(complain::numbers_missing(e.span, &name.text, usage, last));
+        }
+        let numbers: Vec<Option<NumberArg>> = call
+            .numbers
+            .iter()
+            .flatten()
+            .map(|n| self.number_arg(n))
+            .collect();
+        let numbers = numbers.into_iter().collect::<Option<Vec<_>>>();
+        Some(LibExpr {
+            span: e.span,
+            kind: LibKind::Generate {
+                name: name.text.clone(),
+                name_span: name.span,
+                args: args?,
+                numbers: numbers?,
+            },
+        })
+    }
+
+    /// `2` or `1..3`
+    fn number_arg(&mut self, e: &Ast) -> Option<NumberArg> {
+        let what = "a number after `;`";
+        let (from, to, range) = match &e.kind {
+            ExprKind::Range(a, b) => {
+                let (a, b) = (self.constant(a, what), self.constant(b, what));
+                (a?, b?, true)
+            }
+            _ => {
+                let x = self.constant(e, what)?;
+                (x, x, false)
+            }
+        };
+        Some(NumberArg {
+            from,
+            to,
+            range,
+            span: e.span,
+        })
+    }
+}
+
+struct Number {
+    span: Span,
+    expr: Expr,
+}
+
+/// A sum of numbers only is a number, wherever it stands.
+fn sum_of_numbers(sets: &[(Sign, LibExpr)]) -> Option<Number> {
+    let mut total = 0.0;
+    for (sign, set) in sets {
+        let LibKind::Term(expr) = &set.kind else {
+            return None;
+        };
+        let x = expr.as_number()?;
+        total += if *sign == Sign::Minus { -x } else { x };
+    }
+    let (first, last) = (sets.first()?, sets.last()?);
+    Some(Number {
+        span: first.1.span.to(last.1.span),
+        expr: Expr::number(total),
+    })
+}
+
+/// `1 - x` between sets: a `-` that can remove nothing, with a number that shows that arithmetic was meant.
+fn number_minus_term(sets: &[(Sign, LibExpr)]) -> Option<Diagnostic> {
+    let mut terms = Vec::with_capacity(sets.len());
+    for (sign, set) in sets {
+        let LibKind::Term(expr) = &set.kind else {
+            return None;
+        };
+        terms.push((
+            *sign,
+            set.span,
+            expr.clone().into_term().1,
+            expr.as_number().is_some(),
+        ));
+    }
+    let has_number = terms.iter().any(|t| t.3);
+    let removes_nothing = terms
+        .iter()
+        .enumerate()
+        .find(|(i, t)| t.0 == Sign::Minus && !terms.iter().take(*i).any(|u| u.2 == t.2))?;
+    let whole = terms.first()?.1.to(terms.last()?.1);
+    has_number.then(|| complain::arithmetic_outside_list(whole, removes_nothing.1.1))
+}
+
+/// Joins sets by halves.
+fn union(mut sets: Vec<LibExpr>) -> Option<LibExpr> {
+    while sets.len() > 1 {
+        let mut halved = Vec::with_capacity(sets.len() / 2 + 1);
+        let mut pairs = sets.into_iter();
+        while let Some(a) = pairs.next() {
+            halved.push(match pairs.next() {
+                Some(b) => LibExpr {
+                    span: a.span.to(b.span),
+                    kind: LibKind::Union(Box::new(a), Box::new(b)),
+                },
+                None => a,
+            });
+        }
+        sets = halved;
+    }
+    sets.pop()
+}
+
+/// `x12` is the stem `x` and the digits `12`.
+fn numbered(name: &str) -> Option<(&str, &str)> {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let digits = name.get(stem.len()..)?;
+    (!digits.is_empty()).then_some((stem, digits))
+}

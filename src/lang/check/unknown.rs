@@ -1,0 +1,169 @@
+//! Names that nothing declares, and what may have been meant.
+
+use super::{Checker, complain};
+use crate::lang::ast::{Call, Expr as Ast, StatementKind};
+use crate::lang::diagnostic::{Diagnostic, did_you_mean};
+use crate::lang::parse::pasted;
+use crate::lang::source::Span;
+use crate::term::{FUNCTIONS, Func};
+
+/// Words with a meaning only in a place of their own.
+const PLACED: [(&str, &str); 5] = [
+    (
+        "known",
+        "`known(…)` is a summand of its own on the right of `~`: `dx ~ known(-9.8*x) + poly(x; 3)`",
+    ),
+    (
+        "coef",
+        "`coef(…)` stands in a constraint: `constrain coef(dx, x) < 0`",
+    ),
+    (
+        "unwrap",
+        "`unwrap(…)` stands in the data block: `theta = unwrap(\"Angle\", 2*pi)`",
+    ),
+    (
+        "delay",
+        "`delay` is reserved for a later version; `lag(u, k)` is k samples back in discrete time",
+    ),
+    ("next", "`next(x)` takes one state"),
+];
+
+impl Checker<'_> {
+    /// Reports a name without a meaning, once.
+    pub fn unknown_name<T>(&mut self, at: Span, text: &str) -> Option<T> {
+        if self.scope.is_poisoned(text) || !self.reported.insert(text.to_string()) {
+            return None;
+        }
+        if self.derivative_in_discrete(at, text) {
+            return None;
+        }
+        let d = self.describe_unknown(at, text);
+        self.fail(d)
+    }
+
+    fn describe_unknown(&self, at: Span, text: &str) -> Diagnostic {
+        if Func::named(text).is_some() {
+            return complain::function_without_argument(at, text);
+        }
+        if let Some(generator) = self.vocabulary.generator(text) {
+            return complain::generator_without_arguments(at, generator.name, generator.usage);
+        }
+        if let Some(later) = self.later_let(text) {
+            return complain::let_used_before(at, text, later);
+        }
+        let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
+        let d = match self.meant(text) {
+            Some(name) => {
+                let d = d.at(at, format!("did you mean `{name}`?"));
+                self.point_to_declaration(d, &name)
+            }
+            None => d.at(at, "not declared"),
+        };
+        let d = d.fact(format!("in scope: {}", self.scope.in_scope()));
+        match self.too_high_derivative(text) {
+            Some(help) => d.help(help),
+            None => d,
+        }
+    }
+
+    /// The name in scope that was probably meant.
+    fn meant(&self, text: &str) -> Option<String> {
+        let names = || self.scope.signals.keys().chain(self.scope.lets.keys());
+        let plain = pasted::dotted(text).unwrap_or_else(|| text.to_string());
+        let spelt = pasted::spelt_out(&plain);
+        let same = names().find(|n| **n == plain || pasted::spelt_out(n) == spelt);
+        if let Some(name) = same {
+            return Some(name.clone());
+        }
+        did_you_mean(text, names().map(String::as_str)).map(str::to_string)
+    }
+
+    fn point_to_declaration(&self, d: Diagnostic, name: &str) -> Diagnostic {
+        if let Some(s) = self.scope.signal(name) {
+            let span = self.scope.var(s.var).and_then(|v| v.span);
+            return match span {
+                Some(span) => d.also(span, format!("declares {}", self.scope.spellings(s.var))),
+                None => d,
+            };
+        }
+        match self.scope.lets.get(name) {
+            Some(l) => d.also(l.span, format!("defines {name}")),
+            None => d,
+        }
+    }
+
+    /// `ddx` where `x` has order 1: the declaration to change.
+    fn too_high_derivative(&self, text: &str) -> Option<String> {
+        let primes = text.len() - text.trim_end_matches('\'').len();
+        let base = text.trim_end_matches('\'');
+        let cut = (1..=base.len() - base.trim_start_matches('d').len())
+            .rev()
+            .chain([0])
+            .find(|k| {
+                base.get(*k..)
+                    .is_some_and(|rest| self.scope.signals.contains_key(rest))
+            })?;
+        let rest = base.get(cut..)?;
+        let s = self.scope.signals.get(rest)?;
+        let var = self.scope.var(s.var).filter(|v| v.span.is_some())?;
+        let order = usize::from(s.der) + cut + primes;
+        match var.kind {
+            crate::lang::model::VarKind::State => {
+                Some(format!("declare `state {} : order {order}`", var.name))
+            }
+            crate::lang::model::VarKind::Input => {
+                Some(format!("declare `input {} : order {order}`", var.name))
+            }
+            _ => None,
+        }
+    }
+
+    fn later_let(&self, text: &str) -> Option<Span> {
+        self.statements().find_map(|s| match &s.kind {
+            StatementKind::Let { name, .. } if name.text == text => Some(name.span),
+            _ => None,
+        })
+    }
+
+    /// `x(1 - x)`, `x y`, `sine(x)`: a call of something that is no function.
+    pub fn not_a_function<T>(&mut self, e: &Ast, call: &Call) -> Option<T> {
+        let name = call.name.text.as_str();
+        let at = call.name.span;
+        if let Some((_, help)) = PLACED.iter().find(|(word, _)| *word == name) {
+            return self.fail(complain::word_elsewhere(at, name, help));
+        }
+        if self.vocabulary.generator(name).is_some() {
+            return self.fail(complain::library_inside(
+                e.span,
+                &format!("the library `{name}(…)`"),
+            ));
+        }
+        if self.scope.is_poisoned(name) {
+            return None;
+        }
+        let known =
+            self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi";
+        let second = call.args.first().and_then(Ast::as_name);
+        if known {
+            return self.fail(complain::product_without_sign(e.span, name, second, call));
+        }
+        let candidates = FUNCTIONS
+            .iter()
+            .map(|f| f.name)
+            .chain(self.vocabulary.generators.iter().map(|g| g.name))
+            .chain(["next", "lag", "known"]);
+        let near = did_you_mean(name, candidates).map(str::to_string);
+        if call.juxtaposed && near.is_none() {
+            return self.unknown_name(at, name);
+        }
+        if !self.reported.insert(name.to_string()) {
+            return None;
+        }
+        self.fail(complain::unknown_function(
+            at,
+            name,
+            near,
+            &self.vocabulary.generators,
+        ))
+    }
+}

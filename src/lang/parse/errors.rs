@@ -1,0 +1,213 @@
+//! What can be wrong with the text of a model, before any name is looked up.
+//!
+//! Each constructor takes places and words of the user's own text, and gives a message with a fix to copy.
+
+use crate::lang::ast::Call;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::Span;
+
+pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error(
+        "unclosed-quote",
+        "a quote is opened and not closed on its line",
+    )
+    .at(at, "opened here")
+    .help(format!("close it: `{}\"`", text.trim_end()))
+}
+
+pub fn dangling_dot(at: Span, text: &str) -> Diagnostic {
+    let fixed = match text.strip_prefix('.') {
+        Some(rest) => format!("0.{rest}"),
+        None => text.replacen('.', ".0", 1),
+    };
+    Diagnostic::error("number-dot", "a number has digits on both sides of its dot")
+        .at(at, "digits missing on one side")
+        .help(format!("write `{fixed}`"))
+}
+
+pub fn number_range(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error(
+        "number-range",
+        format!("the number `{text}` cannot be held"),
+    )
+    .at(at, "too large or too small for 64 bits")
+    .fact("numbers lie between 5e-324 and 1.8e308 in size")
+    .help("measure the quantity in another unit")
+}
+
+pub fn implicit_product(at: Span, left: &str, right: &str) -> Diagnostic {
+    Diagnostic::error("implicit-product", "a product needs its `*`")
+        .at(at, "no operator between the two")
+        .help(format!("write `{left}*{right}`"))
+}
+
+pub fn missing_operator(
+    left: Span,
+    right: Span,
+    first: &str,
+    second: &str,
+    same_line: bool,
+) -> Diagnostic {
+    let d = Diagnostic::error(
+        "implicit-product",
+        format!("no operator between `{first}` and `{second}`"),
+    )
+    .at(right, "an operator or a comma is missing before this")
+    .also(left, "after this");
+    if same_line {
+        d.help(format!("for a product write `{first}*{second}`"))
+    } else {
+        d.help(format!(
+            "write `{first}, {second}` in a list, or put an operator between them"
+        ))
+    }
+}
+
+pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
+    Diagnostic::error(
+        "pasted-character",
+        format!("`{text}` is not a character of the language"),
+    )
+    .at(at, format!("write `{ascii}`"))
+    .help(format!("replace `{text}` by `{ascii}`"))
+}
+
+pub fn strange_character(at: Span, c: char) -> Diagnostic {
+    let shown = if c.is_control() {
+        format!("U+{:04X}", c as u32)
+    } else {
+        c.to_string()
+    };
+    let d = Diagnostic::error(
+        "unexpected-character",
+        format!("`{shown}` has no meaning in a model"),
+    )
+    .at(at, "not expected here");
+    match c {
+        '%' | '!' | '?' | '\\' => d.help("a comment begins with `#`"),
+        '.' => d.help("a range is written with two dots: `0..3`"),
+        '$' | '@' | '&' | '|' => d.help("names have letters, digits and `_`"),
+        _ => d.help("delete it"),
+    }
+}
+
+pub fn double_equals(at: Span) -> Diagnostic {
+    Diagnostic::error("unexpected-character", "`==` has no meaning in a model")
+        .at(at, "equality is one sign")
+        .help("write `=`")
+}
+
+pub fn too_deep(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-deep",
+        format!("brackets are nested more than {limit} deep"),
+    )
+    .at(at, "one level too many")
+    .help("name an inner part with `let`")
+}
+
+pub fn unclosed_bracket(at: Span, open: &str, close: &str) -> Diagnostic {
+    Diagnostic::error("unclosed-bracket", format!("`{open}` is never closed"))
+        .at(at, "opened here")
+        .help(format!(
+            "add the missing `{close}` before the next statement"
+        ))
+}
+
+pub fn stray_bracket(at: Span, close: &str) -> Diagnostic {
+    Diagnostic::error("unclosed-bracket", format!("`{close}` closes nothing"))
+        .at(at, "no bracket is open here")
+        .help(format!("delete the `{close}`, or open it before"))
+}
+
+pub fn wrong_bracket(open: Span, close: Span, opening: &str, closing: &str) -> Diagnostic {
+    let wanted = match opening {
+        "(" => ")",
+        "<" => ">",
+        _ => "}",
+    };
+    Diagnostic::error(
+        "unclosed-bracket",
+        format!("`{opening}` is closed by `{closing}`"),
+    )
+    .at(close, format!("expected `{wanted}`"))
+    .also(open, "opened here")
+    .help(format!(
+        "write `{wanted}` before the `{closing}`, or instead of it"
+    ))
+}
+
+pub fn reserved(at: Span, word: &str) -> Diagnostic {
+    Diagnostic::error(
+        "reserved-word",
+        format!("`{word}` is reserved for a later version"),
+    )
+    .at(at, "not a statement yet")
+    .help("remove the line")
+}
+
+pub fn data_without_brace(at: Span) -> Diagnostic {
+    Diagnostic::error("syntax", "a data block needs braces")
+        .at(at, "expected `{` right after `data`")
+        .help("write `data { x = \"Column\" }`")
+}
+
+pub fn double_power(at: Span, base: Span, first: Span, second: Span) -> Diagnostic {
+    Diagnostic::error("double-power", "a power of a power needs parentheses")
+        .at(at, "two readings")
+        .also(base, "the base")
+        .fact("`x^2^3` could be `(x^2)^3`, which is x^6, or `x^(2^3)`, which is x^8")
+        .help(format!(
+            "put parentheses around the part that comes first ({} bytes of exponent)",
+            second.end - first.start
+        ))
+}
+
+/// `sin theta^2`
+pub fn power_of_juxtaposed(at: Span, call: &Call, arg: Span, exponent: Span) -> Diagnostic {
+    let name = &call.name.text;
+    let _ = (arg, exponent);
+    Diagnostic::error(
+        "ambiguous-argument",
+        format!("where does the argument of `{name}` end?"),
+    )
+    .at(at, "two readings")
+    .help(format!("write `{name}(x)^2` or `{name}(x^2)`"))
+}
+
+/// `sin 2*theta`, `exp sin x`: `readings` are the ways to write what may be meant.
+pub fn ambiguous_argument(at: Span, function: &str, readings: &[String]) -> Diagnostic {
+    let readings: Vec<String> = readings.iter().map(|r| format!("`{r}`")).collect();
+    Diagnostic::error(
+        "ambiguous-argument",
+        format!("where does the argument of `{function}` end?"),
+    )
+    .at(at, "without parentheses a function takes one name")
+    .help(format!("write {}", readings.join(" or ")))
+}
+
+pub fn unexpected(at: Span, found: &str, expected: &str) -> Diagnostic {
+    Diagnostic::error("syntax", format!("expected {expected}, found `{found}`"))
+        .at(at, format!("expected {expected}"))
+}
+
+pub fn ends_early(at: Span, expected: &str) -> Diagnostic {
+    Diagnostic::error(
+        "syntax",
+        format!("the statement ends where {expected} is expected"),
+    )
+    .at(at, format!("expected {expected} after this"))
+}
+
+pub fn not_a_statement(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error("unknown-statement", format!("`{text}` opens no statement"))
+        .at(at, "not understood")
+        .fact("statements: state, input, output, param, system, let, data, constrain, and equations `TARGET ~ LIBRARY`")
+}
+
+/// This should not be possible: the grammar and the tree builder disagree.
+pub fn internal(at: Span) -> Diagnostic {
+    Diagnostic::error("internal", "the parser contradicts its own grammar")
+        .at(at, "while reading this")
+        .help("please report this line as a bug")
+}

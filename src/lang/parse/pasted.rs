@@ -1,0 +1,150 @@
+//! Characters that arrive by pasting from papers and word processors, and what to type instead.
+//!
+//! In: one character or name. Out: its ASCII spelling, if it has one. Never changes a text.
+
+use unicode_normalization::UnicodeNormalization;
+
+/// The spelling of a pasted sign in the language.
+pub fn ascii(c: char) -> Option<&'static str> {
+    Some(match c {
+        '·' | '×' | '⋅' | '∙' | '•' | '∗' => "*",
+        '−' | '–' | '—' | '‐' | '‑' => "-",
+        '÷' | '∕' | '⁄' => "/",
+        '’' | '‘' | '′' | '´' | '`' => "'",
+        '″' => "''",
+        '“' | '”' | '„' | '«' | '»' => "\"",
+        '≤' => "<=",
+        '≥' => ">=",
+        '∼' | '≈' | '～' => "~",
+        '⟨' | '〈' | '‹' => "<",
+        '⟩' | '〉' | '›' => ">",
+        '…' => "..",
+        '[' => "<",
+        ']' => ">",
+        _ => return superscript(c).or_else(|| subscript(c)),
+    })
+}
+
+/// The spelling of a run of pasted signs: `²` is `^2`, `¹²` is `^12`.
+pub fn ascii_run(run: &str) -> String {
+    let mut out = String::new();
+    let mut raised = false;
+    for c in run.chars() {
+        let up = superscript(c).is_some();
+        if up && !raised {
+            out.push('^');
+        }
+        raised = up;
+        out.push_str(ascii(c).unwrap_or(""));
+    }
+    out
+}
+
+fn superscript(c: char) -> Option<&'static str> {
+    Some(match c {
+        '⁰' => "0",
+        '¹' => "1",
+        '²' => "2",
+        '³' => "3",
+        '⁴' => "4",
+        '⁵' => "5",
+        '⁶' => "6",
+        '⁷' => "7",
+        '⁸' => "8",
+        '⁹' => "9",
+        '⁻' => "-",
+        _ => return None,
+    })
+}
+
+fn subscript(c: char) -> Option<&'static str> {
+    Some(match c {
+        '₀' => "0",
+        '₁' => "1",
+        '₂' => "2",
+        '₃' => "3",
+        '₄' => "4",
+        '₅' => "5",
+        '₆' => "6",
+        '₇' => "7",
+        '₈' => "8",
+        '₉' => "9",
+        _ => return None,
+    })
+}
+
+/// A name with dots over a letter, or another mark that has no letter of its own: what to type for it.
+pub fn accented(name: &str) -> Option<String> {
+    if !name.contains(is_mark) {
+        return None;
+    }
+    Some(undotted(name))
+}
+
+/// `ẋ` is `dx`, `θ̈` is `ddθ`: the dots of a name counted as derivatives.
+pub fn dotted(name: &str) -> Option<String> {
+    let decomposed: String = name.nfd().collect();
+    decomposed
+        .contains(['\u{307}', '\u{308}', '\u{20DB}'])
+        .then(|| undotted(name))
+}
+
+fn undotted(name: &str) -> String {
+    let mut order = 0;
+    let mut letters = String::new();
+    for c in name.nfd() {
+        match c {
+            '\u{307}' => order += 1,
+            '\u{308}' => order += 2,
+            '\u{20DB}' => order += 3,
+            c if is_mark(c) => {}
+            c => letters.push(c),
+        }
+    }
+    "d".repeat(order) + &letters
+}
+
+fn is_mark(c: char) -> bool {
+    matches!(c, '\u{300}'..='\u{36F}' | '\u{20D0}'..='\u{20F0}')
+}
+
+const GREEK: &[(char, &str)] = &[
+    ('α', "alpha"),
+    ('β', "beta"),
+    ('γ', "gamma"),
+    ('δ', "delta"),
+    ('ε', "epsilon"),
+    ('ζ', "zeta"),
+    ('η', "eta"),
+    ('θ', "theta"),
+    ('κ', "kappa"),
+    ('λ', "lambda"),
+    ('μ', "mu"),
+    ('µ', "mu"),
+    ('ν', "nu"),
+    ('ξ', "xi"),
+    ('ρ', "rho"),
+    ('σ', "sigma"),
+    ('τ', "tau"),
+    ('φ', "phi"),
+    ('ϕ', "phi"),
+    ('χ', "chi"),
+    ('ψ', "psi"),
+    ('ω', "omega"),
+    ('Δ', "Delta"),
+    ('Θ', "Theta"),
+    ('Φ', "Phi"),
+    ('Ψ', "Psi"),
+    ('Ω', "Omega"),
+];
+
+/// Greek letters written out, so that `θ` and `theta` can be seen to be near.
+pub fn spelt_out(name: &str) -> String {
+    name.chars().fold(String::new(), |mut out, c| {
+        match GREEK.iter().find(|(g, _)| *g == c) {
+            Some((_, word)) => out.push_str(word),
+            None => out.push(c),
+        }
+        out
+    })
+}

@@ -1,0 +1,260 @@
+//! Text → tokens with places, comments and line ends included.
+//!
+//! In: any text. Out: tokens that cover everything but blanks, and an error for each character or number that is
+//! not of the language. Used to cut a file into statements and to format it; the grammar reads the text itself.
+
+use unicode_normalization::UnicodeNormalization;
+
+use super::errors;
+use super::pasted;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::{FileId, Span};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TokenKind {
+    /// Primes included: `x''`.
+    Name,
+    Number,
+    /// Quotes included.
+    Text,
+    Symbol,
+    Comment,
+    Newline,
+    /// Reported already.
+    Bad,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Token<'t> {
+    pub kind: TokenKind,
+    pub start: usize,
+    pub end: usize,
+    pub text: &'t str,
+}
+
+impl Token<'_> {
+    pub fn is(&self, symbol: &str) -> bool {
+        self.kind == TokenKind::Symbol && self.text == symbol
+    }
+
+    /// Neither comment nor line end.
+    pub fn is_code(&self) -> bool {
+        !matches!(self.kind, TokenKind::Comment | TokenKind::Newline)
+    }
+
+    pub fn span(&self, file: FileId) -> Span {
+        Span::new(file, self.start, self.end)
+    }
+}
+
+/// A name as the checker compares it.
+pub fn normalise(name: &str) -> String {
+    name.nfc().collect()
+}
+
+/// Splits a text into tokens.
+pub fn tokens(file: FileId, text: &str) -> (Vec<Token<'_>>, Vec<Diagnostic>) {
+    let mut lexer = Lexer {
+        file,
+        text,
+        at: 0,
+        out: Vec::with_capacity(text.len() / 3),
+        errors: Vec::new(),
+    };
+    while let Some(c) = lexer.peek() {
+        lexer.step(c);
+    }
+    (lexer.out, lexer.errors)
+}
+
+pub fn is_blank(c: char) -> bool {
+    matches!(c, ' ' | '\t' | '\r' | '\u{A0}' | '\u{FEFF}')
+}
+
+fn starts_name(c: char) -> bool {
+    c.is_alphabetic() || c == '_'
+}
+
+fn continues_name(c: char) -> bool {
+    starts_name(c) || c.is_ascii_digit() || unicode_normalization::char::is_combining_mark(c)
+}
+
+struct Lexer<'t> {
+    file: FileId,
+    text: &'t str,
+    at: usize,
+    out: Vec<Token<'t>>,
+    errors: Vec<Diagnostic>,
+}
+
+const PAIRS: [&str; 4] = ["..", "<=", ">=", "=="];
+const SINGLES: &str = "+-*/^~=:;,()<>{}";
+
+impl<'t> Lexer<'t> {
+    fn rest(&self) -> &'t str {
+        self.text.get(self.at..).unwrap_or("")
+    }
+
+    fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    /// Moves past characters while they satisfy `wanted`.
+    fn skip(&mut self, wanted: impl Fn(char) -> bool) {
+        let rest = self.rest();
+        self.at += rest.find(|c| !wanted(c)).unwrap_or(rest.len());
+    }
+
+    fn push(&mut self, kind: TokenKind, start: usize) -> &'t str {
+        let text = self.text.get(start..self.at).unwrap_or("");
+        self.out.push(Token {
+            kind,
+            start,
+            end: self.at,
+            text,
+        });
+        text
+    }
+
+    fn span(&self, start: usize) -> Span {
+        Span::new(self.file, start, self.at)
+    }
+
+    fn step(&mut self, c: char) {
+        let start = self.at;
+        if is_blank(c) {
+            self.skip(is_blank);
+        } else if c == '\n' {
+            self.at += 1;
+            self.push(TokenKind::Newline, start);
+        } else if c == '#' {
+            self.skip(|c| c != '\n');
+            self.push(TokenKind::Comment, start);
+        } else if c == '"' {
+            self.quoted(start);
+        } else if c.is_ascii_digit() {
+            self.number(start);
+        } else if starts_name(c) {
+            self.name(start);
+        } else {
+            self.symbol(start, c);
+        }
+    }
+
+    fn quoted(&mut self, start: usize) {
+        self.at += 1;
+        self.skip(|c| c != '"' && c != '\n');
+        if self.peek() == Some('"') {
+            self.at += 1;
+            self.push(TokenKind::Text, start);
+        } else {
+            let text = self.push(TokenKind::Bad, start);
+            self.errors
+                .push(errors::unclosed_quote(self.span(start), text));
+        }
+    }
+
+    fn number(&mut self, start: usize) {
+        self.skip(|c| c.is_ascii_digit());
+        let mut dangling = false;
+        if self.rest().starts_with('.') && !self.rest().starts_with("..") {
+            self.at += 1;
+            let digits = self.at;
+            self.skip(|c| c.is_ascii_digit());
+            dangling = self.at == digits;
+        }
+        self.exponent();
+        let text = self.text.get(start..self.at).unwrap_or("");
+        if dangling {
+            self.bad(start, errors::dangling_dot(self.span(start), text));
+        } else if !in_range(text) {
+            self.bad(start, errors::number_range(self.span(start), text));
+        } else if self.peek().is_some_and(starts_name) {
+            let number = text;
+            let name = self.at;
+            self.skip(continues_name);
+            let name = self.text.get(name..self.at).unwrap_or("");
+            let span = self.span(start);
+            self.bad(start, errors::implicit_product(span, number, name));
+        } else {
+            self.push(TokenKind::Number, start);
+        }
+    }
+
+    /// `e-3`, if digits follow: `2e` is the number 2 and the name e.
+    fn exponent(&mut self) {
+        let rest = self.rest();
+        let Some(tail) = rest.strip_prefix(['e', 'E']) else {
+            return;
+        };
+        let digits = tail.strip_prefix(['+', '-']).unwrap_or(tail);
+        if digits.starts_with(|c: char| c.is_ascii_digit()) {
+            self.at += rest.len() - digits.len();
+            self.skip(|c| c.is_ascii_digit());
+        }
+    }
+
+    fn name(&mut self, start: usize) {
+        self.skip(continues_name);
+        let name = self.text.get(start..self.at).unwrap_or("");
+        if let Some(ascii) = pasted::accented(&normalise(name)) {
+            let span = self.span(start);
+            return self.bad(start, errors::pasted(span, name, &ascii));
+        }
+        self.skip(|c| c == '\'');
+        self.push(TokenKind::Name, start);
+    }
+
+    fn symbol(&mut self, start: usize, c: char) {
+        let rest = self.rest();
+        if PAIRS.iter().any(|p| rest.starts_with(p)) {
+            self.at += 2;
+            let text = self.push(TokenKind::Symbol, start);
+            if text == "==" {
+                self.errors.push(errors::double_equals(self.span(start)));
+            }
+        } else if SINGLES.contains(c) {
+            self.at += 1;
+            self.push(TokenKind::Symbol, start);
+        } else if c == '.'
+            && rest
+                .get(1..)
+                .is_some_and(|r| r.starts_with(|c: char| c.is_ascii_digit()))
+        {
+            self.at += 1;
+            self.skip(|c| c.is_ascii_digit());
+            self.exponent();
+            let text = self.text.get(start..self.at).unwrap_or("");
+            self.bad(start, errors::dangling_dot(self.span(start), text));
+        } else {
+            self.strange(start, c);
+        }
+    }
+
+    /// A character that is not of the language, together with its like that follow (`“` … or `²³`).
+    fn strange(&mut self, start: usize, c: char) {
+        self.at += c.len_utf8();
+        match pasted::ascii(c) {
+            Some(_) => {
+                self.skip(|c| pasted::ascii(c).is_some());
+                let run = self.text.get(start..self.at).unwrap_or("");
+                let ascii = pasted::ascii_run(run);
+                self.bad(start, errors::pasted(self.span(start), run, &ascii));
+            }
+            None => self.bad(start, errors::strange_character(self.span(start), c)),
+        }
+    }
+
+    fn bad(&mut self, start: usize, error: Diagnostic) {
+        self.push(TokenKind::Bad, start);
+        self.errors.push(error);
+    }
+}
+
+/// Finite, and not rounded to 0.
+fn in_range(text: &str) -> bool {
+    let mantissa = text.split(['e', 'E']).next().unwrap_or("");
+    text.parse::<f64>().is_ok_and(|x| {
+        x.is_finite() && (x != 0.0 || !mantissa.contains(|c: char| ('1'..='9').contains(&c)))
+    })
+}

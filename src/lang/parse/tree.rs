@@ -1,0 +1,350 @@
+//! One statement's text → its ast node, through pest.
+//!
+//! In: the text and tokens of a statement whose brackets match. Out: the node with spans of the whole file, or the
+//! first error. Each function quotes the rule it reads.
+
+use std::sync::LazyLock;
+
+use pest::Parser;
+use pest::iterators::{Pair, Pairs};
+use pest::pratt_parser::{Assoc, Op, PrattParser};
+use pest_derive::Parser;
+
+use super::token::{Token, normalise};
+use super::{errors, expected};
+use crate::lang::ast::{
+    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Keyword, Side, Sign, StatementKind,
+};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::{FileId, Span};
+use crate::term::Func;
+
+#[derive(Parser)]
+#[grammar = "../grammar/sid.pest"]
+struct SidParser;
+
+type Result<T> = std::result::Result<T, Box<Diagnostic>>;
+
+/// `x^2` binds tighter than `-x`, that tighter than `*` and `/`, those than `+` and `-`.
+static PRECEDENCE: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
+    PrattParser::new()
+        .op(Op::infix(Rule::add, Assoc::Left) | Op::infix(Rule::subtract, Assoc::Left))
+        .op(Op::infix(Rule::multiply, Assoc::Left) | Op::infix(Rule::divide, Assoc::Left))
+        .op(Op::prefix(Rule::negate))
+        .op(Op::postfix(Rule::power))
+});
+
+pub fn statement(
+    file: FileId,
+    text: &str,
+    tokens: &[Token],
+    rule: Rule,
+    keyword: Option<Keyword>,
+) -> Result<StatementKind> {
+    let (tree, inner) = read(file, text, tokens, rule, keyword)?;
+    match rule {
+        Rule::version => tree.version(inner),
+        Rule::system => tree.system(inner),
+        Rule::declare => tree.declare(inner, keyword.unwrap_or(Keyword::State)),
+        Rule::constant => tree.constant(inner),
+        Rule::constrain => tree.constrain(inner),
+        _ => tree.equation(inner),
+    }
+}
+
+/// `step = { SOI ~ "step" ~ expr ~ EOI }` or `source = { SOI ~ name ~ "=" ~ expr ~ EOI }`
+pub fn entry(file: FileId, text: &str, tokens: &[Token]) -> Result<EntryKind> {
+    let is_step = tokens.first().is_some_and(|t| t.text == "step")
+        && tokens.get(1).is_some_and(|t| !t.is("="));
+    let rule = if is_step { Rule::step } else { Rule::source };
+    let (tree, mut inner) = read(file, text, tokens, rule, None)?;
+    if is_step {
+        return Ok(EntryKind::Step(tree.expr(tree.next(&mut inner)?)?));
+    }
+    Ok(EntryKind::Source {
+        name: tree.ident(&tree.next(&mut inner)?),
+        value: tree.expr(tree.next(&mut inner)?)?,
+    })
+}
+
+/// Runs one rule over the text of a statement.
+fn read<'t>(
+    file: FileId,
+    text: &'t str,
+    tokens: &[Token],
+    rule: Rule,
+    keyword: Option<Keyword>,
+) -> Result<(Tree, Pairs<'t, Rule>)> {
+    let start = tokens.first().map_or(0, |t| t.start);
+    let end = tokens.last().map_or(start, |t| t.end);
+    let source = text.get(start..end).unwrap_or("");
+    let tree = Tree { file, start, end };
+    match SidParser::parse(rule, source) {
+        Ok(mut pairs) => {
+            let statement = tree.next(&mut pairs)?;
+            Ok((tree, statement.into_inner()))
+        }
+        Err(e) => Err(Box::new(expected::explain(
+            file, start, tokens, keyword, rule, &e,
+        ))),
+    }
+}
+
+/// Where the statement stands in its file.
+struct Tree {
+    file: FileId,
+    start: usize,
+    end: usize,
+}
+
+impl Tree {
+    fn span(&self, pair: &Pair<Rule>) -> Span {
+        let s = pair.as_span();
+        Span::new(self.file, self.start + s.start(), self.start + s.end())
+    }
+
+    /// The next part of a rule; the grammar promises that there is one.
+    fn next<'t>(&self, pairs: &mut Pairs<'t, Rule>) -> Result<Pair<'t, Rule>> {
+        pairs
+            .next()
+            .ok_or_else(|| Box::new(errors::internal(Span::new(self.file, self.start, self.end))))
+    }
+
+    fn ident(&self, pair: &Pair<Rule>) -> Ident {
+        Ident {
+            text: normalise(pair.as_str()),
+            span: self.span(pair),
+        }
+    }
+
+    /// `version = { SOI ~ "sidc" ~ number ~ EOI }`
+    fn version(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        Ok(StatementKind::Version(number(&self.next(&mut inner)?)))
+    }
+
+    /// `system = { SOI ~ "system" ~ word ~ EOI }`
+    fn system(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        Ok(StatementKind::System(self.ident(&self.next(&mut inner)?)))
+    }
+
+    /// `declare = { SOI ~ kind ~ names ~ (":" ~ attribute ~ ("," ~ attribute)*)? ~ EOI }`
+    fn declare(&self, inner: Pairs<Rule>, keyword: Keyword) -> Result<StatementKind> {
+        let (mut names, mut attributes) = (Vec::new(), Vec::new());
+        for pair in inner {
+            match pair.as_rule() {
+                Rule::names => names = self.items(pair)?,
+                Rule::attribute => attributes.push(self.attribute(pair)?),
+                _ => {}
+            }
+        }
+        Ok(StatementKind::Declare {
+            keyword,
+            names,
+            attributes,
+        })
+    }
+
+    /// `attribute = { word ~ expr? }`
+    fn attribute(&self, pair: Pair<Rule>) -> Result<Attribute> {
+        let mut inner = pair.into_inner();
+        let key = self.ident(&self.next(&mut inner)?);
+        let value = inner.next().map(|e| self.expr(e)).transpose()?;
+        Ok(Attribute { key, value })
+    }
+
+    /// `constant = { SOI ~ "let" ~ word ~ "=" ~ expr ~ EOI }`
+    fn constant(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        Ok(StatementKind::Let {
+            name: self.ident(&self.next(&mut inner)?),
+            body: self.expr(self.next(&mut inner)?)?,
+        })
+    }
+
+    /// `equation = { SOI ~ names ~ relates ~ expr ~ EOI }`
+    fn equation(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let targets = self.items(self.next(&mut inner)?)?;
+        let known = self.next(&mut inner)?.as_str() == "=";
+        let right = self.expr(self.next(&mut inner)?)?;
+        Ok(StatementKind::Equation {
+            targets,
+            known,
+            right,
+        })
+    }
+
+    /// `constrain = { SOI ~ "constrain" ~ expr ~ (relation ~ expr)+ ~ EOI }`
+    fn constrain(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let first = self.expr(self.next(&mut inner)?)?;
+        let mut rest = Vec::new();
+        while let Some(pair) = inner.next().filter(|p| p.as_rule() == Rule::relation) {
+            let relation = ["<=", ">=", "<", ">"]
+                .into_iter()
+                .find(|r| *r == pair.as_str())
+                .unwrap_or("=");
+            rest.push((relation, self.expr(self.next(&mut inner)?)?));
+        }
+        Ok(StatementKind::Constrain { first, rest })
+    }
+
+    /// `items = { item ~ ("," ~ item)* ~ ","? }`, and `names`, `numbers` alike
+    fn items(&self, pair: Pair<Rule>) -> Result<Vec<Expr>> {
+        pair.into_inner().map(|p| self.item(p)).collect()
+    }
+
+    /// `item = { expr ~ (".." ~ expr)? }`
+    fn item(&self, pair: Pair<Rule>) -> Result<Expr> {
+        let mut inner = pair.into_inner();
+        let from = self.expr(self.next(&mut inner)?)?;
+        match inner.next() {
+            None => Ok(from),
+            Some(to) => {
+                let to = self.expr(to)?;
+                let span = from.span.to(to.span);
+                Ok(Expr::new(
+                    span,
+                    ExprKind::Range(Box::new(from), Box::new(to)),
+                ))
+            }
+        }
+    }
+
+    /// `expr = { operand ~ ((add | subtract | multiply | divide) ~ operand)* }`
+    fn expr(&self, pair: Pair<Rule>) -> Result<Expr> {
+        PRECEDENCE
+            .map_primary(|p| self.primary(p))
+            .map_prefix(|op, e| {
+                let e = e?;
+                let span = self.span(&op).to(e.span);
+                Ok(Expr::new(span, ExprKind::Negate(Box::new(e))))
+            })
+            .map_postfix(|base, op| self.power(base?, op))
+            .map_infix(|left, op, right| Ok(infix(left?, op.as_rule(), right?)))
+            .parse(pair.into_inner())
+    }
+
+    /// `power = { "^" ~ exponent }`, `exponent = { minus? ~ (number | word | group) }`
+    fn power(&self, base: Expr, op: Pair<Rule>) -> Result<Expr> {
+        let exponent = self.next(&mut op.into_inner())?;
+        let mut parts = exponent.into_inner();
+        let first = self.next(&mut parts)?;
+        let exponent = match parts.next() {
+            Some(value) => {
+                let value = self.primary(value)?;
+                let span = self.span(&first).to(value.span);
+                Expr::new(span, ExprKind::Negate(Box::new(value)))
+            }
+            None => self.primary(first)?,
+        };
+        let span = base.span.to(exponent.span);
+        match &base.kind {
+            ExprKind::Power(x, p) => Err(Box::new(errors::double_power(
+                span,
+                x.span,
+                p.span,
+                exponent.span,
+            ))),
+            ExprKind::Call(call) if call.juxtaposed && Func::named(&call.name.text).is_some() => {
+                let arg = call.args.first().map_or(base.span, |a| a.span);
+                Err(Box::new(errors::power_of_juxtaposed(
+                    span,
+                    call,
+                    arg,
+                    exponent.span,
+                )))
+            }
+            _ => Ok(Expr::new(
+                span,
+                ExprKind::Power(Box::new(base), Box::new(exponent)),
+            )),
+        }
+    }
+
+    /// `primary = _{ number | text | list | group | call | applied | name }`
+    fn primary(&self, pair: Pair<Rule>) -> Result<Expr> {
+        let span = self.span(&pair);
+        let kind = match pair.as_rule() {
+            Rule::number => ExprKind::Number(number(&pair)),
+            Rule::text => ExprKind::Text(pair.as_str().trim_matches('"').to_string()),
+            Rule::list => ExprKind::List(self.items(self.next(&mut pair.into_inner())?)?),
+            Rule::group => {
+                let inner = self.next(&mut pair.into_inner())?;
+                ExprKind::Group(Box::new(self.expr(inner)?))
+            }
+            Rule::call => ExprKind::Call(self.call(pair, false)?),
+            Rule::applied => ExprKind::Call(self.call(pair, true)?),
+            _ => ExprKind::Name(normalise(pair.as_str())),
+        };
+        Ok(Expr::new(span, kind))
+    }
+
+    /// `call = { name ~ raised? ~ "(" ~ items? ~ (";" ~ numbers)? ~ ")" }`, `applied = { name ~ raised? ~ name }`
+    fn call(&self, pair: Pair<Rule>, juxtaposed: bool) -> Result<Call> {
+        let mut inner = pair.into_inner();
+        let name = self.ident(&self.next(&mut inner)?);
+        let mut call = Call {
+            name,
+            power: None,
+            args: Vec::new(),
+            numbers: None,
+            juxtaposed,
+        };
+        for part in inner {
+            let span = self.span(&part);
+            match part.as_rule() {
+                Rule::raised => call.power = Some((raised(part), span)),
+                Rule::items => call.args = self.items(part)?,
+                Rule::numbers => call.numbers = Some(self.items(part)?),
+                _ => call.args = vec![self.primary(part)?],
+            }
+        }
+        Ok(call)
+    }
+}
+
+/// Joins two operands, keeping a chain of one precedence flat.
+fn infix(left: Expr, op: Rule, right: Expr) -> Expr {
+    let span = left.span.to(right.span);
+    let kind = match op {
+        Rule::add | Rule::subtract => {
+            let sign = if op == Rule::add {
+                Sign::Plus
+            } else {
+                Sign::Minus
+            };
+            let mut parts = match left.kind {
+                ExprKind::Sum(parts) => parts,
+                kind => vec![(Sign::Plus, Expr::new(left.span, kind))],
+            };
+            parts.push((sign, right));
+            ExprKind::Sum(parts)
+        }
+        _ => {
+            let side = if op == Rule::multiply {
+                Side::Above
+            } else {
+                Side::Below
+            };
+            let mut parts = match left.kind {
+                ExprKind::Product(parts) => parts,
+                kind => vec![(Side::Above, Expr::new(left.span, kind))],
+            };
+            parts.push((side, right));
+            ExprKind::Product(parts)
+        }
+    };
+    Expr::new(span, kind)
+}
+
+/// The lexer has checked that the digits make a finite number.
+fn number(pair: &Pair<Rule>) -> f64 {
+    pair.as_str().parse().unwrap_or(f64::NAN)
+}
+
+/// `raised = { "^" ~ minus? ~ number }`
+fn raised(pair: Pair<Rule>) -> f64 {
+    pair.into_inner()
+        .fold(1.0, |value, part| match part.as_rule() {
+            Rule::minus => -value,
+            _ => value * number(&part),
+        })
+}
