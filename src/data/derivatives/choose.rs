@@ -6,15 +6,20 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use super::stencil::{self, Choice, Stencil, dot};
+use super::stencil::{Choice, Stencil, Stencils, dot};
 use super::{Estimate, Grid, Stretch};
 
-/// Samples that the choice for the whole record is made on, at most; a quarter of it on uneven grids, where weights cost more.
+/// Samples that the choice for the whole record is made on, at most; an eighth of it on uneven grids, where weights cost more.
 const TRIED: usize = 16_384;
 /// Samples worked on at once.
 const BLOCK: usize = 16_384;
 /// A local choice must promise this much less mean squared error than the choice for the whole record.
 const CLEARLY: f64 = 0.25;
+
+/// A window whose mean squared error is this much above the least, in geometric mean, is not widened further.
+const HOPELESS: f64 = 1e6;
+/// Stands for zero in logarithms.
+const TINY: f64 = 1e-300;
 
 /// Widths of least-squares windows, samples.
 const WIDTHS: [usize; 12] = [7, 9, 13, 17, 23, 33, 47, 65, 91, 129, 181, 257];
@@ -46,9 +51,9 @@ pub(super) fn least_error(
 ) -> Estimate {
     let longest = stretches.iter().map(Stretch::len).max().unwrap_or(0);
     let mut work = Work {
-        grid,
+        even: grid.step.is_some(),
+        stencils: Stencils::new(grid, order),
         values,
-        order,
         sigma,
         cache: BTreeMap::new(),
     };
@@ -64,7 +69,6 @@ pub(super) fn least_error(
         error: vec![f64::NAN; values.len()],
         points: 0,
         degree: 0,
-        noise: sigma,
     };
     let mut used: BTreeMap<Choice, usize> = BTreeMap::new();
     for part in blocks(stretches, BLOCK) {
@@ -151,55 +155,76 @@ fn short(stretch: Stretch, order: usize) -> Option<Choice> {
 }
 
 struct Work<'a> {
-    grid: &'a Grid,
+    even: bool,
+    stencils: Stencils<'a>,
     values: &'a [f64],
-    order: usize,
     sigma: f64,
     /// Stencils of even grids, by choice, window start, and the room there is.
     cache: BTreeMap<(Choice, usize, usize, usize), Rc<Stencil>>,
 }
 
 impl Work<'_> {
-    /// The choice of least mean log error over the sampled rows, and all choices that clearly win somewhere.
+    /// The choice of least mean log error over the sampled rows, and all choices that win at more than a few of them.
+    ///
+    /// Windows of one degree are tried from narrow to wide, until their bias has made them hopeless.
     fn contest(&mut self, all: &[Choice], parts: &[Part]) -> (Option<Choice>, Vec<Choice>) {
-        let mut score = vec![0.0; all.len()];
-        let mut wins = vec![0usize; all.len()];
-        let mut rows = 0;
-        for part in parts {
-            let judged: Vec<Option<Vec<Judged>>> = all
-                .iter()
-                .map(|c| (c.points <= part.stretch.len()).then(|| self.judge(*c, *part)))
-                .collect();
-            for i in 0..part.to - part.from {
-                let square = |j: &Option<Vec<Judged>>| Some(j.as_ref()?.get(i)?.square);
-                let squares: Vec<Option<f64>> = judged.iter().map(square).collect();
-                let worst = squares.iter().flatten().copied().fold(0.0, f64::max);
-                let mut least = (f64::INFINITY, 0);
-                for (k, (s, square)) in score.iter_mut().zip(&squares).enumerate() {
-                    // A window that does not fit counts as the worst that does.
-                    let e = square.unwrap_or(worst).max(f64::MIN_POSITIVE);
-                    *s += e.ln();
-                    if square.is_some() && e < least.0 {
-                        least = (e, k);
-                    }
+        let rows: usize = parts.iter().map(|p| p.to - p.from).sum();
+        let mut least = vec![(f64::INFINITY, None); rows];
+        let mut tried: Vec<(Choice, Vec<f64>)> = Vec::new();
+        let mut hopeless: Option<usize> = None;
+        for choice in all {
+            if hopeless == Some(choice.degree) {
+                continue;
+            }
+            let mut squares = Vec::with_capacity(rows);
+            for part in parts {
+                if choice.points <= part.stretch.len() {
+                    squares.extend(self.judge(*choice, *part).iter().map(|j| j.square));
+                } else {
+                    squares.extend((part.from..part.to).map(|_| f64::INFINITY));
                 }
-                if let Some(w) = wins.get_mut(least.1) {
-                    *w += 1;
+            }
+            let (mut excess, mut fitting) = (0.0, 0.0);
+            for (square, least) in squares.iter().zip(&mut least) {
+                if *square < least.0 {
+                    *least = (*square, Some(*choice));
                 }
-                rows += 1;
+                if square.is_finite() {
+                    excess += (square.max(TINY) / least.0.max(TINY)).ln();
+                    fitting += 1.0;
+                }
+            }
+            hopeless = (excess > HOPELESS.ln() * fitting).then_some(choice.degree);
+            tried.push((*choice, squares));
+        }
+        let mut worst = vec![0.0f64; rows];
+        for (_, squares) in &tried {
+            for (w, s) in worst.iter_mut().zip(squares).filter(|(_, s)| s.is_finite()) {
+                *w = w.max(*s);
             }
         }
-        let best = all
+        // A window that does not fit counts as the worst that does.
+        let score = |squares: &[f64]| -> f64 {
+            let logs = squares
+                .iter()
+                .zip(&worst)
+                .map(|(s, w)| s.min(*w).max(TINY).ln());
+            logs.sum()
+        };
+        let best = tried
             .iter()
-            .zip(&score)
-            .min_by(|a, b| a.1.total_cmp(b.1))
-            .map(|(c, _)| *c);
-        let few = rows / 200;
-        let kept = all
+            .map(|(c, squares)| (*c, score(squares)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(c, _)| c);
+        let mut wins: BTreeMap<Choice, usize> = BTreeMap::new();
+        for choice in least.iter().filter_map(|(_, c)| *c) {
+            *wins.entry(choice).or_default() += 1;
+        }
+        let often = |c: &Choice| wins.get(c).is_some_and(|w| *w > rows / 200);
+        let kept = tried
             .iter()
-            .zip(&wins)
-            .filter(|(c, w)| **w > few || Some(**c) == best)
             .map(|(c, _)| *c)
+            .filter(|c| Some(*c) == best || often(c))
             .collect();
         (best, kept)
     }
@@ -261,17 +286,8 @@ impl Work<'_> {
         last: &mut Option<((Choice, usize, usize, usize), Rc<Stencil>)>,
     ) -> Rc<Stencil> {
         let ends = (stretch.start, stretch.end);
-        let make = || {
-            Rc::new(stencil::stencil(
-                &self.grid.time,
-                i,
-                ends,
-                choice,
-                self.order,
-            ))
-        };
-        if self.grid.step.is_none() {
-            return make();
+        if !self.even {
+            return Rc::new(self.stencils.at(i, ends, choice));
         }
         // On an even grid only the room to both ends matters, and only as far as the wider window reaches.
         let wide = choice.points.max(choice.degree + 3);
@@ -286,6 +302,7 @@ impl Work<'_> {
         {
             return s.clone();
         }
+        let make = || Rc::new(self.stencils.at(i, ends, choice));
         let s = self.cache.entry(key).or_insert_with(make).clone();
         *last = Some((key, s.clone()));
         s

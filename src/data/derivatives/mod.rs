@@ -66,8 +66,6 @@ pub(super) struct Estimate {
     /// The window used most: points and degree.
     pub points: usize,
     pub degree: usize,
-    /// Standard deviation of the noise on the signal.
-    pub noise: f64,
 }
 
 /// Derivative `order` (1 to 3) of `values`, all finite within the stretches.
