@@ -43,8 +43,7 @@ impl Criterion {
 pub struct Subset {
     /// Column indices, rising.
     pub support: Vec<usize>,
-    /// Squared residual, `outside` included.
-    pub rss: f64,
+    /// The criterion.
     pub value: f64,
 }
 
@@ -256,7 +255,6 @@ impl Search {
         let rss = dot(&state.residual, &state.residual) + self.outside;
         Subset {
             support: state.support.clone(),
-            rss,
             value: self.criterion.value(rss, state.support.len()),
         }
     }

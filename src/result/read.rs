@@ -3,7 +3,7 @@
 use super::{Document, EquationEntry, TimeKind, VERSION};
 use crate::discover::{Discovery, Equation, Failed, FoundTerm};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{LibKind, Model, RightSide};
+use crate::lang::model::{LibKind, RightSide};
 use crate::lang::source::Sources;
 use crate::lang::{self, Vocabulary};
 use crate::term::{SignalNames, Term};

@@ -16,7 +16,7 @@ pub static GENERATORS: &[&dyn Generator] =
 /// Most that a whole number in a generator may be: far beyond any use, far below overflow.
 const LARGEST: f64 = 1e6;
 
-/// The only number of a generator, as a range of whole numbers from `least` up.
+/// The only number of a generator as a range of whole numbers: `a..b` as written, a lone `b` as least..b.
 fn whole_range(
     numbers: &[NumberArg],
     what: &str,
@@ -43,22 +43,20 @@ fn whole_range(
             help: format!("write {usage}"),
         });
     }
-    Ok((n.from as u32, n.to as u32))
+    let from = if n.range { n.from as u32 } else { least };
+    Ok((from, n.to as u32))
 }
 
 /// The same, where a range makes no sense.
 fn whole(numbers: &[NumberArg], what: &str, least: u32, usage: &str) -> Result<u32, Misuse> {
-    let (from, to) = whole_range(numbers, what, least, usage)?;
+    let (_, to) = whole_range(numbers, what, least, usage)?;
     match numbers {
         [n] if n.range => Err(Misuse {
             message: format!("the {what} must be one number, not a range"),
             at: Some(n.span),
             help: format!("write {usage}"),
         }),
-        _ => {
-            debug_assert_eq!(from, to);
-            Ok(to)
-        }
+        _ => Ok(to),
     }
 }
 
