@@ -83,7 +83,8 @@ pub struct Failed {
     pub reasons: Vec<Reason>,
 }
 
-/// The figures behind one equation. Relative figures are against the root mean square of the target (known part taken off).
+/// The figures behind one equation. Relative figures are against the root mean square of the target
+/// (known part taken off), rows weighted by their accuracy.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Evidence {
     /// Rows M the coefficients were found from.
@@ -97,7 +98,10 @@ pub struct Evidence {
     pub residual: f64,
     /// Root mean square of the target's estimated error, relative; 0 if it was measured.
     pub target_error: f64,
-    /// Root mean square of the residual on rows not used, relative.
+    /// Terms that the choice of the support was made among; the rest was ruled out by the solver.
+    #[serde(default)]
+    pub searched: usize,
+    /// The equation on rows not used.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub held_out: Option<HeldOut>,
     pub certificate: Proof,

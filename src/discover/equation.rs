@@ -4,7 +4,7 @@ use super::doubts::{self, Case};
 use super::rows::{self, Split};
 use super::subset::Criterion;
 use super::support::{self, Choice};
-use super::weights::{Weights, rms};
+use super::weights::{Weights, norm, rms};
 use super::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Options, Proof, Reason, Status,
 };
@@ -23,10 +23,12 @@ pub(super) struct Task<'a> {
     pub options: &'a Options,
 }
 
-/// Relative residual of the whole library above which a tall system is noisy and not exact.
+/// Smallest ε of a tall system, relative: below it, rounding decides.
 const EXACT: f64 = 1e-9;
 /// Room that the noise tolerance leaves over the smallest residual there is.
 const ROOM: f64 = 1.001;
+/// Relative residual of the whole library above which noise is plain to see.
+const VISIBLE: f64 = 1e-2;
 
 impl Task<'_> {
     /// # Errors
@@ -47,14 +49,13 @@ impl Task<'_> {
         if rms(&y) == 0.0 {
             return Ok(Err(self.motionless(names)));
         }
-        let weights = Weights::new(&used, self.target, self.library, &y);
+        let mut weights = Weights::new(&used, self.target, self.library, &y);
         let phi = compile(&self.library.terms, &used, Some(&weights.row))?;
-        let aim: Vec<f64> = y.iter().zip(&weights.row).map(|(y, w)| y * w).collect();
-
+        let aim = product(&y, &weights.row);
         let problem = Problem {
             dictionary: &phi,
             target: &aim,
-            tolerance: tolerance(&phi, &aim, &weights),
+            tolerance: tolerance(&phi, &aim, &mut weights),
         };
         let solution = self.options.solver.solve(&problem, monitor);
         let criterion = Criterion::new(used.len(), weights.correlation, phi.cols(), weights.floor);
@@ -62,16 +63,18 @@ impl Task<'_> {
         let polished = solve::polish(&phi, &aim, &choice.support);
 
         let proof = prove(&problem, &solution, &choice, &polished);
-        let size = rms(&y);
+        let size = rms(&aim);
         let terms = self.found_terms(&choice, &polished);
+        let left = self.residual(&terms, &used, &y);
         let evidence = Evidence {
             rows: used.len(),
             candidates: phi.cols(),
             solver: self.options.solver.name().into(),
             iterations: solution.iterations,
-            residual: self.residual(&terms, &used, &y) / size,
+            residual: rms(&product(&left, &weights.row)) / size,
             target_error: weights.target_error / size,
-            held_out: self.held_out(&terms, &split, size),
+            held_out: self.held_out(&terms, &split),
+            searched: choice.searched,
             certificate: proof,
             ties: self.named(&choice.ties, names),
         };
@@ -102,23 +105,26 @@ impl Task<'_> {
             .collect()
     }
 
-    /// Root mean square of y − Σ coefficient · term.
-    fn residual(&self, terms: &[FoundTerm], samples: &Samples, y: &[f64]) -> f64 {
+    /// y − Σ coefficient · term on every row.
+    fn residual(&self, terms: &[FoundTerm], samples: &Samples, y: &[f64]) -> Vec<f64> {
         let mut r = y.to_vec();
         let weighted: Vec<(f64, Term)> = terms
             .iter()
             .map(|t| (t.coefficient, t.term.clone()))
             .collect();
         subtract(&mut r, &weighted, samples);
-        rms(&r)
+        r
     }
 
-    fn held_out(&self, terms: &[FoundTerm], split: &Split, size: f64) -> Option<HeldOut> {
+    fn held_out(&self, terms: &[FoundTerm], split: &Split) -> Option<HeldOut> {
         if split.held.is_empty() {
             return None;
         }
         let held = self.samples.select(&split.held);
-        let residual = self.residual(terms, &held, &self.target_values(&held)) / size;
+        let y = self.target_values(&held);
+        let weights = Weights::new(&held, self.target, self.library, &y);
+        let left = self.residual(terms, &held, &y);
+        let residual = rms(&product(&left, &weights.row)) / rms(&product(&y, &weights.row));
         Some(HeldOut {
             rows: held.len(),
             residual: if residual.is_finite() {
@@ -184,6 +190,10 @@ impl Task<'_> {
     }
 }
 
+fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
+}
+
 fn subtract(y: &mut [f64], terms: &[(f64, Term)], samples: &Samples) {
     for (c, term) in terms {
         let values = evaluate(term, samples);
@@ -192,20 +202,19 @@ fn subtract(y: &mut [f64], terms: &[(f64, Term)], samples: &Samples) {
 }
 
 /// ε: the data's own estimated error, or, where more rows than terms show a larger one, that.
-fn tolerance(phi: &Dense, y: &[f64], weights: &Weights) -> f64 {
+fn tolerance(phi: &Dense, y: &[f64], weights: &mut Weights) -> f64 {
     let (m, n) = (phi.rows(), phi.cols());
     if m <= n {
         return weights.tolerance;
     }
     let fit = solve::least_squares(phi, y);
-    let size = y.iter().map(|y| y * y).sum::<f64>().sqrt();
-    if fit.residual <= EXACT * size && weights.tolerance == 0.0 {
-        // Exact data: the smallest residual that rounding allows.
-        return ROOM * fit.residual + EXACT * size;
-    }
+    let size = norm(y);
     let free = (m - fit.rank.min(m - 1)) as f64;
     let noise = fit.residual * (m as f64 / free).sqrt();
-    (ROOM * noise).max(weights.tolerance)
+    if noise > VISIBLE * size {
+        weights.seen_noise(noise / (m as f64).sqrt());
+    }
+    (ROOM * noise).max(weights.tolerance).max(EXACT * size)
 }
 
 /// The certificate of the printed answer if it is the solver's own, else of the solver's.
@@ -217,7 +226,7 @@ fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Pol
     } else {
         solve::certify(problem, &solution.coefficients, &solution.dual)
     };
-    let size = problem.target.iter().map(|y| y * y).sum::<f64>().sqrt();
+    let size = norm(problem.target);
     Proof {
         tolerance: problem.tolerance / size,
         gap: finite(certificate.gap),

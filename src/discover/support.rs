@@ -23,6 +23,8 @@ pub struct Choice {
     pub support: Vec<usize>,
     /// Supports of the same size within [`TIE`].
     pub ties: Vec<Vec<usize>>,
+    /// Candidates that the choice was among.
+    pub searched: usize,
     /// True if the support is the solver's own, not a part of it or another.
     pub as_proposed: bool,
 }
@@ -54,6 +56,7 @@ pub fn choose(
         return Choice {
             support: Vec::new(),
             ties: Vec::new(),
+            searched: pool.len(),
             as_proposed: proposed.is_empty(),
         };
     };
@@ -70,6 +73,7 @@ pub fn choose(
         as_proposed: own == support,
         support,
         ties,
+        searched: pool.len(),
     }
 }
 

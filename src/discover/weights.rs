@@ -10,6 +10,8 @@ use crate::term::Signal;
 const ROUNDING: f64 = 1e-9;
 /// Rows over which estimated derivatives share samples, and so errors.
 const STENCIL: f64 = 9.0;
+/// Error estimates are good to a small factor; a residual within it is no evidence.
+const SAFETY: f64 = 3.0;
 
 /// The error model of one equation on M rows.
 #[derive(Clone, Debug)]
@@ -22,7 +24,7 @@ pub struct Weights {
     pub floor: f64,
     /// Rows over which errors are correlated.
     pub correlation: f64,
-    /// Root mean square of the target's estimated error, unweighted; 0 if it was measured.
+    /// Root mean square of the target's estimated error, weighted; 0 if it was measured.
     pub target_error: f64,
 }
 
@@ -45,24 +47,26 @@ impl Weights {
         let error: Vec<f64> = square.iter().map(|e| e.sqrt()).collect();
         let usual = median(&error);
         let rounding = ROUNDING * size;
-        if usual <= rounding * 1e-3 {
-            return Weights {
-                row: vec![1.0; samples.len()],
-                tolerance: 0.0,
-                floor: (rounding * rounding).max(f64::MIN_POSITIVE),
-                correlation: if usual > 0.0 { STENCIL } else { 1.0 },
-                target_error: target_errors.map_or(0.0, rms),
-            };
-        }
-        let row: Vec<f64> = error.iter().map(|e| usual / e.max(usual)).collect();
-        let weighted: f64 = row.iter().zip(&error).map(|(w, e)| (w * e).powi(2)).sum();
+        let estimated = usual > 0.0;
+        let row: Vec<f64> = if usual > rounding * 1e-3 {
+            error.iter().map(|e| usual / e.max(usual)).collect()
+        } else {
+            vec![1.0; samples.len()]
+        };
+        let weighted = |e: &[f64]| -> Vec<f64> { e.iter().zip(&row).map(|(e, w)| e * w).collect() };
+        let floor = (SAFETY * usual).max(rounding).max(f64::MIN_POSITIVE);
         Weights {
+            tolerance: norm(&weighted(&error)),
+            floor: (floor * floor).max(f64::MIN_POSITIVE),
+            correlation: if estimated { STENCIL } else { 1.0 },
+            target_error: target_errors.map_or(0.0, |e| rms(&weighted(e))),
             row,
-            tolerance: weighted.sqrt(),
-            floor: usual * usual,
-            correlation: STENCIL,
-            target_error: target_errors.map_or(0.0, rms),
         }
+    }
+
+    /// Where the whole library leaves a visible residual of this size, that is the noise, and the estimate was pessimistic.
+    pub fn seen_noise(&mut self, noise: f64) {
+        self.floor = self.floor.min((noise * noise).max(f64::MIN_POSITIVE));
     }
 }
 
@@ -89,9 +93,14 @@ fn signals(library: &Library) -> BTreeSet<Signal> {
     found
 }
 
+/// Euclidean length.
+pub(super) fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
 /// Root mean square.
 pub(super) fn rms(v: &[f64]) -> f64 {
-    (v.iter().map(|x| x * x).sum::<f64>() / v.len().max(1) as f64).sqrt()
+    norm(v) / (v.len().max(1) as f64).sqrt()
 }
 
 fn median(v: &[f64]) -> f64 {

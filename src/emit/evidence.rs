@@ -90,8 +90,9 @@ fn proof(e: &Evidence) -> String {
             "proved: of all that {fits}, none has a smaller 1-norm; another may equal it ({figures})"
         ),
         (false, _) => format!(
-            "proved: the proposal has the smallest 1-norm of all that {fits} ({figures}); \
-             the terms were chosen from it by the extended Bayesian criterion"
+            "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \
+             the terms are the best of {} by the extended Bayesian criterion",
+            e.searched
         ),
     }
 }

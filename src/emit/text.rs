@@ -3,7 +3,7 @@
 use super::Target;
 use super::number::significant;
 use crate::discover::{Discovery, Equation};
-use crate::term::{Language, SignalNames};
+use crate::term::{Language, Precedence, SignalNames, write_term};
 
 pub(super) struct Text;
 
@@ -72,16 +72,18 @@ fn first_or_next(i: usize, (negative, text): &(bool, String)) -> String {
     }
 }
 
-/// Sign, and `1.29032 F`; the constant is its number alone.
+/// Sign, and `1.29032 F`; the constant is its number alone; a bare term has coefficient 1 exactly.
 fn signed_terms(d: &Discovery, e: &Equation) -> Vec<(bool, String)> {
     e.terms
         .iter()
         .map(|t| {
             let size = significant(t.coefficient.abs(), 6);
-            let text = if t.term.is_one() {
-                size
-            } else {
-                format!("{size} {}", Language(d).term(&t.term))
+            let (term, binds) = write_term(&Language(d), &t.term);
+            let text = match (t.term.is_one(), size.as_str()) {
+                (true, _) => size,
+                (_, "1") if t.coefficient.abs() == 1.0 => term,
+                _ if binds < Precedence::Product => format!("{size} ({term})"),
+                _ => format!("{size} {term}"),
             };
             (t.coefficient < 0.0, text)
         })

@@ -67,7 +67,7 @@ pub fn write_term(n: &impl Notation, term: &Term) -> (String, Precedence) {
 pub fn write_expr(n: &impl Notation, e: &Expr) -> (String, Precedence) {
     let mut out = String::new();
     let mut single = Precedence::Atom;
-    for (i, (w, t)) in e.terms().enumerate() {
+    for (i, (w, t)) in positive_first(e).into_iter().enumerate() {
         let (text, p) = write_weighted(n, w.abs(), t);
         match (i, w < 0.0) {
             (0, false) => single = p,
@@ -84,6 +84,15 @@ pub fn write_expr(n: &impl Notation, e: &Expr) -> (String, Precedence) {
         1 => (out, single),
         _ => (out, Precedence::Sum),
     }
+}
+
+/// The terms in order, but a positive one in front: `x2 - x1`, not `-x1 + x2`.
+fn positive_first(e: &Expr) -> Vec<(f64, &Term)> {
+    let mut terms: Vec<(f64, &Term)> = e.terms().collect();
+    if let Some(first) = terms.iter().position(|(w, _)| *w > 0.0) {
+        terms[..=first].rotate_right(1);
+    }
+    terms
 }
 
 fn write_weighted(n: &impl Notation, w: f64, t: &Term) -> (String, Precedence) {
