@@ -7,10 +7,12 @@ mod check;
 pub mod diagnostic;
 pub mod model;
 pub mod parse;
+pub mod render;
 pub mod source;
 
 pub use check::{GeneratorSignature, Vocabulary, check};
 pub use parse::parse;
+pub use render::render;
 
 use diagnostic::Diagnostic;
 use model::Model;

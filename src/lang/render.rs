@@ -1,0 +1,201 @@
+//! Diagnostics → text, plain or coloured. The only place that knows the diagnostics crate.
+//!
+//! In: findings as data, and the texts their places point into. Out: what a terminal shows. Adds no facts.
+
+use std::ops::Range;
+
+use codespan_reporting::diagnostic::{self as report, LabelStyle};
+use codespan_reporting::files::{Error, Files};
+use codespan_reporting::term::termcolor::{Ansi, NoColor, WriteColor};
+use codespan_reporting::term::{self, Config};
+
+use super::diagnostic::{Diagnostic, Severity};
+use super::source::{FileId, Source, Sources};
+
+/// Widest line of a message; longer facts are wrapped.
+const WIDTH: usize = 110;
+
+/// All findings, one after another, each followed by an empty line.
+pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> String {
+    if colour {
+        write_all(Ansi::new(Vec::new()), diagnostics, sources, Ansi::into_inner)
+    } else {
+        write_all(NoColor::new(Vec::new()), diagnostics, sources, NoColor::into_inner)
+    }
+}
+
+fn write_all<W: WriteColor>(
+    mut out: W,
+    diagnostics: &[Diagnostic],
+    sources: &Sources,
+    into_bytes: impl Fn(W) -> Vec<u8>,
+) -> String {
+    let files = Lines::of(sources);
+    let config = Config {
+        start_context_lines: 1,
+        end_context_lines: 1,
+        ..Config::default()
+    };
+    for d in diagnostics {
+        // Writing to memory cannot fail, and a place outside its text still deserves its message.
+        if term::emit_to_write_style(&mut out, &config, &files, &convert(d, sources)).is_err() {
+            let without_places = Diagnostic {
+                labels: Vec::new(),
+                ..d.clone()
+            };
+            let _ = term::emit_to_write_style(&mut out, &config, &files, &convert(&without_places, sources));
+        }
+    }
+    let text = String::from_utf8_lossy(&into_bytes(out)).into_owned();
+    tighten(&text)
+}
+
+fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
+    let severity = match d.severity {
+        Severity::Error => report::Severity::Error,
+        Severity::Warning => report::Severity::Warning,
+        Severity::Note => report::Severity::Note,
+    };
+    let labels = d.labels.iter().map(|l| {
+        let style = if l.primary { LabelStyle::Primary } else { LabelStyle::Secondary };
+        report::Label::new(style, l.span.file, visible(l.span.start..l.span.end, sources.get(l.span.file)))
+            .with_message(&l.text)
+    });
+    let help = d.help.iter().map(|h| wrap("help: ", h));
+    report::Diagnostic::new(severity)
+        .with_code(d.code)
+        .with_message(&d.message)
+        .with_labels(labels.collect())
+        .with_notes(d.notes.iter().map(|n| wrap("", n)).chain(help).collect())
+}
+
+/// The range, inside its text and on character boundaries.
+fn visible(range: Range<usize>, source: Option<&Source>) -> Range<usize> {
+    let Some(source) = source else {
+        return range;
+    };
+    let floor = |mut i: usize| {
+        i = i.min(source.text.len());
+        while !source.text.is_char_boundary(i) {
+            i -= 1;
+        }
+        i
+    };
+    let start = floor(range.start);
+    start..floor(range.end).max(start)
+}
+
+/// Breaks a long fact at spaces; the lines that follow are set in.
+fn wrap(lead: &str, text: &str) -> String {
+    let mut out = lead.to_string();
+    let mut width = lead.len();
+    for (i, line) in text.lines().enumerate() {
+        if i > 0 {
+            out.push('\n');
+            out.push_str(&" ".repeat(lead.len()));
+            width = lead.len();
+        }
+        for (j, word) in line.split(' ').enumerate() {
+            let length = word.chars().count() + usize::from(j > 0);
+            if width + length > WIDTH && j > 0 {
+                out.push('\n');
+                out.push_str(&" ".repeat(lead.len().max(2)));
+                width = lead.len().max(2);
+            } else if j > 0 {
+                out.push(' ');
+            }
+            out.push_str(word);
+            width += length;
+        }
+    }
+    out
+}
+
+/// Drops the empty border lines above and below an excerpt: a message is as short as its content.
+fn tighten(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for line in text.lines() {
+        if plain(line).trim() != "│" {
+            out.push_str(line.trim_end());
+            out.push('\n');
+        }
+    }
+    out
+}
+
+/// A line without its colour codes.
+fn plain(line: &str) -> String {
+    let mut out = String::with_capacity(line.len());
+    let mut inside = false;
+    for c in line.chars() {
+        match (inside, c) {
+            (false, '\u{1b}') => inside = true,
+            (true, 'm') => inside = false,
+            (true, _) => {}
+            (false, c) => out.push(c),
+        }
+    }
+    out
+}
+
+/// The texts with the starts of their lines.
+struct Lines<'a> {
+    sources: &'a Sources,
+    starts: std::cell::RefCell<Vec<(FileId, Vec<usize>)>>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(sources: &'a Sources) -> Self {
+        Lines {
+            sources,
+            starts: std::cell::RefCell::default(),
+        }
+    }
+
+    fn source_of(&self, id: FileId) -> Result<&'a Source, Error> {
+        self.sources.get(id).ok_or(Error::FileMissing)
+    }
+
+    /// Runs `f` on the line starts of a file, found once.
+    fn with_starts<T>(&self, id: FileId, f: impl FnOnce(&[usize]) -> T) -> Result<T, Error> {
+        let text = &self.source_of(id)?.text;
+        let mut all = self.starts.borrow_mut();
+        if let Some((_, starts)) = all.iter().find(|(i, _)| *i == id) {
+            return Ok(f(starts));
+        }
+        let starts: Vec<usize> = codespan_reporting::files::line_starts(text).collect();
+        let result = f(&starts);
+        all.push((id, starts));
+        Ok(result)
+    }
+}
+
+impl<'a> Files<'a> for Lines<'_> {
+    type FileId = FileId;
+    type Name = &'a str;
+    type Source = &'a str;
+
+    fn name(&'a self, id: FileId) -> Result<&'a str, Error> {
+        Ok(&self.source_of(id)?.name)
+    }
+
+    fn source(&'a self, id: FileId) -> Result<&'a str, Error> {
+        Ok(&self.source_of(id)?.text)
+    }
+
+    fn line_index(&'a self, id: FileId, byte: usize) -> Result<usize, Error> {
+        self.with_starts(id, |starts| starts.partition_point(|s| *s <= byte).saturating_sub(1))
+    }
+
+    fn line_number(&'a self, id: FileId, line: usize) -> Result<usize, Error> {
+        Ok(self.source_of(id)?.first_line + line)
+    }
+
+    fn line_range(&'a self, id: FileId, line: usize) -> Result<Range<usize>, Error> {
+        let end_of_text = self.source_of(id)?.text.len();
+        self.with_starts(id, |starts| {
+            let start = starts.get(line).copied().unwrap_or(end_of_text);
+            start..starts.get(line + 1).copied().unwrap_or(end_of_text)
+        })
+    }
+}
