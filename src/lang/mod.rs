@@ -5,12 +5,14 @@
 pub mod ast;
 mod check;
 pub mod diagnostic;
+mod format;
 pub mod model;
 pub mod parse;
 pub mod render;
 pub mod source;
 
 pub use check::{GeneratorSignature, Vocabulary, check};
+pub use format::format;
 pub use parse::parse;
 pub use render::render;
 

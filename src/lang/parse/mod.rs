@@ -5,7 +5,7 @@
 
 mod errors;
 mod expected;
-mod lines;
+pub(in crate::lang) mod lines;
 pub(in crate::lang) mod pasted;
 pub mod token;
 mod tree;
