@@ -260,7 +260,10 @@ impl<'a, 't> Layout<'a, 't> {
     fn is_loose(&self, i: usize) -> bool {
         let on_line = |k: &usize| self.tokens.get(*k).is_some_and(Token::is_code);
         let here = self.tokens.get(i).map_or((0, 0), |t| (t.start, t.end));
-        let left = i.checked_sub(1).filter(on_line).and_then(|k| self.tokens.get(k));
+        let left = i
+            .checked_sub(1)
+            .filter(on_line)
+            .and_then(|k| self.tokens.get(k));
         let right = Some(i + 1).filter(on_line).and_then(|k| self.tokens.get(k));
         left.is_some_and(|t| t.end != here.0) || right.is_some_and(|t| t.start != here.1)
     }
@@ -276,7 +279,10 @@ fn equations_on_adjacent_lines(tokens: &[Token], pieces: &[Piece]) -> Vec<Vec<us
             next_start = None;
             continue;
         }
-        match runs.last_mut().filter(|_| next_start == Some(piece.tokens.start)) {
+        match runs
+            .last_mut()
+            .filter(|_| next_start == Some(piece.tokens.start))
+        {
             Some(run) => run.push(piece.tokens.start),
             None => runs.push(vec![piece.tokens.start]),
         }
