@@ -9,6 +9,8 @@ use super::source::{FileId, Span};
 #[derive(Clone, Debug)]
 pub struct File {
     pub id: FileId,
+    /// The text itself, so that a message can quote it.
+    pub text: String,
     pub statements: Vec<Statement>,
     /// Statements that could not be understood; their errors are reported already.
     pub broken: Vec<Broken>,

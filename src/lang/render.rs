@@ -18,9 +18,19 @@ const WIDTH: usize = 110;
 /// All findings, one after another, each followed by an empty line.
 pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> String {
     if colour {
-        write_all(Ansi::new(Vec::new()), diagnostics, sources, Ansi::into_inner)
+        write_all(
+            Ansi::new(Vec::new()),
+            diagnostics,
+            sources,
+            Ansi::into_inner,
+        )
     } else {
-        write_all(NoColor::new(Vec::new()), diagnostics, sources, NoColor::into_inner)
+        write_all(
+            NoColor::new(Vec::new()),
+            diagnostics,
+            sources,
+            NoColor::into_inner,
+        )
     }
 }
 
@@ -43,7 +53,12 @@ fn write_all<W: WriteColor>(
                 labels: Vec::new(),
                 ..d.clone()
             };
-            let _ = term::emit_to_write_style(&mut out, &config, &files, &convert(&without_places, sources));
+            let _ = term::emit_to_write_style(
+                &mut out,
+                &config,
+                &files,
+                &convert(&without_places, sources),
+            );
         }
     }
     let text = String::from_utf8_lossy(&into_bytes(out)).into_owned();
@@ -57,9 +72,17 @@ fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
         Severity::Note => report::Severity::Note,
     };
     let labels = d.labels.iter().map(|l| {
-        let style = if l.primary { LabelStyle::Primary } else { LabelStyle::Secondary };
-        report::Label::new(style, l.span.file, visible(l.span.start..l.span.end, sources.get(l.span.file)))
-            .with_message(&l.text)
+        let style = if l.primary {
+            LabelStyle::Primary
+        } else {
+            LabelStyle::Secondary
+        };
+        report::Label::new(
+            style,
+            l.span.file,
+            visible(l.span.start..l.span.end, sources.get(l.span.file)),
+        )
+        .with_message(&l.text)
     });
     let help = d.help.iter().map(|h| wrap("help: ", h));
     report::Diagnostic::new(severity)
@@ -184,7 +207,9 @@ impl<'a> Files<'a> for Lines<'_> {
     }
 
     fn line_index(&'a self, id: FileId, byte: usize) -> Result<usize, Error> {
-        self.with_starts(id, |starts| starts.partition_point(|s| *s <= byte).saturating_sub(1))
+        self.with_starts(id, |starts| {
+            starts.partition_point(|s| *s <= byte).saturating_sub(1)
+        })
     }
 
     fn line_number(&'a self, id: FileId, line: usize) -> Result<usize, Error> {

@@ -1,9 +1,10 @@
-//! The one integration binary: a file a subject.
+//! The one integration binary: a file a subject, each through the public interface.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod architecture;
 mod emit;
+mod lang;
 mod library;
 mod pendulum;
 mod solve;

@@ -36,7 +36,7 @@ impl Checker<'_> {
     /// `step 0.01`
     fn step(&mut self, span: Span, e: &Ast, block: &mut DataBlock) {
         if let Some((_, first)) = block.step {
-            return self.say(complain::twice(span, first, "step"));
+            return self.say(complain::twice(span, first, "`step`"));
         }
         let Some(value) = self.constant(e, "`step`") else {
             return;
@@ -51,7 +51,7 @@ impl Checker<'_> {
     /// `run = "exp_id"`
     fn run(&mut self, span: Span, value: &Ast, block: &mut DataBlock) {
         if let Some((_, first)) = &block.run {
-            return self.say(complain::twice(span, *first, "run"));
+            return self.say(complain::twice(span, *first, "`run`"));
         }
         match &value.kind {
             ExprKind::Text(text) => block.run = Some((text.trim().to_string(), span)),
@@ -74,7 +74,11 @@ impl Checker<'_> {
             return self.unknown_name(name.span, &name.text);
         };
         if let Some(first) = seen.insert(signal, name.span) {
-            return self.fail(complain::twice(name.span, first, "data entry"));
+            return self.fail(complain::twice(
+                name.span,
+                first,
+                &format!("entry for `{}`", name.text),
+            ));
         }
         let none = value.as_name() == Some("none");
         let source = if none {

@@ -78,6 +78,8 @@ impl Checker<'_> {
     fn declared_names(&mut self, e: &Expr, keyword: Keyword) -> Option<Vec<(String, Span)>> {
         match &e.kind {
             ExprKind::Name(text) if text.ends_with('\'') => {
+                let base = text.trim_end_matches('\'');
+                self.scope.poisoned.insert(base.to_string());
                 self.fail(complain::declared_derivative(e.span, text))
             }
             ExprKind::Name(text) => Some(vec![(text.clone(), e.span)]),
@@ -142,7 +144,11 @@ impl Checker<'_> {
         for (i, a) in attributes.iter().enumerate() {
             let before = attributes.iter().take(i).find(|b| b.key.text == a.key.text);
             if let Some(first) = before {
-                self.say(complain::twice(a.key.span, first.key.span, "attribute"));
+                self.say(complain::twice(
+                    a.key.span,
+                    first.key.span,
+                    &format!("`{}`", a.key.text),
+                ));
                 continue;
             }
             match a.key.text.as_str() {

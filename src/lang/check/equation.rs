@@ -129,6 +129,9 @@ impl Checker<'_> {
 
     /// `TARGET = EXPR`
     fn known_side(&mut self, right: &Ast, targets: &[(Signal, Span)]) -> Option<RightSide> {
+        if self.is_library(right) {
+            return self.fail(complain::known_library(right.span));
+        }
         let expr = self.arithmetic(right)?;
         self.known_part(right, expr, targets).map(RightSide::Known)
     }

@@ -3,10 +3,10 @@
 //! Outside `< >` and arguments, `+ - * / ^` join libraries; inside they are arithmetic. What a difference removes
 //! and how many terms a divisor has is seen only when the library is expanded.
 
-use super::scope::{Let, Value};
+use super::scope::Value;
+use super::sets::{number_minus_term, sum_of_numbers, union};
 use super::{Checker, complain};
-use crate::lang::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
-use crate::lang::diagnostic::Diagnostic;
+use crate::lang::ast::{Call, Expr as Ast, ExprKind, Side, Sign};
 use crate::lang::model::{LibExpr, LibKind, NumberArg};
 use crate::lang::source::Span;
 use crate::term::{Expr, Signal};
@@ -16,108 +16,8 @@ const MAX_CHAIN: usize = 200;
 const MAX_RANGE: usize = 10_000;
 
 impl Checker<'_> {
-    /// The `let`s that are plain numbers, known before anything else.
-    pub fn number_lets(&mut self) {
-        for s in self.statements() {
-            if let StatementKind::Let { name, body } = &s.kind
-                && self.is_numeric(body)
-                && !self.scope.lets.contains_key(&name.text)
-                && self.sized(body).is_some()
-            {
-                let value = self
-                    .constant(body, "a constant")
-                    .map_or(Value::Wrong, Value::Number);
-                self.define(&name.text, name.span, value, (1, 1));
-            }
-        }
-    }
-
-    fn is_numeric(&self, e: &Ast) -> bool {
-        match &e.kind {
-            ExprKind::Number(_) => true,
-            ExprKind::Name(text) => {
-                text == "pi"
-                    || matches!(
-                        self.scope.lets.get(text).map(|l| &l.value),
-                        Some(Value::Number(_))
-                    )
-            }
-            ExprKind::Negate(x) | ExprKind::Group(x) => self.is_numeric(x),
-            ExprKind::Power(x, y) => self.is_numeric(x) && self.is_numeric(y),
-            ExprKind::Sum(parts) => parts.iter().all(|(_, x)| self.is_numeric(x)),
-            ExprKind::Product(parts) => parts.iter().all(|(_, x)| self.is_numeric(x)),
-            ExprKind::Call(call) => {
-                crate::term::Func::named(&call.name.text).is_some()
-                    && call.args.iter().all(|x| self.is_numeric(x))
-            }
-            ExprKind::Text(_) | ExprKind::List(_) | ExprKind::Range(..) => false,
-        }
-    }
-
-    fn define(&mut self, name: &str, span: Span, value: Value, (nodes, depth): (usize, usize)) {
-        let entry = Let {
-            span,
-            value,
-            nodes,
-            depth,
-        };
-        self.scope.lets.insert(name.to_string(), entry);
-    }
-
-    /// All other `let`s, each of which may use those above it.
-    pub fn lets(&mut self) {
-        for s in self.statements() {
-            let StatementKind::Let { name, body } = &s.kind else {
-                continue;
-            };
-            let text = name.text.as_str();
-            if text == "t" || text == "pi" {
-                self.say(complain::taken(name.span, text));
-                continue;
-            }
-            if let Some(signal) = self.scope.signal(text) {
-                let declared = self.scope.var(signal.var).and_then(|v| v.span);
-                self.say(complain::let_clash(name.span, text, declared));
-                continue;
-            }
-            match self.scope.lets.get(text).map(|l| l.span) {
-                Some(span) if span == name.span => continue,
-                Some(first) => {
-                    self.say(complain::twice(name.span, first, "name"));
-                    continue;
-                }
-                None => {}
-            }
-            let Some(size) = self.sized(body) else {
-                self.define(text, name.span, Value::Wrong, (1, 1));
-                continue;
-            };
-            let value = self.let_value(body).unwrap_or(Value::Wrong);
-            self.define(text, name.span, value, (size.nodes, size.depth));
-        }
-    }
-
-    fn let_value(&mut self, body: &Ast) -> Option<Value> {
-        if self.is_library(body) {
-            return self.library(body).map(Value::Library);
-        }
-        let expr = self.arithmetic(body)?;
-        if !expr.is_finite() {
-            return self.fail(complain::not_finite(body.span));
-        }
-        if let Some(x) = expr.as_number() {
-            return Some(Value::Number(x));
-        }
-        let before = self.found.len();
-        let library = match self.library(body) {
-            Some(library) => Ok(library),
-            None => Err(self.found.split_off(before)),
-        };
-        Some(Value::Expr { expr, library })
-    }
-
     /// True if the text has a list, a generator or a named library in it.
-    fn is_library(&self, e: &Ast) -> bool {
+    pub fn is_library(&self, e: &Ast) -> bool {
         match &e.kind {
             ExprKind::Number(_) | ExprKind::Text(_) => false,
             ExprKind::Name(text) => {
@@ -251,8 +151,8 @@ impl Checker<'_> {
         if let Some(number) = sum_of_numbers(&sets) {
             return self.checked_term(number.span, number.expr);
         }
-        if let Some(d) = number_minus_term(&sets) {
-            return self.fail(d);
+        if let Some(span) = number_minus_term(&sets) {
+            return self.fail(complain::arithmetic_outside_list(span, self.text(span)));
         }
         let differences = sets.iter().filter(|(s, _)| *s == Sign::Minus).count();
         if let (true, Some((_, last))) = (differences > MAX_CHAIN, sets.last()) {
@@ -443,7 +343,7 @@ impl Checker<'_> {
 
     /// `2` or `1..3`
     fn number_arg(&mut self, e: &Ast) -> Option<NumberArg> {
-        let what = "a number after `;`";
+        let what = "the number after `;`";
         let (from, to, range) = match &e.kind {
             ExprKind::Range(a, b) => {
                 let (a, b) = (self.constant(a, what), self.constant(b, what));
@@ -461,70 +361,6 @@ impl Checker<'_> {
             span: e.span,
         })
     }
-}
-
-struct Number {
-    span: Span,
-    expr: Expr,
-}
-
-/// A sum of numbers only is a number, wherever it stands.
-fn sum_of_numbers(sets: &[(Sign, LibExpr)]) -> Option<Number> {
-    let mut total = 0.0;
-    for (sign, set) in sets {
-        let LibKind::Term(expr) = &set.kind else {
-            return None;
-        };
-        let x = expr.as_number()?;
-        total += if *sign == Sign::Minus { -x } else { x };
-    }
-    let (first, last) = (sets.first()?, sets.last()?);
-    Some(Number {
-        span: first.1.span.to(last.1.span),
-        expr: Expr::number(total),
-    })
-}
-
-/// `1 - x` between sets: a `-` that can remove nothing, with a number that shows that arithmetic was meant.
-fn number_minus_term(sets: &[(Sign, LibExpr)]) -> Option<Diagnostic> {
-    let mut terms = Vec::with_capacity(sets.len());
-    for (sign, set) in sets {
-        let LibKind::Term(expr) = &set.kind else {
-            return None;
-        };
-        terms.push((
-            *sign,
-            set.span,
-            expr.clone().into_term().1,
-            expr.as_number().is_some(),
-        ));
-    }
-    let has_number = terms.iter().any(|t| t.3);
-    let removes_nothing = terms
-        .iter()
-        .enumerate()
-        .find(|(i, t)| t.0 == Sign::Minus && !terms.iter().take(*i).any(|u| u.2 == t.2))?;
-    let whole = terms.first()?.1.to(terms.last()?.1);
-    has_number.then(|| complain::arithmetic_outside_list(whole, removes_nothing.1.1))
-}
-
-/// Joins sets by halves.
-fn union(mut sets: Vec<LibExpr>) -> Option<LibExpr> {
-    while sets.len() > 1 {
-        let mut halved = Vec::with_capacity(sets.len() / 2 + 1);
-        let mut pairs = sets.into_iter();
-        while let Some(a) = pairs.next() {
-            halved.push(match pairs.next() {
-                Some(b) => LibExpr {
-                    span: a.span.to(b.span),
-                    kind: LibKind::Union(Box::new(a), Box::new(b)),
-                },
-                None => a,
-            });
-        }
-        sets = halved;
-    }
-    sets.pop()
 }
 
 /// `x12` is the stem `x` and the digits `12`.

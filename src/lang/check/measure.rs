@@ -6,7 +6,7 @@ use super::Checker;
 use crate::lang::ast::{Expr, ExprKind};
 
 /// Nodes of one statement, `let`s written out: a library of 10⁵ listed terms fits.
-pub const MAX_NODES: usize = 2_000_000;
+pub const MAX_NODES: usize = 500_000;
 /// Nesting, `let`s written out; what recursive passes must survive.
 pub const MAX_DEPTH: usize = 300;
 

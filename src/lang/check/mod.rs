@@ -10,9 +10,11 @@ mod data;
 mod declare;
 mod discrete;
 mod equation;
+mod lets;
 mod library;
 mod measure;
 mod scope;
+mod sets;
 mod unknown;
 
 use std::collections::BTreeSet;
@@ -21,6 +23,7 @@ use crate::lang::ast::{File, Keyword, Statement, StatementKind};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{DataBlock, Model};
 use crate::lang::source::Span;
+pub(in crate::lang) use declare::KEYS;
 use scope::Scope;
 
 /// What the checker must know of a generator; the rest is its own business.
@@ -105,7 +108,7 @@ impl<'a> Checker<'a> {
                     }
                 }
                 StatementKind::System(name) => match first_system {
-                    Some(first) => self.say(complain::twice(name.span, first, "system")),
+                    Some(first) => self.say(complain::twice(name.span, first, "`system` line")),
                     None => first_system = Some(name.span),
                 },
                 _ => {}
@@ -139,8 +142,8 @@ impl<'a> Checker<'a> {
     fn notes(&mut self, model: &Model) {
         let is_broken = |k: Option<Keyword>| self.file.broken.iter().any(|b| b.keyword == k);
         if model.equations.is_empty() {
-            let failed = is_broken(None) || self.found.iter().any(Diagnostic::is_error);
-            if !failed {
+            let written = |s: &Statement| matches!(s.kind, StatementKind::Equation { .. });
+            if !is_broken(None) && !self.statements().any(written) {
                 let at = self.file.statements.last().map(|s| s.span);
                 let missing = complain::no_equation(at, model, self.file.id);
                 self.say(missing);
@@ -151,6 +154,11 @@ impl<'a> Checker<'a> {
             let notes = complain::loose_ends(model, &self.scope);
             self.found.extend(notes);
         }
+    }
+
+    /// The user's own words.
+    fn text(&self, span: Span) -> &'a str {
+        self.file.text.get(span.start..span.end).unwrap_or("")
     }
 
     fn statements(&self) -> impl Iterator<Item = &'a Statement> + use<'a> {

@@ -43,7 +43,7 @@ impl Checker<'_> {
 
     fn describe_unknown(&self, at: Span, text: &str) -> Diagnostic {
         if Func::named(text).is_some() {
-            return complain::function_without_argument(at, text);
+            return complain::function_without_argument(at, text, self.negated_name_after(at));
         }
         if let Some(generator) = self.vocabulary.generator(text) {
             return complain::generator_without_arguments(at, generator.name, generator.usage);
@@ -66,6 +66,21 @@ impl Checker<'_> {
         }
     }
 
+    /// The `x` of `sin -x`.
+    fn negated_name_after(&self, at: Span) -> Option<&str> {
+        let rest = self
+            .file
+            .text
+            .get(at.end..)?
+            .trim_start()
+            .strip_prefix('-')?
+            .trim_start();
+        let end = rest
+            .find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '\''))
+            .unwrap_or(rest.len());
+        rest.get(..end).filter(|name| !name.is_empty())
+    }
+
     /// The name in scope that was probably meant.
     fn meant(&self, text: &str) -> Option<String> {
         let names = || self.scope.signals.keys().chain(self.scope.lets.keys());
@@ -75,7 +90,13 @@ impl Checker<'_> {
         if let Some(name) = same {
             return Some(name.clone());
         }
-        did_you_mean(text, names().map(String::as_str)).map(str::to_string)
+        // One letter is one slip from every other: only its other case is near.
+        let short = text.chars().count() == 1;
+        let near = names()
+            .map(String::as_str)
+            .filter(|n| !short || n.to_lowercase() == text.to_lowercase())
+            .filter(|n| *n != "t" || text == "T");
+        did_you_mean(text, near).map(str::to_string)
     }
 
     fn point_to_declaration(&self, d: Diagnostic, name: &str) -> Diagnostic {
@@ -143,9 +164,8 @@ impl Checker<'_> {
         }
         let known =
             self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi";
-        let second = call.args.first().and_then(Ast::as_name);
         if known {
-            return self.fail(complain::product_without_sign(e.span, name, second, call));
+            return self.product_without_sign(e, call);
         }
         let candidates = FUNCTIONS
             .iter()
@@ -166,4 +186,30 @@ impl Checker<'_> {
             &self.vocabulary.generators,
         ))
     }
+
+    /// `x y`, `x(1 - y)`, or two lines of a list without a comma between them.
+    fn product_without_sign<T>(&mut self, e: &Ast, call: &Call) -> Option<T> {
+        let right = call.args.first().map_or(e.span, |a| a.span);
+        let between = Span::new(at_file(e), call.name.span.end, right.start);
+        if self.text(between).contains('\n') {
+            let (left, right) = (self.text(call.name.span), self.text(right));
+            return self.fail(complain::missing_comma(call.name.span, left, right));
+        }
+        let left = Span::new(at_file(e), e.span.start, call.name.span.end);
+        let left = match call.power {
+            Some((_, power)) => left.to(power),
+            None => left,
+        };
+        let tail = Span::new(at_file(e), left.end, e.span.end);
+        let fixed = format!("{}*{}", self.text(left), self.text(tail).trim());
+        self.fail(complain::product_without_sign(
+            e.span,
+            &call.name.text,
+            &fixed,
+        ))
+    }
+}
+
+fn at_file(e: &Ast) -> crate::lang::source::FileId {
+    e.span.file
 }

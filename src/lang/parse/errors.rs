@@ -2,7 +2,6 @@
 //!
 //! Each constructor takes places and words of the user's own text, and gives a message with a fix to copy.
 
-use crate::lang::ast::Call;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 
@@ -152,27 +151,13 @@ pub fn data_without_brace(at: Span) -> Diagnostic {
         .help("write `data { x = \"Column\" }`")
 }
 
-pub fn double_power(at: Span, base: Span, first: Span, second: Span) -> Diagnostic {
+/// `x^2^3`
+pub fn double_power(at: Span, base: &str, first: &str, second: &str) -> Diagnostic {
     Diagnostic::error("double-power", "a power of a power needs parentheses")
         .at(at, "two readings")
-        .also(base, "the base")
-        .fact("`x^2^3` could be `(x^2)^3`, which is x^6, or `x^(2^3)`, which is x^8")
         .help(format!(
-            "put parentheses around the part that comes first ({} bytes of exponent)",
-            second.end - first.start
+            "write `({base}^{first})^{second}` or `{base}^({first}^{second})`"
         ))
-}
-
-/// `sin theta^2`
-pub fn power_of_juxtaposed(at: Span, call: &Call, arg: Span, exponent: Span) -> Diagnostic {
-    let name = &call.name.text;
-    let _ = (arg, exponent);
-    Diagnostic::error(
-        "ambiguous-argument",
-        format!("where does the argument of `{name}` end?"),
-    )
-    .at(at, "two readings")
-    .help(format!("write `{name}(x)^2` or `{name}(x^2)`"))
 }
 
 /// `sin 2*theta`, `exp sin x`: `readings` are the ways to write what may be meant.

@@ -9,6 +9,7 @@ use super::errors;
 use super::token::{Token, TokenKind};
 use super::tree::Rule;
 use crate::lang::ast::{KEYWORDS, Keyword};
+use crate::lang::check::KEYS;
 use crate::lang::diagnostic::{Diagnostic, did_you_mean};
 use crate::lang::source::{FileId, Span};
 use crate::term::Func;
@@ -95,14 +96,27 @@ impl<'t> Stop<'_, 't> {
             return None;
         }
         let found = self.found()?;
-        let key = [self.before(1)?, found]
+        let key = [self.at.checked_sub(1)?, self.at]
             .into_iter()
-            .find(|t| ["order", "noise", "unit", "hold", "linear"].contains(&t.text))?;
-        let keyword = self.keyword.map_or("state", Keyword::text);
+            .find(|&i| self.get(i).is_some_and(|t| KEYS.contains(&t.text)))?;
+        let at = self.get(key)?.span(self.file);
+        let (names, rest) = (self.phrase(0, key), self.phrase(key, self.tokens.len()));
         Some(
-            errors::unexpected(key.span(self.file), key.text, "`:` before the attributes")
-                .help(format!("write `{keyword} … : {} …`", key.text)),
+            errors::unexpected(at, found.text, "`:` before the attributes")
+                .help(format!("write `{names} : {rest}`")),
         )
+    }
+
+    /// The words from one token to before another.
+    fn phrase(&self, from: usize, to: usize) -> String {
+        let mut out = String::new();
+        for token in (from..to).filter_map(|i| self.get(i)) {
+            if !out.is_empty() && !token.is(",") {
+                out.push(' ');
+            }
+            out.push_str(token.text);
+        }
+        out
     }
 
     /// `sin 2*theta`, `exp sin x`
@@ -265,7 +279,7 @@ fn word(rule: Rule) -> Option<&'static str> {
         Rule::add | Rule::subtract | Rule::multiply | Rule::divide => "an operator",
         Rule::exponent => "an exponent",
         Rule::relates => "`~` or `=`",
-        Rule::relation => "`<`, `>` or `=`",
+        Rule::relation => "a relation",
         Rule::attribute => "an attribute",
         Rule::numbers => "a number",
         Rule::EOI => "the end of the statement",

@@ -169,7 +169,10 @@ impl<'t> Cutter<'t> {
 
     /// Opens and closes brackets, and counts what would nest the parser too deep.
     fn track(&mut self, i: usize, token: Token, keyword: Option<Keyword>, open: &mut Open) {
-        let angles = !matches!(keyword, Some(Keyword::Constrain | Keyword::Data));
+        let angles = !matches!(
+            keyword,
+            Some(Keyword::Constrain | Keyword::Data | Keyword::Symmetry)
+        );
         open.minuses = if token.is("-") { open.minuses + 1 } else { 0 };
         match token.text {
             _ if token.kind != TokenKind::Symbol => {}

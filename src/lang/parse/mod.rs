@@ -5,7 +5,7 @@
 
 mod errors;
 mod expected;
-mod lines;
+pub(in crate::lang) mod lines;
 pub(in crate::lang) mod pasted;
 pub mod token;
 mod tree;
@@ -24,6 +24,7 @@ pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     errors.extend(bracket_errors);
     let mut file = File {
         id,
+        text: text.to_string(),
         statements: Vec::with_capacity(pieces.len()),
         broken: Vec::new(),
     };
@@ -135,10 +136,14 @@ fn span_of(id: FileId, tokens: &[Token]) -> Span {
 /// The names a broken statement would have given a meaning to.
 fn broken(id: FileId, tokens: &[Token], piece: &Piece) -> Broken {
     let own = slice(tokens, &piece.tokens);
-    let declares = matches!(
-        piece.keyword,
-        Some(Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param | Keyword::Let)
-    );
+    let declares = match piece.keyword {
+        Some(k) => matches!(
+            k,
+            Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param | Keyword::Let
+        ),
+        // A misspelt keyword: no equation without a relation.
+        None => !own.iter().any(|t| t.is("~") || t.is("=")),
+    };
     let names = own
         .iter()
         .skip(1)

@@ -74,11 +74,16 @@ fn read<'t>(
     tokens: &[Token],
     rule: Rule,
     keyword: Option<Keyword>,
-) -> Result<(Tree, Pairs<'t, Rule>)> {
+) -> Result<(Tree<'t>, Pairs<'t, Rule>)> {
     let start = tokens.first().map_or(0, |t| t.start);
     let end = tokens.last().map_or(start, |t| t.end);
     let source = text.get(start..end).unwrap_or("");
-    let tree = Tree { file, start, end };
+    let tree = Tree {
+        file,
+        text,
+        start,
+        end,
+    };
     match SidParser::parse(rule, source) {
         Ok(mut pairs) => {
             let statement = tree.next(&mut pairs)?;
@@ -91,23 +96,28 @@ fn read<'t>(
 }
 
 /// Where the statement stands in its file.
-struct Tree {
+struct Tree<'t> {
     file: FileId,
+    text: &'t str,
     start: usize,
     end: usize,
 }
 
-impl Tree {
+impl Tree<'_> {
     fn span(&self, pair: &Pair<Rule>) -> Span {
         let s = pair.as_span();
         Span::new(self.file, self.start + s.start(), self.start + s.end())
     }
 
     /// The next part of a rule; the grammar promises that there is one.
-    fn next<'t>(&self, pairs: &mut Pairs<'t, Rule>) -> Result<Pair<'t, Rule>> {
+    fn next<'p>(&self, pairs: &mut Pairs<'p, Rule>) -> Result<Pair<'p, Rule>> {
         pairs
             .next()
             .ok_or_else(|| Box::new(errors::internal(Span::new(self.file, self.start, self.end))))
+    }
+
+    fn text(&self, span: Span) -> &str {
+        self.text.get(span.start..span.end).unwrap_or("")
     }
 
     fn ident(&self, pair: &Pair<Rule>) -> Ident {
@@ -239,18 +249,16 @@ impl Tree {
         match &base.kind {
             ExprKind::Power(x, p) => Err(Box::new(errors::double_power(
                 span,
-                x.span,
-                p.span,
-                exponent.span,
+                self.text(x.span),
+                self.text(p.span),
+                self.text(exponent.span),
             ))),
             ExprKind::Call(call) if call.juxtaposed && Func::named(&call.name.text).is_some() => {
-                let arg = call.args.first().map_or(base.span, |a| a.span);
-                Err(Box::new(errors::power_of_juxtaposed(
-                    span,
-                    call,
-                    arg,
-                    exponent.span,
-                )))
+                let f = &call.name.text;
+                let x = call.args.first().map_or("x", |a| self.text(a.span));
+                let p = self.text(exponent.span);
+                let readings = [format!("{f}({x})^{p}"), format!("{f}({x}^{p})")];
+                Err(Box::new(errors::ambiguous_argument(span, f, &readings)))
             }
             _ => Ok(Expr::new(
                 span,

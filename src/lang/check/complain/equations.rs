@@ -85,6 +85,16 @@ pub fn known_with_target(at: Span, target: Span, name: &str) -> Diagnostic {
         .help(format!("bring `{name}` to the left by hand, or write a library with a product of it: `{name} * <x>`"))
 }
 
+/// `dx = poly(x; 2)`
+pub fn known_library(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "library-in-expression",
+        "`=` states a known expression, and this is a library",
+    )
+    .at(at, "candidates, not an expression")
+    .help("to search the library write `~` instead of `=`")
+}
+
 pub fn known_subtracted(at: Span) -> Diagnostic {
     Diagnostic::error("known-part", "`known(…)` is added as it stands")
         .at(at, "no `-`, power or `;` here")

@@ -1,6 +1,5 @@
 //! Declarations, attributes, names and what may be meant by them.
 
-use crate::lang::ast::Call;
 use crate::lang::check::GeneratorSignature;
 use crate::lang::diagnostic::{Diagnostic, did_you_mean};
 use crate::lang::model::Var;
@@ -24,7 +23,7 @@ pub fn future_version(at: Span, version: f64) -> Diagnostic {
 
 /// Something that may stand once stands again.
 pub fn twice(at: Span, first: Span, what: &str) -> Diagnostic {
-    Diagnostic::error("given-twice", format!("a second {what} of the same kind"))
+    Diagnostic::error("given-twice", format!("a second {what}"))
         .at(at, "given again here")
         .also(first, "given first here")
         .help("keep one of the two")
@@ -211,18 +210,22 @@ pub fn derivative_in_discrete(at: Span, name: &str, place: Span) -> Diagnostic {
     .help("write the whole model with `next`, or the whole model with derivatives")
 }
 
-pub fn function_without_argument(at: Span, name: &str) -> Diagnostic {
-    Diagnostic::error(
+/// `sin` alone; `negated` is the x of `sin -x`.
+pub fn function_without_argument(at: Span, name: &str, negated: Option<&str>) -> Diagnostic {
+    let d = Diagnostic::error(
         "ambiguous-argument",
         format!("the function `{name}` has no argument here"),
     )
     .at(
         at,
         "without parentheses a function takes the one name that follows it",
-    )
-    .help(format!(
-        "write `{name}(-x)` for a function of −x, `{name}(x) - y` for a difference"
-    ))
+    );
+    match negated {
+        Some(x) => d.help(format!(
+            "write `{name}(-{x})`, or `{name}(…) - {x}` for a difference"
+        )),
+        None => d.help(format!("write `{name}(x)`")),
+    }
 }
 
 pub fn generator_without_arguments(at: Span, name: &str, usage: &str) -> Diagnostic {
@@ -253,17 +256,21 @@ pub fn word_elsewhere(at: Span, word: &str, help: &str) -> Diagnostic {
     .help(help)
 }
 
-/// `x(1 - x)`, `x y` where x is a signal
-pub fn product_without_sign(at: Span, name: &str, second: Option<&str>, call: &Call) -> Diagnostic {
-    let power = call.power.map_or(String::new(), |(p, _)| format!("^{p}"));
-    let right = match (second, call.juxtaposed) {
-        (Some(second), true) => second.to_string(),
-        (Some(second), false) => format!("({second})"),
-        (None, _) => "(…)".to_string(),
-    };
+/// `x(1 - x)`, `x y` where x is a signal; `fixed` is the same with its `*`.
+pub fn product_without_sign(at: Span, name: &str, fixed: &str) -> Diagnostic {
     Diagnostic::error("implicit-product", format!("`{name}` is not a function"))
         .at(at, "a product needs its `*`, a list its comma")
-        .help(format!("write `{name}{power}*{right}`"))
+        .help(format!("write `{fixed}`"))
+}
+
+/// Two lines of a list, and nothing between them.
+pub fn missing_comma(at: Span, left: &str, right: &str) -> Diagnostic {
+    Diagnostic::error(
+        "implicit-product",
+        format!("no comma or operator between `{left}` and `{right}`"),
+    )
+    .at(at, "the line ends without one")
+    .help(format!("for two items of a list write `{left},`"))
 }
 
 pub fn unknown_function(

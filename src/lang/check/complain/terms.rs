@@ -123,7 +123,7 @@ pub fn outside_domain(at: Span, function: &str, domain: &str) -> Diagnostic {
 pub fn not_constant(at: Span, what: &str) -> Diagnostic {
     Diagnostic::error(
         "not-constant",
-        format!("{what} is a number known in advance"),
+        format!("{what} must be a number known in advance"),
     )
     .at(at, "depends on a signal")
     .help("write a number, or a `let` that is one")
@@ -213,13 +213,12 @@ pub fn numbers_missing(
     .help(format!("the form is `{usage}`"))
 }
 
-/// `r - y` between sets
-pub fn arithmetic_outside_list(whole: Span, removed: Span) -> Diagnostic {
+/// `r - y` between sets; `text` is what was written.
+pub fn arithmetic_outside_list(whole: Span, text: &str) -> Diagnostic {
     Diagnostic::error(
         "difference-removes-nothing",
         "outside `< >`, `-` takes terms out of a library, and here it takes out none",
     )
     .at(whole, "sets of terms, not numbers")
-    .also(removed, "not among the terms before it")
-    .help("for arithmetic put it in `< >`: `<1 - x>` is one term")
+    .help(format!("for the number {text} write `<{text}>`"))
 }

@@ -1,0 +1,71 @@
+//! Algebra of sets of terms that needs no names: unions, and sums that were meant as arithmetic.
+
+use crate::lang::ast::Sign;
+use crate::lang::model::{LibExpr, LibKind};
+use crate::lang::source::Span;
+use crate::term::Expr;
+
+/// A sum that is one number.
+pub struct Number {
+    pub span: Span,
+    pub expr: Expr,
+}
+
+/// A sum of numbers only is a number, wherever it stands.
+pub fn sum_of_numbers(sets: &[(Sign, LibExpr)]) -> Option<Number> {
+    let mut total = 0.0;
+    for (sign, set) in sets {
+        let LibKind::Term(expr) = &set.kind else {
+            return None;
+        };
+        let x = expr.as_number()?;
+        total += if *sign == Sign::Minus { -x } else { x };
+    }
+    let (first, last) = (sets.first()?, sets.last()?);
+    Some(Number {
+        span: first.1.span.to(last.1.span),
+        expr: Expr::number(total),
+    })
+}
+
+/// `1 - x` between sets: a `-` that can remove nothing, with a number that shows that arithmetic was meant.
+pub fn number_minus_term(sets: &[(Sign, LibExpr)]) -> Option<Span> {
+    let mut terms = Vec::with_capacity(sets.len());
+    for (sign, set) in sets {
+        let LibKind::Term(expr) = &set.kind else {
+            return None;
+        };
+        terms.push((
+            *sign,
+            set.span,
+            expr.clone().into_term().1,
+            expr.as_number().is_some(),
+        ));
+    }
+    let has_number = terms.iter().any(|t| t.3);
+    let removes_nothing = terms
+        .iter()
+        .enumerate()
+        .any(|(i, t)| t.0 == Sign::Minus && !terms.iter().take(i).any(|u| u.2 == t.2));
+    let whole = terms.first()?.1.to(terms.last()?.1);
+    (has_number && removes_nothing).then_some(whole)
+}
+
+/// Joins sets by halves.
+pub fn union(mut sets: Vec<LibExpr>) -> Option<LibExpr> {
+    while sets.len() > 1 {
+        let mut halved = Vec::with_capacity(sets.len() / 2 + 1);
+        let mut pairs = sets.into_iter();
+        while let Some(a) = pairs.next() {
+            halved.push(match pairs.next() {
+                Some(b) => LibExpr {
+                    span: a.span.to(b.span),
+                    kind: LibKind::Union(Box::new(a), Box::new(b)),
+                },
+                None => a,
+            });
+        }
+        sets = halved;
+    }
+    sets.pop()
+}

@@ -1,0 +1,77 @@
+//! The formatter changes white space and nothing else, and once is enough.
+
+use sidc::lang::source::FileId;
+use sidc::lang::{format, parse};
+
+use super::texts_in;
+
+fn formatted(text: &str) -> String {
+    format(FileId(0), text).unwrap_or_else(|e| panic!("{text}\n{e:#?}"))
+}
+
+/// The ast without its places.
+fn shape(text: &str) -> String {
+    let (file, errors) = parse(FileId(0), text);
+    assert!(errors.is_empty(), "{text}\n{errors:#?}");
+    let shown = format!("{:?}", file.statements);
+    let mut out = String::new();
+    let mut rest = shown.as_str();
+    while let Some(at) = rest.find("Span {") {
+        out.push_str(&rest[..at]);
+        rest = &rest[at + rest[at..].find('}').unwrap() + 1..];
+    }
+    out + rest
+}
+
+/// Everything but blanks, so that comments count too.
+fn ink(text: &str) -> String {
+    text.chars().filter(|c| !c.is_whitespace()).collect()
+}
+
+pub fn check(text: &str) {
+    let once = formatted(text);
+    assert_eq!(ink(&once), ink(text), "something was lost or added");
+    assert_eq!(
+        shape(&once),
+        shape(text),
+        "the meaning changed:\n{text}\n---\n{once}"
+    );
+    assert_eq!(formatted(&once), once, "not a fixed point:\n{text}");
+}
+
+#[test]
+fn texts_keep_their_meaning() {
+    for folder in ["models", "tests/bad"] {
+        for (_, text) in texts_in(folder) {
+            if parse(FileId(0), &text).1.is_empty() {
+                check(&text);
+            }
+        }
+    }
+}
+
+#[test]
+fn one_layout() {
+    let untidy = "\n\nstate  x,y:order 2 , noise 1e-3 # two\n\n\n\ndata{\nt=\"Time\"*1e-3 ;x= -\"a-b\"\n  ddy =none\n}\nlet b=< x-1,\n-y >\n  # why\n*<dx ^ 2 / 3>\nddx~b\nddy  ~ poly( x ;1 .. 3 )+sin ( x )* 2\nconstrain coef(ddx,x)>-1\n";
+    let tidy = r#"state x, y : order 2, noise 1e-3  # two
+
+data {
+  t   = "Time"*1e-3; x = -"a-b"
+  ddy = none
+}
+let b = <x - 1,
+    -y>
+    # why
+    * <dx^2 / 3>
+ddx ~ b
+ddy ~ poly(x; 1..3) + sin(x) * 2
+constrain coef(ddx, x) > -1
+"#;
+    assert_eq!(formatted(untidy), tidy);
+    check(untidy);
+}
+
+#[test]
+fn a_wrong_text_is_not_formatted() {
+    assert!(format(FileId(0), "dx ~ poly(x; 2").is_err());
+}

@@ -1,0 +1,202 @@
+//! Texts that nobody meant: no input may crash the compiler or hold it up.
+
+use std::time::{Duration, Instant};
+
+use proptest::prelude::*;
+use sidc::lang::source::FileId;
+use sidc::lang::{format, parse};
+
+use super::{compiled, formatting, texts_in};
+
+const WORDS: &[&str] = &[
+    "state",
+    "input",
+    "output",
+    "param",
+    "let",
+    "data",
+    "constrain",
+    "system",
+    "sidc",
+    "next",
+    "lag",
+    "known",
+    "coef",
+    "poly",
+    "powers",
+    "lags",
+    "sin",
+    "exp",
+    "x",
+    "y",
+    "dx",
+    "ddx",
+    "x'",
+    "u",
+    "t",
+    "pi",
+    "1",
+    "2",
+    "0.5",
+    "1e-3",
+    "..",
+    "+",
+    "-",
+    "*",
+    "/",
+    "^",
+    "~",
+    "=",
+    ":",
+    ",",
+    ";",
+    "(",
+    ")",
+    "<",
+    ">",
+    "{",
+    "}",
+    "\"a b\"",
+    "\n",
+    "\n",
+    "# c\n",
+    "order",
+    "none",
+    "unwrap",
+    "θ",
+    "²",
+    ".5",
+    "\"",
+];
+
+const VALID: &str = "sidc 1\nsystem s\nstate x, y : order 2, noise 0.1\ninput u : hold\nparam m\nlet g = 9.8\nlet trig = <1, sin x, cos x>\ndata {\n  t = \"T\" * 1e-3\n  x = unwrap(\"A\", 2*pi)\n}\nddx ~ known(-g/m * sin x) + poly(x, dx, u; 1..2) * trig - <x>\nddy = u^2 - y/m\nconstrain 0 < coef(ddx, u) < 2*coef(ddx, dx) + 1\n";
+
+/// Whatever the text, an answer comes, and a fixed point of the formatter if there is a layout.
+fn survives(text: &str) {
+    let (model, found, shown) = compiled("hostile.sid", text);
+    assert_eq!(model.is_none(), found.iter().any(|d| d.is_error()));
+    assert_eq!(shown.is_empty(), found.is_empty());
+    if parse(FileId(0), text).1.is_empty() {
+        formatting::check(text);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn token_soup(words in prop::collection::vec(prop::sample::select(WORDS), 0..60), glue in "[ ]{0,1}") {
+        survives(&words.join(&glue));
+    }
+
+    #[test]
+    fn any_characters(text in "\\PC{0,80}") {
+        survives(&text);
+    }
+
+    #[test]
+    fn statements_of_soup(words in prop::collection::vec(prop::sample::select(WORDS), 0..25)) {
+        survives(&format!("state x, y : order 2\ninput u\nddx ~ {}", words.join(" ")));
+    }
+
+    #[test]
+    fn a_valid_model_cut_and_patched(from in 0..VALID.len(), length in 0usize..6, word in prop::sample::select(WORDS)) {
+        let end = (from + length).min(VALID.len());
+        survives(&format!("{}{word}{}", &VALID[..from], &VALID[end..]));
+    }
+}
+
+#[test]
+fn the_patched_model_is_valid_to_begin_with() {
+    assert!(
+        compiled("valid.sid", VALID).0.is_some(),
+        "{}",
+        compiled("valid.sid", VALID).2
+    );
+}
+
+#[test]
+fn every_wrong_model_survives_losing_a_line() {
+    for (_, text) in texts_in("tests/bad") {
+        for skip in 0..text.lines().count().min(12) {
+            let rest: Vec<&str> = text
+                .lines()
+                .enumerate()
+                .filter(|(i, _)| *i != skip)
+                .map(|(_, l)| l)
+                .collect();
+            survives(&rest.join("\n"));
+        }
+    }
+}
+
+/// The text compiles, or fails, within the time; tests run unoptimised on shared machines.
+fn in_time(text: &str) {
+    let start = Instant::now();
+    let (model, found, _) = compiled("large.sid", text);
+    assert!(model.is_some() || found.iter().any(|d| d.is_error()));
+    assert!(
+        start.elapsed() < Duration::from_secs(20),
+        "{:?}",
+        start.elapsed()
+    );
+}
+
+#[test]
+fn large_texts_do_not_exhaust_the_stack_or_the_clock() {
+    let n = 100_000;
+    let of = |body: String| format!("state x, a\ndx ~ {body}\n");
+    in_time(&of(format!("<{}x{}>", "(".repeat(n), ")".repeat(n))));
+    in_time(&of("(".repeat(n)));
+    in_time(&of("<".repeat(n)));
+    in_time(&of(format!("<{}a>", "a+".repeat(n))));
+    in_time(&of(format!("{}a", "a+".repeat(n))));
+    in_time(&of(format!("{}a", "a*".repeat(n))));
+    in_time(&of(format!("{}a", "a - ".repeat(n))));
+    in_time(&of(format!("<{}a>", "-".repeat(n))));
+    in_time(&of(format!("<x{}>", "^2".repeat(n))));
+    in_time(&of(format!("<{}x>", "sin ".repeat(n))));
+    in_time(&of(format!("<{}x{}>", "sin(".repeat(200), ")".repeat(200))));
+    in_time(&of(format!("<{}x{}>", "sin(".repeat(120), ")".repeat(120))));
+    in_time(&of(format!("<{}x>", "x, ".repeat(n))));
+    in_time(&of(format!("poly(x;{} 2)", "\n".repeat(n))));
+    in_time(&"\n".repeat(n));
+    in_time(&"state x\n".repeat(n / 10));
+    in_time(&format!("state x1..x{n}\n"));
+    in_time(&"}".repeat(n));
+    in_time(&"data {\n".repeat(n / 10));
+    in_time(&format!("data {{ {} }}", "x = \"a\"; ".repeat(n / 10)));
+}
+
+#[test]
+fn chains_of_lets_do_not_explode() {
+    let mut text = "state x\nlet a0 = sin(x) + x\n".to_string();
+    for i in 1..2_000 {
+        text += &format!("let a{i} = sin(a{})\n", i - 1);
+    }
+    in_time(&(text + "dx ~ <a1999>\n"));
+    let mut text = "state x\nlet a0 = sin(x) + x\n".to_string();
+    for i in 1..40 {
+        text += &format!("let a{i} = sin(a{0})*cos(a{0})\n", i - 1);
+    }
+    in_time(&(text + "dx ~ <a39>\n"));
+}
+
+#[test]
+fn a_model_of_sixty_lines_takes_no_time() {
+    let mut text = "state x1..x12 : order 2\ninput u\n".to_string();
+    for i in 1..=12 {
+        text += &format!("let t{i} = <1, sin(x{i}), cos(x{i})>\n");
+        text +=
+            &format!("ddx{i} ~ poly(x1..x12, dx{i}; 2) * t{i} + <u, u*x{i}^2, dx{i}*sin x{i}>\n");
+    }
+    let start = Instant::now();
+    for _ in 0..10 {
+        assert!(
+            compiled("model.sid", &text).0.is_some(),
+            "{}",
+            compiled("model.sid", &text).2
+        );
+    }
+    assert!(start.elapsed() < Duration::from_secs(2));
+}

@@ -1,0 +1,61 @@
+//! The language: golden messages, the reference, the formatter, and texts nobody meant.
+
+mod bad;
+mod docs;
+mod formatting;
+mod hostile;
+mod meaning;
+
+use sidc::lang::diagnostic::Diagnostic;
+use sidc::lang::model::Model;
+use sidc::lang::source::Sources;
+use sidc::lang::{GeneratorSignature, Vocabulary, compile, render};
+
+/// The generators as these tests know them.
+pub fn vocabulary() -> Vocabulary {
+    let signature = |name, usage, discrete_only| GeneratorSignature {
+        name,
+        usage,
+        discrete_only,
+    };
+    Vocabulary {
+        generators: vec![
+            signature("poly", "poly(atoms; degree)", false),
+            signature("powers", "powers(atoms; power)", false),
+            signature("fourier", "fourier(atom; harmonics)", false),
+            signature("lags", "lags(signals; from..to)", true),
+        ],
+    }
+}
+
+pub fn compiled(name: &str, text: &str) -> (Option<Model>, Vec<Diagnostic>, String) {
+    let mut sources = Sources::default();
+    let id = sources.add(name, text);
+    let (model, found) = compile(id, &sources, &vocabulary());
+    let shown = render(&found, &sources, false);
+    (model, found, shown)
+}
+
+/// The model of a text that must be right.
+pub fn model(text: &str) -> Model {
+    let (model, _, shown) = compiled("model.sid", text);
+    model.unwrap_or_else(|| panic!("{text}\n{shown}"))
+}
+
+/// Every `.sid` text under a folder of the repository, with its name.
+pub fn texts_in(folder: &str) -> Vec<(String, String)> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let Ok(entries) = std::fs::read_dir(root) else {
+        return Vec::new();
+    };
+    let mut out: Vec<(String, String)> = entries
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|x| x == "sid"))
+        .map(|p| {
+            let name = p.file_stem().unwrap().to_string_lossy().into_owned();
+            (name, std::fs::read_to_string(&p).unwrap())
+        })
+        .collect();
+    out.sort();
+    out
+}
