@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::stencil::{Choice, Stencil, Stencils, dot};
 use super::{Estimate, Grid, Stretch};
 
-/// Samples that the choice for the whole record is made on, at most; an eighth of it on uneven grids, where weights cost more.
+/// Samples that the choice for the whole record is made on, at most; a sixteenth of it on uneven grids, where weights cost more.
 const TRIED: usize = 16_384;
 /// Samples worked on at once.
 const BLOCK: usize = 16_384;
@@ -27,7 +27,9 @@ const TINY: f64 = 1e-300;
 const WIDTHS: [usize; 12] = [7, 9, 13, 17, 23, 33, 47, 65, 91, 129, 181, 257];
 
 /// All polynomials tried: interpolating ones of 3 to 13 points, least squares of degrees 2 to 8.
-fn candidates(order: usize, longest: usize) -> Vec<Choice> {
+fn candidates(order: usize, longest: usize, even: bool) -> Vec<Choice> {
+    // On uneven grids every stencil is made anew: every other width will do.
+    let widths = || WIDTHS.into_iter().step_by(if even { 1 } else { 2 });
     let mut out = Vec::new();
     for degree in (2..=12).step_by(2) {
         out.push(Choice {
@@ -36,7 +38,7 @@ fn candidates(order: usize, longest: usize) -> Vec<Choice> {
         });
     }
     for degree in (2..=8).step_by(2) {
-        for points in WIDTHS.into_iter().filter(|n| *n >= degree + 3) {
+        for points in widths().filter(|n| *n >= degree + 3) {
             out.push(Choice { points, degree });
         }
     }
@@ -60,7 +62,7 @@ pub(super) fn least_error(
         sigma,
         cache: BTreeMap::new(),
     };
-    let all = candidates(order, longest);
+    let all = candidates(order, longest, grid.step.is_some());
     let tried = if grid.step.is_some() {
         TRIED
     } else {
