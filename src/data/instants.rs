@@ -32,7 +32,7 @@ pub(super) fn steps(time: &[f64]) -> Option<Steps> {
 
 /// Times that are an even grid but for their printed digits, put back on the grid.
 ///
-/// Returns the grid and the largest correction, if every time is within half a unit of its last decimal (and a quarter
+/// Returns the grid and the largest correction, if every time is within half a unit of its last printed digit (and a quarter
 /// of a step, and in any case 1e-6 steps) of the least-squares grid.
 pub(super) fn even_grid(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     let n = time.len();
@@ -56,19 +56,37 @@ pub(super) fn even_grid(time: &[f64]) -> Option<(Vec<f64>, f64)> {
         .zip(&grid)
         .map(|(t, g)| (t - g).abs())
         .fold(0.0, f64::max);
-    let digits = last_decimal(time).map_or(0.0, |d| 0.51 * d);
+    let printed = last_decimal(time).or_else(|| last_significant(time));
+    let digits = printed.map_or(0.0, |d| 0.51 * d);
     let allowed = f64::max(digits.min(0.25 * step), 1e-6 * step);
     (worst <= allowed).then_some((grid, worst))
 }
 
-/// The unit of the last decimal that the values use; `None` if they use more than nine.
-pub(super) fn last_decimal(values: &[f64]) -> Option<f64> {
-    (0..=9).map(|k| 10f64.powi(k)).find_map(|scale| {
+/// The unit of the last decimal that the values use; `None` if they use more than six.
+fn last_decimal(values: &[f64]) -> Option<f64> {
+    (0..=6).map(|k| 10f64.powi(k)).find_map(|scale| {
         let whole = |v: &f64| {
             let x = v * scale;
             (x - x.round()).abs() <= 1e-9 * x.abs().max(1.0)
         };
         values.iter().all(whole).then_some(1.0 / scale)
+    })
+}
+
+/// The unit of the last significant digit of the largest value; `None` if the values use more than twelve digits.
+fn last_significant(values: &[f64]) -> Option<f64> {
+    // Never asked of zero.
+    let unit = |x: f64, digits: i32| 10f64.powi(x.abs().log10().floor() as i32 + 1 - digits);
+    let largest = values
+        .iter()
+        .fold(f64::MIN_POSITIVE, |m: f64, x| m.max(x.abs()));
+    (6..=12).find_map(|digits| {
+        let whole = |v: &f64| {
+            let of = if *v == 0.0 { 1.0 } else { *v };
+            let k = v / unit(of, digits);
+            (k - k.round()).abs() <= 1e-15 * k.abs() + 1e-4
+        };
+        values.iter().all(whole).then(|| unit(largest, digits))
     })
 }
 
@@ -96,6 +114,15 @@ mod tests {
         let (grid, worst) = even_grid(&rounded).expect("an even grid");
         assert!(worst <= 5.1e-4);
         assert!((grid[199] - 199.0 / 60.0).abs() < 2e-4);
+        let nine_digits: Vec<f64> = (0..4000)
+            .map(|k| {
+                format!("{:.8e}", 0.0316412345 * k as f64)
+                    .parse()
+                    .unwrap_or(0.0)
+            })
+            .collect();
+        let (_, worst) = even_grid(&nine_digits).expect("an even grid");
+        assert!(worst > 1e-8);
         let irregular: Vec<f64> = (0..200).map(|k| (k as f64).powf(1.1)).collect();
         assert!(even_grid(&irregular).is_none());
     }

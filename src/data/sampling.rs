@@ -176,8 +176,16 @@ impl<'a> Source<'a> {
                 let (Some(v), Some(s)) = (e.values.get_mut(i), e.error.get_mut(i)) else {
                     continue;
                 };
-                if v.is_nan() && value.is_finite() || *error < 0.5 * *s {
-                    (*v, *s) = (*value, *error);
+                // At the jump itself a window across it sees the mean of both sides and no sign of doubt:
+                // what the two estimates differ by, beyond the error of the one that respects the jump, is bias.
+                let bias = ((value - *v).powi(2) - *s * *s).max(0.0);
+                let error = if v.is_nan() {
+                    *error
+                } else {
+                    (error * error + bias).sqrt()
+                };
+                if v.is_nan() && value.is_finite() || error < 0.5 * *s {
+                    (*v, *s) = (*value, error);
                     across += 1;
                 }
             }

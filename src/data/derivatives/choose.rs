@@ -9,7 +9,7 @@ use std::rc::Rc;
 use super::stencil::{Choice, Stencil, Stencils, dot};
 use super::{Estimate, Grid, Stretch};
 
-/// Samples that the choice for the whole record is made on, at most; an eighth of it on uneven grids, where weights cost more.
+/// Samples that the choice for the whole record is made on, at most; a sixteenth of it on uneven grids, where weights cost more.
 const TRIED: usize = 16_384;
 /// Samples worked on at once.
 const BLOCK: usize = 16_384;
@@ -18,6 +18,8 @@ const CLEARLY: f64 = 0.25;
 
 /// A window whose mean squared error is this much above the least, in geometric mean, is not widened further.
 const HOPELESS: f64 = 1e6;
+/// What a fit leaves of the next degrees is surely no noise if its mean square is so many times the noise's.
+const CERTAIN: f64 = 4.0;
 /// Stands for zero in logarithms.
 const TINY: f64 = 1e-300;
 
@@ -25,7 +27,9 @@ const TINY: f64 = 1e-300;
 const WIDTHS: [usize; 12] = [7, 9, 13, 17, 23, 33, 47, 65, 91, 129, 181, 257];
 
 /// All polynomials tried: interpolating ones of 3 to 13 points, least squares of degrees 2 to 8.
-fn candidates(order: usize, longest: usize) -> Vec<Choice> {
+fn candidates(order: usize, longest: usize, even: bool) -> Vec<Choice> {
+    // On uneven grids every stencil is made anew: every other width will do.
+    let widths = || WIDTHS.into_iter().step_by(if even { 1 } else { 2 });
     let mut out = Vec::new();
     for degree in (2..=12).step_by(2) {
         out.push(Choice {
@@ -34,11 +38,12 @@ fn candidates(order: usize, longest: usize) -> Vec<Choice> {
         });
     }
     for degree in (2..=8).step_by(2) {
-        for points in WIDTHS.into_iter().filter(|n| *n >= degree + 3) {
+        for points in widths().filter(|n| *n >= degree + 3) {
             out.push(Choice { points, degree });
         }
     }
     out.retain(|c| c.degree >= order && c.points <= longest);
+    out.sort_by_key(|c| (c.degree, c.points));
     out
 }
 
@@ -57,7 +62,7 @@ pub(super) fn least_error(
         sigma,
         cache: BTreeMap::new(),
     };
-    let all = candidates(order, longest);
+    let all = candidates(order, longest, grid.step.is_some());
     let tried = if grid.step.is_some() {
         TRIED
     } else {
@@ -72,11 +77,13 @@ pub(super) fn least_error(
     };
     let mut used: BTreeMap<Choice, usize> = BTreeMap::new();
     for part in blocks(stretches, BLOCK) {
-        let mut judged: Vec<(Choice, Vec<Judged>)> = kept
-            .iter()
-            .filter(|c| c.points <= part.stretch.len())
-            .map(|c| (*c, work.judge(*c, part)))
-            .collect();
+        let mut floor = (0, Vec::new());
+        let mut judged: Vec<(Choice, Vec<Judged>)> = Vec::with_capacity(kept.len() + 1);
+        for c in kept.iter().filter(|c| c.points <= part.stretch.len()) {
+            let mut rows = work.judge(*c, part);
+            grow(*c, &mut rows, &mut floor);
+            judged.push((*c, rows));
+        }
         if let Some(c) = short(part.stretch, order) {
             judged.push((c, work.judge(c, part)));
         }
@@ -122,6 +129,20 @@ struct Part {
 struct Judged {
     value: f64,
     square: f64,
+    /// The part of the squared bias that noise cannot explain.
+    certain: f64,
+}
+
+/// Takes it that bias grows with the width of a window, degree by degree: a window far too wide for the motion leaves
+/// nothing in the next degrees either, and would look unbiased.
+fn grow(choice: Choice, judged: &mut [Judged], floor: &mut (usize, Vec<f64>)) {
+    if floor.0 != choice.degree || floor.1.len() != judged.len() {
+        *floor = (choice.degree, vec![0.0; judged.len()]);
+    }
+    for (j, f) in judged.iter_mut().zip(&mut floor.1) {
+        *f = f.max(j.certain);
+        j.square = j.square.max(*f);
+    }
 }
 
 fn blocks(stretches: &[Stretch], size: usize) -> impl Iterator<Item = Part> {
@@ -172,14 +193,17 @@ impl Work<'_> {
         let mut least = vec![(f64::INFINITY, None); rows];
         let mut tried: Vec<(Choice, Vec<f64>)> = Vec::new();
         let mut hopeless: Option<usize> = None;
+        let mut floors = vec![(0, Vec::new()); parts.len()];
         for choice in all {
             if hopeless == Some(choice.degree) {
                 continue;
             }
             let mut squares = Vec::with_capacity(rows);
-            for part in parts {
+            for (part, floor) in parts.iter().zip(&mut floors) {
                 if choice.points <= part.stretch.len() {
-                    squares.extend(self.judge(*choice, *part).iter().map(|j| j.square));
+                    let mut judged = self.judge(*choice, *part);
+                    grow(*choice, &mut judged, floor);
+                    squares.extend(judged.iter().map(|j| j.square));
                 } else {
                     squares.extend((part.from..part.to).map(|_| f64::INFINITY));
                 }
@@ -220,11 +244,18 @@ impl Work<'_> {
         for choice in least.iter().filter_map(|(_, c)| *c) {
             *wins.entry(choice).or_default() += 1;
         }
-        let often = |c: &Choice| wins.get(c).is_some_and(|w| *w > rows / 200);
+        let often = |c: &Choice| wins.get(c).is_some_and(|w| *w > rows / 200) || Some(*c) == best;
+        // Narrower windows of a degree stay, to tell how biased the wider ones are.
+        let widest = |degree: usize| {
+            let won = tried.iter().map(|(c, _)| *c);
+            won.filter(|c| c.degree == degree && often(c))
+                .map(|c| c.points)
+                .max()
+        };
         let kept = tried
             .iter()
             .map(|(c, _)| *c)
-            .filter(|c| Some(*c) == best || often(c))
+            .filter(|c| widest(c.degree).is_some_and(|w| c.points <= w))
             .collect();
         (best, kept)
     }
@@ -269,10 +300,12 @@ impl Work<'_> {
                     (i + reach + 1).min(to) - from,
                 );
                 let sum = sums.get(b).unwrap_or(&0.0) - sums.get(a).unwrap_or(&0.0);
-                let bias = (sum / (b - a) as f64 - noise).max(0.0) * length * length;
+                let left = sum / (b - a) as f64;
+                let bias = |surplus: f64| surplus.max(0.0) * length * length;
                 Judged {
                     value,
-                    square: noise * norm * norm + bias,
+                    square: noise * norm * norm + bias(left - noise),
+                    certain: bias(left - CERTAIN * noise),
                 }
             })
             .collect()

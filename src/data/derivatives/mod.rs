@@ -33,26 +33,20 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Even if the least-squares grid is met to 1e-6 of a step (printed times have no more digits).
+    /// Even if the times are an even grid but for their printed digits, and those matter to 1e-4 of a step at most.
     pub(super) fn new(time: &[f64]) -> Self {
-        match instants::even_grid(time) {
-            Some((even, worst)) => {
-                let step = even.get(1).zip(even.first()).map_or(0.0, |(b, a)| b - a);
-                if worst <= 1e-6 * step {
-                    return Grid {
-                        time: even,
-                        step: Some(step),
-                    };
-                }
-                Grid {
-                    time: time.to_vec(),
-                    step: None,
-                }
+        if let Some((even, worst)) = instants::even_grid(time) {
+            let step = even.get(1).zip(even.first()).map_or(0.0, |(b, a)| b - a);
+            if worst <= 1e-4 * step {
+                return Grid {
+                    time: even,
+                    step: Some(step),
+                };
             }
-            None => Grid {
-                time: time.to_vec(),
-                step: None,
-            },
+        }
+        Grid {
+            time: time.to_vec(),
+            step: None,
         }
     }
 }
