@@ -46,7 +46,7 @@ impl Solver for InteriorPoint {
         }
         let Some(tolerance) = reduced
             .inner_tolerance()
-            .filter(|_| reduced.unit.ncols() > 0)
+            .filter(|_| !reduced.strengths.is_empty())
         else {
             return inconsistent(problem, None);
         };
@@ -89,6 +89,10 @@ struct Residuals {
     /// 1 − Pᵀλ − s⁺ and 1 + Pᵀλ − s⁻
     dual_p: Vec<f64>,
     dual_q: Vec<f64>,
+    /// Largest entry of the dual residuals.
+    dual: f64,
+    /// Size of `primal` that rounding alone explains.
+    rounding: f64,
     /// Mean complementarity.
     mu: f64,
     gap: f64,
@@ -110,14 +114,14 @@ struct Run {
 }
 
 fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
-    let mut normal = Normal::new(reduced.unit.as_ref());
+    let mut normal = Normal::new(reduced.matrix.as_ref());
     let mut point = Point::start(reduced, tolerance);
     let mut best = Best::new(&point, reduced.tolerance);
     for iteration in 0..ITERATIONS {
         let residuals = point.residuals(reduced);
         let progress = Progress {
             iteration,
-            gap: residuals.gap,
+            gap: residuals.gap.max(residuals.dual),
             residual: norm(&residuals.primal),
         };
         let hopeless = !best.offer(&point, progress);
@@ -153,7 +157,7 @@ fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
 
 impl Point {
     fn start(reduced: &Reduced, tolerance: f64) -> Point {
-        let (m, n) = (reduced.unit.nrows(), reduced.unit.ncols());
+        let (m, n) = (reduced.matrix.nrows(), reduced.matrix.ncols());
         let largest = reduced.target.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
         let cone = (tolerance > 0.0).then(|| Cone {
             x: Pair {
@@ -180,8 +184,8 @@ impl Point {
     }
 
     fn residuals(&self, reduced: &Reduced) -> Residuals {
-        let mut primal = minus(&reduced.target, &times(reduced.unit.as_ref(), &self.x()));
-        let correlations = times_transposed(reduced.unit.as_ref(), &self.lambda);
+        let mut primal = minus(&reduced.target, &times(reduced.matrix.as_ref(), &self.x()));
+        let correlations = times_transposed(reduced.matrix.as_ref(), &self.lambda);
         let mut dual = dot(&reduced.target, &self.lambda);
         if let Some(cone) = &self.cone {
             add_scaled(&mut primal, -1.0, &cone.x.tail);
@@ -195,10 +199,14 @@ impl Point {
                 .map(|(g, s)| 1.0 - sign * g - s)
                 .collect()
         };
+        let (dual_p, dual_q) = (slack(1.0, &self.sp), slack(-1.0, &self.sq));
+        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         Residuals {
             primal,
-            dual_p: slack(1.0, &self.sp),
-            dual_q: slack(-1.0, &self.sq),
+            dual: largest(&dual_p).max(largest(&dual_q)),
+            rounding: f64::EPSILON * (1.0 + value),
+            dual_p,
+            dual_q,
             mu: self.complementarity() / self.degree(),
             gap: (value - dual).abs() / value.abs().max(dual.abs()),
         }
@@ -314,7 +322,7 @@ impl Newton<'_> {
             &part(&cp, &point.p, &point.sp, &res.dual_p),
             &part(&cq, &point.q, &point.sq, &res.dual_q),
         );
-        let mut rhs = minus(&res.primal, &times(self.reduced.unit.as_ref(), &fixed));
+        let mut rhs = minus(&res.primal, &times(self.reduced.matrix.as_ref(), &fixed));
         let pull = self.scaling.map(|scaling| {
             let second = predictor.and_then(|d| d.cone.as_ref());
             let pull = scaling.complementarity(sigma_mu * self.point.cone_weight(), second);
@@ -322,7 +330,9 @@ impl Newton<'_> {
             scaling.eliminate(-pull.head, &mut rhs);
             pull
         });
-        let (lambda, h) = self.normal.solve(&rhs, self.scaling);
+        let (lambda, h) = self
+            .normal
+            .solve(&rhs, self.scaling, self.residuals.rounding);
         let cone = self.scaling.zip(pull).map(|(scaling, pull)| {
             let multiplier = Pair {
                 head: scaling.recover(-pull.head, &lambda),
