@@ -22,6 +22,9 @@ const ITERATIONS: usize = 100;
 const PATIENCE: usize = 8;
 /// Fraction of the way to the boundary.
 const STEP: f64 = 0.99;
+/// A step shorter than this is replaced by one that only centres, towards this part of μ.
+const SHORT: f64 = 0.1;
+const RECENTRE: f64 = 0.7;
 /// Weight of the cone in μ relative to the number of columns.
 const CONE_WEIGHT: f64 = 0.1;
 
@@ -149,8 +152,11 @@ fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
         };
         let predictor = newton.direction(0.0, None);
         let sigma = point.centring(&predictor, residuals.mu);
-        let corrector = newton.direction(sigma * residuals.mu, Some(&predictor));
-        point.advance(&corrector);
+        let mut step = newton.direction(sigma * residuals.mu, Some(&predictor));
+        if point.is_short(&step) {
+            step = newton.direction(RECENTRE * residuals.mu, None);
+        }
+        point.advance(&step);
     }
     best.judge(ITERATIONS)
 }
@@ -254,6 +260,12 @@ impl Point {
             dual = dual.min(cone.s.longest_step(ds));
         }
         ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
+    }
+
+    /// The corrector can be misled by a long predictor; a step back to the central path then helps more.
+    fn is_short(&self, d: &Direction) -> bool {
+        let (primal, dual) = self.steps(d);
+        primal.min(dual) < SHORT
     }
 
     /// Mehrotra's σ: how much of μ the predictor alone would leave, cubed.

@@ -11,12 +11,14 @@ use faer::{Accum, ColMut, Mat, MatRef, Par, Side};
 use super::cone::Scaling;
 use super::reduce::{add_scaled, dot, norm, times, times_transposed};
 
-/// First regularisation, relative to each diagonal entry; a hundred times more after each breakdown.
+/// First regularisation; a hundred times more after each breakdown.
 const REGULARISATION: f64 = 1e-14;
 const STRONGEST_REGULARISATION: f64 = 1e-5;
-/// Refinement stops at this relative residual, or after as many steps.
+/// Conjugate gradients stop at this relative residual, or after as many steps: few for equality constraints, where more
+/// would chase the rounding of y into rows of tiny singular value, many under a cone, whose C bounds the matrix below.
 const REFINED: f64 = 1e-13;
-const REFINEMENTS: usize = 20;
+const STEPS_EQUALITY: usize = 3;
+const STEPS_CONE: usize = 20;
 
 pub(super) struct Normal<'a> {
     matrix: MatRef<'a, f64>,
@@ -45,9 +47,13 @@ impl<'a> Normal<'a> {
         if let Some(cone) = cone {
             self.add_cone(cone);
         }
-        let diagonal: Vec<f64> = (0..self.product.nrows())
-            .map(|i| self.product[(i, i)])
-            .collect();
+        let m = self.product.nrows();
+        let mut diagonal: Vec<f64> = (0..m).map(|i| self.product[(i, i)]).collect();
+        if cone.is_none() {
+            // The same weight for all rows: a proximal term, which leaves alone what only rounding would decide.
+            let mean = diagonal.iter().sum::<f64>() / m.max(1) as f64;
+            diagonal.fill(mean);
+        }
         let (mut added, mut wanted) = (0.0, REGULARISATION);
         self.factor = None;
         while self.factor.is_none() && wanted <= STRONGEST_REGULARISATION {
@@ -111,7 +117,12 @@ impl<'a> Normal<'a> {
         let mut energy = dot(&residual, &preconditioned);
         let wanted = floor.max(REFINED * norm(rhs));
         let mut best = (norm(rhs), delta.clone(), correlated.clone());
-        for _ in 0..REFINEMENTS {
+        let steps = if cone.is_some() {
+            STEPS_CONE
+        } else {
+            STEPS_EQUALITY
+        };
+        for _ in 0..steps {
             let image = times_transposed(self.matrix, &direction);
             let applied = self.apply(&direction, &image, cone);
             let step = energy / dot(&direction, &applied);

@@ -477,20 +477,17 @@ proptest! {
 #[ignore = "a survey to read, not a check"]
 fn survey() {
     for (rows, level) in [
-        (20, 0.0),
         (40, 0.0),
         (100, 0.0),
         (375, 0.0),
         (40, 1e-1),
-        (40, 1e-2),
         (40, 1e-3),
         (60, 1e-5),
-        (60, 1e-8),
+        (60, 1e-7),
         (375, 1e-2),
-        (375, 1e-3),
     ] {
         for target in [Target::Cart, Target::Pendulum] {
-            for seed in 0..if rows > 100 { 1 } else { 3 } {
+            for seed in 0..if rows > 100 { 1 } else { 2 } {
                 let r = regression(&draw(rows, seed), target, POWERS);
                 let mut random = Random::new(seed);
                 let noise: Vec<f64> = r.target.iter().map(|_| random.normal()).collect();
