@@ -256,8 +256,12 @@ impl Point {
         let mut primal = longest(&self.p, &d.p).min(longest(&self.q, &d.q));
         let mut dual = longest(&self.sp, &d.sp).min(longest(&self.sq, &d.sq));
         if let (Some(cone), Some((dx, ds))) = (&self.cone, &d.cone) {
-            primal = primal.min(cone.x.longest_step(dx));
-            dual = dual.min(cone.s.longest_step(ds));
+            // One length for both: along a curved cone separate lengths can fall into a cycle.
+            let both = primal
+                .min(dual)
+                .min(cone.x.longest_step(dx))
+                .min(cone.s.longest_step(ds));
+            (primal, dual) = (both, both);
         }
         ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
     }
