@@ -13,8 +13,8 @@ use clarabel::solver::{
     SolverStatus, ZeroConeT,
 };
 
-use super::least_squares::{Core, inconsistent};
-use super::reduce::{Reduced, add_scaled, minus, nonzero, norm, times, times_transposed};
+use super::least_squares::inconsistent;
+use super::reduce::{Reduced, minus, nonzero, norm, times};
 use super::{Monitor, Problem, Progress, Solution, Solver, Status};
 
 /// Rows kept: singular values above this part of the largest.
@@ -41,15 +41,17 @@ impl Solver for Clarabel {
         if reduced.size <= problem.tolerance {
             return Solution::zero(problem, Status::Solved);
         }
-        let core = Core::cut(&reduced.unit, ROWS);
-        let (Some(_), Some(core)) = (reduced.inner_tolerance(), core) else {
+        let Some(tolerance) = reduced
+            .inner_tolerance()
+            .filter(|_| !reduced.strengths.is_empty())
+        else {
             return inconsistent(problem, None);
         };
-        let programme = Programme::new(&reduced, &core);
+        let programme = Programme::new(&reduced, tolerance);
         let Some(end) = programme.run(monitor) else {
             return Solution::zero(problem, Status::broken());
         };
-        let solution = programme.read(&reduced, &core, &end);
+        let solution = programme.read(&reduced, &end);
         match solution.status {
             Status::Inaccurate { .. } => inconsistent(problem, Some(solution)),
             _ => solution,
@@ -57,15 +59,15 @@ impl Solver for Clarabel {
     }
 }
 
-/// The cone programme's data: rows `Uᵀ P` and their right-hand side.
+/// The cone programme's data: the strongest rows of P and their right-hand side.
 struct Programme {
     rows: usize,
     cols: usize,
     /// Column-major rows × cols.
     values: Vec<f64>,
     target: Vec<f64>,
-    /// What the dropped rows leave of q, and its length.
-    outside: Vec<f64>,
+    /// What the dropped rows hold of q.
+    dropped: Vec<f64>,
     /// ε of the kept rows; zero for equality.
     tolerance: f64,
 }
@@ -80,22 +82,25 @@ struct End {
 }
 
 impl Programme {
-    fn new(reduced: &Reduced, core: &Core) -> Programme {
-        let rows = core.rank();
-        let cols = reduced.unit.ncols();
-        let mut values = Vec::with_capacity(rows * cols);
-        for j in 0..cols {
-            values.extend((0..rows).map(|i| core.right[(j, i)] * core.values[i]));
-        }
-        let outside = core.outside(&reduced.target);
-        let inner = reduced.inner_tolerance().unwrap_or(0.0);
-        let left = norm(&outside);
+    fn new(reduced: &Reduced, inner: f64) -> Programme {
+        let strongest = reduced.strengths.first().copied().unwrap_or(0.0);
+        let rows = reduced
+            .strengths
+            .iter()
+            .take_while(|s| **s > ROWS * strongest)
+            .count();
+        let kept = reduced.matrix.as_ref().subrows(0, rows);
+        let (target, dropped) = reduced.target.split_at(rows);
+        let left = norm(dropped);
         Programme {
             rows,
-            cols,
-            values,
-            target: times_transposed(core.left.as_ref(), &reduced.target),
-            outside,
+            cols: kept.ncols(),
+            values: kept
+                .col_iter()
+                .flat_map(|c| c.iter().copied().collect::<Vec<_>>())
+                .collect(),
+            target: target.to_vec(),
+            dropped: dropped.to_vec(),
             tolerance: ((inner - left) * (inner + left)).max(0.0).sqrt(),
         }
     }
@@ -187,24 +192,27 @@ impl Programme {
     }
 
     /// Back to the original rows and units; Clarabel's word is checked against the residual it left.
-    fn read(&self, reduced: &Reduced, core: &Core, end: &End) -> Solution {
+    fn read(&self, reduced: &Reduced, end: &End) -> Solution {
         let finite = |v: &[f64]| {
             v.iter()
                 .map(|x| if x.is_finite() { *x } else { 0.0 })
                 .collect::<Vec<f64>>()
         };
         let x = finite(&end.x);
-        let inner: Vec<f64> = finite(&end.z)
+        let mut lambda: Vec<f64> = finite(&end.z)
             .iter()
             .skip(self.head())
             .take(self.rows)
             .map(|z| -z)
             .collect();
-        let mut lambda = times(core.left.as_ref(), &inner);
-        if self.tolerance > 0.0 {
-            add_scaled(&mut lambda, norm(&inner) / self.tolerance, &self.outside);
-        }
-        let residual = norm(&minus(&reduced.target, &times(reduced.unit.as_ref(), &x)));
+        // Dropped rows are part of the residual, and with a noise bound the dual is its multiple.
+        let share = if self.tolerance > 0.0 {
+            norm(&lambda) / self.tolerance
+        } else {
+            0.0
+        };
+        lambda.extend(self.dropped.iter().map(|d| share * d));
+        let residual = norm(&minus(&reduced.target, &times(reduced.matrix.as_ref(), &x)));
         let residual = residual.hypot(reduced.leftover);
         let excess = (residual - reduced.tolerance).max(0.0) / nonzero(reduced.tolerance);
         let status = match end.status {

@@ -22,6 +22,9 @@ const ITERATIONS: usize = 100;
 const PATIENCE: usize = 8;
 /// Fraction of the way to the boundary.
 const STEP: f64 = 0.99;
+/// A step shorter than this is replaced by one that only centres, towards this part of μ.
+const SHORT: f64 = 0.1;
+const RECENTRE: f64 = 0.7;
 /// Weight of the cone in μ relative to the number of columns.
 const CONE_WEIGHT: f64 = 0.1;
 
@@ -46,7 +49,7 @@ impl Solver for InteriorPoint {
         }
         let Some(tolerance) = reduced
             .inner_tolerance()
-            .filter(|_| reduced.unit.ncols() > 0)
+            .filter(|_| !reduced.strengths.is_empty())
         else {
             return inconsistent(problem, None);
         };
@@ -89,6 +92,10 @@ struct Residuals {
     /// 1 − Pᵀλ − s⁺ and 1 + Pᵀλ − s⁻
     dual_p: Vec<f64>,
     dual_q: Vec<f64>,
+    /// Largest entry of the dual residuals.
+    dual: f64,
+    /// Size of `primal` that rounding alone explains.
+    rounding: f64,
     /// Mean complementarity.
     mu: f64,
     gap: f64,
@@ -110,14 +117,14 @@ struct Run {
 }
 
 fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
-    let mut normal = Normal::new(reduced.unit.as_ref());
+    let mut normal = Normal::new(reduced.matrix.as_ref());
     let mut point = Point::start(reduced, tolerance);
     let mut best = Best::new(&point, reduced.tolerance);
     for iteration in 0..ITERATIONS {
         let residuals = point.residuals(reduced);
         let progress = Progress {
             iteration,
-            gap: residuals.gap,
+            gap: residuals.gap.max(residuals.dual),
             residual: norm(&residuals.primal),
         };
         let hopeless = !best.offer(&point, progress);
@@ -145,15 +152,18 @@ fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
         };
         let predictor = newton.direction(0.0, None);
         let sigma = point.centring(&predictor, residuals.mu);
-        let corrector = newton.direction(sigma * residuals.mu, Some(&predictor));
-        point.advance(&corrector);
+        let mut step = newton.direction(sigma * residuals.mu, Some(&predictor));
+        if point.is_short(&step) {
+            step = newton.direction(RECENTRE * residuals.mu, None);
+        }
+        point.advance(&step);
     }
     best.judge(ITERATIONS)
 }
 
 impl Point {
     fn start(reduced: &Reduced, tolerance: f64) -> Point {
-        let (m, n) = (reduced.unit.nrows(), reduced.unit.ncols());
+        let (m, n) = (reduced.matrix.nrows(), reduced.matrix.ncols());
         let largest = reduced.target.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
         let cone = (tolerance > 0.0).then(|| Cone {
             x: Pair {
@@ -180,8 +190,8 @@ impl Point {
     }
 
     fn residuals(&self, reduced: &Reduced) -> Residuals {
-        let mut primal = minus(&reduced.target, &times(reduced.unit.as_ref(), &self.x()));
-        let correlations = times_transposed(reduced.unit.as_ref(), &self.lambda);
+        let mut primal = minus(&reduced.target, &times(reduced.matrix.as_ref(), &self.x()));
+        let correlations = times_transposed(reduced.matrix.as_ref(), &self.lambda);
         let mut dual = dot(&reduced.target, &self.lambda);
         if let Some(cone) = &self.cone {
             add_scaled(&mut primal, -1.0, &cone.x.tail);
@@ -195,10 +205,14 @@ impl Point {
                 .map(|(g, s)| 1.0 - sign * g - s)
                 .collect()
         };
+        let (dual_p, dual_q) = (slack(1.0, &self.sp), slack(-1.0, &self.sq));
+        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
         Residuals {
             primal,
-            dual_p: slack(1.0, &self.sp),
-            dual_q: slack(-1.0, &self.sq),
+            dual: largest(&dual_p).max(largest(&dual_q)),
+            rounding: f64::EPSILON * (1.0 + value),
+            dual_p,
+            dual_q,
             mu: self.complementarity() / self.degree(),
             gap: (value - dual).abs() / value.abs().max(dual.abs()),
         }
@@ -242,10 +256,20 @@ impl Point {
         let mut primal = longest(&self.p, &d.p).min(longest(&self.q, &d.q));
         let mut dual = longest(&self.sp, &d.sp).min(longest(&self.sq, &d.sq));
         if let (Some(cone), Some((dx, ds))) = (&self.cone, &d.cone) {
-            primal = primal.min(cone.x.longest_step(dx));
-            dual = dual.min(cone.s.longest_step(ds));
+            // One length for both: along a curved cone separate lengths can fall into a cycle.
+            let both = primal
+                .min(dual)
+                .min(cone.x.longest_step(dx))
+                .min(cone.s.longest_step(ds));
+            (primal, dual) = (both, both);
         }
         ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
+    }
+
+    /// The corrector can be misled by a long predictor; a step back to the central path then helps more.
+    fn is_short(&self, d: &Direction) -> bool {
+        let (primal, dual) = self.steps(d);
+        primal.min(dual) < SHORT
     }
 
     /// Mehrotra's σ: how much of μ the predictor alone would leave, cubed.
@@ -314,7 +338,7 @@ impl Newton<'_> {
             &part(&cp, &point.p, &point.sp, &res.dual_p),
             &part(&cq, &point.q, &point.sq, &res.dual_q),
         );
-        let mut rhs = minus(&res.primal, &times(self.reduced.unit.as_ref(), &fixed));
+        let mut rhs = minus(&res.primal, &times(self.reduced.matrix.as_ref(), &fixed));
         let pull = self.scaling.map(|scaling| {
             let second = predictor.and_then(|d| d.cone.as_ref());
             let pull = scaling.complementarity(sigma_mu * self.point.cone_weight(), second);
@@ -322,7 +346,9 @@ impl Newton<'_> {
             scaling.eliminate(-pull.head, &mut rhs);
             pull
         });
-        let (lambda, h) = self.normal.solve(&rhs, self.scaling);
+        let (lambda, h) = self
+            .normal
+            .solve(&rhs, self.scaling, self.residuals.rounding);
         let cone = self.scaling.zip(pull).map(|(scaling, pull)| {
             let multiplier = Pair {
                 head: scaling.recover(-pull.head, &lambda),

@@ -18,8 +18,9 @@ use crate::dictionary::Dictionary;
 pub use certificate::{Certificate, certify, certify_support, refine_dual, support};
 pub use clarabel::Clarabel;
 pub use interior_point::InteriorPoint;
-pub use least_squares::{LeastSquares, RANK_TOLERANCE, least_squares};
+pub use least_squares::{LeastSquares, least_squares};
 pub use polish::{Polished, polish};
+pub use reduce::RANK_TOLERANCE;
 
 /// With ε = 0, a residual up to this part of ‖y‖ is rounding and not a contradiction.
 pub const CONSISTENT: f64 = 1e-9;

@@ -1,8 +1,8 @@
 //! The normal equations of an interior-point step, (P D Pᵀ + C) δ = rhs: built, factorised, solved with refinement.
 //!
-//! P (m × n) has unit columns, D > 0 is diagonal, C is the Schur complement of the second-order cone or nothing. P's rows
-//! may be numerically dependent, so the matrix is only positive semidefinite: a trace-sized regularisation makes the
-//! Cholesky factor exist, and refinement against P itself (never against the rounded product) wins the digits back.
+//! P (m × n) has graded rows, D > 0 is diagonal, C is the Schur complement of the second-order cone or nothing. D spans
+//! many decades, so the product is positive definite only up to rounding: a little regularisation makes the Cholesky
+//! factor exist, and refinement against P itself (never against the rounded product) wins the digits back.
 
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::{Llt, Solve};
@@ -11,15 +11,17 @@ use faer::{Accum, ColMut, Mat, MatRef, Par, Side};
 use super::cone::Scaling;
 use super::reduce::{add_scaled, dot, norm, times, times_transposed};
 
-/// First regularisation, relative to the mean diagonal entry; a hundred times more after each breakdown.
+/// First regularisation; a hundred times more after each breakdown.
 const REGULARISATION: f64 = 1e-14;
 const STRONGEST_REGULARISATION: f64 = 1e-5;
-/// Refinement stops at this relative residual, or after as many steps.
+/// Conjugate gradients stop at this relative residual, or after as many steps: few for equality constraints, where more
+/// would chase the rounding of y into rows of tiny singular value, many under a cone, whose C bounds the matrix below.
 const REFINED: f64 = 1e-13;
-const REFINEMENTS: usize = 20;
+const STEPS_EQUALITY: usize = 3;
+const STEPS_CONE: usize = 20;
 
 pub(super) struct Normal<'a> {
-    unit: MatRef<'a, f64>,
+    matrix: MatRef<'a, f64>,
     weights: Vec<f64>,
     scaled: Mat<f64>,
     product: Mat<f64>,
@@ -27,10 +29,10 @@ pub(super) struct Normal<'a> {
 }
 
 impl<'a> Normal<'a> {
-    pub fn new(unit: MatRef<'a, f64>) -> Self {
-        let (m, n) = (unit.nrows(), unit.ncols());
+    pub fn new(matrix: MatRef<'a, f64>) -> Self {
+        let (m, n) = (matrix.nrows(), matrix.ncols());
         Normal {
-            unit,
+            matrix,
             weights: vec![1.0; n],
             scaled: Mat::zeros(m, n),
             product: Mat::zeros(m, m),
@@ -46,12 +48,17 @@ impl<'a> Normal<'a> {
             self.add_cone(cone);
         }
         let m = self.product.nrows();
-        let mean = (0..m).map(|i| self.product[(i, i)]).sum::<f64>() / m.max(1) as f64;
+        let mut diagonal: Vec<f64> = (0..m).map(|i| self.product[(i, i)]).collect();
+        if cone.is_none() {
+            // The same weight for all rows: a proximal term, which leaves alone what only rounding would decide.
+            let mean = diagonal.iter().sum::<f64>() / m.max(1) as f64;
+            diagonal.fill(mean);
+        }
         let (mut added, mut wanted) = (0.0, REGULARISATION);
         self.factor = None;
-        while self.factor.is_none() && wanted <= STRONGEST_REGULARISATION && mean.is_finite() {
-            for i in 0..m {
-                self.product[(i, i)] += (wanted - added) * mean;
+        while self.factor.is_none() && wanted <= STRONGEST_REGULARISATION {
+            for (i, d) in diagonal.iter().enumerate() {
+                self.product[(i, i)] += (wanted - added) * d;
             }
             added = wanted;
             wanted *= 100.0;
@@ -65,7 +72,7 @@ impl<'a> Normal<'a> {
         for ((out, column), d) in self
             .scaled
             .col_iter_mut()
-            .zip(self.unit.col_iter())
+            .zip(self.matrix.col_iter())
             .zip(&self.weights)
         {
             let root = d.sqrt();
@@ -100,16 +107,23 @@ impl<'a> Normal<'a> {
 
     /// δ and Pᵀδ by conjugate gradients, the Cholesky factor as preconditioner (Saad 2003, algorithm 9.1). Its first step
     /// is the plain solve; the others repair what regularisation and rounding of the product have cost.
-    pub fn solve(&self, rhs: &[f64], cone: Option<&Scaling>) -> (Vec<f64>, Vec<f64>) {
+    /// A residual below `floor` is rounding: chasing it would blow δ up along dependent rows.
+    pub fn solve(&self, rhs: &[f64], cone: Option<&Scaling>, floor: f64) -> (Vec<f64>, Vec<f64>) {
         let mut delta = vec![0.0; rhs.len()];
-        let mut correlated = vec![0.0; self.unit.ncols()];
+        let mut correlated = vec![0.0; self.matrix.ncols()];
         let mut residual = rhs.to_vec();
         let mut preconditioned = self.back_substitute(&residual);
         let mut direction = preconditioned.clone();
         let mut energy = dot(&residual, &preconditioned);
+        let wanted = floor.max(REFINED * norm(rhs));
         let mut best = (norm(rhs), delta.clone(), correlated.clone());
-        for _ in 0..REFINEMENTS {
-            let image = times_transposed(self.unit, &direction);
+        let steps = if cone.is_some() {
+            STEPS_CONE
+        } else {
+            STEPS_EQUALITY
+        };
+        for _ in 0..steps {
+            let image = times_transposed(self.matrix, &direction);
             let applied = self.apply(&direction, &image, cone);
             let step = energy / dot(&direction, &applied);
             if !step.is_finite() || step <= 0.0 {
@@ -122,7 +136,7 @@ impl<'a> Normal<'a> {
             if size < best.0 {
                 best = (size, delta.clone(), correlated.clone());
             }
-            if size <= REFINED * norm(rhs) {
+            if size <= wanted {
                 break;
             }
             preconditioned = self.back_substitute(&residual);
@@ -143,7 +157,7 @@ impl<'a> Normal<'a> {
             .zip(&self.weights)
             .map(|(c, d)| c * d)
             .collect();
-        let mut out = times(self.unit, &weighted);
+        let mut out = times(self.matrix, &weighted);
         if let Some(cone) = cone {
             add_scaled(&mut out, 1.0, &cone.schur(delta));
         }

@@ -1,10 +1,10 @@
 //! From a [`Problem`] to the small, scaled matrix that solvers iterate on, and back.
 //!
-//! In: a dictionary in model units. Out: unit columns (all-zero ones left out), a target of length one, and at most as
-//! many rows as there are columns: tall problems are rotated by an orthogonal factorisation, which changes neither
-//! residuals nor correlations. It never drops a row or a column that carries information.
+//! In: a dictionary in model units. Out: unit columns (all-zero ones left out), a target of length one, and rows rotated
+//! to singular directions, strongest first, as many as the numerical rank. A rotation changes neither residuals nor
+//! correlations; graded rows keep the digits that numerically dependent ones would lose in a Cholesky factorisation.
 
-use faer::linalg::solvers::Qr;
+use faer::linalg::solvers::{Qr, Svd};
 use faer::{Mat, MatRef};
 
 use super::Problem;
@@ -12,35 +12,34 @@ use crate::dictionary::Dictionary;
 
 /// A column shorter than this is treated as all zero: its reciprocal would overflow.
 const SHORTEST: f64 = 1e-290;
+/// Singular values below this part of the largest count as zero: what f64 leaves of columns of length one.
+pub const RANK_TOLERANCE: f64 = 1e-13;
 
-/// `min ‖x‖₁ s.t. ‖P x − q‖₂ ≤ ε'` with unit columns P, standing for a [`Problem`] with `x = D a / ‖y‖`.
+/// `min ‖x‖₁ s.t. ‖P x − q‖₂ ≤ ε'` with P = Uᵀ(unit columns), standing for a [`Problem`] with `x = D a / ‖y‖`.
 pub(super) struct Reduced {
-    /// P, m × n: `m = min(M, n + 1)` rows at most, one column for each entry of `kept`.
-    pub unit: Mat<f64>,
-    /// q, length m; together with `leftover` it has length one.
+    /// P, r × n: r the numerical rank, one column for each entry of `kept`.
+    pub matrix: Mat<f64>,
+    /// Singular values, the lengths of P's rows; descending.
+    pub strengths: Vec<f64>,
+    /// q, length r; together with `leftover` it has length one.
     pub target: Vec<f64>,
     /// ‖y‖₂; zero when the target is.
     pub size: f64,
-    /// Part of y/‖y‖ that no column reaches because it is orthogonal to all of them (tall problems only).
+    /// Length of the part of y/‖y‖ that no combination of columns reaches.
     pub leftover: f64,
     /// ε/‖y‖ for the whole residual.
     pub tolerance: f64,
     kept: Vec<usize>,
     norms: Vec<f64>,
     cols: usize,
-    rotation: Option<Rotation>,
-}
-
-/// What maps reduced rows back to the original ones.
-struct Rotation {
-    /// M × m, orthonormal columns.
+    /// U, M × r.
     basis: Mat<f64>,
-    /// Unit vector of the leftover part of y, length M.
+    /// The leftover part as a unit vector, length M.
     beyond: Vec<f64>,
 }
 
 impl Reduced {
-    /// `None` if the dictionary, the target or the tolerance holds a value that is not finite, or no usable column.
+    /// `None` if the dictionary, the target or the tolerance holds a value that is not finite.
     pub fn new(problem: &Problem) -> Option<Reduced> {
         let dictionary = problem.dictionary;
         let size = norm(problem.target);
@@ -51,40 +50,24 @@ impl Reduced {
         let kept = usable(dictionary);
         let norms: Vec<f64> = kept.iter().map(|&j| dictionary.norms()[j]).collect();
         let unit = unit_columns(dictionary, &kept, &norms);
-        let target = problem.target.iter().map(|y| y / nonzero(size)).collect();
-        let mut reduced = Reduced {
-            unit,
-            target,
+        let y: Vec<f64> = problem.target.iter().map(|y| y / nonzero(size)).collect();
+        let range = Range::new(unit.as_ref());
+        let mut beyond = range.outside(&y);
+        let leftover = norm(&beyond);
+        beyond.iter_mut().for_each(|b| *b /= nonzero(leftover));
+        Some(Reduced {
+            matrix: range.basis.transpose() * &unit,
+            target: times_transposed(range.basis.as_ref(), &y),
+            strengths: range.values,
             size,
-            leftover: 0.0,
+            leftover,
             tolerance: problem.tolerance / nonzero(size),
             kept,
             norms,
             cols: dictionary.cols(),
-            rotation: None,
-        };
-        if reduced.unit.ncols() > 0 && reduced.unit.nrows() > reduced.unit.ncols() {
-            reduced.rotate();
-        }
-        Some(reduced)
-    }
-
-    /// Replaces P, q by R, Qᵀq of P = QR and keeps the length of what is orthogonal to all columns.
-    fn rotate(&mut self) {
-        let qr = Qr::new(self.unit.as_ref());
-        let basis = qr.compute_thin_Q();
-        let y = &self.target;
-        let inside = times_transposed(basis.as_ref(), y);
-        // A second projection keeps the leftover orthogonal to the basis when it is tiny.
-        let mut beyond = minus(y, &times(basis.as_ref(), &inside));
-        let again = times_transposed(basis.as_ref(), &beyond);
-        beyond = minus(&beyond, &times(basis.as_ref(), &again));
-        self.leftover = norm(&beyond);
-        let length = nonzero(self.leftover);
-        beyond.iter_mut().for_each(|b| *b /= length);
-        self.unit = qr.thin_R().to_owned();
-        self.target = inside.iter().zip(&again).map(|(a, b)| a + b).collect();
-        self.rotation = Some(Rotation { basis, beyond });
+            basis: range.basis,
+            beyond,
+        })
     }
 
     /// ε' of the reduced rows, `√(ε² − leftover²)`; `None` when the leftover alone exceeds ε.
@@ -108,18 +91,75 @@ impl Reduced {
 
     /// λ on the original rows. With a leftover c and ε > 0 the dual has a part along it too, `c/δ` with `δ = ε'/‖λ'‖`.
     pub fn dual(&self, lambda: &[f64]) -> Vec<f64> {
-        let Some(rotation) = &self.rotation else {
-            return lambda.to_vec();
-        };
-        let mut full = times(rotation.basis.as_ref(), lambda);
+        let mut full = times(self.basis.as_ref(), lambda);
         let inner = self.inner_tolerance().unwrap_or(0.0);
         if inner > 0.0 {
-            let along = self.leftover * norm(lambda) / inner;
-            for (f, b) in full.iter_mut().zip(&rotation.beyond) {
-                *f += along * b;
-            }
+            add_scaled(
+                &mut full,
+                self.leftover * norm(lambda) / inner,
+                &self.beyond,
+            );
         }
         full
+    }
+}
+
+/// The range of a matrix: left singular vectors and values up to the numerical rank.
+pub(super) struct Range {
+    /// U, M × r.
+    pub basis: Mat<f64>,
+    /// Descending, length r.
+    pub values: Vec<f64>,
+}
+
+impl Range {
+    /// QR or LQ to a square core, then its singular value decomposition. Empty for a matrix without a usable entry.
+    pub fn new(a: MatRef<f64>) -> Range {
+        Range::decompose(a).unwrap_or(Range {
+            basis: Mat::zeros(a.nrows(), 0),
+            values: Vec::new(),
+        })
+    }
+
+    fn decompose(a: MatRef<f64>) -> Option<Range> {
+        if a.nrows() == 0 || a.ncols() == 0 {
+            return None;
+        }
+        let wide = a.ncols() > a.nrows();
+        let qr = Qr::new(if wide { a.transpose() } else { a });
+        let core = Svd::new_thin(qr.thin_R()).ok()?;
+        let values: Vec<f64> = core.S().column_vector().iter().copied().collect();
+        let largest = values
+            .first()
+            .copied()
+            .filter(|v| v.is_finite() && *v > 0.0)?;
+        let rank = values
+            .iter()
+            .take_while(|v| **v > RANK_TOLERANCE * largest)
+            .count();
+        let basis = if wide {
+            core.V().subcols(0, rank).to_owned()
+        } else {
+            qr.compute_thin_Q() * core.U().subcols(0, rank)
+        };
+        Some(Range {
+            basis,
+            values: values.into_iter().take(rank).collect(),
+        })
+    }
+
+    /// Part of y outside the range, projected twice to keep short ones accurate.
+    pub fn outside(&self, y: &[f64]) -> Vec<f64> {
+        let project = |v: &[f64]| {
+            minus(
+                v,
+                &times(
+                    self.basis.as_ref(),
+                    &times_transposed(self.basis.as_ref(), v),
+                ),
+            )
+        };
+        project(&project(y))
     }
 }
 
