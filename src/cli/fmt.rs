@@ -22,9 +22,9 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     for path in &args.models {
         let mut sources = Sources::default();
         let file = inputs::model(path, &mut sources)?;
-        let formatted = lang::format(file, &sources)
-            .map_err(|found| Failure::new(inputs::render(&found, &sources)))?;
         let before = sources.get(file).map_or("", |s| s.text.as_str());
+        let formatted = lang::format(file, before)
+            .map_err(|found| Failure::new(inputs::render(&found, &sources)))?;
         if formatted == before {
             continue;
         }

@@ -58,6 +58,7 @@ impl Task<'_> {
             tolerance: tolerance(&phi, &aim, &mut weights),
         };
         let solution = self.options.solver.solve(&problem, monitor);
+        weights.seen_contribution(largest_contribution(&phi, &solution));
         let criterion = Criterion::new(used.len(), weights.correlation, phi.cols(), weights.floor);
         let choice = support::choose(&phi, &aim, &solution.coefficients, criterion);
         let polished = solve::polish(&phi, &aim, &choice.support);
@@ -215,6 +216,13 @@ fn tolerance(phi: &Dense, y: &[f64], weights: &mut Weights) -> f64 {
         weights.seen_noise(noise / (m as f64).sqrt());
     }
     (ROOM * noise).max(weights.tolerance).max(EXACT * size)
+}
+
+/// Root mean square of the largest coefficient · column.
+fn largest_contribution(phi: &Dense, solution: &Solution) -> f64 {
+    let sizes = solution.coefficients.iter().zip(phi.norms());
+    let largest = sizes.map(|(a, n)| a.abs() * n).fold(0.0, f64::max);
+    largest / (phi.rows() as f64).sqrt()
 }
 
 /// The certificate of the printed answer if it is the solver's own, else of the solver's.

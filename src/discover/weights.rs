@@ -48,7 +48,7 @@ impl Weights {
         let usual = median(&error);
         let rounding = ROUNDING * size;
         let estimated = usual > 0.0;
-        let row: Vec<f64> = if usual > rounding * 1e-3 {
+        let row: Vec<f64> = if estimated {
             error.iter().map(|e| usual / e.max(usual)).collect()
         } else {
             vec![1.0; samples.len()]
@@ -62,6 +62,11 @@ impl Weights {
             target_error: target_errors.map_or(0.0, |e| rms(&weighted(e))),
             row,
         }
+    }
+
+    /// Terms that cancel leave their own rounding behind: `largest` is the root mean square of the largest contribution.
+    pub fn seen_contribution(&mut self, largest: f64) {
+        self.floor = self.floor.max((ROUNDING * largest).powi(2));
     }
 
     /// Where the whole library leaves a visible residual of this size, that is the noise, and the estimate was pessimistic.

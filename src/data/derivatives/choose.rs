@@ -20,6 +20,10 @@ const CLEARLY: f64 = 0.25;
 const HOPELESS: f64 = 1e6;
 /// What a fit leaves of the next degrees is surely no noise if its mean square is so many times the noise's.
 const CERTAIN: f64 = 4.0;
+/// Bias hides in the noise of r: this part of the noise's mean square may always be bias.
+const UNSEEN: f64 = 0.5;
+/// Every row has a choice whose mean squared error is at most this much above the least of all that were tried.
+const NEAR: f64 = 16.0;
 /// Stands for zero in logarithms.
 const TINY: f64 = 1e-300;
 
@@ -175,6 +179,30 @@ fn short(stretch: Stretch, order: usize) -> Option<Choice> {
     })
 }
 
+/// The common choice, and what it takes beside it so that every row has one near its least error.
+fn near_everywhere(
+    tried: &[(Choice, Vec<f64>)],
+    least: &[(f64, Option<Choice>)],
+    best: Option<Choice>,
+) -> Vec<Choice> {
+    let mut needed: Vec<Choice> = best.into_iter().collect();
+    let squares_of = |choice: Choice| tried.iter().find(|(c, _)| *c == choice).map(|(_, s)| s);
+    let mut near: Vec<f64> = best
+        .and_then(squares_of)
+        .cloned()
+        .unwrap_or_else(|| vec![f64::INFINITY; least.len()]);
+    for (row, (square, choice)) in least.iter().enumerate() {
+        let Some(choice) = choice.filter(|_| near[row] > NEAR * square) else {
+            continue;
+        };
+        needed.push(choice);
+        if let Some(squares) = squares_of(choice) {
+            near.iter_mut().zip(squares).for_each(|(n, s)| *n = n.min(*s));
+        }
+    }
+    needed
+}
+
 struct Work<'a> {
     even: bool,
     stencils: Stencils<'a>,
@@ -185,7 +213,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// The choice of least mean log error over the sampled rows, and all choices that win at more than a few of them.
+    /// The choice of least mean log error over the sampled rows, and all choices that some rows need.
     ///
     /// Windows of one degree are tried from narrow to wide, until their bias has made them hopeless.
     fn contest(&mut self, all: &[Choice], parts: &[Part]) -> (Option<Choice>, Vec<Choice>) {
@@ -240,15 +268,11 @@ impl Work<'_> {
             .map(|(c, squares)| (*c, score(squares)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(c, _)| c);
-        let mut wins: BTreeMap<Choice, usize> = BTreeMap::new();
-        for choice in least.iter().filter_map(|(_, c)| *c) {
-            *wins.entry(choice).or_default() += 1;
-        }
-        let often = |c: &Choice| wins.get(c).is_some_and(|w| *w > rows / 200) || Some(*c) == best;
+        let needed = near_everywhere(&tried, &least, best);
         // Narrower windows of a degree stay, to tell how biased the wider ones are.
         let widest = |degree: usize| {
             let won = tried.iter().map(|(c, _)| *c);
-            won.filter(|c| c.degree == degree && often(c))
+            won.filter(|c| c.degree == degree && needed.contains(c))
                 .map(|c| c.points)
                 .max()
         };
@@ -301,10 +325,10 @@ impl Work<'_> {
                 );
                 let sum = sums.get(b).unwrap_or(&0.0) - sums.get(a).unwrap_or(&0.0);
                 let left = sum / (b - a) as f64;
-                let bias = |surplus: f64| surplus.max(0.0) * length * length;
+                let bias = |square: f64| square.max(0.0) * length * length;
                 Judged {
                     value,
-                    square: noise * norm * norm + bias(left - noise),
+                    square: noise * norm * norm + bias((left - noise).max(UNSEEN * noise)),
                     certain: bias(left - CERTAIN * noise),
                 }
             })
