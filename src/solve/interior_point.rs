@@ -7,13 +7,14 @@
 use super::cone::{Pair, Scaling};
 use super::least_squares::inconsistent;
 use super::normal::Normal;
-use super::reduce::{Reduced, add_scaled, dot, minus, norm, times, times_transposed};
+use super::reduce::{Reduced, add_scaled, dot, minus, nonzero, norm, times, times_transposed};
 use super::{Monitor, Problem, Progress, Solution, Solver, Status};
 
 /// Wanted: relative duality gap and residual (to ‖y‖; with a noise bound also a small part of ε).
 const TARGET: f64 = 1e-10;
-/// Good enough to call solved when progress has ended.
+/// Good enough to call solved when progress has ended; the cone leaves fewer digits when ε is small or close to ‖y‖.
 const ACCEPTED: f64 = 1e-8;
+const ACCEPTED_CONE: f64 = 5e-7;
 /// Residual outside ε, relative to ε, that is wanted and that is accepted.
 const TARGET_EXCESS: f64 = 1e-8;
 const ACCEPTED_EXCESS: f64 = 1e-6;
@@ -163,26 +164,68 @@ fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
 
 impl Point {
     fn start(reduced: &Reduced, tolerance: f64) -> Point {
+        if tolerance > 0.0 {
+            return Point::feasible(reduced, tolerance);
+        }
         let (m, n) = (reduced.matrix.nrows(), reduced.matrix.ncols());
         let largest = reduced.target.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
-        let cone = (tolerance > 0.0).then(|| Cone {
-            x: Pair {
-                head: tolerance,
-                tail: vec![0.0; m],
-            },
-            s: Pair {
-                head: (n as f64 * largest / tolerance).max(1.0),
-                tail: vec![0.0; m],
-            },
-        });
         Point {
             p: vec![largest; n],
             q: vec![largest; n],
             sp: vec![1.0; n],
             sq: vec![1.0; n],
             lambda: vec![0.0; m],
-            cone,
+            cone: None,
         }
+    }
+
+    /// Strictly feasible for ε > 0, or the cone may jam long before y is matched: the Tikhonov solution
+    /// x = Pᵀ r/δ whose residual r = δ (PPᵀ + δ)⁻¹ q has half the allowed length (Morozov's discrepancy principle). PPᵀ is
+    /// diagonal here. λ points along r, as it will at the optimum.
+    fn feasible(reduced: &Reduced, tolerance: f64) -> Point {
+        let residual = |delta: f64| -> Vec<f64> {
+            let rows = reduced.target.iter().zip(&reduced.strengths);
+            rows.map(|(q, s)| q * delta / (s * s + delta)).collect()
+        };
+        let (mut low, mut high) = (-100.0_f64, 20.0_f64);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if norm(&residual(middle.exp())) > 0.5 * tolerance {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        let delta = low.exp();
+        let r = residual(delta);
+        let mut x = times_transposed(reduced.matrix.as_ref(), &r);
+        let largest = x.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let down = 0.5 / nonzero(largest);
+        let slack = |sign: f64| -> Vec<f64> { x.iter().map(|c| 1.0 - sign * down * c).collect() };
+        let (sp, sq) = (slack(1.0), slack(-1.0));
+        x.iter_mut().for_each(|x| *x /= delta);
+        let spread = largest / delta;
+        let lambda: Vec<f64> = r.iter().map(|r| r * down).collect();
+        let tail = lambda.iter().map(|l| -l).collect();
+        let mut point = Point {
+            p: x.iter().map(|x| x.max(0.0) + spread).collect(),
+            q: x.iter().map(|x| (-x).max(0.0) + spread).collect(),
+            sp,
+            sq,
+            lambda,
+            cone: None,
+        };
+        point.cone = Some(Cone {
+            s: Pair {
+                head: norm(&r) * down + point.cone_weight() * spread / tolerance,
+                tail,
+            },
+            x: Pair {
+                head: tolerance,
+                tail: r,
+            },
+        });
+        point
     }
 
     fn x(&self) -> Vec<f64> {
@@ -430,7 +473,12 @@ impl Best {
     }
 
     fn judge(self, iterations: usize) -> Run {
-        let status = if self.reached(ACCEPTED, ACCEPTED_EXCESS) {
+        let accepted = if self.tolerance > 0.0 {
+            ACCEPTED_CONE
+        } else {
+            ACCEPTED
+        };
+        let status = if self.reached(accepted, ACCEPTED_EXCESS) {
             Status::Solved
         } else {
             Status::Inaccurate {
