@@ -7,26 +7,23 @@
 use super::cone::{Pair, Scaling};
 use super::least_squares::inconsistent;
 use super::normal::Normal;
-use super::reduce::{Reduced, add_scaled, dot, minus, norm, times, times_transposed};
+use super::point::{Direction, Point, Residuals};
+use super::reduce::{Reduced, add_scaled, minus, norm, times};
 use super::{Monitor, Problem, Progress, Solution, Solver, Status};
 
 /// Wanted: relative duality gap and residual (to ‖y‖; with a noise bound also a small part of ε).
 const TARGET: f64 = 1e-10;
-/// Good enough to call solved when progress has ended.
+/// Good enough to call solved when progress has ended; the cone leaves fewer digits when ε is small or close to ‖y‖.
 const ACCEPTED: f64 = 1e-8;
+const ACCEPTED_CONE: f64 = 5e-7;
 /// Residual outside ε, relative to ε, that is wanted and that is accepted.
 const TARGET_EXCESS: f64 = 1e-8;
 const ACCEPTED_EXCESS: f64 = 1e-6;
 const ITERATIONS: usize = 100;
 /// Iterations without a better point after which the search is over.
 const PATIENCE: usize = 8;
-/// Fraction of the way to the boundary.
-const STEP: f64 = 0.99;
-/// A step shorter than this is replaced by one that only centres, towards this part of μ.
-const SHORT: f64 = 0.1;
+/// A direction that allows only a short step is replaced by one that just centres, towards this part of μ.
 const RECENTRE: f64 = 0.7;
-/// Weight of the cone in μ relative to the number of columns.
-const CONE_WEIGHT: f64 = 0.1;
 
 /// Mehrotra predictor–corrector with a second-order cone for ε.
 pub struct InteriorPoint;
@@ -65,49 +62,6 @@ impl Solver for InteriorPoint {
             _ => solution,
         }
     }
-}
-
-/// The iterate: p, q > 0, dual slacks s⁺ = 1 − Pᵀλ and s⁻ = 1 + Pᵀλ, and the cone's pair when ε > 0.
-#[derive(Clone)]
-struct Point {
-    p: Vec<f64>,
-    q: Vec<f64>,
-    sp: Vec<f64>,
-    sq: Vec<f64>,
-    lambda: Vec<f64>,
-    cone: Option<Cone>,
-}
-
-/// Primal (ε, r) and dual (τ, −λ).
-#[derive(Clone)]
-struct Cone {
-    x: Pair,
-    s: Pair,
-}
-
-/// How far the iterate is from optimal.
-struct Residuals {
-    /// y − P(p − q) − r
-    primal: Vec<f64>,
-    /// 1 − Pᵀλ − s⁺ and 1 + Pᵀλ − s⁻
-    dual_p: Vec<f64>,
-    dual_q: Vec<f64>,
-    /// Largest entry of the dual residuals.
-    dual: f64,
-    /// Size of `primal` that rounding alone explains.
-    rounding: f64,
-    /// Mean complementarity.
-    mu: f64,
-    gap: f64,
-}
-
-struct Direction {
-    p: Vec<f64>,
-    q: Vec<f64>,
-    sp: Vec<f64>,
-    sq: Vec<f64>,
-    lambda: Vec<f64>,
-    cone: Option<(Pair, Pair)>,
 }
 
 struct Run {
@@ -159,147 +113,6 @@ fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
         point.advance(&step);
     }
     best.judge(ITERATIONS)
-}
-
-impl Point {
-    fn start(reduced: &Reduced, tolerance: f64) -> Point {
-        let (m, n) = (reduced.matrix.nrows(), reduced.matrix.ncols());
-        let largest = reduced.target.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
-        let cone = (tolerance > 0.0).then(|| Cone {
-            x: Pair {
-                head: tolerance,
-                tail: vec![0.0; m],
-            },
-            s: Pair {
-                head: (n as f64 * largest / tolerance).max(1.0),
-                tail: vec![0.0; m],
-            },
-        });
-        Point {
-            p: vec![largest; n],
-            q: vec![largest; n],
-            sp: vec![1.0; n],
-            sq: vec![1.0; n],
-            lambda: vec![0.0; m],
-            cone,
-        }
-    }
-
-    fn x(&self) -> Vec<f64> {
-        minus(&self.p, &self.q)
-    }
-
-    fn residuals(&self, reduced: &Reduced) -> Residuals {
-        let mut primal = minus(&reduced.target, &times(reduced.matrix.as_ref(), &self.x()));
-        let correlations = times_transposed(reduced.matrix.as_ref(), &self.lambda);
-        let mut dual = dot(&reduced.target, &self.lambda);
-        if let Some(cone) = &self.cone {
-            add_scaled(&mut primal, -1.0, &cone.x.tail);
-            dual -= cone.x.head * cone.s.head;
-        }
-        let value: f64 = self.p.iter().sum::<f64>() + self.q.iter().sum::<f64>();
-        let slack = |sign: f64, s: &[f64]| -> Vec<f64> {
-            correlations
-                .iter()
-                .zip(s)
-                .map(|(g, s)| 1.0 - sign * g - s)
-                .collect()
-        };
-        let (dual_p, dual_q) = (slack(1.0, &self.sp), slack(-1.0, &self.sq));
-        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-        Residuals {
-            primal,
-            dual: largest(&dual_p).max(largest(&dual_q)),
-            rounding: f64::EPSILON * (1.0 + value),
-            dual_p,
-            dual_q,
-            mu: self.complementarity() / self.degree(),
-            gap: (value - dual).abs() / value.abs().max(dual.abs()),
-        }
-    }
-
-    fn complementarity(&self) -> f64 {
-        let cone = self.cone.as_ref().map_or(0.0, |c| c.x.dot(&c.s));
-        dot(&self.p, &self.sp) + dot(&self.q, &self.sq) + cone
-    }
-
-    fn degree(&self) -> f64 {
-        let cone = self.cone.as_ref().map_or(0.0, |_| self.cone_weight());
-        2.0 * self.p.len() as f64 + cone
-    }
-
-    /// The cone's share of μ: with the weight of one variable among thousands it would hug its boundary and the steps
-    /// along the curved surface be short.
-    fn cone_weight(&self) -> f64 {
-        (CONE_WEIGHT * self.p.len() as f64).max(1.0)
-    }
-
-    /// Diagonal of D.
-    fn weights(&self) -> Vec<f64> {
-        let ratio =
-            |x: &[f64], s: &[f64]| -> Vec<f64> { x.iter().zip(s).map(|(x, s)| x / s).collect() };
-        let mut d = ratio(&self.p, &self.sp);
-        add_scaled(&mut d, 1.0, &ratio(&self.q, &self.sq));
-        d
-    }
-
-    /// Outer `None`: the cone's pair is no longer interior. Inner `None`: there is no cone.
-    fn scaling(&self) -> Option<Option<Scaling>> {
-        match &self.cone {
-            None => Some(None),
-            Some(cone) => Scaling::new(&cone.x, &cone.s).map(Some),
-        }
-    }
-
-    /// Longest primal and dual steps that keep a little distance from the boundary, at most 1.
-    fn steps(&self, d: &Direction) -> (f64, f64) {
-        let mut primal = longest(&self.p, &d.p).min(longest(&self.q, &d.q));
-        let mut dual = longest(&self.sp, &d.sp).min(longest(&self.sq, &d.sq));
-        if let (Some(cone), Some((dx, ds))) = (&self.cone, &d.cone) {
-            // One length for both: along a curved cone separate lengths can fall into a cycle.
-            let both = primal
-                .min(dual)
-                .min(cone.x.longest_step(dx))
-                .min(cone.s.longest_step(ds));
-            (primal, dual) = (both, both);
-        }
-        ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
-    }
-
-    /// The corrector can be misled by a long predictor; a step back to the central path then helps more.
-    fn is_short(&self, d: &Direction) -> bool {
-        let (primal, dual) = self.steps(d);
-        primal.min(dual) < SHORT
-    }
-
-    /// Mehrotra's σ: how much of μ the predictor alone would leave, cubed.
-    fn centring(&self, predictor: &Direction, mu: f64) -> f64 {
-        let mut ahead = self.clone();
-        ahead.advance(predictor);
-        (ahead.complementarity() / (self.degree() * mu)).powi(3)
-    }
-
-    fn advance(&mut self, d: &Direction) {
-        let (primal, dual) = self.steps(d);
-        add_scaled(&mut self.p, primal, &d.p);
-        add_scaled(&mut self.q, primal, &d.q);
-        add_scaled(&mut self.sp, dual, &d.sp);
-        add_scaled(&mut self.sq, dual, &d.sq);
-        add_scaled(&mut self.lambda, dual, &d.lambda);
-        if let (Some(cone), Some((dx, ds))) = (&mut self.cone, &d.cone) {
-            cone.x.add_scaled(primal, dx);
-            cone.s.add_scaled(dual, ds);
-        }
-    }
-}
-
-/// Largest α with x + α d ≥ 0; infinite if there is none.
-fn longest(x: &[f64], d: &[f64]) -> f64 {
-    x.iter()
-        .zip(d)
-        .filter(|(_, d)| **d < 0.0)
-        .map(|(x, d)| -x / d)
-        .fold(f64::INFINITY, f64::min)
 }
 
 /// The Newton system at one point; solved once for the predictor and once for the corrector.
@@ -430,7 +243,12 @@ impl Best {
     }
 
     fn judge(self, iterations: usize) -> Run {
-        let status = if self.reached(ACCEPTED, ACCEPTED_EXCESS) {
+        let accepted = if self.tolerance > 0.0 {
+            ACCEPTED_CONE
+        } else {
+            ACCEPTED
+        };
+        let status = if self.reached(accepted, ACCEPTED_EXCESS) {
             Status::Solved
         } else {
             Status::Inaccurate {

@@ -8,6 +8,7 @@ mod cone;
 mod interior_point;
 mod least_squares;
 mod normal;
+mod point;
 mod polish;
 mod reduce;
 

@@ -4,9 +4,10 @@
 //! many decades, so the product is positive definite only up to rounding: a little regularisation makes the Cholesky
 //! factor exist, and refinement against P itself (never against the rounded product) wins the digits back.
 
+use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Accum, ColMut, Mat, MatRef, Par, Side};
+use faer::{Accum, ColMut, Mat, MatMut, MatRef, Par, Side};
 
 use super::cone::Scaling;
 use super::reduce::{add_scaled, dot, norm, times, times_transposed};
@@ -19,6 +20,9 @@ const STRONGEST_REGULARISATION: f64 = 1e-5;
 const REFINED: f64 = 1e-13;
 const STEPS_EQUALITY: usize = 3;
 const STEPS_CONE: usize = 20;
+/// Bands of the product, and the multiplications below which threads do not pay.
+const BANDS: usize = 4;
+const THREADED: usize = 20_000_000;
 
 pub(super) struct Normal<'a> {
     matrix: MatRef<'a, f64>,
@@ -67,30 +71,37 @@ impl<'a> Normal<'a> {
         self.factor.is_some()
     }
 
-    /// Lower triangle of P D Pᵀ, band by band.
+    /// Lower triangle of P D Pᵀ as √D-scaled columns times their transpose, in bands of rows of equal work. Each band is
+    /// one thread's, always in the same order, so the result does not depend on the machine's core count.
     fn multiply(&mut self) {
-        for ((out, column), d) in self
-            .scaled
-            .col_iter_mut()
-            .zip(self.matrix.col_iter())
-            .zip(&self.weights)
-        {
+        let columns = self.scaled.col_iter_mut().zip(self.matrix.col_iter());
+        for ((out, column), d) in columns.zip(&self.weights) {
             let root = d.sqrt();
             out.iter_mut()
                 .zip(column.iter())
                 .for_each(|(o, c)| *o = c * root);
         }
-        triangular::matmul(
-            self.product.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Replace,
-            self.scaled.as_ref(),
-            BlockStructure::Rectangular,
-            self.scaled.transpose(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+        let (m, n) = (self.scaled.nrows(), self.scaled.ncols());
+        let scaled = self.scaled.as_ref();
+        let threads =
+            m * m * n > THREADED && std::thread::available_parallelism().is_ok_and(|p| p.get() > 1);
+        std::thread::scope(|scope| {
+            let mut rest = self.product.as_mut();
+            let mut from = 0;
+            for band in 1..=BANDS {
+                let to = (m as f64 * (band as f64 / BANDS as f64).sqrt()).round() as usize;
+                let (rows, below) = rest.split_at_row_mut(to - from);
+                rest = below;
+                let start = from;
+                from = to;
+                let work = move || multiply_band(rows, scaled, start);
+                if threads {
+                    scope.spawn(work);
+                } else {
+                    work();
+                }
+            }
+        });
     }
 
     fn add_cone(&mut self, cone: &Scaling) {
@@ -172,4 +183,31 @@ impl<'a> Normal<'a> {
         }
         x
     }
+}
+
+/// Rows `start..` of the lower triangle of A Aᵀ: a rectangle left of the diagonal block and the block's triangle.
+fn multiply_band(rows: MatMut<f64>, a: MatRef<f64>, start: usize) {
+    let height = rows.nrows();
+    let mine = a.subrows(start, height);
+    let (left, right) = rows.split_at_col_mut(start);
+    let before = a.subrows(0, start);
+    matmul(
+        left,
+        Accum::Replace,
+        mine,
+        before.transpose(),
+        1.0,
+        Par::Seq,
+    );
+    triangular::matmul(
+        right.subcols_mut(0, height),
+        BlockStructure::TriangularLower,
+        Accum::Replace,
+        mine,
+        BlockStructure::Rectangular,
+        mine.transpose(),
+        BlockStructure::Rectangular,
+        1.0,
+        Par::Seq,
+    );
 }

@@ -521,17 +521,3 @@ fn survey() {
         }
     }
 }
-
-#[test]
-fn dbg() {
-    for (seed, rows, cols, part) in [
-        (76950u64, 34usize, 8usize, 0.7028229612064445),
-        (36258, 24, 19, 0.26431948853847254),
-    ] {
-        let phi = gaussian(rows, cols, seed, |_| 1.0);
-        let y = gaussian(rows, 1, seed + 1, |_| 1.0).values().to_vec();
-        let floor = least_squares(&phi, &y).residual;
-        let s = solve(0, &phi, &y, floor + part * (length(&y) - floor));
-        println!("DONE {:?} {:?}", s.status, s.coefficients);
-    }
-}

@@ -1,0 +1,240 @@
+//! The interior-point iterate: where it starts, how far it is from optimal, how far a step may go.
+//!
+//! x = p − q with p, q > 0, the dual slacks s⁺ = 1 − Pᵀλ and s⁻ = 1 + Pᵀλ, and with a noise bound the cone's pair
+//! (ε, r), (τ, −λ). It solves no systems.
+
+use super::cone::{Pair, Scaling};
+use super::reduce::{Reduced, add_scaled, dot, minus, nonzero, norm, times, times_transposed};
+
+/// Fraction of the way to the boundary.
+const STEP: f64 = 0.99;
+/// A shorter step than this is not worth taking.
+const SHORT: f64 = 0.1;
+/// Weight of the cone in μ relative to the number of columns.
+const CONE_WEIGHT: f64 = 0.1;
+
+/// The iterate: p, q > 0, dual slacks s⁺ = 1 − Pᵀλ and s⁻ = 1 + Pᵀλ, and the cone's pair when ε > 0.
+#[derive(Clone)]
+pub(super) struct Point {
+    pub p: Vec<f64>,
+    pub q: Vec<f64>,
+    pub sp: Vec<f64>,
+    pub sq: Vec<f64>,
+    pub lambda: Vec<f64>,
+    pub cone: Option<Cone>,
+}
+
+/// Primal (ε, r) and dual (τ, −λ).
+#[derive(Clone)]
+pub(super) struct Cone {
+    pub x: Pair,
+    pub s: Pair,
+}
+
+/// How far the iterate is from optimal.
+pub(super) struct Residuals {
+    /// y − P(p − q) − r
+    pub primal: Vec<f64>,
+    /// 1 − Pᵀλ − s⁺ and 1 + Pᵀλ − s⁻
+    pub dual_p: Vec<f64>,
+    pub dual_q: Vec<f64>,
+    /// Largest entry of the dual residuals.
+    pub dual: f64,
+    /// Size of `primal` that rounding alone explains.
+    pub rounding: f64,
+    /// Mean complementarity.
+    pub mu: f64,
+    pub gap: f64,
+}
+
+pub(super) struct Direction {
+    pub p: Vec<f64>,
+    pub q: Vec<f64>,
+    pub sp: Vec<f64>,
+    pub sq: Vec<f64>,
+    pub lambda: Vec<f64>,
+    pub cone: Option<(Pair, Pair)>,
+}
+
+impl Point {
+    pub fn start(reduced: &Reduced, tolerance: f64) -> Point {
+        if tolerance > 0.0 {
+            return Point::feasible(reduced, tolerance);
+        }
+        let (m, n) = (reduced.matrix.nrows(), reduced.matrix.ncols());
+        let largest = reduced.target.iter().fold(0.0_f64, |a, y| a.max(y.abs()));
+        Point {
+            p: vec![largest; n],
+            q: vec![largest; n],
+            sp: vec![1.0; n],
+            sq: vec![1.0; n],
+            lambda: vec![0.0; m],
+            cone: None,
+        }
+    }
+
+    /// Strictly feasible for ε > 0, or the cone may jam long before y is matched: the Tikhonov solution
+    /// x = Pᵀ r/δ whose residual r = δ (PPᵀ + δ)⁻¹ q has half the allowed length (Morozov's discrepancy principle). PPᵀ is
+    /// diagonal here. λ points along r, as it will at the optimum.
+    pub fn feasible(reduced: &Reduced, tolerance: f64) -> Point {
+        let residual = |delta: f64| -> Vec<f64> {
+            let rows = reduced.target.iter().zip(&reduced.strengths);
+            rows.map(|(q, s)| q * delta / (s * s + delta)).collect()
+        };
+        let (mut low, mut high) = (-100.0_f64, 20.0_f64);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if norm(&residual(middle.exp())) > 0.5 * tolerance {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        let delta = low.exp();
+        let r = residual(delta);
+        let mut x = times_transposed(reduced.matrix.as_ref(), &r);
+        let largest = x.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let down = 0.5 / nonzero(largest);
+        let slack = |sign: f64| -> Vec<f64> { x.iter().map(|c| 1.0 - sign * down * c).collect() };
+        let (sp, sq) = (slack(1.0), slack(-1.0));
+        x.iter_mut().for_each(|x| *x /= delta);
+        let spread = largest / delta;
+        let lambda: Vec<f64> = r.iter().map(|r| r * down).collect();
+        let tail = lambda.iter().map(|l| -l).collect();
+        let mut point = Point {
+            p: x.iter().map(|x| x.max(0.0) + spread).collect(),
+            q: x.iter().map(|x| (-x).max(0.0) + spread).collect(),
+            sp,
+            sq,
+            lambda,
+            cone: None,
+        };
+        point.cone = Some(Cone {
+            s: Pair {
+                head: norm(&r) * down + point.cone_weight() * spread / tolerance,
+                tail,
+            },
+            x: Pair {
+                head: tolerance,
+                tail: r,
+            },
+        });
+        point
+    }
+
+    pub fn x(&self) -> Vec<f64> {
+        minus(&self.p, &self.q)
+    }
+
+    pub fn residuals(&self, reduced: &Reduced) -> Residuals {
+        let mut primal = minus(&reduced.target, &times(reduced.matrix.as_ref(), &self.x()));
+        let correlations = times_transposed(reduced.matrix.as_ref(), &self.lambda);
+        let mut dual = dot(&reduced.target, &self.lambda);
+        if let Some(cone) = &self.cone {
+            add_scaled(&mut primal, -1.0, &cone.x.tail);
+            dual -= cone.x.head * cone.s.head;
+        }
+        let value: f64 = self.p.iter().sum::<f64>() + self.q.iter().sum::<f64>();
+        let slack = |sign: f64, s: &[f64]| -> Vec<f64> {
+            correlations
+                .iter()
+                .zip(s)
+                .map(|(g, s)| 1.0 - sign * g - s)
+                .collect()
+        };
+        let (dual_p, dual_q) = (slack(1.0, &self.sp), slack(-1.0, &self.sq));
+        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+        Residuals {
+            primal,
+            dual: largest(&dual_p).max(largest(&dual_q)),
+            rounding: f64::EPSILON * (1.0 + value),
+            dual_p,
+            dual_q,
+            mu: self.complementarity() / self.degree(),
+            gap: (value - dual).abs() / value.abs().max(dual.abs()),
+        }
+    }
+
+    pub fn complementarity(&self) -> f64 {
+        let cone = self.cone.as_ref().map_or(0.0, |c| c.x.dot(&c.s));
+        dot(&self.p, &self.sp) + dot(&self.q, &self.sq) + cone
+    }
+
+    pub fn degree(&self) -> f64 {
+        let cone = self.cone.as_ref().map_or(0.0, |_| self.cone_weight());
+        2.0 * self.p.len() as f64 + cone
+    }
+
+    /// The cone's share of μ: with the weight of one variable among thousands it would hug its boundary and the steps
+    /// along the curved surface be short.
+    pub fn cone_weight(&self) -> f64 {
+        (CONE_WEIGHT * self.p.len() as f64).max(1.0)
+    }
+
+    /// Diagonal of D.
+    pub fn weights(&self) -> Vec<f64> {
+        let ratio =
+            |x: &[f64], s: &[f64]| -> Vec<f64> { x.iter().zip(s).map(|(x, s)| x / s).collect() };
+        let mut d = ratio(&self.p, &self.sp);
+        add_scaled(&mut d, 1.0, &ratio(&self.q, &self.sq));
+        d
+    }
+
+    /// Outer `None`: the cone's pair is no longer interior. Inner `None`: there is no cone.
+    pub fn scaling(&self) -> Option<Option<Scaling>> {
+        match &self.cone {
+            None => Some(None),
+            Some(cone) => Scaling::new(&cone.x, &cone.s).map(Some),
+        }
+    }
+
+    /// Longest primal and dual steps that keep a little distance from the boundary, at most 1.
+    pub fn steps(&self, d: &Direction) -> (f64, f64) {
+        let mut primal = longest(&self.p, &d.p).min(longest(&self.q, &d.q));
+        let mut dual = longest(&self.sp, &d.sp).min(longest(&self.sq, &d.sq));
+        if let (Some(cone), Some((dx, ds))) = (&self.cone, &d.cone) {
+            // One length for both: along a curved cone separate lengths can fall into a cycle.
+            let both = primal
+                .min(dual)
+                .min(cone.x.longest_step(dx))
+                .min(cone.s.longest_step(ds));
+            (primal, dual) = (both, both);
+        }
+        ((STEP * primal).min(1.0), (STEP * dual).min(1.0))
+    }
+
+    /// The corrector can be misled by a long predictor; a step back to the central path then helps more.
+    pub fn is_short(&self, d: &Direction) -> bool {
+        let (primal, dual) = self.steps(d);
+        primal.min(dual) < SHORT
+    }
+
+    /// Mehrotra's σ: how much of μ the predictor alone would leave, cubed.
+    pub fn centring(&self, predictor: &Direction, mu: f64) -> f64 {
+        let mut ahead = self.clone();
+        ahead.advance(predictor);
+        (ahead.complementarity() / (self.degree() * mu)).powi(3)
+    }
+
+    pub fn advance(&mut self, d: &Direction) {
+        let (primal, dual) = self.steps(d);
+        add_scaled(&mut self.p, primal, &d.p);
+        add_scaled(&mut self.q, primal, &d.q);
+        add_scaled(&mut self.sp, dual, &d.sp);
+        add_scaled(&mut self.sq, dual, &d.sq);
+        add_scaled(&mut self.lambda, dual, &d.lambda);
+        if let (Some(cone), Some((dx, ds))) = (&mut self.cone, &d.cone) {
+            cone.x.add_scaled(primal, dx);
+            cone.s.add_scaled(dual, ds);
+        }
+    }
+}
+
+/// Largest α with x + α d ≥ 0; infinite if there is none.
+fn longest(x: &[f64], d: &[f64]) -> f64 {
+    x.iter()
+        .zip(d)
+        .filter(|(_, d)| **d < 0.0)
+        .map(|(x, d)| -x / d)
+        .fold(f64::INFINITY, f64::min)
+}
