@@ -265,7 +265,8 @@ impl<'a, 't> Layout<'a, 't> {
             .filter(on_line)
             .and_then(|k| self.tokens.get(k));
         let right = Some(i + 1).filter(on_line).and_then(|k| self.tokens.get(k));
-        left.is_some_and(|t| t.end != here.0) || right.is_some_and(|t| t.start != here.1)
+        // A sign at the end or the beginning of a line stands alone.
+        left.is_none_or(|t| t.end != here.0) || right.is_none_or(|t| t.start != here.1)
     }
 }
 

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
+use sidc::lang::parse;
 use sidc::lang::source::FileId;
-use sidc::lang::{format, parse};
 
 use super::{compiled, formatting, texts_in};
 

@@ -279,10 +279,12 @@ pub fn unknown_function(
     near: Option<String>,
     generators: &[GeneratorSignature],
 ) -> Diagnostic {
-    let d = Diagnostic::error(
-        "unknown-function",
-        format!("no function or generator named `{name}`"),
-    );
+    let what = if generators.is_empty() {
+        "function"
+    } else {
+        "function or generator"
+    };
+    let d = Diagnostic::error("unknown-function", format!("no {what} named `{name}`"));
     let d = match near {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
         None => d.at(at, "not known"),
