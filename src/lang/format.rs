@@ -208,9 +208,9 @@ impl<'a, 't> Layout<'a, 't> {
             ("," | ";" | ":" | "~" | "=" | "<=" | ">=", _) => true,
             (_, ":" | "~" | "=" | "<=" | ">=") => true,
             ("-", _) => self.is_binary(i - 1),
-            ("+", _) | (_, "+" | "-") => true,
             ("*" | "/", _) => self.is_loose(i - 1),
             (_, "*" | "/") => self.is_loose(i),
+            ("+", _) | (_, "+" | "-") => true,
             (_, "(") => last.kind == TokenKind::Name && self.opens_statement(i - 1),
             _ => true,
         })
