@@ -152,7 +152,6 @@ impl<'a, 't> Layout<'a, 't> {
     }
 
     fn write_line(&self, line: std::ops::Range<usize>, out: &mut String) {
-        let start = out.len();
         out.push_str(&" ".repeat(self.indent(line.start)));
         for i in line.clone() {
             let Some(token) = self.tokens.get(i) else {
@@ -163,7 +162,6 @@ impl<'a, 't> Layout<'a, 't> {
             }
             out.push_str(token.text.trim_end());
         }
-        debug_assert!(out.len() > start);
         out.push('\n');
     }
 

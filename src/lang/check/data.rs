@@ -1,4 +1,6 @@
 //! `data { }`: which column, in which unit, is which signal.
+//!
+//! Out: arithmetic on headers, entry by entry. Never looks at a data file.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,6 @@
 //! Declarations, attributes, names and what may be meant by them.
+//!
+//! Constructors only; who was probably meant is decided by the caller.
 
 use crate::lang::check::GeneratorSignature;
 use crate::lang::diagnostic::{Diagnostic, did_you_mean};
@@ -169,7 +171,7 @@ pub fn noise(at: Span, value: f64) -> Diagnostic {
         format!("a noise of {value} is not a standard deviation"),
     )
     .at(at, "a number above 0, in the unit of the signal")
-    .help("leave `noise` out if it is not known: it is estimated")
+    .help("leave `noise` out if it is not known")
 }
 
 pub fn attribute_value(at: Span, key: &str, wanted: &str, example: &str) -> Diagnostic {
