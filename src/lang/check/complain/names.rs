@@ -289,7 +289,9 @@ pub fn unknown_function(
     let d = Diagnostic::error("unknown-function", format!("no {what} named `{name}`"));
     let d = match near {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
-        None => d.at(at, "not known"),
+        None => d
+            .at(at, "not known")
+            .help("write it with the functions there are: sec(x) is `1/cos(x)`"),
     };
     let functions: Vec<&str> = crate::term::FUNCTIONS.iter().map(|f| f.name).collect();
     let d = d.fact(format!("functions: {}", functions.join(", ")));
