@@ -269,8 +269,7 @@ fn word(rule: Rule) -> Option<&'static str> {
         Rule::text
         | Rule::list
         | Rule::group
-        | Rule::call
-        | Rule::applied
+        | Rule::reference
         | Rule::expr
         | Rule::item
         | Rule::items
