@@ -152,7 +152,6 @@ impl<'a, 't> Layout<'a, 't> {
     }
 
     fn write_line(&self, line: std::ops::Range<usize>, out: &mut String) {
-        let start = out.len();
         out.push_str(&" ".repeat(self.indent(line.start)));
         for i in line.clone() {
             let Some(token) = self.tokens.get(i) else {
@@ -163,7 +162,6 @@ impl<'a, 't> Layout<'a, 't> {
             }
             out.push_str(token.text.trim_end());
         }
-        debug_assert!(out.len() > start);
         out.push('\n');
     }
 
@@ -208,9 +206,9 @@ impl<'a, 't> Layout<'a, 't> {
             ("," | ";" | ":" | "~" | "=" | "<=" | ">=", _) => true,
             (_, ":" | "~" | "=" | "<=" | ">=") => true,
             ("-", _) => self.is_binary(i - 1),
-            ("+", _) | (_, "+" | "-") => true,
             ("*" | "/", _) => self.is_loose(i - 1),
             (_, "*" | "/") => self.is_loose(i),
+            ("+", _) | (_, "+" | "-") => true,
             (_, "(") => last.kind == TokenKind::Name && self.opens_statement(i - 1),
             _ => true,
         })
@@ -265,7 +263,8 @@ impl<'a, 't> Layout<'a, 't> {
             .filter(on_line)
             .and_then(|k| self.tokens.get(k));
         let right = Some(i + 1).filter(on_line).and_then(|k| self.tokens.get(k));
-        left.is_some_and(|t| t.end != here.0) || right.is_some_and(|t| t.start != here.1)
+        // A sign at the end or the beginning of a line stands alone.
+        left.is_none_or(|t| t.end != here.0) || right.is_none_or(|t| t.start != here.1)
     }
 }
 

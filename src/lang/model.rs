@@ -11,7 +11,7 @@ pub struct Model {
     pub system: Option<String>,
     /// Declared variables; index 0 is time `t`.
     pub vars: Vec<Var>,
-    /// True if any equation is about `next(x)`: times are sample numbers, derivatives do not exist.
+    /// True if the model mentions `next` or lagged samples: times are sample numbers, derivatives do not exist.
     pub discrete: bool,
     pub equations: Vec<Equation>,
     pub constraints: Vec<Constraint>,

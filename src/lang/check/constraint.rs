@@ -1,4 +1,6 @@
 //! `constrain coef(ddy, F) > 0`: relations that are linear in coefficients.
+//!
+//! Out: one `Σ weight · coef + constant RELATION 0` for each relation. Whether a library has the term is seen later.
 
 use super::{Checker, complain};
 use crate::lang::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};

@@ -1,4 +1,6 @@
 //! `data { }`: which column, in which unit, is which signal.
+//!
+//! Out: arithmetic on headers, entry by entry. Never looks at a data file.
 
 use std::collections::BTreeMap;
 
@@ -66,7 +68,7 @@ impl Checker<'_> {
         value: &Ast,
         seen: &mut BTreeMap<Signal, Span>,
     ) -> Option<DataEntry> {
-        let Some(signal) = self.scope.use_signal(&name.text) else {
+        let Some(signal) = self.scope.signal(&name.text) else {
             if let Some(l) = self.scope.lets.get(&name.text) {
                 let d = complain::data_for_let(name.span, &name.text, l.span);
                 return self.fail(d);

@@ -1,4 +1,6 @@
 //! `state`, `input`, `output`, `param`: the variables of a model and the names they make.
+//!
+//! Out: variables in order of declaration, and every spelling that they make. Clashes are reported with both places.
 
 use super::{Checker, complain};
 use crate::lang::ast::{Attribute, Expr, ExprKind, Keyword, StatementKind};

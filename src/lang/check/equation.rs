@@ -1,4 +1,6 @@
 //! `TARGET ~ LIBRARY` and `TARGET = EXPR`: one equation per target.
+//!
+//! Out: targets resolved, known parts as expressions, the rest as one unexpanded library.
 
 use std::collections::BTreeMap;
 

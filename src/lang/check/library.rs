@@ -284,10 +284,9 @@ impl Checker<'_> {
             .as_name()
             .and_then(numbered)
             .zip(to.as_name().and_then(numbered));
-        let Some(((stem, first), (other, last))) = ends.filter(|((a, _), (b, _))| a == b) else {
+        let Some(((stem, first), (_, last))) = ends.filter(|((a, _), (b, _))| a == b) else {
             return self.fail(complain::range_of_names(span));
         };
-        debug_assert_eq!(stem, other);
         let (Ok(a), Ok(b)) = (first.parse::<usize>(), last.parse::<usize>()) else {
             return self.fail(complain::range_of_names(span));
         };

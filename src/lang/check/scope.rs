@@ -103,11 +103,10 @@ impl Scope {
     pub fn in_scope(&self) -> String {
         const SHOWN: usize = 24;
         let mut names: Vec<String> = Vec::new();
-        for (i, var) in self.vars.iter().enumerate().skip(1) {
+        for var in self.vars.iter().skip(1) {
             if names.len() > SHOWN {
                 break;
             }
-            debug_assert!(i > 0);
             names.extend((0..=usize::from(var.order)).map(|k| "d".repeat(k) + &var.name));
         }
         names.extend(self.lets.keys().cloned());

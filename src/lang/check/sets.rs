@@ -1,4 +1,6 @@
 //! Algebra of sets of terms that needs no names: unions, and sums that were meant as arithmetic.
+//!
+//! In: sets already understood. Out: their union, or the sum as a number. Expands nothing.
 
 use crate::lang::ast::Sign;
 use crate::lang::model::{LibExpr, LibKind};

@@ -1,4 +1,6 @@
 //! Names that nothing declares, and what may have been meant.
+//!
+//! In: a name and its place. Out: one report a name, with the nearest name in scope or the way to declare it.
 
 use super::{Checker, complain};
 use crate::lang::ast::{Call, Expr as Ast, StatementKind};
@@ -62,6 +64,9 @@ impl Checker<'_> {
         let d = d.fact(format!("in scope: {}", self.scope.in_scope()));
         match self.too_high_derivative(text) {
             Some(help) => d.help(help),
+            None if self.meant(text).is_none() => d.help(format!(
+                "declare it: `state {text}`, `input {text}` or `let {text} = …`"
+            )),
             None => d,
         }
     }
@@ -173,9 +178,6 @@ impl Checker<'_> {
             .chain(self.vocabulary.generators.iter().map(|g| g.name))
             .chain(["next", "lag", "known"]);
         let near = did_you_mean(name, candidates).map(str::to_string);
-        if call.juxtaposed && near.is_none() {
-            return self.unknown_name(at, name);
-        }
         if !self.reported.insert(name.to_string()) {
             return None;
         }

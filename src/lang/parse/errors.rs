@@ -53,7 +53,10 @@ pub fn missing_operator(
     )
     .at(right, "an operator or a comma is missing before this")
     .also(left, "after this");
-    if same_line {
+    let whole = !first.contains('…') && !second.contains('…');
+    if !whole {
+        d.help("for a product put a `*` between them")
+    } else if same_line {
         d.help(format!("for a product write `{first}*{second}`"))
     } else {
         d.help(format!(

@@ -95,14 +95,13 @@ impl<'t> Stop<'_, 't> {
         if rule != Rule::declare || self.tokens.iter().any(|t| t.is(":")) {
             return None;
         }
-        let found = self.found()?;
         let key = [self.at.checked_sub(1)?, self.at]
             .into_iter()
             .find(|&i| self.get(i).is_some_and(|t| KEYS.contains(&t.text)))?;
-        let at = self.get(key)?.span(self.file);
+        let word = self.get(key)?;
         let (names, rest) = (self.phrase(0, key), self.phrase(key, self.tokens.len()));
         Some(
-            errors::unexpected(at, found.text, "`:` before the attributes")
+            errors::unexpected(word.span(self.file), word.text, "`:` before the attributes")
                 .help(format!("write `{names} : {rest}`")),
         )
     }
@@ -270,8 +269,7 @@ fn word(rule: Rule) -> Option<&'static str> {
         Rule::text
         | Rule::list
         | Rule::group
-        | Rule::call
-        | Rule::applied
+        | Rule::reference
         | Rule::expr
         | Rule::item
         | Rule::items

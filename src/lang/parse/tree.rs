@@ -267,10 +267,11 @@ impl Tree<'_> {
         }
     }
 
-    /// `primary = _{ number | text | list | group | call | applied | name }`
+    /// `primary = _{ number | reference | list | group | text }`
     fn primary(&self, pair: Pair<Rule>) -> Result<Expr> {
         let span = self.span(&pair);
         let kind = match pair.as_rule() {
+            Rule::reference => return self.reference(pair),
             Rule::number => ExprKind::Number(number(&pair)),
             Rule::text => ExprKind::Text(pair.as_str().trim_matches('"').to_string()),
             Rule::list => ExprKind::List(self.items(self.next(&mut pair.into_inner())?)?),
@@ -278,25 +279,34 @@ impl Tree<'_> {
                 let inner = self.next(&mut pair.into_inner())?;
                 ExprKind::Group(Box::new(self.expr(inner)?))
             }
-            Rule::call => ExprKind::Call(self.call(pair, false)?),
-            Rule::applied => ExprKind::Call(self.call(pair, true)?),
             _ => ExprKind::Name(normalise(pair.as_str())),
         };
         Ok(Expr::new(span, kind))
     }
 
-    /// `call = { name ~ raised? ~ "(" ~ items? ~ (";" ~ numbers)? ~ ")" }`, `applied = { name ~ raised? ~ name }`
-    fn call(&self, pair: Pair<Rule>, juxtaposed: bool) -> Result<Call> {
+    /// `reference = { name ~ (arguments | applied)? }`
+    fn reference(&self, pair: Pair<Rule>) -> Result<Expr> {
         let mut inner = pair.into_inner();
         let name = self.ident(&self.next(&mut inner)?);
+        match inner.next() {
+            None => Ok(Expr::new(name.span, ExprKind::Name(name.text))),
+            Some(rest) => {
+                let span = name.span.to(self.span(&rest));
+                Ok(Expr::new(span, ExprKind::Call(self.call(name, rest)?)))
+            }
+        }
+    }
+
+    /// `arguments = { raised? ~ "(" ~ items? ~ (";" ~ numbers)? ~ ")" }`, `applied = { raised? ~ name }`
+    fn call(&self, name: Ident, rest: Pair<Rule>) -> Result<Call> {
         let mut call = Call {
             name,
             power: None,
             args: Vec::new(),
             numbers: None,
-            juxtaposed,
+            juxtaposed: rest.as_rule() == Rule::applied,
         };
-        for part in inner {
+        for part in rest.into_inner() {
             let span = self.span(&part);
             match part.as_rule() {
                 Rule::raised => call.power = Some((raised(part), span)),

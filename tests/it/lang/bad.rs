@@ -1,4 +1,6 @@
 //! One wrong model a file in tests/bad, with what its author gets to read beside it.
+//!
+//! A new code needs a file there and a line in docs/diagnostics.md.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -39,6 +41,20 @@ fn every_error_shows_a_place() {
                 .iter()
                 .any(|l| l.primary && l.span.end <= text.len());
             assert!(placed, "{name}: `{}` has no place in the text", d.code);
+        }
+    }
+}
+
+#[test]
+fn every_error_offers_a_way_out() {
+    for (name, text) in texts_in("tests/bad") {
+        for d in compiled(&name, &text).1.iter().filter(|d| d.is_error()) {
+            let meant = d.labels.iter().any(|l| l.text.contains("did you mean"));
+            assert!(
+                meant || d.help.is_some(),
+                "{name}: `{}` offers no fix",
+                d.code
+            );
         }
     }
 }

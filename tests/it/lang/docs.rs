@@ -1,4 +1,6 @@
 //! The examples of the reference are models: those fenced `sid` are right, those fenced `sid-error` are not.
+//!
+//! All of them are laid out as `sidc fmt` does it.
 
 use super::compiled;
 

@@ -1,4 +1,6 @@
 //! The formatter changes white space and nothing else, and once is enough.
+//!
+//! Meaning is compared as the ast without places.
 
 use sidc::lang::source::FileId;
 use sidc::lang::{format, parse};

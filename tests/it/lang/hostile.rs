@@ -1,10 +1,12 @@
 //! Texts that nobody meant: no input may crash the compiler or hold it up.
+//!
+//! Soups of tokens, patched models and texts of 10⁵ parts; what has a layout must be a fixed point of the formatter.
 
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
+use sidc::lang::parse;
 use sidc::lang::source::FileId;
-use sidc::lang::{format, parse};
 
 use super::{compiled, formatting, texts_in};
 

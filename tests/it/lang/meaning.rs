@@ -1,4 +1,6 @@
 //! What models mean once they are checked.
+//!
+//! One small text each, and the part of the model that it is about.
 
 use sidc::lang::model::{Between, ColumnKind, LibKind, RightSide, VarKind};
 use sidc::term::{Language, Signal, VarId};

@@ -1,4 +1,6 @@
 //! The language: golden messages, the reference, the formatter, and texts nobody meant.
+//!
+//! Here: the vocabulary and the helpers that the tests share.
 
 mod bad;
 mod docs;

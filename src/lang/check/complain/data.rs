@@ -1,4 +1,6 @@
-//! The data block.
+//! What can be wrong with the data block.
+//!
+//! Entries of the data block: constructors of their errors, and nothing else.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;

@@ -1,4 +1,6 @@
 //! Equations and constraints: targets, known parts, coefficients, and what a model lacks.
+//!
+//! Constructors only; the notes on loose ends of a sound model are here too.
 
 use crate::lang::check::equation::has_equation;
 use crate::lang::check::scope::Scope;

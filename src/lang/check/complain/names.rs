@@ -1,4 +1,6 @@
 //! Declarations, attributes, names and what may be meant by them.
+//!
+//! Constructors only; who was probably meant is decided by the caller.
 
 use crate::lang::check::GeneratorSignature;
 use crate::lang::diagnostic::{Diagnostic, did_you_mean};
@@ -169,7 +171,7 @@ pub fn noise(at: Span, value: f64) -> Diagnostic {
         format!("a noise of {value} is not a standard deviation"),
     )
     .at(at, "a number above 0, in the unit of the signal")
-    .help("leave `noise` out if it is not known: it is estimated")
+    .help("leave `noise` out if it is not known")
 }
 
 pub fn attribute_value(at: Span, key: &str, wanted: &str, example: &str) -> Diagnostic {
@@ -279,13 +281,17 @@ pub fn unknown_function(
     near: Option<String>,
     generators: &[GeneratorSignature],
 ) -> Diagnostic {
-    let d = Diagnostic::error(
-        "unknown-function",
-        format!("no function or generator named `{name}`"),
-    );
+    let what = if generators.is_empty() {
+        "function"
+    } else {
+        "function or generator"
+    };
+    let d = Diagnostic::error("unknown-function", format!("no {what} named `{name}`"));
     let d = match near {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
-        None => d.at(at, "not known"),
+        None => d
+            .at(at, "not known")
+            .help("write it with the functions there are: sec(x) is `1/cos(x)`"),
     };
     let functions: Vec<&str> = crate::term::FUNCTIONS.iter().map(|f| f.name).collect();
     let d = d.fact(format!("functions: {}", functions.join(", ")));

@@ -1,4 +1,6 @@
 //! Expressions: arithmetic, libraries, and where the one stands for the other.
+//!
+//! Constructors only; each names the rule that was broken and the spelling that keeps it.
 
 use crate::lang::check::measure::{MAX_DEPTH, MAX_NODES, Size};
 use crate::lang::diagnostic::Diagnostic;
