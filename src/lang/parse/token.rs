@@ -49,6 +49,9 @@ impl Token<'_> {
 
 /// A name as the checker compares it.
 pub fn normalise(name: &str) -> String {
+    if name.is_ascii() {
+        return name.to_string();
+    }
     name.nfc().collect()
 }
 
@@ -197,7 +200,9 @@ impl<'t> Lexer<'t> {
     fn name(&mut self, start: usize) {
         self.skip(continues_name);
         let name = self.text.get(start..self.at).unwrap_or("");
-        if let Some(ascii) = pasted::accented(&normalise(name)) {
+        if !name.is_ascii()
+            && let Some(ascii) = pasted::accented(&normalise(name))
+        {
             let span = self.span(start);
             return self.bad(start, errors::pasted(span, name, &ascii));
         }

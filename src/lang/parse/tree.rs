@@ -220,6 +220,11 @@ impl Tree<'_> {
 
     /// `expr = { operand ~ ((add | subtract | multiply | divide) ~ operand)* }`
     fn expr(&self, pair: Pair<Rule>) -> Result<Expr> {
+        let mut inner = pair.into_inner();
+        if inner.len() == 1 {
+            // Most expressions are one name or number.
+            return self.primary(self.next(&mut inner)?);
+        }
         PRECEDENCE
             .map_primary(|p| self.primary(p))
             .map_prefix(|op, e| {
@@ -229,7 +234,7 @@ impl Tree<'_> {
             })
             .map_postfix(|base, op| self.power(base?, op))
             .map_infix(|left, op, right| Ok(infix(left?, op.as_rule(), right?)))
-            .parse(pair.into_inner())
+            .parse(inner)
     }
 
     /// `power = { "^" ~ exponent }`, `exponent = { minus? ~ (number | word | group) }`
