@@ -37,7 +37,7 @@ pub(super) fn check(
             wrapped(model, pieces, signal, sources, out);
         }
         if signal.der > 0 {
-            slope(model, pieces, signal, out);
+            slope(model, pieces, signal, sources, out);
         }
     }
 }
@@ -126,7 +126,11 @@ pub(super) fn steps(
         return;
     };
     if let Some((grid, worst)) = instants::even_grid(time) {
-        if worst > 1e-6 * s.median {
+        if worst <= 1e-6 * s.median {
+            return;
+        }
+        // Corrections that no result depends on are not worth a word.
+        if worst > 1e-3 * s.median {
             let step = grid
                 .get(1)
                 .zip(grid.first())
@@ -140,8 +144,8 @@ pub(super) fn steps(
                     "step {step:.6e} s, corrections up to {worst:.1e} s"
                 )),
             );
-            *time = grid;
         }
+        *time = grid;
         return;
     }
     let gaps = instants::gaps(time);
@@ -300,12 +304,7 @@ fn wrapped(
             let (name, what) = (&p.trajectory.name, model.name(signal));
             let row = p.rows.get(at).copied().unwrap_or(0);
             let value = |i: usize| values.get(i).copied().unwrap_or(f64::NAN);
-            let entry = model.data.entries.iter().find(|e| e.signal == signal);
-            let source = entry
-                .and_then(|e| e.source.as_ref())
-                .map(|e| sources.slice(e.span).to_string())
-                .filter(|s| !s.is_empty())
-                .unwrap_or(format!("\"{what}\""));
+            let source = source_text(model, sources, signal);
             out.push(
                 Diagnostic::warning(
                     "wrapped-angle",
@@ -325,6 +324,16 @@ fn wrapped(
             return;
         }
     }
+}
+
+/// The right side of a signal's entry as written, else its header in quotes.
+fn source_text(model: &Model, sources: &Sources, signal: Signal) -> String {
+    let entry = model.data.entries.iter().find(|e| e.signal == signal);
+    entry
+        .and_then(|e| e.source.as_ref())
+        .map(|e| sources.slice(e.span).to_string())
+        .filter(|s| !s.is_empty())
+        .unwrap_or(format!("\"{}\"", model.name(signal)))
 }
 
 /// First row and number of the jumps, if all values lie within one turn and all other steps are small.
@@ -350,7 +359,13 @@ fn turns(values: &[f64], period: f64) -> Option<(usize, usize)> {
 }
 
 /// A measured derivative against the slope of what it is the derivative of.
-fn slope(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnostic>) {
+fn slope(
+    model: &Model,
+    pieces: &[Piece],
+    signal: Signal,
+    sources: &Sources,
+    out: &mut Vec<Diagnostic>,
+) {
     let below = Signal::derivative(signal.var, signal.der - 1);
     let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
     for p in pieces {
@@ -407,8 +422,9 @@ fn slope(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnost
         None => d,
     };
     let fix = guess.map_or(format!("/ {factor:.4}"), |(_, _, fix)| (*fix).to_string());
+    let source = source_text(model, sources, signal);
     out.push(d.help(format!(
-        "data {{ {what} = \"HEADER\" {fix} }}, or {what} = none to estimate it from {of}"
+        "data {{ {what} = {source} {fix} }}, or {what} = none to estimate it from {of}"
     )));
 }
 

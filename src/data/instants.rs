@@ -32,8 +32,8 @@ pub(super) fn steps(time: &[f64]) -> Option<Steps> {
 
 /// Times that are an even grid but for their printed digits, put back on the grid.
 ///
-/// Returns the grid and the largest correction, if every time is within half a unit of its last printed digit (and a quarter
-/// of a step, and in any case 1e-6 steps) of the least-squares grid.
+/// Returns the grid and the largest correction, if every time is within half a unit of its last printed digit (a unit of less
+/// than 0.3 steps; in any case 1e-6 steps) of the least-squares grid.
 pub(super) fn even_grid(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     let n = time.len();
     let (first, last) = (*time.first()?, *time.last()?);
@@ -57,8 +57,11 @@ pub(super) fn even_grid(time: &[f64]) -> Option<(Vec<f64>, f64)> {
         .map(|(t, g)| (t - g).abs())
         .fold(0.0, f64::max);
     let printed = last_decimal(time).or_else(|| last_significant(time));
-    let digits = printed.map_or(0.0, |d| 0.51 * d);
-    let allowed = f64::max(digits.min(0.25 * step), 1e-6 * step);
+    // Digits as coarse as the step would make a lost sample look like rounding.
+    let digits = printed
+        .filter(|d| *d <= 0.3 * step)
+        .map_or(0.0, |d| 0.51 * d);
+    let allowed = f64::max(digits, 1e-6 * step);
     (worst <= allowed).then_some((grid, worst))
 }
 
@@ -103,6 +106,7 @@ pub(super) fn gaps(time: &[f64]) -> Vec<usize> {
 }
 
 #[cfg(test)]
+#[allow(clippy::expect_used)]
 mod tests {
     use super::*;
 

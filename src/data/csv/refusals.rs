@@ -287,16 +287,17 @@ pub(super) fn ragged_row(
     separator: u8,
     text: &str,
 ) -> Diagnostic {
+    let counted = format!("{cells} cell{}", if cells == 1 { "" } else { "s" });
     let d = Diagnostic::error(
         "ragged-row",
-        format!("a row has {cells} cells, the header has {columns}"),
+        format!("a row has {counted}, the header has {columns}"),
     )
-    .at(row, format!("{cells} cells"));
+    .at(row, counted);
     let whole = |t: &str| {
         let t = t.trim();
         !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit() || b == b'-')
     };
-    if separator == b',' && cells > columns && text.split(',').skip(1).all(whole) {
+    if separator == b',' && cells == 2 * columns && text.split(',').skip(1).all(whole) {
         return d
             .fact("are the commas decimal commas?")
             .help("export with decimal points, or with semicolons between the cells");

@@ -11,6 +11,8 @@ use super::{Estimate, Grid, Stretch};
 
 /// Samples that the choice for the whole record is made on, at most; a sixteenth of it on uneven grids, where weights cost more.
 const TRIED: usize = 16_384;
+/// Choices besides the common one on longer records.
+const FEW: usize = 4;
 /// Samples worked on at once.
 const BLOCK: usize = 16_384;
 /// A local choice must promise this much less mean squared error than the choice for the whole record.
@@ -72,7 +74,13 @@ pub(super) fn least_error(
     } else {
         TRIED / 4
     };
-    let (best, kept) = work.contest(&all, &sampled(stretches, tried));
+    let rows: usize = stretches.iter().map(|s| s.rows_end - s.start).sum();
+    let parts = sampled(stretches, tried);
+    let (best, kept) = if rows <= tried {
+        work.contest(&all, &parts)
+    } else {
+        work.contest_few(&all, &parts)
+    };
     let mut out = Estimate {
         values: vec![f64::NAN; values.len()],
         error: vec![f64::NAN; values.len()],
@@ -203,13 +211,15 @@ fn near_everywhere(
     needed
 }
 
+/// What a stencil on an even grid depends on: the choice, and the room to the left, to the right and together.
+type Key = (Choice, usize, usize, usize);
+
 struct Work<'a> {
     even: bool,
     stencils: Stencils<'a>,
     values: &'a [f64],
     sigma: f64,
-    /// Stencils of even grids, by choice, window start, and the room there is.
-    cache: BTreeMap<(Choice, usize, usize, usize), Rc<Stencil>>,
+    cache: BTreeMap<Key, Rc<Stencil>>,
 }
 
 impl Work<'_> {
@@ -284,6 +294,26 @@ impl Work<'_> {
         (best, kept)
     }
 
+    /// For records too long to try everything everywhere: the common choice, and the few best of those no wider, which
+    /// need no floor of narrower ones.
+    fn contest_few(&mut self, all: &[Choice], parts: &[Part]) -> (Option<Choice>, Vec<Choice>) {
+        let (best, kept) = self.contest(all, parts);
+        let width = best.map_or(0, |c| c.points);
+        let mut few: Vec<Choice> = kept
+            .into_iter()
+            .filter(|c| c.points <= width && Some(*c) != best)
+            .collect();
+        few.sort_by_key(|c| std::cmp::Reverse((c.points, c.degree)));
+        // Spread over the widths that are left, the common choice first.
+        let stride = few.len().div_ceil(FEW).max(1);
+        (
+            best,
+            best.into_iter()
+                .chain(few.into_iter().step_by(stride))
+                .collect(),
+        )
+    }
+
     /// Estimates and errors of one choice at the rows of a part; the stretch must hold its points.
     fn judge(&mut self, choice: Choice, part: Part) -> Vec<Judged> {
         let Stretch {
@@ -294,7 +324,7 @@ impl Work<'_> {
             part.from.saturating_sub(reach).max(start),
             (part.to + reach).min(rows_end),
         );
-        let mut last: Option<((Choice, usize, usize, usize), Rc<Stencil>)> = None;
+        let mut last: Option<(Key, Rc<Stencil>)> = None;
         // Running sums of r², for the local mean.
         let mut sums = Vec::with_capacity(to - from + 1);
         sums.push(0.0);
@@ -340,7 +370,7 @@ impl Work<'_> {
         choice: Choice,
         i: usize,
         stretch: Stretch,
-        last: &mut Option<((Choice, usize, usize, usize), Rc<Stencil>)>,
+        last: &mut Option<(Key, Rc<Stencil>)>,
     ) -> Rc<Stencil> {
         let ends = (stretch.start, stretch.end);
         if !self.even {

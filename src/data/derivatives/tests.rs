@@ -116,3 +116,101 @@ fn clean_signals_are_differentiated_to_many_digits_and_errors_are_honest() {
         }
     }
 }
+
+#[test]
+fn fixed_stencils_converge_with_their_order_ends_included() {
+    let (_, f) = SIGNALS[2];
+    let worst = |n: usize| {
+        let time: Vec<f64> = (0..=n).map(|k| 2.0 * k as f64 / n as f64).collect();
+        let y: Vec<f64> = time.iter().map(|t| f(*t, 0)).collect();
+        let grid = Grid::new(&time);
+        let mut stencils = stencil::Stencils::new(&grid, 1);
+        let choice = stencil::Choice {
+            points: 5,
+            degree: 4,
+        };
+        (0..=n)
+            .map(|i| {
+                let s = stencils.at(i, (0, n + 1), choice);
+                let first = (i as isize + s.first) as usize;
+                (stencil::dot(&s.weights, &y[first..first + s.weights.len()]) - f(time[i], 1)).abs()
+            })
+            .fold(0.0, f64::max)
+    };
+    let order = (worst(40) / worst(80)).log2();
+    assert!(order > 3.8, "order {order}");
+}
+
+#[test]
+fn noisy_signals_are_within_twice_the_best_window_in_hindsight() {
+    for order in 1..=2 {
+        for (name, f) in SIGNALS {
+            for sigma in [1e-4, 1e-2] {
+                let n = 1000;
+                let time: Vec<f64> = (0..n).map(|k| 10.0 * k as f64 / n as f64).collect();
+                let y: Vec<f64> = time
+                    .iter()
+                    .zip(noise(7, n))
+                    .map(|(t, e)| f(*t, 0) + sigma * e)
+                    .collect();
+                let grid = Grid::new(&time);
+                let miss =
+                    |values: &[f64]| rms(values.iter().zip(&time).map(|(v, t)| v - f(*t, order)));
+                let ours = differentiate(&grid, &y, &whole(n), order, None);
+                let mut best = f64::INFINITY;
+                for degree in [2, 4, 6, 8] {
+                    for points in [11, 17, 25, 41, 65, 101, 151, 251] {
+                        let mut stencils = stencil::Stencils::new(&grid, order);
+                        let choice = stencil::Choice { points, degree };
+                        let fixed: Vec<f64> = (0..n)
+                            .map(|i| {
+                                let s = stencils.at(i, (0, n), choice);
+                                let first = (i as isize + s.first) as usize;
+                                stencil::dot(&s.weights, &y[first..first + s.weights.len()])
+                            })
+                            .collect();
+                        best = f64::min(best, miss(&fixed));
+                    }
+                }
+                let got = miss(&ours.values);
+                let judged = rms(ours.error.iter().copied());
+                println!(
+                    "{name} d{order} σ={sigma}: {got:.2e}, best {best:.2e}, judged {judged:.2e}"
+                );
+                assert!(got < 2.0 * best, "{name} {order} {sigma}: {got} {best}");
+                assert!(
+                    judged > got / 3.0 && judged < 10.0 * got,
+                    "{name}: {judged} {got}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn uneven_times_are_no_worse() {
+    let (_, f) = SIGNALS[2];
+    let mut t = 0.0;
+    let time: Vec<f64> = noise(3, 600)
+        .iter()
+        .map(|e| {
+            t += 0.015 * (0.2 * e).exp();
+            t
+        })
+        .collect();
+    assert!(Grid::new(&time).step.is_none());
+    let s = score(&time, f, 1, 0.0, 1);
+    assert!(
+        s.relative < 1e-8 && s.covered > 0.9,
+        "{} {}",
+        s.relative,
+        s.covered
+    );
+    let s = score(&time, f, 1, 1e-3, 1);
+    assert!(
+        s.relative < 1e-2 && s.covered > 0.9,
+        "{} {}",
+        s.relative,
+        s.covered
+    );
+}
