@@ -29,7 +29,7 @@ pub(super) fn misuse(name_span: Span, usage: &str, m: Misuse) -> Diagnostic {
 
 pub(super) fn removes_nothing(span: Span, left: &str, right: &str) -> Diagnostic {
     Diagnostic::error(
-        "nothing-removed",
+        "difference-removes-nothing",
         "this `-` removes nothing: none of the terms on its right are on its left",
     )
     .at(
