@@ -16,7 +16,7 @@ const FEW: usize = 4;
 /// Samples worked on at once.
 const BLOCK: usize = 16_384;
 /// A local choice must promise this much less mean squared error than the choice for the whole record.
-const CLEARLY: f64 = 0.25;
+const CLEARLY: f64 = 0.4;
 
 /// A window whose mean squared error is this much above the least, in geometric mean, is not widened further.
 const HOPELESS: f64 = 1e6;
@@ -231,6 +231,8 @@ impl Work<'_> {
         let mut least = vec![(f64::INFINITY, None); rows];
         let mut tried: Vec<(Choice, Vec<f64>)> = Vec::new();
         let mut hopeless: Option<usize> = None;
+        // Degree and mean log error of the window before.
+        let mut narrower = (0, f64::INFINITY);
         let mut floors = vec![(0, Vec::new()); parts.len()];
         for choice in all {
             if hopeless == Some(choice.degree) {
@@ -246,17 +248,22 @@ impl Work<'_> {
                     squares.extend((part.from..part.to).map(|_| f64::INFINITY));
                 }
             }
-            let (mut excess, mut fitting) = (0.0, 0.0);
+            let (mut excess, mut level, mut fitting) = (0.0, 0.0, 0.0);
             for (square, least) in squares.iter().zip(&mut least) {
                 if *square < least.0 {
                     *least = (*square, Some(*choice));
                 }
                 if square.is_finite() {
                     excess += (square.max(TINY) / least.0.max(TINY)).ln();
+                    level += square.max(TINY).ln();
                     fitting += 1.0;
                 }
             }
-            hopeless = (excess > HOPELESS.ln() * fitting).then_some(choice.degree);
+            // Far from the best because too narrow is no reason to stop: only if widening made it worse.
+            level /= f64::max(fitting, 1.0);
+            let worse = narrower.0 == choice.degree && level > narrower.1;
+            hopeless = (worse && excess > HOPELESS.ln() * fitting).then_some(choice.degree);
+            narrower = (choice.degree, level);
             tried.push((*choice, squares));
         }
         let mut worst = vec![0.0f64; rows];
@@ -278,7 +285,11 @@ impl Work<'_> {
             .map(|(c, squares)| (*c, score(squares)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(c, _)| c);
-        let needed = near_everywhere(&tried, &least, best);
+        let mut wins: BTreeMap<Choice, usize> = BTreeMap::new();
+        for choice in least.iter().filter_map(|(_, c)| *c) {
+            *wins.entry(choice).or_default() += 1;
+        }
+        let often = |c: &Choice| wins.get(c).is_some_and(|w| *w > rows / 2000) || Some(*c) == best;
         // Narrower windows of a degree stay, to tell how biased the wider ones are.
         let widest = |degree: usize| {
             let won = tried.iter().map(|(c, _)| *c);
