@@ -24,8 +24,6 @@ const HOPELESS: f64 = 1e6;
 const CERTAIN: f64 = 4.0;
 /// Bias hides in the noise of r: this part of the noise's mean square may always be bias.
 const UNSEEN: f64 = 0.5;
-/// Every row has a choice whose mean squared error is at most this much above the least of all that were tried.
-const NEAR: f64 = 16.0;
 /// Stands for zero in logarithms.
 const TINY: f64 = 1e-300;
 
@@ -187,30 +185,6 @@ fn short(stretch: Stretch, order: usize) -> Option<Choice> {
     })
 }
 
-/// The common choice, and what it takes beside it so that every row has one near its least error.
-fn near_everywhere(
-    tried: &[(Choice, Vec<f64>)],
-    least: &[(f64, Option<Choice>)],
-    best: Option<Choice>,
-) -> Vec<Choice> {
-    let mut needed: Vec<Choice> = best.into_iter().collect();
-    let squares_of = |choice: Choice| tried.iter().find(|(c, _)| *c == choice).map(|(_, s)| s);
-    let mut near: Vec<f64> = best
-        .and_then(squares_of)
-        .cloned()
-        .unwrap_or_else(|| vec![f64::INFINITY; least.len()]);
-    for (row, (square, choice)) in least.iter().enumerate() {
-        let Some(choice) = choice.filter(|_| near[row] > NEAR * square) else {
-            continue;
-        };
-        needed.push(choice);
-        if let Some(squares) = squares_of(choice) {
-            near.iter_mut().zip(squares).for_each(|(n, s)| *n = n.min(*s));
-        }
-    }
-    needed
-}
-
 /// What a stencil on an even grid depends on: the choice, and the room to the left, to the right and together.
 type Key = (Choice, usize, usize, usize);
 
@@ -223,7 +197,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// The choice of least mean log error over the sampled rows, and all choices that some rows need.
+    /// The choice of least mean log error over the sampled rows, and all choices that win at more than a few of them.
     ///
     /// Windows of one degree are tried from narrow to wide, until their bias has made them hopeless.
     fn contest(&mut self, all: &[Choice], parts: &[Part]) -> (Option<Choice>, Vec<Choice>) {
@@ -293,7 +267,7 @@ impl Work<'_> {
         // Narrower windows of a degree stay, to tell how biased the wider ones are.
         let widest = |degree: usize| {
             let won = tried.iter().map(|(c, _)| *c);
-            won.filter(|c| c.degree == degree && needed.contains(c))
+            won.filter(|c| c.degree == degree && often(c))
                 .map(|c| c.points)
                 .max()
         };
