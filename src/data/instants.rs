@@ -40,16 +40,21 @@ pub(super) fn even_grid(time: &[f64]) -> Option<(Vec<f64>, f64)> {
     if n < 3 || last <= first {
         return None;
     }
-    // Least squares t = a + b·k about the mean index.
+    // Least squares t = mean + step·(k − middle); fitted twice, because the sums of a long record lose digits.
     let middle = (n - 1) as f64 / 2.0;
-    let mean = time.iter().map(|t| t - first).sum::<f64>() / n as f64 + first;
-    let (mut sxy, mut sxx) = (0.0, 0.0);
-    for (k, t) in time.iter().enumerate() {
-        let d = k as f64 - middle;
-        sxy += d * (t - mean);
-        sxx += d * d;
+    let spread: f64 = (0..n).map(|k| (k as f64 - middle).powi(2)).sum();
+    let (mut mean, mut step) = (0.5 * (first + last), (last - first) / (n - 1) as f64);
+    for _ in 0..2 {
+        let (mut offset, mut slope) = (0.0, 0.0);
+        for (k, t) in time.iter().enumerate() {
+            let d = k as f64 - middle;
+            let left = t - (mean + step * d);
+            offset += left;
+            slope += left * d;
+        }
+        mean += offset / n as f64;
+        step += slope / spread;
     }
-    let step = sxy / sxx;
     let grid: Vec<f64> = (0..n).map(|k| mean + step * (k as f64 - middle)).collect();
     let worst = time
         .iter()
@@ -127,6 +132,8 @@ mod tests {
             .collect();
         let (_, worst) = even_grid(&nine_digits).expect("an even grid");
         assert!(worst > 1e-8);
+        let long: Vec<f64> = (0..1_000_000).map(|k| k as f64 / 1000.0).collect();
+        assert!(even_grid(&long).expect("an even grid").1 < 1e-10);
         let irregular: Vec<f64> = (0..200).map(|k| (k as f64).powf(1.1)).collect();
         assert!(even_grid(&irregular).is_none());
     }
