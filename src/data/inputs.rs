@@ -18,6 +18,10 @@ pub(super) fn decide(
     out: &mut Vec<Diagnostic>,
 ) -> Vec<Input> {
     let mut inputs = Vec::new();
+    if model.discrete {
+        // Between samples there is nothing.
+        return inputs;
+    }
     for (id, var) in model.vars_of(VarKind::Input) {
         let signal = Signal::new(id);
         let (mut still, mut all) = (0usize, 0usize);

@@ -28,6 +28,8 @@ pub enum Origin {
     Estimated {
         error: Vec<f64>,
         method: String,
+        /// Rows over which errors are much the same, because their windows share samples.
+        correlation: f64,
     },
 }
 
@@ -61,9 +63,14 @@ impl Samples {
                     values: pick(&c.values),
                     origin: match &c.origin {
                         Origin::Measured => Origin::Measured,
-                        Origin::Estimated { error, method } => Origin::Estimated {
+                        Origin::Estimated {
+                            error,
+                            method,
+                            correlation,
+                        } => Origin::Estimated {
                             error: pick(error),
                             method: method.clone(),
+                            correlation: *correlation,
                         },
                     },
                 })

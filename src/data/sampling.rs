@@ -68,7 +68,15 @@ pub fn samples(
     if out.is_empty() && table.is_empty() {
         out.push(no_samples(rows_read));
     } else if left_out > 0 && out.is_empty() {
-        out.push(rows_left_out(left_out, rows_read, model.discrete));
+        // In discrete time every trajectory loses the rows that its shifts reach beyond: no word on those.
+        let shifts: usize = needed
+            .iter()
+            .map(|s| s.shift.unsigned_abs() as usize)
+            .max()
+            .unwrap_or(0);
+        if !model.discrete || left_out > 2 * shifts * dataset.trajectories.len() {
+            out.push(rows_left_out(left_out, rows_read, model.discrete));
+        }
     }
     if 2 * often.crossed > often.rows {
         out.push(input_changes_often(often));
@@ -86,8 +94,15 @@ pub fn samples(
 /// One signal along one trajectory; NaN where it is unknown.
 struct Known {
     values: Vec<f64>,
-    /// Standard errors and the method, if estimated.
-    estimated: Option<(Vec<f64>, String)>,
+    /// `None` if measured.
+    estimated: Option<Estimated>,
+}
+
+/// What is known of an estimate beside its values.
+struct Estimated {
+    error: Vec<f64>,
+    method: String,
+    correlation: f64,
 }
 
 /// Rows whose derivatives had to be estimated across jumps of an input.
@@ -207,7 +222,11 @@ impl<'a> Source<'a> {
         );
         Known {
             values: e.values,
-            estimated: Some((e.error, method)),
+            estimated: Some(Estimated {
+                method,
+                correlation: e.correlation(),
+                error: e.error,
+            }),
         }
     }
 }
@@ -252,6 +271,7 @@ struct Gathered {
     values: Vec<f64>,
     error: Vec<f64>,
     method: Option<String>,
+    correlation: f64,
 }
 
 impl Gathered {
@@ -261,15 +281,17 @@ impl Gathered {
             values: Vec::new(),
             error: Vec::new(),
             method: None,
+            correlation: 1.0,
         }
     }
 
     fn extend(&mut self, known: Known, rows: &[usize]) {
         self.values.extend(pick(&known.values, rows));
         match known.estimated {
-            Some((error, method)) => {
-                self.error.extend(pick(&error, rows));
-                self.method.get_or_insert(method);
+            Some(e) => {
+                self.error.extend(pick(&e.error, rows));
+                self.method.get_or_insert(e.method);
+                self.correlation = self.correlation.max(e.correlation);
             }
             None => self.error.extend(rows.iter().map(|_| 0.0)),
         }
@@ -300,6 +322,7 @@ impl Gathered {
                 Some(method) => Origin::Estimated {
                     error: self.error,
                     method,
+                    correlation: self.correlation,
                 },
             },
         }

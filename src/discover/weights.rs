@@ -8,8 +8,6 @@ use crate::term::Signal;
 
 /// Rounding of measured data, relative: a residual below it is not evidence.
 const ROUNDING: f64 = 1e-9;
-/// Rows over which estimated derivatives share samples, and so errors.
-const STENCIL: f64 = 9.0;
 /// Error estimates are good to a small factor; a residual within it is no evidence.
 const SAFETY: f64 = 3.0;
 
@@ -44,6 +42,10 @@ impl Weights {
                 add_squares(&mut square, errors(samples, s), scale);
             }
         }
+        let mut correlation = correlation_of(samples, target);
+        for s in signals(library) {
+            correlation = correlation.max(correlation_of(samples, s));
+        }
         let error: Vec<f64> = square.iter().map(|e| e.sqrt()).collect();
         let usual = median(&error);
         let rounding = ROUNDING * size;
@@ -58,7 +60,7 @@ impl Weights {
         Weights {
             tolerance: norm(&weighted(&error)),
             floor: (floor * floor).max(f64::MIN_POSITIVE),
-            correlation: if estimated { STENCIL } else { 1.0 },
+            correlation,
             target_error: target_errors.map_or(0.0, |e| rms(&weighted(e))),
             row,
         }
@@ -79,6 +81,13 @@ fn errors(samples: &Samples, s: Signal) -> Option<&[f64]> {
     match &samples.column(s)?.origin {
         Origin::Measured => None,
         Origin::Estimated { error, .. } => Some(error),
+    }
+}
+
+fn correlation_of(samples: &Samples, s: Signal) -> f64 {
+    match samples.column(s).map(|c| &c.origin) {
+        Some(Origin::Estimated { correlation, .. }) => *correlation,
+        _ => 1.0,
     }
 }
 

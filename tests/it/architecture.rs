@@ -21,7 +21,10 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.
 const SIBLINGS: &[(&str, &[&str])] = &[
-    ("src/library/generators", &["mod", "poly", "powers", "fourier", "lags"]),
+    (
+        "src/library/generators",
+        &["mod", "poly", "powers", "fourier", "lags"],
+    ),
     ("src/solve", &["interior_point", "clarabel"]),
     ("src/emit", &["text", "latex", "rust"]),
 ];

@@ -8,7 +8,11 @@ use sidc::emit;
 use sidc::result;
 
 /// A result document with the given variables and equations: (target, [(term, coefficient)]).
-fn document(variables: &[(&str, &str, u8)], time: &str, equations: &[(&str, &[(&str, f64)])]) -> Discovery {
+fn document(
+    variables: &[(&str, &str, u8)],
+    time: &str,
+    equations: &[(&str, &[(&str, f64)])],
+) -> Discovery {
     let variables: Vec<_> = variables
         .iter()
         .map(|(name, kind, order)| serde_json::json!({"name": name, "kind": kind, "order": order}))
@@ -45,7 +49,11 @@ fn pendulum() -> Discovery {
             ),
             (
                 "ddtheta",
-                &[("dtheta", -0.145_454_545_454_545_45), ("sin(theta)", -19.6), ("ddy*cos(theta)", -2.0)],
+                &[
+                    ("dtheta", -0.145_454_545_454_545_45),
+                    ("sin(theta)", -19.6),
+                    ("ddy*cos(theta)", -2.0),
+                ],
             ),
         ],
     )
@@ -54,7 +62,12 @@ fn pendulum() -> Discovery {
 /// Systems that between them use every construct of the emitters.
 fn systems() -> Vec<(&'static str, Discovery)> {
     let functions = document(
-        &[("x", "state", 1), ("z", "state", 3), ("u", "input", 1), ("m", "param", 0)],
+        &[
+            ("x", "state", 1),
+            ("z", "state", 3),
+            ("u", "input", 1),
+            ("m", "param", 0),
+        ],
         "continuous",
         &[
             (
@@ -87,7 +100,13 @@ fn systems() -> Vec<(&'static str, Discovery)> {
         ],
     );
     let hostile = document(
-        &[("type", "state", 1), ("fn", "state", 1), ("state", "state", 1), ("θ", "state", 1), ("self", "input", 0)],
+        &[
+            ("type", "state", 1),
+            ("fn", "state", 1),
+            ("state", "state", 1),
+            ("θ", "state", 1),
+            ("self", "input", 0),
+        ],
         "continuous",
         &[
             ("dtype", &[("fn*self", 2.0), ("state", 1.0)]),
@@ -99,7 +118,10 @@ fn systems() -> Vec<(&'static str, Discovery)> {
     let discrete = document(
         &[("y", "state", 0), ("u", "input", 0)],
         "discrete",
-        &[("next(y)", &[("y", 0.9), ("lag(y, 1)", -0.2), ("u*lag(u, 2)", 0.5)])],
+        &[(
+            "next(y)",
+            &[("y", 0.9), ("lag(y, 1)", -0.2), ("u*lag(u, 2)", 0.5)],
+        )],
     );
     vec![
         ("pendulum", pendulum()),
@@ -113,7 +135,9 @@ fn systems() -> Vec<(&'static str, Discovery)> {
 fn point(len: usize, seed: &mut u64) -> Vec<f64> {
     (0..len)
         .map(|_| {
-            *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            *seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             3.0 * ((*seed >> 11) as f64 / (1u64 << 53) as f64) - 1.5
         })
         .collect()
@@ -164,7 +188,8 @@ fn emitted_rust_agrees_with_the_evaluator() {
         all.extend(calls(name, &d));
     }
     program.push_str("fn main() {\n");
-    all.iter().for_each(|c| program.push_str(&format!("    {}\n", c.code)));
+    all.iter()
+        .for_each(|c| program.push_str(&format!("    {}\n", c.code)));
     program.push_str("}\n");
     let source = folder.path().join("emitted.rs");
     let binary = folder.path().join("emitted");
@@ -176,7 +201,11 @@ fn emitted_rust_agrees_with_the_evaluator() {
         .arg(&source)
         .output()
         .unwrap();
-    assert!(built.status.success(), "{}\n{program}", String::from_utf8_lossy(&built.stderr));
+    assert!(
+        built.status.success(),
+        "{}\n{program}",
+        String::from_utf8_lossy(&built.stderr)
+    );
     let output = Command::new(&binary).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(text.lines().count(), all.len());
@@ -206,7 +235,11 @@ fn latex_reads_well() {
 
 #[test]
 fn equations_that_cannot_be_solved_for_their_target_say_so() {
-    let d = document(&[("x", "state", 1)], "continuous", &[("dx", &[("dx^2", 1.0), ("x", 1.0)])]);
+    let d = document(
+        &[("x", "state", 1)],
+        "continuous",
+        &[("dx", &[("dx^2", 1.0), ("x", 1.0)])],
+    );
     let why = emit::target("rust").unwrap().emit(&d).unwrap_err();
     assert!(why.contains("not linear in dx"), "{why}");
 }

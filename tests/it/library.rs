@@ -38,7 +38,8 @@ fn the_products_of_the_reference_have_the_sizes_it_says() {
     let head = "state y, theta : order 2\ninput F\nddy ~ ";
     let product = format!("{head}poly(y, dy, theta, dtheta; 2) * <sin theta, cos theta, F>");
     assert_eq!(terms(&product).len(), 45);
-    let powers = format!("{head}powers(y, dy, ddy, theta, dtheta, ddtheta, sin theta, cos theta, F; 2)");
+    let powers =
+        format!("{head}powers(y, dy, ddy, theta, dtheta, ddtheta, sin theta, cos theta, F; 2)");
     assert_eq!(terms(&powers).len(), 6561);
     let caps = format!("{head}powers(y, dy; 1) * powers(dtheta; 5)");
     assert_eq!(terms(&caps).len(), 24);
@@ -49,10 +50,16 @@ fn sets_are_united_multiplied_and_reduced() {
     let m = |right: &str| terms(&format!("state x, y\ndx ~ {right}"));
     assert_eq!(m("poly(x, y; 1)"), ["1", "x", "y"]);
     assert_eq!(m("poly(x; 2..3)"), ["x^2", "x^3"]);
-    assert_eq!(m("<x, y> * <x, y>"), ["x*y", "x^2", "y^2"].map(String::from).to_vec());
+    assert_eq!(
+        m("<x, y> * <x, y>"),
+        ["x*y", "x^2", "y^2"].map(String::from).to_vec()
+    );
     assert_eq!(m("poly(x, y; 1) - 1"), ["x", "y"]);
     assert_eq!(m("<x, x, 2*x, y - y + x>"), ["x"]);
-    assert_eq!(m("fourier(2*x; 2)"), ["sin(2*x)", "sin(4*x)", "cos(2*x)", "cos(4*x)"]);
+    assert_eq!(
+        m("fourier(2*x; 2)"),
+        ["sin(2*x)", "sin(4*x)", "cos(2*x)", "cos(4*x)"]
+    );
     assert_eq!(m("<x, y> / (1 + x)").len(), 0x2);
     assert_eq!(m("<x*(1 - x)>"), ["x*(1 - x)"]);
 }
@@ -68,13 +75,25 @@ fn the_target_is_never_its_own_candidate() {
 
 #[test]
 fn what_cannot_be_meant_is_refused() {
-    assert_eq!(error("state x, y\ndx ~ poly(x, y; 1) - x^2"), "difference-removes-nothing");
+    assert_eq!(
+        error("state x, y\ndx ~ poly(x, y; 1) - x^2"),
+        "difference-removes-nothing"
+    );
     assert_eq!(error("state x\ndx ~ poly(x; 1.5)"), "generator-arguments");
     assert_eq!(error("state x\ndx ~ poly(x)"), "generator-arguments");
-    assert_eq!(error("state x, y\ndx ~ x / poly(x, y; 1)"), "needs-one-term");
+    assert_eq!(
+        error("state x, y\ndx ~ x / poly(x, y; 1)"),
+        "needs-one-term"
+    );
     assert_eq!(error("state x\ndx ~ <x - x>"), "zero-term");
-    assert_eq!(error("state x, y\ndx ~ poly(x, y; 1000)"), "library-too-large");
-    assert_eq!(error("state x\ndx ~ powers(x, x^2, x^3, x^4; 100000)"), "library-too-large");
+    assert_eq!(
+        error("state x, y\ndx ~ poly(x, y; 1000)"),
+        "library-too-large"
+    );
+    assert_eq!(
+        error("state x\ndx ~ powers(x, x^2, x^3, x^4; 100000)"),
+        "library-too-large"
+    );
 }
 
 #[test]

@@ -185,6 +185,36 @@ fn short(stretch: Stretch, order: usize) -> Option<Choice> {
     })
 }
 
+/// Mean over i − reach … i + reach for every i, as far as there are values.
+///
+/// From sums that run from block to block and never subtract: beside a spike, a difference of running sums would keep
+/// nothing of what is small (van Herk 1992, there for maxima).
+fn local_means(values: &[f64], reach: usize) -> Vec<f64> {
+    let (n, block) = (values.len(), 2 * reach + 1);
+    let (mut before, mut after) = (values.to_vec(), values.to_vec());
+    for i in 1..n {
+        if i % block != 0 {
+            before[i] += before[i - 1];
+        }
+    }
+    for i in (1..n).rev() {
+        if i % block != 0 {
+            after[i - 1] += after[i];
+        }
+    }
+    (0..n)
+        .map(|i| {
+            let (a, b) = (i.saturating_sub(reach), (i + reach).min(n - 1));
+            let sum = match (a % block == 0, a / block == b / block) {
+                (true, _) => before[b],
+                (false, true) => after[a],
+                (false, false) => after[a] + before[b],
+            };
+            sum / (b - a + 1) as f64
+        })
+        .collect()
+}
+
 /// What a stencil on an even grid depends on: the choice, and the room to the left, to the right and together.
 type Key = (Choice, usize, usize, usize);
 
@@ -310,10 +340,7 @@ impl Work<'_> {
             (part.to + reach).min(rows_end),
         );
         let mut last: Option<(Key, Rc<Stencil>)> = None;
-        // Running sums of r², for the local mean.
-        let mut sums = Vec::with_capacity(to - from + 1);
-        sums.push(0.0);
-        let mut total = 0.0;
+        let mut squares = Vec::with_capacity(to - from);
         let mut raw = Vec::with_capacity(part.to - part.from);
         for i in from..to {
             let stencil = self.stencil(choice, i, part.stretch, &mut last);
@@ -323,23 +350,16 @@ impl Work<'_> {
                 .get(first..first + stencil.weights.len())
                 .unwrap_or(&[]);
             let r = dot(&stencil.contrast, window);
-            total += r * r;
-            sums.push(total);
+            squares.push(r * r);
             if i >= part.from && i < part.to {
                 raw.push((dot(&stencil.weights, window), stencil.norm, stencil.reach));
             }
         }
         let noise = self.sigma * self.sigma;
+        let means = local_means(&squares, reach);
         raw.into_iter()
-            .enumerate()
-            .map(|(k, (value, norm, length))| {
-                let i = part.from + k;
-                let (a, b) = (
-                    i.saturating_sub(reach).max(from) - from,
-                    (i + reach + 1).min(to) - from,
-                );
-                let sum = sums.get(b).unwrap_or(&0.0) - sums.get(a).unwrap_or(&0.0);
-                let left = sum / (b - a) as f64;
+            .zip(means.into_iter().skip(part.from - from))
+            .map(|((value, norm, length), left)| {
                 let bias = |square: f64| square.max(0.0) * length * length;
                 Judged {
                     value,
@@ -378,5 +398,24 @@ impl Work<'_> {
         let s = self.cache.entry(key).or_insert_with(make).clone();
         *last = Some((key, s.clone()));
         s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::local_means;
+
+    #[test]
+    fn local_means_keep_small_values_beside_a_spike() {
+        let values: Vec<f64> = (0..60)
+            .map(|i| if i == 20 { 1e20 } else { f64::from(i) * 1e-9 })
+            .collect();
+        for reach in [1, 4, 7, 100] {
+            for (i, mean) in local_means(&values, reach).into_iter().enumerate() {
+                let window = &values[i.saturating_sub(reach)..(i + reach + 1).min(60)];
+                let want = window.iter().sum::<f64>() / window.len() as f64;
+                assert!((mean - want).abs() <= 1e-12 * want, "{reach} {i}");
+            }
+        }
     }
 }

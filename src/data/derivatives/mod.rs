@@ -62,6 +62,18 @@ pub(super) struct Estimate {
     pub degree: usize,
 }
 
+impl Estimate {
+    /// Rows over which errors are alike. Interpolating windows share nearly all of their samples and their truncation;
+    /// wider ones average noise down to about half a window for each coefficient.
+    pub(super) fn correlation(&self) -> f64 {
+        if self.points <= self.degree + 1 {
+            self.points.clamp(1, 9) as f64
+        } else {
+            2.0 * self.points as f64 / (self.degree + 1) as f64
+        }
+    }
+}
+
 /// Derivative `order` (1 to 3) of `values`, all finite within the stretches.
 ///
 /// `noise`: the sensor's standard deviation if it is known, else it is measured. Time linear in the samples on even grids.

@@ -147,14 +147,15 @@ impl<'a> Stencils<'a> {
     /// Judged stencil at sample `i` of the stretch `a..b` (b − a ≥ points > degree ≥ 1).
     ///
     /// The finer estimate is two degrees higher: on the same window if it has the points, else on the next wider one. In a
-    /// stretch too short for either, the coarser estimate one degree lower stands in, which overrates the error.
+    /// stretch too short for either, the coarser estimate two degrees lower stands in, which overrates the error (one degree
+    /// lower would not do: in the middle of a window it has the same slope).
     pub(super) fn at(&mut self, i: usize, (a, b): (usize, usize), choice: Choice) -> Stencil {
         let Choice { points, degree } = choice;
         let fine_points = points.max(degree + 3);
         let (wide, other) = if fine_points <= b - a {
             (fine_points, degree + 2)
         } else {
-            (points, degree - 1)
+            (points, degree.saturating_sub(2))
         };
         let start = window(i, wide, a, b);
         let inner = window(i, points, a, b);
