@@ -216,6 +216,7 @@ impl<'a> Source<'a> {
         }
         often.rows += values.len();
         let of = self.model.name(below);
+        let correlation = e.correlation();
         let method = format!(
             "local polynomial of {of}, degree {} on {} points",
             e.degree, e.points
@@ -224,7 +225,7 @@ impl<'a> Source<'a> {
             values: e.values,
             estimated: Some(Estimated {
                 method,
-                correlation: e.correlation(),
+                correlation,
                 error: e.error,
             }),
         }
