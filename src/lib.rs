@@ -1,6 +1,8 @@
 //! `sidc` is a compiler. Source: a `.sid` file (what the engineer knows) plus data (what was measured).
 //! Target: the differential equations, with evidence that they are right, and code that runs them.
 
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
 pub mod cli;
 pub mod data;
 pub mod dictionary;

@@ -6,6 +6,7 @@
 //! motion at 100 Hz. "Exact" is the true support, nothing else, with every coefficient to 1e-8.
 
 #[path = "../plant/cart_pendulum.rs"]
+#[allow(dead_code)]
 mod cart_pendulum;
 #[path = "../simulate/mod.rs"]
 #[allow(dead_code)]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::inputs::{self, Inputs};
+use super::inputs::{self, Inputs, Notes};
 use super::{Failure, output, status};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Program};
@@ -26,7 +26,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
     let file = inputs::model(&files.model, &mut sources)?;
-    let program = inputs::report(pipeline::compile(file, &sources), &sources, false)?;
+    let program = inputs::report(pipeline::compile(file, &sources), &sources, Notes::Full)?;
     let mut text = describe(&program);
     if args.terms {
         text.push_str(&terms(&program));
@@ -34,7 +34,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     if !files.data.is_empty() {
         let tables = inputs::tables(&files.data, &mut sources)?;
         let staged = pipeline::measure(&program, &tables, &args.params, (None, None), &mut sources);
-        let measured = inputs::report(staged, &sources, false)?;
+        let measured = inputs::report(staged, &sources, Notes::Full)?;
         text.push_str(&format!(
             "{} rows from {} trajectories\n",
             measured.samples.len(),

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::inputs::{self, Inputs};
+use super::inputs::{self, Inputs, Notes};
 use super::progress::Line;
 use super::{Failure, output, status};
 use crate::discover::{Discovery, Options, Reason};
@@ -48,22 +48,27 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
+    let notes = if args.quiet {
+        Notes::None
+    } else {
+        Notes::Lines
+    };
     let mut sources = Sources::default();
     let file = inputs::model(&files.model, &mut sources)?;
     let compiled = pipeline::compile(file, &sources);
     if files.data.is_empty() {
-        inputs::report(compiled, &sources, args.quiet)?;
+        inputs::report(compiled, &sources, notes)?;
         return Err(Failure::new(
             "error[no-data]: no data file\n  = help: sidc identify MODEL.sid DATA.csv",
         ));
     }
     let mut warnings = said(&compiled.1);
-    let program = inputs::report(compiled, &sources, args.quiet)?;
+    let program = inputs::report(compiled, &sources, notes)?;
     let tables = inputs::tables(&files.data, &mut sources)?;
     let window = args.window.unwrap_or_default();
     let staged = pipeline::measure(&program, &tables, &args.params, window, &mut sources);
     warnings.extend(said(&staged.1));
-    let measured = inputs::report(staged, &sources, args.quiet)?;
+    let measured = inputs::report(staged, &sources, notes)?;
 
     let options = Options {
         solver: args.solver,

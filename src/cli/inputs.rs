@@ -106,15 +106,30 @@ pub fn render(diagnostics: &[Diagnostic], sources: &Sources) -> String {
     lang::render(diagnostics, sources, colour)
 }
 
+/// How much of the notes to print: `check` is for reading them, `identify` for the equations.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Notes {
+    Full,
+    /// One line each, without excerpts.
+    Lines,
+    None,
+}
+
 /// Prints what a stage had to say; without its result, that is the failure.
 pub fn report<T>(
     staged: (Option<T>, Vec<Diagnostic>),
     sources: &Sources,
-    quiet: bool,
+    notes: Notes,
 ) -> Result<T, Failure> {
     let (result, mut diagnostics) = staged;
-    if quiet {
-        diagnostics.retain(|d| d.severity != Severity::Note);
+    let is_note = |d: &Diagnostic| d.severity == Severity::Note;
+    if notes != Notes::Full {
+        if notes == Notes::Lines {
+            for d in diagnostics.iter().filter(|d| is_note(d)) {
+                eprintln!("note[{}]: {}", d.code, d.message);
+            }
+        }
+        diagnostics.retain(|d| !is_note(d));
     }
     // Errors last: what stands next to the prompt is what has to be mended.
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));

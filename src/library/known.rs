@@ -6,7 +6,7 @@ use crate::term::{Expr, Term};
 pub fn known_terms<'a>(parts: impl IntoIterator<Item = &'a Expr>) -> Vec<(f64, Term)> {
     parts
         .into_iter()
-        .fold(Expr::zero(), |sum, part| sum.add(part.clone()))
+        .fold(Expr::zero(), |sum, part| sum + part.clone())
         .terms()
         .map(|(w, t)| (w, t.clone()))
         .collect()

@@ -191,44 +191,10 @@ impl Expr {
         }
     }
 
-    pub fn add(mut self, other: Expr) -> Expr {
-        self.0.extend(other.0);
-        self.0.sort_by(|a, b| a.term.cmp(&b.term));
-        self.0.dedup_by(|b, a| {
-            let same = a.term == b.term;
-            if same {
-                a.weight += b.weight;
-            }
-            same
-        });
-        self.0.retain(|w| w.weight != 0.0);
-        self
-    }
-
     pub fn scale(mut self, k: f64) -> Expr {
         self.0.iter_mut().for_each(|w| w.weight *= k);
         self.0.retain(|w| w.weight != 0.0);
         self
-    }
-
-    pub fn sub(self, other: Expr) -> Expr {
-        self.add(other.scale(-1.0))
-    }
-
-    pub fn mul(self, other: Expr) -> Expr {
-        if let Some(k) = self.as_number() {
-            return other.scale(k);
-        }
-        if let Some(k) = other.as_number() {
-            return self.scale(k);
-        }
-        let ((k, a), (l, b)) = (self.into_term(), other.into_term());
-        Expr::from((k * l, a.mul(&b)))
-    }
-
-    /// `self / other`; a division by the number 0 gives an infinite weight, which [`Expr::is_finite`] finds.
-    pub fn div(self, other: Expr) -> Expr {
-        self.mul(other.pow(-1.0))
     }
 
     pub fn pow(self, p: f64) -> Expr {
@@ -264,6 +230,56 @@ impl Expr {
     /// Value at one sample, given the value of each signal there.
     pub fn eval(&self, at: &impl Fn(Signal) -> f64) -> f64 {
         self.0.iter().map(|w| w.weight * w.term.eval(at)).sum()
+    }
+}
+
+impl std::ops::Add for Expr {
+    type Output = Expr;
+
+    fn add(mut self, other: Expr) -> Expr {
+        self.0.extend(other.0);
+        self.0.sort_by(|a, b| a.term.cmp(&b.term));
+        self.0.dedup_by(|b, a| {
+            let same = a.term == b.term;
+            if same {
+                a.weight += b.weight;
+            }
+            same
+        });
+        self.0.retain(|w| w.weight != 0.0);
+        self
+    }
+}
+
+impl std::ops::Sub for Expr {
+    type Output = Expr;
+
+    fn sub(self, other: Expr) -> Expr {
+        self + other.scale(-1.0)
+    }
+}
+
+impl std::ops::Mul for Expr {
+    type Output = Expr;
+
+    fn mul(self, other: Expr) -> Expr {
+        if let Some(k) = self.as_number() {
+            return other.scale(k);
+        }
+        if let Some(k) = other.as_number() {
+            return self.scale(k);
+        }
+        let ((k, a), (l, b)) = (self.into_term(), other.into_term());
+        Expr::from((k * l, a.mul(&b)))
+    }
+}
+
+impl std::ops::Div for Expr {
+    type Output = Expr;
+
+    /// A division by the number 0 gives an infinite weight, which [`Expr::is_finite`] finds.
+    fn div(self, other: Expr) -> Expr {
+        self * other.pow(-1.0)
     }
 }
 

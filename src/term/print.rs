@@ -196,23 +196,23 @@ mod tests {
 
     #[test]
     fn equal_terms_have_one_form() {
-        assert_eq!(x().mul(y()), y().mul(x()));
-        assert_eq!(x().mul(y()).div(y()), x());
-        assert_eq!(x().add(y()).sub(y()), x());
-        assert_eq!(x().pow(2.0).mul(x()), x().pow(3.0));
+        assert_eq!(x() * y(), y() * x());
+        assert_eq!(x() * y() / y(), x());
+        assert_eq!(x() + y() - y(), x());
+        assert_eq!(x().pow(2.0) * x(), x().pow(3.0));
     }
 
     #[test]
     fn parentheses_stand_where_they_must() {
-        let one_minus_x = Expr::number(1.0).sub(x());
-        assert_eq!(text(x().mul(one_minus_x.clone())), "x*(1 - x)");
+        let one_minus_x = Expr::number(1.0) - x();
+        assert_eq!(text(x() * one_minus_x.clone()), "x*(1 - x)");
         assert_eq!(text(one_minus_x.clone().pow(2.0)), "(1 - x)^2");
-        assert_eq!(text(y().div(x().mul(one_minus_x))), "y/(x*(1 - x))");
+        assert_eq!(text(y() / (x() * one_minus_x)), "y/(x*(1 - x))");
         assert_eq!(text(x().pow(-1.0)), "1/x");
-        assert_eq!(text(Expr::number(2.0).mul(x()).sub(y())), "2*x - y");
-        assert_eq!(text(x().mul(Expr::number(-3.0))), "-3*x");
+        assert_eq!(text(Expr::number(2.0) * x() - y()), "2*x - y");
+        assert_eq!(text(x() * Expr::number(-3.0)), "-3*x");
         let sin = |e| Expr::call(Func::named("sin").unwrap(), vec![e]);
-        assert_eq!(text(sin(x().scale(2.0)).pow(2.0).mul(y())), "y*sin(2*x)^2");
+        assert_eq!(text(sin(x().scale(2.0)).pow(2.0) * y()), "y*sin(2*x)^2");
     }
 
     #[test]

@@ -459,7 +459,7 @@ fn derivatives_are_used_if_measured_and_estimated_from_the_highest_below() {
             |s| matches!(samples.column(s).map(|c| &c.origin), Some(Origin::Measured));
         assert_eq!(is_measured(dx), measured);
         let column = samples.column(ddx).expect("a column");
-        let Origin::Estimated { error, method } = &column.origin else {
+        let Origin::Estimated { error, method, .. } = &column.origin else {
             panic!("ddx was not measured");
         };
         let from = if measured { "of dx" } else { "of x" };

@@ -71,7 +71,7 @@ impl Checker<'_> {
             let mut pairs = terms.into_iter();
             while let Some(a) = pairs.next() {
                 halved.push(match pairs.next() {
-                    Some(b) => a.add(b),
+                    Some(b) => a + b,
                     None => a,
                 });
             }
@@ -91,7 +91,7 @@ impl Checker<'_> {
                 continue;
             };
             out = match side {
-                Side::Above => Some(done.mul(factor)),
+                Side::Above => Some(done * factor),
                 Side::Below => self.quotient(part, done, factor),
             };
         }
@@ -103,7 +103,7 @@ impl Checker<'_> {
         match (a.as_number(), b.as_number()) {
             (_, Some(0.0)) => self.fail(complain::division_by_zero(divisor.span)),
             (Some(x), Some(y)) => Some(Expr::number(x / y)),
-            _ => Some(a.div(b)),
+            _ => Some(a / b),
         }
     }
 

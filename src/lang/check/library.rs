@@ -197,7 +197,7 @@ impl Checker<'_> {
     fn join(&mut self, left: LibExpr, side: Side, right: LibExpr, ast: &Ast) -> Option<LibExpr> {
         let span = left.span.to(right.span);
         let kind = match (left.kind, side, right.kind) {
-            (LibKind::Term(a), Side::Above, LibKind::Term(b)) => LibKind::Term(a.mul(b)),
+            (LibKind::Term(a), Side::Above, LibKind::Term(b)) => LibKind::Term(a * b),
             (LibKind::Term(a), Side::Below, LibKind::Term(b)) => {
                 LibKind::Term(self.quotient(ast, a, b)?)
             }
