@@ -82,7 +82,7 @@ fn what_cannot_be_meant_is_refused() {
         "difference-removes-nothing"
     );
     assert_eq!(error("state x\ndx ~ poly(x; 1.5)"), "generator-arguments");
-    assert_eq!(error("state x\ndx ~ poly(x)"), "generator-arguments");
+    assert_eq!(error("state x\ndx ~ poly(x)"), "generator-form");
     assert_eq!(
         error("state x, y\ndx ~ x / poly(x, y; 1)"),
         "needs-one-term"
