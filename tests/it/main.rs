@@ -7,5 +7,6 @@ mod data;
 mod emit;
 mod lang;
 mod library;
+mod measured;
 mod pendulum;
 mod solve;
