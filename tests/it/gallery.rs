@@ -10,7 +10,7 @@ use sidc::lang::model::RightSide;
 use sidc::lang::source::Sources;
 use sidc::library::known_terms;
 use sidc::pipeline;
-use sidc::term::{Language, SignalNames};
+use sidc::term::Language;
 
 use super::lang::texts_in;
 use super::program::{Piece, Run, is_evidence, is_figure, pieces, sidc};
@@ -103,7 +103,8 @@ fn found(document: &Value) -> Equations {
         .collect()
 }
 
-/// The header's equations in the normal form of the program: a model of the same variables that states them as known.
+/// The header's equations in the normal form of the program: a model of the same variables that states each right side as a
+/// known output, since a target may stand on its own right side.
 fn expected(header: &Header, document: &Value) -> Equations {
     let discrete = document["time"] == "discrete";
     let mut text = String::new();
@@ -114,8 +115,13 @@ fn expected(header: &Header, document: &Value) -> Equations {
             _ => format!("{kind} {name}\n"),
         });
     }
-    for equation in &header.expected {
-        text.push_str(&format!("{equation}\n"));
+    let sides: Vec<(&str, &str)> = header
+        .expected
+        .iter()
+        .filter_map(|e| e.split_once(" = "))
+        .collect();
+    for (i, (_, right)) in sides.iter().enumerate() {
+        text.push_str(&format!("output right_{i}\nright_{i} = {right}\n"));
     }
     let mut sources = Sources::default();
     let file = sources.add("header.sid", text.as_str());
@@ -127,13 +133,13 @@ fn expected(header: &Header, document: &Value) -> Equations {
         )
     });
     let mut out = Equations::new();
-    for e in &model.equations {
+    for ((target, _), e) in sides.iter().zip(&model.equations) {
         let RightSide::Known(right) = &e.right else {
             continue;
         };
         let terms = known_terms([right]);
         let named = terms.iter().map(|(c, t)| (Language(&model).term(t), *c));
-        out.insert(model.name(e.target), named.collect());
+        out.insert(target.trim().to_string(), named.collect());
     }
     out
 }

@@ -1,6 +1,6 @@
 //! The built program, run as a user runs it: from the repository's root, with its outputs in a folder that goes away.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
 pub fn root() -> &'static Path {
@@ -41,10 +41,6 @@ pub fn sidc(args: &[&str]) -> Run {
 /// A file of the repository.
 pub fn file(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap()
-}
-
-pub fn model(name: &str) -> PathBuf {
-    root().join("models").join(format!("{name}.sid"))
 }
 
 /// A text in words and numbers, in turn.
@@ -109,7 +105,6 @@ pub fn is_figure(number: &str, before: &str) -> bool {
         "within ",
         "is ",
         "(",
-        "; ",
     ];
     number.contains(['.', 'e']) || AFTER.iter().any(|word| before.ends_with(word))
 }
