@@ -36,9 +36,9 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         let staged = pipeline::measure(&program, &tables, &args.params, (None, None), &mut sources);
         let measured = inputs::report(staged, &sources, Notes::Full)?;
         text.push_str(&format!(
-            "{} rows from {} trajectories\n",
+            "{} rows from {}\n",
             measured.samples.len(),
-            measured.dataset.trajectories.len()
+            super::identify::trajectories(&measured)
         ));
         text.push_str(&super::identify::signals_text(&program, &measured));
     }

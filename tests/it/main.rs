@@ -3,10 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod architecture;
+mod cli;
 mod data;
+mod docs;
 mod emit;
+mod gallery;
 mod lang;
 mod library;
 mod measured;
 mod pendulum;
+mod program;
 mod solve;
