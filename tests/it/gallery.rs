@@ -13,7 +13,7 @@ use sidc::pipeline;
 use sidc::term::Language;
 
 use super::lang::texts_in;
-use super::program::{Piece, Run, is_evidence, is_figure, pieces, sidc};
+use super::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
 
 /// Relative error of a coefficient where the header says nothing.
 const USUAL: f64 = 1e-3;
@@ -22,7 +22,8 @@ type Equations = BTreeMap<String, BTreeMap<String, f64>>;
 
 struct Header {
     data: Vec<String>,
-    expected: Vec<String>,
+    /// Target and right side.
+    expected: Vec<(String, String)>,
     within: f64,
     doubts: BTreeSet<String>,
 }
@@ -60,8 +61,8 @@ impl Header {
                         .trim_start_matches('#')
                         .trim()
                 })
-                .filter(|l| l.contains(" = "))
-                .map(String::from)
+                .filter_map(|l| l.split_once(" = "))
+                .map(|(target, right)| (target.trim().into(), right.into()))
                 .collect(),
             within: entry("# Within:").map_or(USUAL, |w| {
                 let figure = w.split('%').next().unwrap_or_default().trim();
@@ -89,23 +90,22 @@ fn identified(name: &str, header: &Header) -> (Run, Value) {
     (run, serde_json::from_str(&text).unwrap())
 }
 
-fn found(document: &Value) -> Equations {
+/// Targets and right sides of the equations found, as text.
+fn found(document: &Value) -> Vec<(String, String)> {
+    let term = |t: &Value| format!("({})*({})", t["coefficient"], t["term"].as_str().unwrap());
     let equations = document["equations"].as_array().unwrap();
     equations
         .iter()
         .map(|e| {
-            let terms = e["terms"].as_array().unwrap().iter().map(|t| {
-                let name = t["term"].as_str().unwrap().to_string();
-                (name, t["coefficient"].as_f64().unwrap())
-            });
-            (e["target"].as_str().unwrap().to_string(), terms.collect())
+            let terms: Vec<String> = e["terms"].as_array().unwrap().iter().map(term).collect();
+            (e["target"].as_str().unwrap().into(), terms.join(" + "))
         })
         .collect()
 }
 
-/// The header's equations in the normal form of the program: a model of the same variables that states each right side as a
-/// known output, since a target may stand on its own right side.
-fn expected(header: &Header, document: &Value) -> Equations {
+/// Right sides in the normal form of the program: a model of the same variables that states each as a known output, since a
+/// target may stand on its own right side.
+fn normal(equations: &[(String, String)], document: &Value) -> Equations {
     let discrete = document["time"] == "discrete";
     let mut text = String::new();
     for v in document["variables"].as_array().unwrap() {
@@ -115,31 +115,22 @@ fn expected(header: &Header, document: &Value) -> Equations {
             _ => format!("{kind} {name}\n"),
         });
     }
-    let sides: Vec<(&str, &str)> = header
-        .expected
-        .iter()
-        .filter_map(|e| e.split_once(" = "))
-        .collect();
-    for (i, (_, right)) in sides.iter().enumerate() {
+    for (i, (_, right)) in equations.iter().enumerate() {
         text.push_str(&format!("output right_{i}\nright_{i} = {right}\n"));
     }
     let mut sources = Sources::default();
     let file = sources.add("header.sid", text.as_str());
-    let (model, diagnostics) = sidc::lang::compile(file, &sources, &pipeline::vocabulary());
-    let model = model.unwrap_or_else(|| {
-        panic!(
-            "{text}{}",
-            sidc::lang::render(&diagnostics, &sources, false)
-        )
-    });
+    let (model, said) = sidc::lang::compile(file, &sources, &pipeline::vocabulary());
+    let model =
+        model.unwrap_or_else(|| panic!("{text}{}", sidc::lang::render(&said, &sources, false)));
     let mut out = Equations::new();
-    for ((target, _), e) in sides.iter().zip(&model.equations) {
+    for ((target, _), e) in equations.iter().zip(&model.equations) {
         let RightSide::Known(right) = &e.right else {
             continue;
         };
         let terms = known_terms([right]);
         let named = terms.iter().map(|(c, t)| (Language(&model).term(t), *c));
-        out.insert(target.trim().to_string(), named.collect());
+        out.insert(target.clone(), named.collect());
     }
     out
 }
@@ -184,13 +175,16 @@ fn reduced(text: &str) -> String {
 }
 
 fn reduced_line(line: &str) -> String {
+    if is_proof_by_tolerance(line) {
+        return "    proved ~".into();
+    }
     let mut before = String::new();
     let each = pieces(line).into_iter().map(|piece| match piece {
         Piece::Words(words) => {
             before.clone_from(&words);
             words
         }
-        Piece::Number(n) if is_evidence(line) && is_figure(&n, &before) => "~".into(),
+        Piece::Number(n) if is_figure(line, &n, &before) => "~".into(),
         Piece::Number(n) => sidc::emit::significant(n.parse().unwrap(), 4),
     });
     each.collect()
@@ -209,8 +203,8 @@ fn faults(name: &str, text: &str) -> Vec<String> {
     }
     let (run, document) = identified(name, &header);
     faults.extend(compare(
-        &found(&document),
-        &expected(&header, &document),
+        &normal(&found(&document), &document),
+        &normal(&header.expected, &document),
         header.within,
     ));
     let doubts = doubts(&document);
