@@ -14,36 +14,81 @@ pub(super) fn check(
     written: &LibExpr,
     library: &Library,
 ) -> Vec<Diagnostic> {
-    arguments(library)
+    let arguments = arguments(library);
+    if arguments.is_empty() {
+        return Vec::new();
+    }
+    let known = Known::new(library);
+    arguments
         .iter()
-        .filter_map(|argument| pythagoras(model, target, written, library, argument))
+        .filter_map(|argument| pythagoras(model, target, written, &known, argument))
         .collect()
 }
 
-/// Arguments `e` for which sin(e) occurs, each once.
+/// Arguments `e` for which sin²(e) occurs, each once.
 fn arguments(library: &Library) -> Vec<Expr> {
     let Some(sin) = Func::named("sin") else {
         return Vec::new();
     };
-    let mut found: Vec<Expr> = library
-        .terms
-        .iter()
-        .flat_map(|t| t.factors())
-        .filter_map(|(atom, p)| match atom {
-            Atom::Call(f, args) if *f == sin && p == 2.0 => args.first().cloned(),
-            _ => None,
-        })
-        .collect();
+    let mut found: Vec<Expr> = Vec::new();
+    for (atom, p) in library.terms.iter().flat_map(Term::factors) {
+        if let Atom::Call(f, args) = atom
+            && *f == sin
+            && p == 2.0
+            && let Some(argument) = args.first()
+            && !found.contains(argument)
+        {
+            found.push(argument.clone());
+        }
+    }
     found.sort();
-    found.dedup();
     found
+}
+
+/// The library's terms, to be asked for by fingerprint.
+struct Known<'a> {
+    terms: &'a [Term],
+    fingerprints: Vec<u64>,
+    sorted: Vec<u64>,
+}
+
+impl<'a> Known<'a> {
+    fn new(library: &'a Library) -> Self {
+        let fingerprints: Vec<u64> = library.terms.iter().map(Term::fingerprint).collect();
+        let mut sorted = fingerprints.clone();
+        sorted.sort_unstable();
+        Known {
+            terms: &library.terms,
+            fingerprints,
+            sorted,
+        }
+    }
+
+    fn has(&self, fingerprint: u64) -> bool {
+        self.sorted.binary_search(&fingerprint).is_ok()
+    }
+
+    /// Terms T·sin² for which T and T·cos² are there too.
+    fn identities(&self, sin2: &Term, cos2: &Term) -> usize {
+        let (with_sin2, with_cos2) = (sin2.fingerprint(), cos2.fingerprint());
+        let square = sin2.factors().next();
+        self.terms
+            .iter()
+            .zip(&self.fingerprints)
+            .filter(|(t, _)| t.factors().any(|factor| Some(factor) == square))
+            .filter(|(_, f)| {
+                let plain = f.wrapping_sub(with_sin2);
+                self.has(plain) && self.has(plain.wrapping_add(with_cos2))
+            })
+            .count()
+    }
 }
 
 fn pythagoras(
     model: &Model,
     target: Signal,
     written: &LibExpr,
-    library: &Library,
+    known: &Known,
     argument: &Expr,
 ) -> Option<Diagnostic> {
     let square = |name| {
@@ -53,21 +98,14 @@ fn pythagoras(
     };
     let (sin2, cos2) = (square("sin")?, square("cos")?);
     let language = Language(model);
-    let (with_sin, with_cos) = {
-        let bare = Term::signal(target);
-        (bare.mul(&sin2), bare.mul(&cos2))
-    };
-    let has = |t: &Term| library.position(t).is_some();
-    if has(&with_sin) && has(&with_cos) {
+    let bare = Term::signal(target);
+    let (with_sin, with_cos) = (bare.mul(&sin2), bare.mul(&cos2));
+    if known.has(with_sin.fingerprint()) && known.has(with_cos.fingerprint()) {
         let name = model.name(target);
         let (a, b) = (language.term(&with_sin), language.term(&with_cos));
         return Some(errors::target_by_identity(written.span, &name, &a, &b));
     }
-    let count = library
-        .terms
-        .iter()
-        .filter(|t| has(&t.mul(&sin2)) && has(&t.mul(&cos2)))
-        .count();
+    let count = known.identities(&sin2, &cos2);
     if count == 0 {
         return None;
     }

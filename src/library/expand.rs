@@ -42,7 +42,9 @@ impl<'a> Expansion<'a> {
         if terms.is_empty() {
             return self.fail(errors::empty(e.span));
         }
-        terms.sort_by(simplest_first);
+        // Sets are sorted by term, and the sort is stable: this is the order of `simplest_first`. Degrees are not negative, so
+        // their bits are in their order.
+        terms.sort_by_cached_key(|t| t.degree().to_bits());
         Some(terms)
     }
 
@@ -207,8 +209,9 @@ impl<'a> Expansion<'a> {
     }
 }
 
+/// Sorted by term, each once. The stable sort profits from the runs that products come in.
 fn distinct(mut terms: Vec<Term>) -> Vec<Term> {
-    terms.sort_unstable();
+    terms.sort();
     terms.dedup();
     terms
 }

@@ -4,6 +4,7 @@
 //! `x*(1 - x)` stays one product, because the user wrote one column.
 
 use std::cmp::Ordering;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use super::{Func, Signal};
@@ -18,11 +19,11 @@ pub enum Atom {
 }
 
 /// A product of powers of atoms, sorted; empty is the constant 1. No numeric factor.
-#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Term(Vec<Factor>);
 
 /// A weighted sum of distinct terms, sorted by term; empty is 0. No zero weights.
-#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Expr(Vec<Weighted>);
 
 #[derive(Clone, Debug)]
@@ -62,10 +63,20 @@ impl Term {
 
     /// Σ |exponents|: what a printed library is ordered by, simple terms first.
     pub fn degree(&self) -> f64 {
-        self.0.iter().map(|f| f.power.abs()).sum()
+        // An empty sum of floats is −0, which sorts after everything by its bits.
+        self.0.iter().fold(0.0, |sum, f| sum + f.power.abs())
     }
 
     pub fn mul(&self, other: &Term) -> Term {
+        if let (Some(last), Some(first)) = (self.0.last(), other.0.first())
+            && last.atom < first.atom
+        {
+            // Generators multiply in order: nothing to merge.
+            let mut all = Vec::with_capacity(self.0.len() + other.0.len());
+            all.extend_from_slice(&self.0);
+            all.extend_from_slice(&other.0);
+            return Term(all);
+        }
         let (mut a, mut b) = (self.0.iter().peekable(), other.0.iter().peekable());
         let mut out = Vec::with_capacity(self.0.len() + other.0.len());
         loop {
@@ -118,6 +129,16 @@ impl Term {
             atom: Atom::Sum(Arc::new(Expr::from(self.clone()))),
             power: p,
         }])
+    }
+
+    /// A number that equal terms share and others, in all likelihood, do not. Fingerprints add up over products of different
+    /// factors, so that a library can be asked for `t·a/b` without making that term.
+    pub fn fingerprint(&self) -> u64 {
+        self.0.iter().fold(0, |sum: u64, factor| {
+            let mut hasher = Fnv(0xCBF2_9CE4_8422_2325);
+            factor.hash(&mut hasher);
+            sum.wrapping_add(hasher.0)
+        })
     }
 
     /// Calls `visit` for every signal in the term, arguments and sums included.
@@ -357,7 +378,14 @@ impl Ord for Atom {
     fn cmp(&self, other: &Self) -> Ordering {
         match (self, other) {
             (Atom::Signal(a), Atom::Signal(b)) => a.cmp(b),
-            (Atom::Call(f, a), Atom::Call(g, b)) => f.cmp(g).then_with(|| a.cmp(b)),
+            // Terms of one library share their factors: most comparisons end at the pointer.
+            (Atom::Call(f, a), Atom::Call(g, b)) => {
+                f.cmp(g).then_with(|| match Arc::ptr_eq(a, b) {
+                    true => Ordering::Equal,
+                    false => a.cmp(b),
+                })
+            }
+            (Atom::Sum(a), Atom::Sum(b)) if Arc::ptr_eq(a, b) => Ordering::Equal,
             (Atom::Sum(a), Atom::Sum(b)) => a.cmp(b),
             _ => self.rank().cmp(&other.rank()),
         }
@@ -377,6 +405,65 @@ impl Ord for Weighted {
         self.term
             .cmp(&other.term)
             .then_with(|| self.weight.total_cmp(&other.weight))
+    }
+}
+
+/// FNV-1a on words, with a final mix that spreads them: fast, and the same in every run.
+struct Fnv(u64);
+
+impl Hasher for Fnv {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for b in bytes {
+            self.write_u64(u64::from(*b));
+        }
+    }
+
+    fn write_u8(&mut self, x: u8) {
+        self.write_u64(u64::from(x));
+    }
+
+    fn write_u16(&mut self, x: u16) {
+        self.write_u64(u64::from(x));
+    }
+
+    fn write_i32(&mut self, x: i32) {
+        self.write_u64(x as u64);
+    }
+
+    fn write_usize(&mut self, x: usize) {
+        self.write_u64(x as u64);
+    }
+
+    fn write_u64(&mut self, x: u64) {
+        let mixed = (self.0 ^ x).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 = mixed ^ (mixed >> 29);
+    }
+}
+
+impl Hash for Atom {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.rank().hash(state);
+        match self {
+            Atom::Signal(s) => s.hash(state),
+            Atom::Call(f, args) => (f, args).hash(state),
+            Atom::Sum(e) => e.hash(state),
+        }
+    }
+}
+
+impl Hash for Factor {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (&self.atom, self.power.to_bits()).hash(state);
+    }
+}
+
+impl Hash for Weighted {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (&self.term, self.weight.to_bits()).hash(state);
     }
 }
 

@@ -11,8 +11,8 @@ impl VarId {
 /// A measurable or derived time series.
 ///
 /// `x` is `{der: 0, shift: 0}`, `ddx` is `{der: 2}`, `next(x)` is `{shift: 1}`, `lag(u, 3)` is `{shift: -3}`.
-/// The derived order (variable, derivative, shift) is the order of factors in a printed term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+/// The order (variable, derivative, shift) is the order of factors in a printed term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Signal {
     pub var: VarId,
     /// Order of the time derivative.
@@ -38,6 +38,23 @@ impl Signal {
 
     pub const fn shifted(var: VarId, shift: i32) -> Self {
         Signal { var, der: 0, shift }
+    }
+}
+
+// One comparison of packed fields: sorting a library is mostly this.
+impl Ord for Signal {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let packed = |s: &Signal| {
+            let shift = (s.shift as u32) ^ (1 << 31);
+            (u64::from(s.var.0) << 40) | (u64::from(s.der) << 32) | u64::from(shift)
+        };
+        packed(self).cmp(&packed(other))
+    }
+}
+
+impl PartialOrd for Signal {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
     }
 }
 

@@ -60,19 +60,42 @@ fn whole(numbers: &[NumberArg], what: &str, least: u32, usage: &str) -> Result<u
     }
 }
 
-/// Atoms as factors of products; their numbers go into the coefficients.
+/// Atoms as factors of products, sorted; their numbers go into the coefficients.
 fn factors(atoms: &[Expr]) -> Vec<Term> {
     let mut terms: Vec<Term> = Vec::with_capacity(atoms.len());
     for atom in atoms {
         let (_, term) = atom.clone().into_term();
-        if !term.is_one() && !terms.contains(&term) {
+        if !term.is_one() {
             terms.push(term);
         }
     }
+    terms.sort();
+    terms.dedup();
     terms
 }
 
-/// `base^p` for p = 0, 1, …, cap.
+/// `base^p` for p = 1, …, cap.
 fn power_table(base: &Term, cap: u32) -> Vec<Term> {
-    (0..=cap).map(|p| base.pow(f64::from(p))).collect()
+    (1..=cap).map(|p| base.pow(f64::from(p))).collect()
+}
+
+/// All products of powers of `factors`, each up to `cap`, with their degrees; `total` limits the degree.
+///
+/// Built from the last factor to the first, so that the terms of plain factors come out in the order of terms: 1, then the
+/// powers of the first factor with all that follows, then all without it.
+fn products(factors: &[Term], cap: u32, total: Option<u32>) -> Vec<(Term, u32)> {
+    let mut done = vec![(Term::one(), 0)];
+    for factor in factors.iter().rev() {
+        let table = power_table(factor, cap);
+        let mut all = vec![(Term::one(), 0)];
+        for (power, raised) in (1..).zip(&table) {
+            let fitting = done
+                .iter()
+                .filter(|(_, degree)| total.is_none_or(|t| degree + power <= t));
+            all.extend(fitting.map(|(t, degree)| (raised.mul(t), degree + power)));
+        }
+        all.extend(done.into_iter().skip(1));
+        done = all;
+    }
+    done
 }
