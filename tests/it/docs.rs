@@ -128,6 +128,54 @@ fn rounding_is_no_difference_and_words_are() {
     assert!(!alike(&line("1.3e-11", 4), &line("1.3e-11", 3)));
 }
 
+/// Codes in double quotes behind `mark` in the source of the program.
+fn codes_behind(mark: &str, close: char) -> Vec<String> {
+    let mut folders = vec![root().join("src")];
+    let mut codes = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            for rest in text.split(mark).skip(1) {
+                let code = rest.trim_start().trim_start_matches('"');
+                let code = code.split(close).next().unwrap_or_default();
+                if code.contains('-') && code.chars().all(|c| c.is_ascii_lowercase() || c == '-') {
+                    codes.push(code.to_string());
+                }
+            }
+        }
+    }
+    codes
+}
+
+/// Doubts and failures, and the errors of the command line, have their lines as diagnostics do.
+#[test]
+fn every_reason_is_documented() {
+    let table = file("docs/diagnostics.md");
+    let method = file("docs/method.md");
+    let reasons = codes_behind("Reason::new(", '"');
+    assert!(reasons.len() >= 10, "{reasons:?}");
+    for code in &reasons {
+        assert!(
+            table.contains(&format!("| `{code}` |")),
+            "diagnostics: {code}"
+        );
+        assert!(method.contains(&format!("`{code}`")), "method: {code}");
+    }
+    let errors = codes_behind("error[", ']');
+    assert!(errors.len() >= 8, "{errors:?}");
+    for code in errors {
+        assert!(
+            table.contains(&format!("| `{code}` |")),
+            "diagnostics: {code}"
+        );
+    }
+}
+
 /// Links from one document to another, and to headings inside them, lead somewhere.
 #[test]
 fn links_lead_somewhere() {
