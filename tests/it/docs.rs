@@ -1,8 +1,9 @@
 //! What the documents show is what the program prints.
 //!
 //! Every block that follows `<!-- output: sidc … -->` is compared with a run; `SIDC_WRITE_DOCS=1 cargo test shown_outputs` writes
-//! them anew. Commands in ```console blocks are run too, so that none goes stale.
+//! them anew. Commands in ```sh blocks are run too, so that none goes stale.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
@@ -42,11 +43,14 @@ fn renewed(name: &str, folder: &Path) -> (String, Vec<String>) {
     let text = file(name);
     let mut out = String::new();
     let mut differences = Vec::new();
-    let mut lines = text.lines().peekable();
+    let mut runs: BTreeMap<String, Run> = BTreeMap::new();
+    let mut lines = text.lines();
+    let mut shell = false;
     while let Some(line) = lines.next() {
         out.push_str(&format!("{line}\n"));
-        if let Some(command) = line.strip_prefix("$ sidc ") {
-            let run = run(&format!("sidc {command}"), folder);
+        shell = line == "```sh" || (shell && line != "```");
+        if shell && line.starts_with("sidc ") {
+            let run = runs.entry(line.into()).or_insert_with(|| run(line, folder));
             if !matches!(run.status, 0 | 3) {
                 differences.push(format!("{name}: {line}\n{}", run.stderr));
             }
@@ -56,7 +60,9 @@ fn renewed(name: &str, folder: &Path) -> (String, Vec<String>) {
         };
         assert_eq!(lines.next(), Some("```text"), "{name}: {line}");
         let shown: Vec<&str> = lines.by_ref().take_while(|l| *l != "```").collect();
-        let run = run(command, folder);
+        let run = runs
+            .entry(command.into())
+            .or_insert_with(|| run(command, folder));
         if let Some(why) = difference(&shown, &run.stdout) {
             differences.push(format!("{name}: {command}\n{why}\n{}", run.stderr));
         }
