@@ -149,7 +149,7 @@ fn codes_behind(mark: &str, close: char) -> Vec<String> {
             for rest in text.split(mark).skip(1) {
                 let code = rest.trim_start().trim_start_matches('"');
                 let code = code.split(close).next().unwrap_or_default();
-                if code.contains('-') && code.chars().all(|c| c.is_ascii_lowercase() || c == '-') {
+                if code.len() > 2 && code.chars().all(|c| c.is_ascii_lowercase() || c == '-') {
                     codes.push(code.to_string());
                 }
             }
