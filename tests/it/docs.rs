@@ -1,8 +1,9 @@
 //! What the documents show is what the program prints.
 //!
 //! Every block that follows `<!-- output: sidc … -->` is compared with a run; `SIDC_WRITE_DOCS=1 cargo test shown_outputs` writes
-//! them anew. Commands in ```console blocks are run too, so that none goes stale.
+//! them anew. Commands in ```sh blocks are run too, so that none goes stale.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
@@ -42,11 +43,14 @@ fn renewed(name: &str, folder: &Path) -> (String, Vec<String>) {
     let text = file(name);
     let mut out = String::new();
     let mut differences = Vec::new();
-    let mut lines = text.lines().peekable();
+    let mut runs: BTreeMap<String, Run> = BTreeMap::new();
+    let mut lines = text.lines();
+    let mut shell = false;
     while let Some(line) = lines.next() {
         out.push_str(&format!("{line}\n"));
-        if let Some(command) = line.strip_prefix("$ sidc ") {
-            let run = run(&format!("sidc {command}"), folder);
+        shell = line == "```sh" || (shell && line != "```");
+        if shell && line.starts_with("sidc ") {
+            let run = runs.entry(line.into()).or_insert_with(|| run(line, folder));
             if !matches!(run.status, 0 | 3) {
                 differences.push(format!("{name}: {line}\n{}", run.stderr));
             }
@@ -56,7 +60,9 @@ fn renewed(name: &str, folder: &Path) -> (String, Vec<String>) {
         };
         assert_eq!(lines.next(), Some("```text"), "{name}: {line}");
         let shown: Vec<&str> = lines.by_ref().take_while(|l| *l != "```").collect();
-        let run = run(command, folder);
+        let run = runs
+            .entry(command.into())
+            .or_insert_with(|| run(command, folder));
         if let Some(why) = difference(&shown, &run.stdout) {
             differences.push(format!("{name}: {command}\n{why}\n{}", run.stderr));
         }
@@ -126,6 +132,54 @@ fn rounding_is_no_difference_and_words_are() {
     let line = |gap: &str, rank: u8| format!("    proved (gap {gap}, rank {rank} of 4)");
     assert!(alike(&line("1.3e-11", 4), &line("7e-13", 4)));
     assert!(!alike(&line("1.3e-11", 4), &line("1.3e-11", 3)));
+}
+
+/// Codes in double quotes behind `mark` in the source of the program.
+fn codes_behind(mark: &str, close: char) -> Vec<String> {
+    let mut folders = vec![root().join("src")];
+    let mut codes = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            for rest in text.split(mark).skip(1) {
+                let code = rest.trim_start().trim_start_matches('"');
+                let code = code.split(close).next().unwrap_or_default();
+                if code.len() > 2 && code.chars().all(|c| c.is_ascii_lowercase() || c == '-') {
+                    codes.push(code.to_string());
+                }
+            }
+        }
+    }
+    codes
+}
+
+/// Doubts and failures, and the errors of the command line, have their lines as diagnostics do.
+#[test]
+fn every_reason_is_documented() {
+    let table = file("docs/diagnostics.md");
+    let method = file("docs/method.md");
+    let reasons = codes_behind("Reason::new(", '"');
+    assert!(reasons.len() >= 10, "{reasons:?}");
+    for code in &reasons {
+        assert!(
+            table.contains(&format!("| `{code}` |")),
+            "diagnostics: {code}"
+        );
+        assert!(method.contains(&format!("`{code}`")), "method: {code}");
+    }
+    let errors = codes_behind("error[", ']');
+    assert!(errors.len() >= 8, "{errors:?}");
+    for code in errors {
+        assert!(
+            table.contains(&format!("| `{code}` |")),
+            "diagnostics: {code}"
+        );
+    }
 }
 
 /// Links from one document to another, and to headings inside them, lead somewhere.
