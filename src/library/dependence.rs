@@ -63,10 +63,18 @@ fn pythagoras(
         let (a, b) = (language.term(&with_sin), language.term(&with_cos));
         return Some(errors::target_by_identity(written.span, &name, &a, &b));
     }
+    // Only a term with sin² in it can be one of three; most have none, and looking terms up is what costs.
+    let sin2_atom = sin2.factors().next().map(|(a, _)| a.clone());
+    let without_sin2 = sin2.pow(-1.0);
     let count = library
         .terms
         .iter()
-        .filter(|t| has(&t.mul(&sin2)) && has(&t.mul(&cos2)))
+        .filter(|t| {
+            t.factors()
+                .any(|(a, p)| p >= 2.0 && Some(a) == sin2_atom.as_ref())
+        })
+        .map(|t| t.mul(&without_sin2))
+        .filter(|t| has(t) && has(&t.mul(&cos2)))
         .count();
     if count == 0 {
         return None;

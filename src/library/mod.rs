@@ -39,8 +39,9 @@ impl Library {
 
     /// Place of a term, if it is a candidate.
     pub fn position(&self, term: &Term) -> Option<usize> {
+        let degree = term.degree();
         self.terms
-            .binary_search_by(|t| expand::simplest_first(t, term))
+            .binary_search_by(|t| t.degree().total_cmp(&degree).then_with(|| t.cmp(term)))
             .ok()
     }
 }

@@ -357,6 +357,9 @@ impl Ord for Atom {
     fn cmp(&self, other: &Self) -> Ordering {
         match (self, other) {
             (Atom::Signal(a), Atom::Signal(b)) => a.cmp(b),
+            // Terms of one library share their factors, so that equal ones are mostly the same allocation.
+            (Atom::Call(f, a), Atom::Call(g, b)) if f == g && Arc::ptr_eq(a, b) => Ordering::Equal,
+            (Atom::Sum(a), Atom::Sum(b)) if Arc::ptr_eq(a, b) => Ordering::Equal,
             (Atom::Call(f, a), Atom::Call(g, b)) => f.cmp(g).then_with(|| a.cmp(b)),
             (Atom::Sum(a), Atom::Sum(b)) => a.cmp(b),
             _ => self.rank().cmp(&other.rank()),

@@ -1,6 +1,6 @@
 //! `poly(atoms; d)`: all monomials of total degree up to d, 1 included; `poly(atoms; a..b)` a range of degrees.
 
-use super::{factors, power_table, whole_range};
+use super::{monomials, whole_range};
 use crate::lang::model::NumberArg;
 use crate::library::size::binomial;
 use crate::library::{Generator, Misuse};
@@ -36,20 +36,6 @@ impl Generator for Poly {
 
     fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
         let (from, to) = whole_range(numbers, "degree", 0, USAGE)?;
-        let mut partial = vec![(Term::one(), 0)];
-        for atom in &factors(atoms) {
-            let table = &power_table(atom, to);
-            partial = partial
-                .iter()
-                .flat_map(|&(ref t, used)| {
-                    (0..=to - used).map(move |p| (t.mul(&table[p as usize]), used + p))
-                })
-                .collect();
-        }
-        Ok(partial
-            .into_iter()
-            .filter(|(_, degree)| *degree >= from)
-            .map(|(t, _)| t)
-            .collect())
+        Ok(monomials(atoms, to, (from, to)))
     }
 }

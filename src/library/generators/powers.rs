@@ -1,6 +1,6 @@
 //! `powers(atoms; p)`: the tensor power series, each atom to 0 … p independently.
 
-use super::{factors, power_table, whole};
+use super::{monomials, whole};
 use crate::lang::model::NumberArg;
 use crate::library::size::power;
 use crate::library::{Generator, Misuse};
@@ -30,14 +30,6 @@ impl Generator for Powers {
 
     fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
         let cap = whole(numbers, "power", 0, USAGE)?;
-        let mut terms = vec![Term::one()];
-        for atom in &factors(atoms) {
-            let table = power_table(atom, cap);
-            terms = terms
-                .iter()
-                .flat_map(|t| table.iter().map(|p| t.mul(p)))
-                .collect();
-        }
-        Ok(terms)
+        Ok(monomials(atoms, cap, (0, u32::MAX)))
     }
 }
