@@ -32,21 +32,3 @@ pub fn held<const N: usize>(
     }
     states
 }
-
-/// As [`held`], but the input runs straight from one sample to the next.
-pub fn linear<const N: usize>(
-    f: &impl Fn(&[f64; N], f64) -> [f64; N],
-    times: &[f64],
-    x0: [f64; N],
-    input: &[f64],
-) -> Vec<[f64; N]> {
-    let mut x = x0;
-    let mut states = vec![x0];
-    for (pair, u) in times.windows(2).zip(input.windows(2)) {
-        let slope = (u[1] - u[0]) / (pair[1] - pair[0]);
-        let g = |t: f64, x: &[f64; N]| f(x, u[0] + slope * (t - pair[0]));
-        x = integrate(&g, pair[0], pair[1], x);
-        states.push(x);
-    }
-    states
-}

@@ -1,6 +1,6 @@
 //! How few rows basis pursuit needs: exact recovery of cart-pendulums out of 6,561 terms, down to where it breaks.
 //!
-//!     cargo run --release --example recovery -- --draws 50 --rows 15 20 30 40 60 100
+//!     cargo run --release --example recovery -- --draws 50 --rows 15 20 30 40 60 100 --svg docs/recovery.svg
 //!
 //! Every draw is another plant (masses, rod, frictions), another start, another force; rows are drawn at random from 15 s of
 //! motion at 100 Hz. "Exact" is the true support, nothing else, with every coefficient to 1e-8.
@@ -8,16 +8,19 @@
 #[path = "../plant/cart_pendulum.rs"]
 #[allow(dead_code)]
 mod cart_pendulum;
+mod plot;
 #[path = "../simulate/mod.rs"]
 #[allow(dead_code)]
 mod simulate;
 
 use std::error::Error;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use cart_pendulum::{Plant, State};
 use clap::Parser;
+use plot::Curve;
 use sidc::data::{Column, Origin, Samples};
 use sidc::discover::{Discovery, Options, Status, discover};
 use sidc::lang::source::Sources;
@@ -47,6 +50,9 @@ struct Args {
     draws: u64,
     #[arg(long, default_value = "interior-point")]
     solver: String,
+    /// Also draw the table as a picture
+    #[arg(long)]
+    svg: Option<PathBuf>,
 }
 
 /// One draw's outcome for its two equations.
@@ -69,7 +75,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "rows  ddy exact  ddtheta exact  both  passed but wrong  worst coefficient of exact  median s"
     );
-    for rows in args.rows {
+    let mut successes = [Vec::new(), Vec::new()];
+    for &rows in &args.rows {
         let mut outcomes = Vec::new();
         for draw in 0..args.draws {
             let options = Options {
@@ -80,8 +87,34 @@ fn main() -> Result<(), Box<dyn Error>> {
             outcomes.push(one(&program, draw, &options)?);
         }
         print_row(rows, &outcomes);
+        for (i, all) in successes.iter_mut().enumerate() {
+            all.push(outcomes.iter().filter(|o| o.exact[i]).count());
+        }
+    }
+    if let Some(path) = &args.svg {
+        std::fs::write(path, picture(&args, successes))?;
     }
     Ok(())
+}
+
+fn picture(args: &Args, [cart, pendulum]: [Vec<usize>; 2]) -> String {
+    let curves = [
+        Curve {
+            name: "angular acceleration (3 terms)",
+            class: "a",
+            successes: pendulum,
+        },
+        Curve {
+            name: "cart's acceleration (4 terms)",
+            class: "b",
+            successes: cart,
+        },
+    ];
+    let title = format!(
+        "Pendulum on a cart: 6,561 candidate terms, {} random plants",
+        args.draws
+    );
+    plot::svg(&title, &args.rows, args.draws as usize, &curves)
 }
 
 fn program() -> Result<Program, Box<dyn Error>> {

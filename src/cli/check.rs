@@ -38,11 +38,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         text.push_str(&format!(
             "{} from {}\n",
             counted(measured.samples.len(), "row", "rows"),
-            counted(
-                measured.dataset.trajectories.len(),
-                "trajectory",
-                "trajectories"
-            )
+            super::identify::trajectories(&measured)
         ));
         text.push_str(&super::identify::signals_text(&program, &measured));
     }

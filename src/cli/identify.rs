@@ -126,7 +126,8 @@ fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) ->
     text
 }
 
-fn trajectories(measured: &Measured) -> String {
+/// The one trajectory by name, several by their number.
+pub(super) fn trajectories(measured: &Measured) -> String {
     match measured.dataset.trajectories.as_slice() {
         [one] => one.name.clone(),
         many => format!("{} trajectories", many.len()),

@@ -76,3 +76,50 @@ pub(super) fn jumps(inputs: &[Input], trajectory: &Trajectory) -> Vec<usize> {
     out.dedup();
     out
 }
+
+/// What the samples of a driven signal cannot show: how far its highest derivative at a sample may be from that of a smooth
+/// curve through the samples, relative to its size, if the input moves it all. Both of the trajectory's length.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Unseen {
+    /// Where a window steps over the jumps of held inputs: the curve follows the middle of a jump, the derivative its end.
+    pub across: Vec<f64>,
+    /// Everywhere, from inputs that are linear between samples: the curve rounds their corners off.
+    pub corners: Vec<f64>,
+}
+
+/// Rows to both sides whose jumps and corners count.
+const NEAR: usize = 3;
+
+pub(super) fn unseen(inputs: &[Input], trajectory: &Trajectory) -> Unseen {
+    let rows = trajectory.len();
+    let mut out = Unseen {
+        across: vec![0.0; rows],
+        corners: vec![0.0; rows],
+    };
+    for input in inputs {
+        let Some(u) = trajectory.column(Signal::new(input.var)) else {
+            continue;
+        };
+        let size = (u.iter().map(|x| x * x).sum::<f64>() / rows.max(1) as f64).sqrt();
+        if !(size > 0.0 && size.is_finite()) {
+            continue;
+        }
+        let (into, moves): (&mut Vec<f64>, Vec<f64>) = match input.between {
+            Between::Hold => (
+                &mut out.across,
+                u.windows(2).map(|w| 0.5 * (w[1] - w[0]).abs()).collect(),
+            ),
+            Between::Linear => (
+                &mut out.corners,
+                u.windows(3)
+                    .map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() / 12.0)
+                    .collect(),
+            ),
+        };
+        for (row, worst) in into.iter_mut().enumerate() {
+            let near = moves.iter().skip(row.saturating_sub(NEAR)).take(2 * NEAR);
+            *worst = near.fold(*worst, |m, x| m.max(x / size));
+        }
+    }
+    out
+}

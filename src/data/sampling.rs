@@ -119,6 +119,7 @@ struct Source<'a> {
     grid: Grid,
     gaps: Vec<usize>,
     jumps: Vec<usize>,
+    unseen: inputs::Unseen,
 }
 
 impl<'a> Source<'a> {
@@ -129,6 +130,7 @@ impl<'a> Source<'a> {
             grid: Grid::new(&trajectory.time),
             gaps: instants::gaps(&trajectory.time),
             jumps: inputs::jumps(&dataset.inputs, trajectory),
+            unseen: inputs::unseen(&dataset.inputs, trajectory),
         }
     }
 
@@ -175,6 +177,11 @@ impl<'a> Source<'a> {
             .collect()
     }
 
+    /// Highest derivative of a signal's variable: the one that inputs move at once.
+    fn order(&self, s: Signal) -> usize {
+        self.model.var(s.var).map_or(1, |v| v.order as usize)
+    }
+
     fn derivative(&self, values: &[f64], below: Signal, order: usize, often: &mut Often) -> Known {
         let noise = match below.der {
             0 => self.model.var(below.var).and_then(|v| v.noise),
@@ -182,6 +189,8 @@ impl<'a> Source<'a> {
         };
         let within = stretches(values, &self.gaps, &self.jumps);
         let mut e = derivatives::differentiate(&self.grid, values, &within, order, noise);
+        let driven = below.der as usize + order >= self.order(below);
+        let size = if driven { rms(&e.values) } else { 0.0 };
         let mut across = 0;
         if !self.jumps.is_empty() {
             // Short stretches and noise can make it better to step over a jump than to respect it: the errors decide.
@@ -194,11 +203,9 @@ impl<'a> Source<'a> {
                 // At the jump itself a window across it sees the mean of both sides and no sign of doubt:
                 // what the two estimates differ by, beyond the error of the one that respects the jump, is bias.
                 let bias = ((value - *v).powi(2) - *s * *s).max(0.0);
-                let error = if v.is_nan() {
-                    *error
-                } else {
-                    (error * error + bias).sqrt()
-                };
+                let hidden = size * self.unseen.across.get(i).unwrap_or(&0.0);
+                let bias = if v.is_nan() { 0.0 } else { bias } + hidden * hidden;
+                let error = (error * error + bias).sqrt();
                 if v.is_nan() && value.is_finite() || error < 0.5 * *s {
                     (*v, *s) = (*value, error);
                     across += 1;
@@ -213,6 +220,9 @@ impl<'a> Source<'a> {
                 .map(|s| s.rows_end - s.start)
                 .sum();
             often.crossed += short;
+        }
+        for (error, corner) in e.error.iter_mut().zip(&self.unseen.corners) {
+            *error = error.hypot(size * corner);
         }
         often.rows += values.len();
         let of = self.model.name(below);
@@ -230,6 +240,13 @@ impl<'a> Source<'a> {
             }),
         }
     }
+}
+
+/// Root mean square of the finite values.
+fn rms(values: &[f64]) -> f64 {
+    let finite = values.iter().filter(|v| v.is_finite());
+    let (sum, count) = finite.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
+    (sum / f64::max(count, 1.0)).sqrt()
 }
 
 /// Uninterrupted stretches of finite values, cut at gaps, and at jumps with the sample of the jump in both.

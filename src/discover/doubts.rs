@@ -6,7 +6,9 @@ use crate::solve::Status as Solved;
 /// Residual above which the equation leaves too much of its target open.
 const POOR_FIT: f64 = 0.1;
 /// Residual over the known error of the data above which something is missing.
-const MISFIT: f64 = 10.0;
+const MISFIT: f64 = 5.0;
+/// Estimated error of the target, relative, above which its derivative is hardly known.
+const ROUGH: f64 = 0.1;
 /// Residual under which a misfit is academic.
 const CLOSE: f64 = 1e-4;
 /// Held-out residual over the one in the fit above which the equation does not carry over.
@@ -29,12 +31,13 @@ pub(super) struct Case<'a> {
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 9] = [
+    let rules: [fn(&Case) -> Option<Reason>; 10] = [
         interrupted,
         solver,
         crowded,
         poor_fit,
         misfit,
+        rough,
         held_out,
         few_rows,
         dependent,
@@ -105,6 +108,19 @@ fn misfit(c: &Case) -> Option<Reason> {
             format!(
                 "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data: a term is missing, or the noise is larger than it looks",
                 r / e
+            ),
+        )
+    })
+}
+
+fn rough(c: &Case) -> Option<Reason> {
+    let e = c.evidence.target_error;
+    (e > ROUGH).then(|| {
+        Reason::new(
+            "rough-derivative",
+            format!(
+                "the target itself is known only to {:.0} %: it had to be estimated from coarse or noisy samples",
+                100.0 * e
             ),
         )
     })

@@ -210,12 +210,25 @@ fn tolerance(phi: &Dense, y: &[f64], weights: &mut Weights) -> f64 {
     }
     let fit = solve::least_squares(phi, y);
     let size = norm(y);
+    weights.seen_residual(&residual(phi, y, &fit.coefficients));
     let free = (m - fit.rank.min(m - 1)) as f64;
     let noise = fit.residual * (m as f64 / free).sqrt();
     if noise > VISIBLE * size {
         weights.seen_noise(noise / (m as f64).sqrt());
     }
     (ROOM * noise).max(weights.tolerance).max(EXACT * size)
+}
+
+/// y − Φ a.
+fn residual(phi: &Dense, y: &[f64], coefficients: &[f64]) -> Vec<f64> {
+    let mut left = y.to_vec();
+    for (a, column) in coefficients
+        .iter()
+        .zip(phi.values().chunks_exact(phi.rows()))
+    {
+        left.iter_mut().zip(column).for_each(|(l, c)| *l -= a * c);
+    }
+    left
 }
 
 /// Root mean square of the largest coefficient · column.

@@ -66,6 +66,11 @@ impl Weights {
         }
     }
 
+    /// What the whole library leaves, row by row: errors that follow each other count as one.
+    pub fn seen_residual(&mut self, residual: &[f64]) {
+        self.correlation = self.correlation.max(correlation_time(residual));
+    }
+
     /// Terms that cancel leave their own rounding behind: `largest` is the root mean square of the largest contribution.
     pub fn seen_contribution(&mut self, largest: f64) {
         self.floor = self.floor.max((ROUNDING * largest).powi(2));
@@ -105,6 +110,23 @@ fn signals(library: &Library) -> BTreeSet<Signal> {
         });
     }
     found
+}
+
+/// Rows over which a series repeats itself: 1 + 2 Σ ρ_k, summed as far as five times itself (Sokal 1997).
+fn correlation_time(series: &[f64]) -> f64 {
+    let square: f64 = series.iter().map(|x| x * x).sum();
+    if square == 0.0 {
+        return 1.0;
+    }
+    let mut time = 1.0;
+    for k in 1..series.len() / 4 {
+        let product: f64 = series.iter().zip(&series[k..]).map(|(a, b)| a * b).sum();
+        time += 2.0 * product / square;
+        if k as f64 >= 5.0 * time {
+            break;
+        }
+    }
+    time.max(1.0)
 }
 
 /// Euclidean length.

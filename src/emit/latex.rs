@@ -52,6 +52,9 @@ fn right_side(notation: &Math, e: &Equation) -> String {
         let (term, binds) = write_term(notation, &t.term);
         match (t.term.is_one(), binds < Precedence::Product) {
             (true, _) => out.push_str(&size),
+            (false, _) if t.coefficient.abs() == 1.0 && binds >= Precedence::Product => {
+                out.push_str(&term);
+            }
             (false, true) => out.push_str(&format!("{size} {}", notation.parenthesise(&term))),
             (false, false) => out.push_str(&format!("{size} {term}")),
         }

@@ -43,14 +43,14 @@ fn header(d: &Discovery, form: &Form) -> String {
         names.join(", ")
     };
     let parts = [
-        ("state", &form.state, "state"),
-        ("input", &form.inputs, "inputs"),
-        ("parameter", &form.params, "parameters"),
+        ("state", &form.state, "the state"),
+        ("input", &form.inputs, "the inputs"),
+        ("parameter", &form.params, "the parameters"),
         ("history", &form.history, "earlier samples"),
     ];
     for (argument, signals, what) in parts {
         if !signals.is_empty() {
-            out.push_str(&format!("// {argument}: {what} [{}]\n", list(signals)));
+            out.push_str(&format!("// {argument} is {what}: {}\n", list(signals)));
         }
     }
     out.push('\n');
@@ -106,7 +106,7 @@ fn rates(d: &Discovery, form: &Form, code: &Code) -> String {
     }
     let n = form.state.len();
     let mut out = format!(
-        "/// {doc}\n#[allow(unused_variables, clippy::all)]\npub fn {name}(t: f64{}) -> [f64; {n}] {{\n",
+        "/// {doc}\n#[allow(unused_variables, non_snake_case, clippy::all)]\npub fn {name}(t: f64{}) -> [f64; {n}] {{\n",
         arguments(form)
     );
     out.push_str(&bindings(form, code, &|s| mentioned(&all, s)));
@@ -155,7 +155,7 @@ fn outputs(d: &Discovery, form: &Form, code: &Code) -> String {
     let names: Vec<String> = form.outputs.iter().map(|(s, _)| d.name(*s)).collect();
     let n = form.outputs.len();
     let mut out = format!(
-        "\n/// The outputs [{}].\n#[allow(unused_variables, clippy::all)]\npub fn outputs(t: f64{}) -> [f64; {n}] {{\n",
+        "\n/// The outputs [{}].\n#[allow(unused_variables, non_snake_case, clippy::all)]\npub fn outputs(t: f64{}) -> [f64; {n}] {{\n",
         names.join(", "),
         arguments(form)
     );

@@ -57,7 +57,14 @@ fn pythagoras(
         let bare = Term::signal(target);
         (bare.mul(&sin2), bare.mul(&cos2))
     };
-    let has = |t: &Term| library.position(t).is_some();
+    let degrees: Vec<f64> = library.terms.iter().map(Term::degree).collect();
+    let has = |t: &Term| {
+        let degree = t.degree();
+        let from = degrees.partition_point(|d| *d < degree);
+        let to = degrees.partition_point(|d| *d <= degree);
+        let alike = library.terms.get(from..to).unwrap_or(&[]);
+        alike.binary_search(t).is_ok()
+    };
     if has(&with_sin) && has(&with_cos) {
         let name = model.name(target);
         let (a, b) = (language.term(&with_sin), language.term(&with_cos));

@@ -62,7 +62,8 @@ impl Term {
 
     /// Σ |exponents|: what a printed library is ordered by, simple terms first.
     pub fn degree(&self) -> f64 {
-        self.0.iter().map(|f| f.power.abs()).sum()
+        // An empty sum of floats is -0.0, which sorts elsewhere.
+        self.0.iter().fold(0.0, |sum, f| sum + f.power.abs())
     }
 
     pub fn mul(&self, other: &Term) -> Term {

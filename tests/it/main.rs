@@ -3,9 +3,15 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod architecture;
+mod cli;
 mod data;
+mod docs;
 mod emit;
+mod gallery;
+mod hostile_results;
 mod lang;
 mod library;
+mod measured;
 mod pendulum;
+mod program;
 mod solve;

@@ -1,0 +1,416 @@
+//! The command line: statuses, messages, determinism, and outputs that are whole or not at all.
+
+use std::path::{Path, PathBuf};
+
+use super::program::{Run, file, root, sidc, sidc_in};
+
+const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
+
+fn identify(more: &[&str]) -> Run {
+    let mut args = vec!["identify"];
+    args.extend(LORENZ);
+    args.extend(more);
+    sidc(&args)
+}
+
+/// A failure: its status, nothing on stdout, and these words on stderr.
+fn refuses(run: &Run, status: i32, words: &[&str]) {
+    assert_eq!(run.status, status, "{}", run.stderr);
+    assert_eq!(run.stdout, "", "stdout must stay empty");
+    for word in words {
+        assert!(
+            run.stderr.contains(word),
+            "`{word}` not in:\n{}",
+            run.stderr
+        );
+    }
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn write(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).display().to_string()
+}
+
+#[test]
+fn a_pass_is_0_with_equations_on_stdout() {
+    let run = identify(&[]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    assert!(run.stdout.contains("dx = -10 x + 10 y\n"), "{}", run.stdout);
+}
+
+#[test]
+fn quiet_leaves_notes_out() {
+    let args = ["identify", "models/sir.sid", "models/data/sir_a.csv", "-q"];
+    let run = sidc(&args);
+    assert!(!run.stderr.contains("note["), "{}", run.stderr);
+}
+
+#[test]
+fn a_doubt_is_3_with_equations_and_reasons() {
+    let data = "models/data/lotka_volterra.csv";
+    let run = sidc(&["identify", "models/lotka_volterra.sid", data]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    assert!(run.stdout.contains("dhare = "), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("doubt[few-rows]: 21 noisy rows"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn an_equation_that_is_not_found_is_3_and_named() {
+    let folder = folder();
+    let model = write(folder.path(), "still.sid", "state x\ndx ~ <x, x^2>\n");
+    let data = write(
+        folder.path(),
+        "still.csv",
+        "t,x,dx\n0,1,0\n1,1,0\n2,1,0\n3,1,0\n",
+    );
+    let run = sidc(&["identify", &model, &data]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    assert!(
+        run.stdout.contains("dx: not found\n    failed[no-motion]"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn wrong_usage_is_2() {
+    refuses(&sidc(&["identfy"]), 2, &["identfy", "identify"]);
+    refuses(&sidc(&["identify"]), 2, &["<FILES>"]);
+    refuses(&identify(&["--samples", "0"]), 2, &["--samples"]);
+    refuses(&identify(&["--samples", "many"]), 2, &["many"]);
+    refuses(&identify(&["--param", "m"]), 2, &["name=value"]);
+    refuses(
+        &identify(&["--param", "m=heavy"]),
+        2,
+        &["`heavy` is not a number"],
+    );
+}
+
+#[test]
+fn an_unknown_solver_is_2_with_a_suggestion() {
+    refuses(
+        &identify(&["--solver", "clarabell"]),
+        2,
+        &["did you mean `clarabel`"],
+    );
+    refuses(
+        &identify(&["--solver", "magic"]),
+        2,
+        &["interior-point", "clarabel"],
+    );
+}
+
+#[test]
+fn windows_have_ends_or_not() {
+    for (window, rows) in [
+        ("2..4", 201),
+        ("..4", 401),
+        ("4..", 600),
+        ("..", 1000),
+        ("-1..4", 401),
+    ] {
+        let run = identify(&[&format!("--window={window}")]);
+        let head = format!("lorenz: {rows} rows from lorenz.csv\n");
+        assert!(
+            run.stdout.starts_with(&head),
+            "{window}: {}{}",
+            run.stdout,
+            run.stderr
+        );
+    }
+    refuses(&identify(&["--window=4"]), 2, &["A..B"]);
+    refuses(&identify(&["--window=4..2"]), 2, &["4 is not before 2"]);
+    refuses(&identify(&["--window=now..2"]), 2, &["`now` is not a time"]);
+    refuses(
+        &identify(&["--window=100..200"]),
+        1,
+        &["empty-window", "from t = 0"],
+    );
+}
+
+#[test]
+fn the_model_is_one_file_that_ends_in_sid() {
+    refuses(&sidc(&["identify", LORENZ[1]]), 1, &["no-model", ".sid"]);
+    refuses(&sidc(&["identify", LORENZ[0]]), 1, &["no-data"]);
+    let two = ["identify", LORENZ[0], "models/sir.sid", LORENZ[1]];
+    refuses(&sidc(&two), 1, &["several-models", "models/sir.sid"]);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let missing = ["identify", LORENZ[0], "models/data/lorentz.csv"];
+    refuses(
+        &sidc(&missing),
+        1,
+        &["unreadable-file", "models/data/lorentz.csv", "no such file"],
+    );
+    refuses(
+        &sidc(&["identify", LORENZ[0], "models/data"]),
+        1,
+        &["models/data: this is a folder"],
+    );
+    refuses(
+        &sidc(&["check", "models/none.sid"]),
+        1,
+        &["models/none.sid"],
+    );
+    let folder = folder();
+    let model = folder.path().join("latin.sid");
+    std::fs::write(&model, b"state x # \xe9\n").unwrap();
+    let latin = model.display().to_string();
+    refuses(&sidc(&["check", &latin]), 1, &["not UTF-8 at byte 10"]);
+}
+
+/// A pipe without a writer must not hang the program.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_at_once() {
+    let folder = folder();
+    let pipe = path(folder.path(), "pipe.csv");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    if !made.is_ok_and(|s| s.success()) {
+        return;
+    }
+    refuses(
+        &sidc(&["identify", LORENZ[0], &pipe]),
+        1,
+        &["not a regular file"],
+    );
+}
+
+#[test]
+fn the_same_command_gives_the_same_bytes() {
+    let drawn = ["--samples", "80", "--seed", "7", "--json"];
+    let (a, b) = (identify(&drawn), identify(&drawn));
+    assert_eq!(a.stdout, b.stdout);
+    let other = identify(&["--samples", "80", "--seed", "8", "--json"]);
+    assert_ne!(a.stdout, other.stdout);
+    let printed = identify(&["--samples", "80"]);
+    assert!(
+        printed.stdout.contains("1000 rows (80 drawn, seed 0)"),
+        "{}",
+        printed.stdout
+    );
+    assert!(
+        printed.stdout.contains("on 920 rows held out"),
+        "{}",
+        printed.stdout
+    );
+}
+
+fn result(folder: &Path) -> PathBuf {
+    let out = folder.join("result.json");
+    let run = identify(&["-o", &out.display().to_string()]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    out
+}
+
+#[test]
+fn the_document_is_the_same_in_a_file_and_on_stdout() {
+    let folder = folder();
+    let written = std::fs::read_to_string(result(folder.path())).unwrap();
+    assert!(
+        written.starts_with("{\n  \"sidc_result\": 1,\n"),
+        "{written}"
+    );
+    assert_eq!(identify(&["--json"]).stdout, written);
+    let here = root().display().to_string();
+    assert!(!written.contains(&here), "no absolute paths in results");
+}
+
+#[test]
+fn paths_do_not_change_the_document() {
+    let absolute = LORENZ.map(|f| root().join(f).display().to_string());
+    let folder = folder();
+    let away = sidc_in(
+        folder.path(),
+        &["identify", &absolute[0], &absolute[1], "--json"],
+    );
+    assert_eq!(away.stdout, identify(&["--json"]).stdout);
+}
+
+#[test]
+fn a_result_exports_to_every_target() {
+    let folder = folder();
+    let document = result(folder.path()).display().to_string();
+    for (target, words) in [
+        ("text", "dx = -10 x + 10 y"),
+        ("latex", r"\dot{x} &= -10 x + 10 y"),
+        ("rust", "pub fn derivatives(t: f64, state: &[f64; 3]"),
+    ] {
+        let run = sidc(&["export", &document, "--to", target]);
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        assert!(run.stdout.contains(words), "{target}: {}", run.stdout);
+        let out = path(folder.path(), target);
+        assert_eq!(
+            sidc(&["export", &document, "--to", target, "-o", &out]).stdout,
+            ""
+        );
+        assert_eq!(std::fs::read_to_string(&out).unwrap(), run.stdout);
+    }
+    let unknown = sidc(&["export", &document, "--to", "latx"]);
+    refuses(&unknown, 1, &["unknown-target", "did you mean `latex`"]);
+}
+
+#[test]
+fn results_that_are_none_are_refused() {
+    let folder = folder();
+    let document = std::fs::read_to_string(result(folder.path())).unwrap();
+    let cases = [
+        (
+            "newer",
+            document.replacen("_result\": 1", "_result\": 2", 1),
+            vec!["result-newer", "version 2"],
+        ),
+        (
+            "cut",
+            document[..document.len() / 2].to_string(),
+            vec!["result-not-json"],
+        ),
+        (
+            "other",
+            "{\"a\": 1}\n".to_string(),
+            vec!["result-unknown", "sidc_result"],
+        ),
+        (
+            "term",
+            document.replacen("\"term\": \"x\"", "\"term\": \"xx\"", 1),
+            vec!["result-damaged", "xx"],
+        ),
+        (
+            "number",
+            document.replacen("\"coefficient\": ", "\"coefficient\": \"a\", \"b\": ", 1),
+            vec!["result-damaged"],
+        ),
+    ];
+    for (name, text, words) in cases {
+        let path = write(folder.path(), &format!("{name}.json"), &text);
+        let run = sidc(&["export", &path, "--to", "text"]);
+        refuses(&run, 1, &words);
+        assert!(
+            run.stderr.contains(&format!("{name}.json")),
+            "{}",
+            run.stderr
+        );
+    }
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_1() {
+    let folder = folder();
+    let nowhere = path(folder.path(), "no/such/folder/result.json");
+    refuses(
+        &identify(&["-o", &nowhere]),
+        1,
+        &["unwritable-file", "result.json"],
+    );
+}
+
+/// A file is replaced by renaming; where the folder forbids it, the old one stays as it was.
+#[cfg(unix)]
+#[test]
+fn an_old_result_stays_whole_when_the_new_one_fails() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let out = write(folder.path(), "result.json", "old\n");
+    let mode =
+        |m| std::fs::set_permissions(folder.path(), std::fs::Permissions::from_mode(m)).unwrap();
+    mode(0o555);
+    let superuser = std::fs::write(folder.path().join("probe"), "").is_ok();
+    if !superuser {
+        refuses(&identify(&["-o", &out]), 1, &["unwritable-file"]);
+        assert_eq!(std::fs::read_to_string(&out).unwrap(), "old\n");
+    }
+    mode(0o755);
+    // A faulty model leaves an old result alone too.
+    let model = write(folder.path(), "bad.sid", "state x\ndx ~ <y>\n");
+    refuses(
+        &sidc(&["identify", &model, LORENZ[1], "-o", &out]),
+        1,
+        &["unknown-signal"],
+    );
+    assert_eq!(std::fs::read_to_string(&out).unwrap(), "old\n");
+}
+
+#[test]
+fn check_says_what_the_model_means() {
+    let run = sidc(&["check", LORENZ[0], LORENZ[1]]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    for words in [
+        "system lorenz",
+        "dx ~ 20 candidate terms",
+        "1000 rows",
+        "measured: x, y, z",
+    ] {
+        assert!(run.stdout.contains(words), "{}", run.stdout);
+    }
+    let terms = sidc(&["check", LORENZ[0], "--terms"]).stdout;
+    assert!(terms.contains("  x*y^2\n"), "{terms}");
+}
+
+#[test]
+fn fmt_rewrites_and_fmt_check_only_looks() {
+    let folder = folder();
+    let text = "state x\ndx~<x,x^2>\n";
+    let model = write(folder.path(), "m.sid", text);
+    refuses(
+        &sidc(&["fmt", "--check", &model]),
+        1,
+        &["m.sid", "sidc fmt"],
+    );
+    assert_eq!(std::fs::read_to_string(&model).unwrap(), text);
+    assert_eq!(sidc(&["fmt", &model]).status, 0);
+    assert_eq!(
+        std::fs::read_to_string(&model).unwrap(),
+        "state x\ndx ~ <x, x^2>\n"
+    );
+    assert_eq!(sidc(&["fmt", "--check", &model]).status, 0);
+}
+
+#[test]
+fn list_names_what_there_is() {
+    let text = sidc(&["list"]).stdout;
+    for name in [
+        "poly(",
+        "powers(",
+        "fourier(",
+        "lags(",
+        "sin",
+        "interior-point",
+        "clarabel",
+        "latex",
+        "rust",
+    ] {
+        assert!(text.contains(name), "{name}");
+    }
+}
+
+/// docs/command-line.md has a section for every subcommand and a line for every option.
+#[test]
+fn every_option_is_documented() {
+    let page = file("docs/command-line.md");
+    for command in ["check", "identify", "fmt", "export", "list"] {
+        assert!(page.contains(&format!("## `sidc {command}")), "{command}");
+        let help = sidc(&[command, "--help"]).stdout;
+        for option in help.split_whitespace().filter(|w| w.starts_with("--")) {
+            let name = option.trim_end_matches(|c: char| !c.is_alphanumeric());
+            let name = name.split(['=', '.']).next().unwrap();
+            if name != "--help" {
+                assert!(page.contains(name), "{command} {name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! What the documents show is what the program prints.
+//!
+//! Every block that follows `<!-- output: sidc … -->` is compared with a run; `SIDC_WRITE_DOCS=1 cargo test shown_outputs` writes
+//! them anew. Commands in ```console blocks are run too, so that none goes stale.
+
+use std::path::Path;
+
+use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
+
+const DOCUMENTS: [&str; 4] = [
+    "README.md",
+    "docs/guide.md",
+    "docs/command-line.md",
+    "models/README.md",
+];
+
+/// Relative difference that rounding may make in a coefficient of six digits.
+const SAME: f64 = 1e-5;
+
+/// Runs a command of a document; result documents go to and come from `folder`.
+fn run(command: &str, folder: &Path) -> Run {
+    let args: Vec<String> = command
+        .split_whitespace()
+        .skip(1)
+        .map(|a| match a.ends_with(".json") {
+            true => folder.join(a).display().to_string(),
+            false => a.to_string(),
+        })
+        .collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    sidc(&args)
+}
+
+/// Command of a marker line.
+fn marked(line: &str) -> Option<&str> {
+    let command = line.trim().strip_prefix("<!-- output: ")?;
+    command.strip_suffix(" -->")
+}
+
+/// The document with every shown output replaced by what the program says now, and the differences found on the way.
+fn renewed(name: &str, folder: &Path) -> (String, Vec<String>) {
+    let text = file(name);
+    let mut out = String::new();
+    let mut differences = Vec::new();
+    let mut lines = text.lines().peekable();
+    while let Some(line) = lines.next() {
+        out.push_str(&format!("{line}\n"));
+        if let Some(command) = line.strip_prefix("$ sidc ") {
+            let run = run(&format!("sidc {command}"), folder);
+            if !matches!(run.status, 0 | 3) {
+                differences.push(format!("{name}: {line}\n{}", run.stderr));
+            }
+        }
+        let Some(command) = marked(line) else {
+            continue;
+        };
+        assert_eq!(lines.next(), Some("```text"), "{name}: {line}");
+        let shown: Vec<&str> = lines.by_ref().take_while(|l| *l != "```").collect();
+        let run = run(command, folder);
+        if let Some(why) = difference(&shown, &run.stdout) {
+            differences.push(format!("{name}: {command}\n{why}\n{}", run.stderr));
+        }
+        out.push_str(&format!("```text\n{}```\n", run.stdout));
+    }
+    (out, differences)
+}
+
+/// The first line that differs by more than rounding.
+fn difference(shown: &[&str], printed: &str) -> Option<String> {
+    let printed: Vec<&str> = printed.lines().collect();
+    for i in 0..shown.len().max(printed.len()) {
+        let (a, b) = (shown.get(i).copied(), printed.get(i).copied());
+        if !matches!((a, b), (Some(a), Some(b)) if alike(a, b)) {
+            return Some(format!("  shown:   {a:?}\n  printed: {b:?}"));
+        }
+    }
+    None
+}
+
+fn alike(shown: &str, printed: &str) -> bool {
+    if shown == printed || (is_proof_by_tolerance(shown) && is_proof_by_tolerance(printed)) {
+        return true;
+    }
+    let (a, b) = (pieces(shown), pieces(printed));
+    let mut before = String::new();
+    a.len() == b.len()
+        && a.iter().zip(&b).all(|pair| match pair {
+            (Piece::Words(a), Piece::Words(b)) => {
+                before.clone_from(a);
+                a == b
+            }
+            (Piece::Number(a), Piece::Number(b)) => is_figure(shown, a, &before) || near(a, b),
+            _ => false,
+        })
+}
+
+fn near(a: &str, b: &str) -> bool {
+    let (a, b): (f64, f64) = (a.parse().unwrap(), b.parse().unwrap());
+    (a - b).abs() <= SAME * a.abs().max(b.abs())
+}
+
+#[test]
+fn shown_outputs_are_what_the_program_prints() {
+    let write = std::env::var_os("SIDC_WRITE_DOCS").is_some();
+    let mut differences = Vec::new();
+    for name in DOCUMENTS {
+        let folder = tempfile::tempdir().unwrap();
+        let (text, found) = renewed(name, folder.path());
+        if write {
+            std::fs::write(root().join(name), text).unwrap();
+        }
+        differences.extend(found);
+    }
+    assert!(
+        differences.is_empty() || write,
+        "outputs in the documents differ; `SIDC_WRITE_DOCS=1 cargo test shown_outputs` writes them anew\n{}",
+        differences.join("\n")
+    );
+}
+
+#[test]
+fn rounding_is_no_difference_and_words_are() {
+    assert!(alike("dx = 1.29032 x", "dx = 1.29033 x"));
+    assert!(!alike("dx = 1.29032 x", "dx = 1.29132 x"));
+    assert!(!alike("dx = 1.29032 x", "dx = 1.29032 y"));
+    let line = |gap: &str, rank: u8| format!("    proved (gap {gap}, rank {rank} of 4)");
+    assert!(alike(&line("1.3e-11", 4), &line("7e-13", 4)));
+    assert!(!alike(&line("1.3e-11", 4), &line("1.3e-11", 3)));
+}
+
+/// Links from one document to another, and to headings inside them, lead somewhere.
+#[test]
+fn links_lead_somewhere() {
+    let mut pages: Vec<String> = ["README.md", "ARCHITECTURE.md", "models/README.md"]
+        .map(String::from)
+        .to_vec();
+    for entry in std::fs::read_dir(root().join("docs")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.ends_with(".md") {
+            pages.push(format!("docs/{name}"));
+        }
+    }
+    for page in pages {
+        let text = file(&page);
+        let folder = root().join(&page).parent().unwrap().to_path_buf();
+        for link in text.split("](").skip(1).filter_map(|r| r.split(')').next()) {
+            if link.contains("://") {
+                continue;
+            }
+            let (path, heading) = link.split_once('#').unwrap_or((link, ""));
+            let goal = if path.is_empty() {
+                root().join(&page)
+            } else {
+                folder.join(path)
+            };
+            assert!(goal.exists(), "{page} links to {link}");
+            if !heading.is_empty() {
+                let text = std::fs::read_to_string(&goal).unwrap();
+                assert!(
+                    text.lines().any(|l| anchor(l) == heading),
+                    "{page} links to {link}"
+                );
+            }
+        }
+    }
+}
+
+/// A heading as links name it.
+fn anchor(line: &str) -> String {
+    if !line.starts_with('#') {
+        return String::new();
+    }
+    line.trim_start_matches('#')
+        .trim()
+        .to_lowercase()
+        .chars()
+        .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'))
+        .map(|c| if c == ' ' { '-' } else { c })
+        .collect()
+}

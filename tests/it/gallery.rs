@@ -1,0 +1,238 @@
+//! The gallery keeps its word: every model in models/ is laid out, checks, and gives the equations of its header.
+//!
+//! The header's lines: `# Data:` the tables; `# Expected:` an equation a line; `# Within:` the relative error allowed if it is
+//! not 0.1 %; `# Doubts:` the codes of the reasons to be expected, for models that do not pass.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde_json::Value;
+use sidc::lang::model::RightSide;
+use sidc::lang::source::Sources;
+use sidc::library::known_terms;
+use sidc::pipeline;
+use sidc::term::Language;
+
+use super::lang::texts_in;
+use super::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
+
+/// Relative error of a coefficient where the header says nothing.
+const USUAL: f64 = 1e-3;
+
+type Equations = BTreeMap<String, BTreeMap<String, f64>>;
+
+struct Header {
+    data: Vec<String>,
+    /// Target and right side.
+    expected: Vec<(String, String)>,
+    within: f64,
+    doubts: BTreeSet<String>,
+}
+
+impl Header {
+    fn of(name: &str, text: &str) -> Header {
+        let comments: Vec<&str> = text
+            .lines()
+            .skip_while(|l| !l.starts_with('#'))
+            .take_while(|l| l.starts_with('#'))
+            .collect();
+        let entry = |key: &str| {
+            comments
+                .iter()
+                .find_map(|l| l.strip_prefix(key))
+                .map(str::trim)
+        };
+        let data: Vec<String> = entry("# Data:")
+            .unwrap_or_default()
+            .split([' ', ','])
+            .filter(|w| w.ends_with(".csv"))
+            .map(String::from)
+            .collect();
+        Header {
+            data: if data.is_empty() {
+                vec![format!("models/data/{name}.csv")]
+            } else {
+                data
+            },
+            expected: comments
+                .iter()
+                .skip_while(|l| !l.starts_with("# Expected:"))
+                .map(|l| {
+                    l.trim_start_matches("# Expected:")
+                        .trim_start_matches('#')
+                        .trim()
+                })
+                .filter_map(|l| l.split_once(" = "))
+                .map(|(target, right)| (target.trim().into(), right.into()))
+                .collect(),
+            within: entry("# Within:").map_or(USUAL, |w| {
+                let figure = w.split('%').next().unwrap_or_default().trim();
+                figure.parse::<f64>().unwrap() / 100.0
+            }),
+            doubts: entry("# Doubts:")
+                .unwrap_or_default()
+                .split([' ', ','])
+                .filter(|w| !w.is_empty())
+                .map(String::from)
+                .collect(),
+        }
+    }
+}
+
+fn identified(name: &str, header: &Header) -> (Run, Value) {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("result.json").display().to_string();
+    let model = format!("models/{name}.sid");
+    let mut args = vec!["identify", &model];
+    args.extend(header.data.iter().map(String::as_str));
+    args.extend(["-o", &out]);
+    let run = sidc(&args);
+    let text = std::fs::read_to_string(&out).unwrap_or_else(|_| panic!("{name}: {}", run.stderr));
+    (run, serde_json::from_str(&text).unwrap())
+}
+
+/// Targets and right sides of the equations found, as text.
+fn found(document: &Value) -> Vec<(String, String)> {
+    let term = |t: &Value| format!("({})*({})", t["coefficient"], t["term"].as_str().unwrap());
+    let equations = document["equations"].as_array().unwrap();
+    equations
+        .iter()
+        .map(|e| {
+            let terms: Vec<String> = e["terms"].as_array().unwrap().iter().map(term).collect();
+            (e["target"].as_str().unwrap().into(), terms.join(" + "))
+        })
+        .collect()
+}
+
+/// Right sides in the normal form of the program: a model of the same variables that states each as a known output, since a
+/// target may stand on its own right side.
+fn normal(equations: &[(String, String)], document: &Value) -> Equations {
+    let discrete = document["time"] == "discrete";
+    let mut text = String::new();
+    for v in document["variables"].as_array().unwrap() {
+        let (kind, name) = (v["kind"].as_str().unwrap(), v["name"].as_str().unwrap());
+        text.push_str(&match (kind, v["order"].as_u64().unwrap()) {
+            ("state", n) if !discrete => format!("state {name} : order {n}\n"),
+            _ => format!("{kind} {name}\n"),
+        });
+    }
+    for (i, (_, right)) in equations.iter().enumerate() {
+        text.push_str(&format!("output right_{i}\nright_{i} = {right}\n"));
+    }
+    let mut sources = Sources::default();
+    let file = sources.add("header.sid", text.as_str());
+    let (model, said) = sidc::lang::compile(file, &sources, &pipeline::vocabulary());
+    let model =
+        model.unwrap_or_else(|| panic!("{text}{}", sidc::lang::render(&said, &sources, false)));
+    let mut out = Equations::new();
+    for ((target, _), e) in equations.iter().zip(&model.equations) {
+        let RightSide::Known(right) = &e.right else {
+            continue;
+        };
+        let terms = known_terms([right]);
+        let named = terms.iter().map(|(c, t)| (Language(&model).term(t), *c));
+        out.insert(target.clone(), named.collect());
+    }
+    out
+}
+
+/// What differs, in words; empty if nothing.
+fn compare(found: &Equations, expected: &Equations, within: f64) -> Vec<String> {
+    let mut out = Vec::new();
+    let targets: BTreeSet<&String> = found.keys().chain(expected.keys()).collect();
+    for target in targets {
+        let none = BTreeMap::new();
+        let (f, e) = (
+            found.get(target).unwrap_or(&none),
+            expected.get(target).unwrap_or(&none),
+        );
+        let terms: BTreeSet<&String> = f.keys().chain(e.keys()).collect();
+        for term in terms {
+            match (f.get(term), e.get(term)) {
+                (Some(a), Some(b)) if (a - b).abs() <= within * b.abs() => {}
+                (Some(a), Some(b)) => {
+                    out.push(format!("{target}: {a} {term}, expected {b}"));
+                }
+                (Some(a), None) => out.push(format!("{target}: {a} {term} is not expected")),
+                (None, b) => out.push(format!("{target}: {b:?} {term} is missing")),
+            }
+        }
+    }
+    out
+}
+
+fn doubts(document: &Value) -> BTreeSet<String> {
+    let all = ["equations", "failed"].map(|k| document[k].as_array().unwrap());
+    all.into_iter()
+        .flatten()
+        .flat_map(|e| e["reasons"].as_array().unwrap())
+        .map(|r| r["code"].as_str().unwrap().to_string())
+        .collect()
+}
+
+/// The terminal's text without what rounding decides: coefficients to four digits, figures of the evidence as `~`.
+fn reduced(text: &str) -> String {
+    text.lines().map(|line| reduced_line(line) + "\n").collect()
+}
+
+fn reduced_line(line: &str) -> String {
+    if is_proof_by_tolerance(line) {
+        return "    proved ~".into();
+    }
+    let mut before = String::new();
+    let each = pieces(line).into_iter().map(|piece| match piece {
+        Piece::Words(words) => {
+            before.clone_from(&words);
+            words
+        }
+        Piece::Number(n) if is_figure(line, &n, &before) => "~".into(),
+        Piece::Number(n) => sidc::emit::significant(n.parse().unwrap(), 4),
+    });
+    each.collect()
+}
+
+/// Everything about one model that is not as its header says.
+fn faults(name: &str, text: &str) -> Vec<String> {
+    let path = format!("models/{name}.sid");
+    let header = Header::of(name, text);
+    let mut faults = Vec::new();
+    for args in [vec!["fmt", "--check", &path], vec!["check", &path]] {
+        let run = sidc(&args);
+        if run.status != 0 {
+            faults.push(format!("{}: {}", args.join(" "), run.stderr));
+        }
+    }
+    let (run, document) = identified(name, &header);
+    faults.extend(compare(
+        &normal(&found(&document), &document),
+        &normal(&header.expected, &document),
+        header.within,
+    ));
+    let doubts = doubts(&document);
+    if doubts != header.doubts {
+        faults.push(format!("doubts {doubts:?}, expected {:?}", header.doubts));
+    }
+    if run.status != if doubts.is_empty() { 0 } else { 3 } {
+        faults.push(format!("status {}: {}", run.status, run.stderr));
+    }
+    insta::with_settings!({ omit_expression => true }, {
+        insta::assert_snapshot!(format!("gallery_{name}"), reduced(&run.stdout));
+    });
+    if !faults.is_empty() {
+        faults.push(run.stdout);
+    }
+    faults
+}
+
+#[test]
+fn every_model_gives_the_equations_of_its_header() {
+    let models = texts_in("models");
+    assert!(models.len() >= 20, "only {} models", models.len());
+    let mut all = String::new();
+    for (name, text) in models {
+        let found = faults(&name, &text);
+        if !found.is_empty() {
+            all.push_str(&format!("--- {name}\n{}\n", found.join("\n")));
+        }
+    }
+    assert!(all.is_empty(), "{all}");
+}
