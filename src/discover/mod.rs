@@ -2,6 +2,7 @@
 //!
 //! Knows solvers only by their trait. Never reads or prints.
 
+mod constraints;
 mod discovery;
 mod doubts;
 mod equation;
@@ -73,6 +74,7 @@ pub fn discover(
         return Err(bad);
     }
     mass::judge_together(&mut discovery, samples);
+    constraints::judge(&mut discovery, model);
     Ok(discovery)
 }
 
