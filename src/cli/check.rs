@@ -36,8 +36,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         let staged = pipeline::measure(&program, &tables, &args.params, (None, None), &mut sources);
         let measured = inputs::report(staged, &sources, Notes::Full)?;
         text.push_str(&format!(
-            "{} rows from {}\n",
-            measured.samples.len(),
+            "{} from {}\n",
+            counted(measured.samples.len(), "row", "rows"),
             super::identify::trajectories(&measured)
         ));
         text.push_str(&super::identify::signals_text(&program, &measured));
@@ -58,13 +58,17 @@ fn describe(program: &Program) -> String {
         text.push_str(&match library {
             None => format!("{target} is known\n"),
             Some(l) => format!(
-                "{target} ~ {} candidate terms; Φ takes {} kB per 100 rows\n",
-                l.len(),
+                "{target} ~ {}; Φ takes {} kB per 100 rows\n",
+                counted(l.len(), "candidate term", "candidate terms"),
                 (l.len() * 100 * 8).div_ceil(1000)
             ),
         });
     }
     text
+}
+
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 fn terms(program: &Program) -> String {

@@ -8,6 +8,7 @@ use super::{Failure, output, status};
 use crate::discover::{Discovery, Options, Reason};
 use crate::emit;
 use crate::lang::diagnostic::{Diagnostic, Severity, did_you_mean};
+use crate::lang::model::{Var, VarKind};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Measured, Program};
 use crate::result::{self, Settings, SignalEntry};
@@ -41,6 +42,9 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = parameter)]
     params: Vec<(String, Vec<f64>)>,
+    /// Standard deviation of a signal's measurement, in units of the model
+    #[arg(long = "noise", value_name = "theta=0.01", value_parser = noise)]
+    noise: Vec<(String, f64)>,
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,
@@ -63,7 +67,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ));
     }
     let mut warnings = said(&compiled.1);
-    let program = inputs::report(compiled, &sources, notes)?;
+    let mut program = inputs::report(compiled, &sources, notes)?;
+    set_noise(&mut program, &args.noise)?;
     let tables = inputs::tables(&files.data, &mut sources)?;
     let window = args.window.unwrap_or_default();
     let staged = pipeline::measure(&program, &tables, &args.params, window, &mut sources);
@@ -222,6 +227,36 @@ fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
         (Some(a), Some(b)) if a >= b => Err(format!("{a} is not before {b}")),
         ends => Ok(ends),
     }
+}
+
+/// `theta=0.01`
+fn noise(text: &str) -> Result<(String, f64), String> {
+    match parameter(text)? {
+        (name, values) if values.len() == 1 && values.iter().all(|x| *x > 0.0) => {
+            Ok((name, values.iter().sum()))
+        }
+        _ => Err("a noise is one number above 0, a standard deviation".into()),
+    }
+}
+
+/// What the command line says of the sensors holds over the model.
+fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
+    let measured = |v: &Var| !matches!(v.kind, VarKind::Time | VarKind::Param);
+    for (name, sigma) in noise {
+        let vars = &mut program.model.vars;
+        if let Some(var) = vars.iter_mut().find(|v| v.name == *name && measured(v)) {
+            var.noise = Some(*sigma);
+            continue;
+        }
+        let names = vars.iter().filter(|v| measured(v)).map(|v| v.name.as_str());
+        let hint = did_you_mean(name, names.clone())
+            .map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+        return Err(Failure::new(format!(
+            "error[unknown-noise]: --noise {name}: the model measures no signal of this name{hint}\n  = measured: {}",
+            names.collect::<Vec<_>>().join(", ")
+        )));
+    }
+    Ok(())
 }
 
 /// `m=0.3,0.5`

@@ -309,7 +309,8 @@ fn wrapped(
                 Diagnostic::warning(
                     "wrapped-angle",
                     format!(
-                        "{name}: {what} jumps by about {text} at {count} rows: a wrapped angle?"
+                        "{name}: {what} jumps by about {text} at {count} row{}: a wrapped angle?",
+                        if count == 1 { "" } else { "s" }
                     ),
                 )
                 .fact(format!(

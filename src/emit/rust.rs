@@ -160,12 +160,42 @@ fn outputs(d: &Discovery, form: &Form, code: &Code) -> String {
         arguments(form)
     );
     out.push_str(&bindings(form, code, &|s| mentioned(&all, s)));
+    out.push_str(&highest_derivatives(form, code, &|s| mentioned(&all, s)));
     let entries: Vec<String> = all
         .iter()
         .map(|w| format!("        {},\n", code.sum(w)))
         .collect();
     out.push_str(&format!("    [\n{}    ]\n}}\n", entries.concat()));
     out
+}
+
+/// What an output takes from the equations of motion: an accelerometer measures the highest derivative.
+fn highest_derivatives(form: &Form, code: &Code, used: &dyn Fn(Signal) -> bool) -> String {
+    let needed: Vec<String> = form
+        .rates
+        .iter()
+        .enumerate()
+        .filter_map(|(i, rate)| match rate {
+            Rate::Unknown(j) => Some((i, *form.unknowns.get(*j)?)),
+            Rate::State(_) => None,
+        })
+        .filter(|(_, s)| used(*s))
+        .map(|(i, s)| format!("    let {} = rate[{i}];\n", code.names.get(s)))
+        .collect();
+    if needed.is_empty() {
+        return String::new();
+    }
+    let groups = [
+        (", input", form.inputs.len()),
+        (", parameter", form.params.len()),
+        (", history", form.history.len()),
+    ];
+    let rest = groups.iter().filter(|(_, n)| *n > 0).map(|(name, _)| *name);
+    format!(
+        "    let rate = derivatives(t, state{});\n{}",
+        rest.collect::<String>(),
+        needed.concat()
+    )
 }
 
 fn mentioned(all: &[&Weighted], s: Signal) -> bool {
@@ -214,11 +244,17 @@ const RESERVED: &[&str] = &[
     "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "self", "Self", "static", "struct",
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
     "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "f64", "N", "t", "state", "input", "parameter", "history", "unknown",
-    "mass", "force", "solve", "derivatives", "next", "outputs",
+    "mass", "force", "rate", "solve", "derivatives", "next", "outputs",
 ];
 
 fn identifiers(d: &Discovery, form: &Form) -> Identifiers {
-    let groups = [&form.state, &form.inputs, &form.params, &form.history];
+    let groups = [
+        &form.state,
+        &form.inputs,
+        &form.params,
+        &form.history,
+        &form.unknowns,
+    ];
     let signals = groups.into_iter().flatten().map(|s| (*s, d.name(*s)));
     Identifiers::new(signals, RESERVED)
 }

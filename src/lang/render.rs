@@ -10,13 +10,18 @@ use codespan_reporting::term::termcolor::{Ansi, NoColor, WriteColor};
 use codespan_reporting::term::{self, Config};
 
 use super::diagnostic::{Diagnostic, Severity};
-use super::source::{FileId, Source, Sources};
+use super::source::{FileId, Source, Sources, printable};
 
 /// Widest line of a message; longer facts are wrapped.
 const WIDTH: usize = 110;
 
-/// All findings, one after another, each followed by an empty line.
+/// Most findings of one severity shown; a file with more has one mistake made many times.
+const MOST: usize = 50;
+
+/// All findings, one after another, each followed by an empty line; of very many the first, and their number.
 pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> String {
+    let sources = &sources.printable();
+    let diagnostics = &first_of_each(diagnostics);
     if colour {
         write_all(
             Ansi::new(Vec::new()),
@@ -32,6 +37,29 @@ pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> St
             NoColor::into_inner,
         )
     }
+}
+
+/// The first [`MOST`] of each severity; the last of them says how many were left out.
+fn first_of_each(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
+    let mut counts = std::collections::BTreeMap::new();
+    let mut shown = Vec::new();
+    for d in diagnostics {
+        let count = counts.entry(d.severity).or_insert(0);
+        *count += 1;
+        if *count > MOST {
+            continue;
+        }
+        let mut d = d.clone();
+        if *count == MOST {
+            let all = diagnostics.iter().filter(|o| o.severity == d.severity);
+            match all.count() - MOST {
+                0 => {}
+                more => d.notes.push(format!("and {more} more after this one")),
+            }
+        }
+        shown.push(d);
+    }
+    shown
 }
 
 fn write_all<W: WriteColor>(
@@ -82,14 +110,20 @@ fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
             l.span.file,
             visible(l.span.start..l.span.end, sources.get(l.span.file)),
         )
-        .with_message(&l.text)
+        .with_message(printable(&l.text))
     });
-    let help = d.help.iter().map(|h| wrap("help: ", h));
+    let help = d.help.iter().map(|h| wrap("help: ", &printable(h)));
     report::Diagnostic::new(severity)
         .with_code(d.code)
-        .with_message(&d.message)
+        .with_message(printable(&d.message))
         .with_labels(labels.collect())
-        .with_notes(d.notes.iter().map(|n| wrap("", n)).chain(help).collect())
+        .with_notes(
+            d.notes
+                .iter()
+                .map(|n| wrap("", &printable(n)))
+                .chain(help)
+                .collect(),
+        )
 }
 
 /// The range, inside its text and on character boundaries.

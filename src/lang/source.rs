@@ -70,10 +70,34 @@ impl Sources {
         self.files.get(id.0 as usize)
     }
 
+    /// The same texts, byte for byte as long, without characters that would steer a terminal.
+    pub fn printable(&self) -> Sources {
+        let files = self.files.iter().map(|f| Source {
+            name: printable(&f.name),
+            text: printable(&f.text),
+            first_line: f.first_line,
+        });
+        Sources {
+            files: files.collect(),
+        }
+    }
+
     /// The text under a span; empty if the span is not of these sources.
     pub fn slice(&self, span: Span) -> &str {
         self.get(span.file)
             .and_then(|f| f.text.get(span.start..span.end))
             .unwrap_or("")
     }
+}
+
+/// Control characters but for line ends and tabs replaced by `?` or, where they take two bytes, by `¿`.
+pub fn printable(text: &str) -> String {
+    text.chars()
+        .map(|c| match c {
+            '\n' | '\r' | '\t' => c,
+            c if c.is_control() && c.len_utf8() == 1 => '?',
+            c if c.is_control() => '¿',
+            c => c,
+        })
+        .collect()
 }

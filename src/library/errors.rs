@@ -27,18 +27,22 @@ pub(super) fn misuse(name_span: Span, usage: &str, m: Misuse) -> Diagnostic {
     d.help(m.help)
 }
 
-pub(super) fn removes_nothing(span: Span, left: &str, right: &str) -> Diagnostic {
-    Diagnostic::error(
+/// `single` holds both sides as text where each is one term, so that a difference of numbers may be meant.
+pub(super) fn removes_nothing(span: Span, single: Option<(&str, &str)>) -> Diagnostic {
+    let d = Diagnostic::error(
         "difference-removes-nothing",
         "this `-` removes nothing: none of the terms on its right are on its left",
     )
     .at(
         span,
         "outside `< >`, `A - B` is the set A without the terms of B",
-    )
-    .help(format!(
-        "for the number {left} − {right} write `<{left} - {right}>`"
-    ))
+    );
+    match single {
+        Some((left, right)) => d.help(format!(
+            "for the number {left} − {right} write `<{left} - {right}>`"
+        )),
+        None => d.help("leave it out; `sidc check --terms` lists the terms"),
+    }
 }
 
 pub(super) fn needs_one_term(span: Span, operator: &str, found: usize) -> Diagnostic {

@@ -1,6 +1,5 @@
 //! Set algebra on terms: one function an operation, sizes checked before each.
 
-use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 use super::{MAX_TERMS, errors, generator};
@@ -8,11 +7,6 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{LibExpr, LibKind, Model, NumberArg};
 use crate::lang::source::Span;
 use crate::term::{Expr, Language, Signal, Term};
-
-/// Low degree first, then the order of terms: how libraries are stored and printed.
-pub(super) fn simplest_first(a: &Term, b: &Term) -> Ordering {
-    a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
-}
 
 /// One expansion: the equation it is for, and what was found wrong on the way. `None` means an error was reported.
 pub(super) struct Expansion<'a> {
@@ -42,8 +36,7 @@ impl<'a> Expansion<'a> {
         if terms.is_empty() {
             return self.fail(errors::empty(e.span));
         }
-        // Sets are sorted by term, and the sort is stable: this is the order of `simplest_first`. Degrees are not negative, so
-        // their bits are in their order.
+        // Sets come in the order of terms, and this sort is stable; degrees are never negative, so their bits are ordered.
         terms.sort_by_cached_key(|t| t.degree().to_bits());
         Some(terms)
     }
@@ -109,6 +102,7 @@ impl<'a> Expansion<'a> {
     /// Numbers stay here: `fourier(1.2*t; 1)` needs them; a generator that multiplies atoms drops them.
     fn atoms(&mut self, span: Span, args: &[LibExpr]) -> Option<Vec<Expr>> {
         let mut atoms: Vec<Expr> = Vec::new();
+        let mut seen = BTreeSet::new();
         let bare = Expr::signal(self.target);
         for arg in args {
             let found = match &arg.kind {
@@ -118,7 +112,7 @@ impl<'a> Expansion<'a> {
             for atom in found {
                 if atom == bare {
                     self.note_target(span);
-                } else if !atoms.contains(&atom) {
+                } else if seen.insert(atom.clone()) {
                     atoms.push(atom);
                 }
             }
@@ -133,12 +127,13 @@ impl<'a> Expansion<'a> {
         // Taking the target out of a shared library is no mistake, though it was dropped before.
         let takes_target = right.contains(&Term::signal(self.target));
         if kept.len() == left.len() && !takes_target {
-            let show = |set: &[Term], whole: &str| match set {
-                [one] => Language(self.model).term(one),
-                _ => whole.to_string(),
+            let language = Language(self.model);
+            let single = match (left.as_slice(), right.as_slice()) {
+                ([a], [b]) => Some((language.term(a), language.term(b))),
+                _ => None,
             };
-            let d = errors::removes_nothing(span, &show(&left, "A"), &show(&right, "B"));
-            return self.fail(d);
+            let single = single.as_ref().map(|(a, b)| (a.as_str(), b.as_str()));
+            return self.fail(errors::removes_nothing(span, single));
         }
         Some(kept)
     }
@@ -209,9 +204,8 @@ impl<'a> Expansion<'a> {
     }
 }
 
-/// Sorted by term, each once. The stable sort profits from the runs that products come in.
 fn distinct(mut terms: Vec<Term>) -> Vec<Term> {
-    terms.sort();
+    terms.sort_unstable();
     terms.dedup();
     terms
 }

@@ -36,13 +36,6 @@ impl Library {
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()
     }
-
-    /// Place of a term, if it is a candidate.
-    pub fn position(&self, term: &Term) -> Option<usize> {
-        self.terms
-            .binary_search_by(|t| expand::simplest_first(t, term))
-            .ok()
-    }
 }
 
 /// A family of terms made from atoms and numbers: one file and one line in [`GENERATORS`].

@@ -4,6 +4,7 @@ use super::{Document, EquationEntry, TimeKind, VERSION};
 use crate::discover::{Discovery, Equation, Failed, FoundTerm};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{LibKind, RightSide};
+use crate::lang::parse::token::is_name;
 use crate::lang::source::Sources;
 use crate::lang::{self, Vocabulary};
 use crate::term::{SignalNames, Term};
@@ -26,6 +27,7 @@ pub fn read(name: &str, text: &str) -> Result<Discovery, Diagnostic> {
 }
 
 fn discovery(name: &str, doc: &Document) -> Result<Discovery, Diagnostic> {
+    plain_words(name, doc)?;
     let mut sources = Sources::default();
     let file = sources.add(name, as_model(doc));
     let vocabulary = Vocabulary { generators: vec![] };
@@ -35,6 +37,13 @@ fn discovery(name: &str, doc: &Document) -> Result<Discovery, Diagnostic> {
         let why = first.map_or_else(String::new, |d| d.message.clone());
         return Err(damaged(name, &why));
     };
+    let asked = doc.equations.len() + doc.failed.len();
+    if model.equations.len() != asked || model.vars.len() != doc.variables.len() + 1 {
+        return Err(damaged(
+            name,
+            "its names and terms are not one declaration and one equation each",
+        ));
+    }
     let mut d = Discovery::of(&model);
     d.system = doc.system.clone();
     d.discrete = doc.time == TimeKind::Discrete;
@@ -62,6 +71,39 @@ fn discovery(name: &str, doc: &Document) -> Result<Discovery, Diagnostic> {
         }
     }
     Ok(d)
+}
+
+/// Every piece of text that becomes part of a model is what it claims to be, and nothing else: a name is a word, and no term or
+/// target can end its statement.
+fn plain_words(name: &str, doc: &Document) -> Result<(), Diagnostic> {
+    let names = doc.variables.iter().map(|v| &v.name).chain(&doc.system);
+    for text in names {
+        if !is_name(text) {
+            return Err(damaged(name, &format!("{text:?} is no name")));
+        }
+    }
+    const KINDS: [&str; 4] = ["state", "input", "output", "param"];
+    if let Some(v) = doc
+        .variables
+        .iter()
+        .find(|v| !KINDS.contains(&v.kind.as_str()))
+    {
+        let why = format!("{:?} is no kind of variable", v.kind);
+        return Err(damaged(name, &why));
+    }
+    let targets = doc.equations.iter().map(|e| &e.target);
+    let written = targets
+        .chain(doc.failed.iter().map(|f| &f.target))
+        .chain(doc.equations.iter().flat_map(|e| &e.terms).map(|t| &t.term));
+    for text in written {
+        if text
+            .chars()
+            .any(|c| c.is_control() || "#~=;{}\"".contains(c))
+        {
+            return Err(damaged(name, &format!("{text:?} is no term")));
+        }
+    }
+    Ok(())
 }
 
 /// A model that declares the document's variables and lists its terms, so that the one parser reads them.

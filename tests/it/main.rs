@@ -8,6 +8,7 @@ mod data;
 mod docs;
 mod emit;
 mod gallery;
+mod hostile_results;
 mod lang;
 mod library;
 mod measured;

@@ -207,7 +207,10 @@ pub fn read(
         }
         if row == 0 && is_units_row(&table) {
             let span = place(sources, line, line_text, (0, line_text.len()));
-            errors.add(|| refusals::units_row(span));
+            errors.add(|| {
+                refusals::unknown_separator(span, line_text)
+                    .unwrap_or_else(|| refusals::units_row(span))
+            });
         }
     }
     // Spreadsheets leave lines of bare separators at the end.

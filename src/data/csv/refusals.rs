@@ -274,6 +274,32 @@ pub(super) fn units_row(row: Span) -> Diagnostic {
     .help("delete this line, or put a # in front of it")
 }
 
+/// A first row of numbers that no known separator parts, and what seems to part them.
+pub(super) fn unknown_separator(row: Span, text: &str) -> Option<Diagnostic> {
+    let parted = |by: &dyn Fn(char) -> bool| {
+        let cells: Vec<&str> = text.split(by).filter(|c| !c.trim().is_empty()).collect();
+        cells.len() > 1 && cells.iter().all(|c| c.trim().parse::<f64>().is_ok())
+    };
+    let what = if parted(&char::is_whitespace) {
+        "spaces"
+    } else if parted(&|c| c == '|') {
+        "`|`"
+    } else {
+        return None;
+    };
+    Some(
+        Diagnostic::error(
+            "unknown-separator",
+            format!("{what} between the columns: a table has commas, semicolons or tabs"),
+        )
+        .at(row, "several numbers in one cell")
+        .help(match what {
+            "spaces" => "sed 's/^ *//; s/  */,/g' FILE, if no header contains a space",
+            _ => "sed 's/|/,/g' FILE, if no cell contains a comma",
+        }),
+    )
+}
+
 pub(super) fn open_quote(at: Span) -> Diagnostic {
     Diagnostic::error("open-quote", "a quote is not closed on its line")
         .at(at, "opened here")

@@ -74,6 +74,11 @@ pub fn is_blank(c: char) -> bool {
     matches!(c, ' ' | '\t' | '\r' | '\u{A0}' | '\u{FEFF}')
 }
 
+/// True if a text can be a name.
+pub fn is_name(text: &str) -> bool {
+    text.starts_with(starts_name) && text.chars().all(continues_name)
+}
+
 fn starts_name(c: char) -> bool {
     c.is_alphabetic() || c == '_'
 }

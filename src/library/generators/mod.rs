@@ -37,7 +37,7 @@ fn whole_range(
     if !whole(n.from) || !whole(n.to) || n.from > n.to {
         return Err(Misuse {
             message: format!(
-                "the {what} must be a whole number from {least} up, or a rising range such as 1..3"
+                "the {what} must be a whole number from {least} to {LARGEST}, or a rising range such as 1..3"
             ),
             at: Some(n.span),
             help: format!("write {usage}"),
@@ -60,42 +60,46 @@ fn whole(numbers: &[NumberArg], what: &str, least: u32, usage: &str) -> Result<u
     }
 }
 
-/// Atoms as factors of products, sorted; their numbers go into the coefficients.
+/// Atoms as factors of products; their numbers go into the coefficients.
 fn factors(atoms: &[Expr]) -> Vec<Term> {
-    let mut terms: Vec<Term> = Vec::with_capacity(atoms.len());
-    for atom in atoms {
-        let (_, term) = atom.clone().into_term();
-        if !term.is_one() {
-            terms.push(term);
-        }
-    }
-    terms.sort();
+    let mut terms: Vec<Term> = atoms.iter().map(|a| a.clone().into_term().1).collect();
+    terms.retain(|t| !t.is_one());
+    terms.sort_unstable();
     terms.dedup();
     terms
 }
 
-/// `base^p` for p = 1, …, cap.
-fn power_table(base: &Term, cap: u32) -> Vec<Term> {
-    (1..=cap).map(|p| base.pow(f64::from(p))).collect()
+/// Every product of powers of the atoms with each exponent up to `each` and their sum in `total`, in the order of terms, so
+/// that sorting them costs nothing.
+fn monomials(atoms: &[Expr], each: u32, total: (u32, u32)) -> Vec<Term> {
+    let powers: Vec<Vec<Term>> = factors(atoms)
+        .iter()
+        .map(|f| {
+            (1..=each.min(total.1))
+                .map(|p| f.pow(f64::from(p)))
+                .collect()
+        })
+        .collect();
+    let mut out = Vec::new();
+    extend(&mut out, Term::one(), 0, &powers, total);
+    out
 }
 
-/// All products of powers of `factors`, each up to `cap`, with their degrees; `total` limits the degree.
-///
-/// Built from the last factor to the first, so that the terms of plain factors come out in the order of terms: 1, then the
-/// powers of the first factor with all that follows, then all without it.
-fn products(factors: &[Term], cap: u32, total: Option<u32>) -> Vec<(Term, u32)> {
-    let mut done = vec![(Term::one(), 0)];
-    for factor in factors.iter().rev() {
-        let table = power_table(factor, cap);
-        let mut all = vec![(Term::one(), 0)];
-        for (power, raised) in (1..).zip(&table) {
-            let fitting = done
-                .iter()
-                .filter(|(_, degree)| total.is_none_or(|t| degree + power <= t));
-            all.extend(fitting.map(|(t, degree)| (raised.mul(t), degree + power)));
-        }
-        all.extend(done.into_iter().skip(1));
-        done = all;
+/// `prefix`, and its products with the powers of the factors that are left. As deep as a product has factors, which the limit
+/// on the number of terms keeps small.
+fn extend(out: &mut Vec<Term>, prefix: Term, degree: u32, powers: &[Vec<Term>], total: (u32, u32)) {
+    let room = (total.1 - degree) as usize;
+    let at = (degree >= total.0).then_some(out.len());
+    if at.is_some() {
+        out.push(Term::one());
     }
-    done
+    for (i, of_one) in powers.iter().enumerate() {
+        let after = powers.get(i + 1..).unwrap_or(&[]);
+        for (p, power) in (degree + 1..).zip(of_one.iter().take(room)) {
+            extend(out, prefix.mul(power), p, after, total);
+        }
+    }
+    if let Some(place) = at.and_then(|i| out.get_mut(i)) {
+        *place = prefix;
+    }
 }

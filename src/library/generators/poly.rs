@@ -1,6 +1,6 @@
 //! `poly(atoms; d)`: all monomials of total degree up to d, 1 included; `poly(atoms; a..b)` a range of degrees.
 
-use super::{factors, products, whole_range};
+use super::{monomials, whole_range};
 use crate::lang::model::NumberArg;
 use crate::library::size::binomial;
 use crate::library::{Generator, Misuse};
@@ -36,11 +36,6 @@ impl Generator for Poly {
 
     fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
         let (from, to) = whole_range(numbers, "degree", 0, USAGE)?;
-        let terms = products(&factors(atoms), to, Some(to));
-        Ok(terms
-            .into_iter()
-            .filter(|(_, degree)| *degree >= from)
-            .map(|(t, _)| t)
-            .collect())
+        Ok(monomials(atoms, to, (from, to)))
     }
 }

@@ -1,6 +1,6 @@
 //! `powers(atoms; p)`: the tensor power series, each atom to 0 … p independently.
 
-use super::{factors, products, whole};
+use super::{monomials, whole};
 use crate::lang::model::NumberArg;
 use crate::library::size::power;
 use crate::library::{Generator, Misuse};
@@ -30,7 +30,6 @@ impl Generator for Powers {
 
     fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
         let cap = whole(numbers, "power", 0, USAGE)?;
-        let terms = products(&factors(atoms), cap, None);
-        Ok(terms.into_iter().map(|(t, _)| t).collect())
+        Ok(monomials(atoms, cap, (0, u32::MAX)))
     }
 }

@@ -202,3 +202,23 @@ fn a_model_of_sixty_lines_takes_no_time() {
     }
     assert!(start.elapsed() < Duration::from_secs(2));
 }
+
+#[test]
+fn many_states_and_many_unknown_names_are_read_in_time() {
+    let states: Vec<String> = (0..10_000).map(|i| format!("a{i}")).collect();
+    in_time(&format!(
+        "state {}\nda0 ~ poly(a0..a9999; 1)\n",
+        states.join(", ")
+    ));
+    let unknown: Vec<String> = (0..3000).map(|i| format!("b{i}")).collect();
+    let text = format!("state a0..a9999\nda0 ~ <{}>\n", unknown.join(", "));
+    in_time(&text);
+    let (_, _, said) = compiled("large.sid", &text);
+    assert!(said.matches("error[").count() <= 50, "{} bytes", said.len());
+}
+
+#[test]
+fn no_control_character_reaches_the_terminal() {
+    let (_, _, said) = compiled("a\u{1b}[31m.sid", "state x\ndx ~ <y\u{1b}[2J\u{9b}31m>\n");
+    assert!(!said.contains(['\u{1b}', '\u{9b}']), "{said:?}");
+}

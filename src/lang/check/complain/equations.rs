@@ -179,11 +179,12 @@ pub fn no_equation(at: Option<Span>, model: &Model, file: FileId) -> Diagnostic 
 /// What is legal and probably meant, and worth a word: states that nothing moves, names that nothing uses.
 pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
     let mut out = Vec::new();
-    for (id, var) in model.vars_of(VarKind::State) {
-        if !has_equation(model, id) {
-            out.extend(var.span.map(|span| driven(span, var)));
-        }
-    }
+    let driven: Vec<&Var> = model
+        .vars_of(VarKind::State)
+        .filter(|(id, _)| !has_equation(model, *id))
+        .map(|(_, var)| var)
+        .collect();
+    out.extend(driven_states(&driven));
     for (i, var) in model.vars.iter().enumerate() {
         let id = VarId(i as u16);
         let target = has_equation(model, id);
@@ -202,12 +203,30 @@ pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
     out
 }
 
-fn driven(at: Span, var: &Var) -> Diagnostic {
-    Diagnostic::note(
-        "driven-state",
-        format!("the state `{}` has no equation", var.name),
-    )
-    .at(at, "driven by its measurement in simulation")
+/// One note for all of them: a model of a part of a large system has many.
+fn driven_states(states: &[&Var]) -> Option<Diagnostic> {
+    const SHOWN: usize = 8;
+    let at = states.first()?.span?;
+    let names: Vec<String> = states
+        .iter()
+        .take(SHOWN)
+        .map(|v| format!("`{}`", v.name))
+        .collect();
+    let (subject, label) = match states.len() {
+        1 => (
+            format!("the state {} has", names.join(", ")),
+            "driven by its measurement in simulation",
+        ),
+        n if n <= SHOWN => (
+            format!("the states {} have", names.join(", ")),
+            "driven by their measurements in simulation",
+        ),
+        n => (
+            format!("{n} states, {}, …, have", names.join(", ")),
+            "driven by their measurements in simulation",
+        ),
+    };
+    Some(Diagnostic::note("driven-state", format!("{subject} no equation")).at(at, label))
 }
 
 fn unused(at: Span, name: &str, output: bool) -> Diagnostic {

@@ -1,0 +1,70 @@
+//! Result documents that nobody's `identify` wrote: refused in words, never run as something else.
+
+use sidc::emit;
+use sidc::result;
+
+fn document(variables: &str, target: &str, terms: &str) -> String {
+    format!(
+        r#"{{"sidc_result": 1, "variables": [{variables}], "equations": [{{"target": "{target}", "terms": [{terms}], "status": "pass"}}]}}"#
+    )
+}
+
+const X: &str = r#"{"name": "x", "kind": "state", "order": 2}"#;
+
+/// The code of the refusal, or nothing.
+fn refusal(text: &str) -> Option<&'static str> {
+    result::read("r.json", text).err().map(|d| d.code)
+}
+
+#[test]
+fn names_and_terms_cannot_smuggle_statements() {
+    let one = r#"{"term": "x", "coefficient": 2.0}"#;
+    assert_eq!(refusal(&document(X, "ddx", one)), None);
+    let newline = r#"{"name": "x\nstate y", "kind": "state", "order": 1}"#;
+    let kind = r#"{"name": "x", "kind": "let q = 3\nstate", "order": 1}"#;
+    for variables in [newline, kind, r#"{"name": "", "kind": "state"}"#] {
+        assert_eq!(
+            refusal(&document(variables, "dx", one)),
+            Some("result-damaged"),
+            "{variables}"
+        );
+    }
+    for term in [
+        "x); import os",
+        "x> + <x",
+        "x, x",
+        "x # y",
+        "x\\nddx ~ <1",
+        "known(x)",
+        "",
+        "fn",
+    ] {
+        let terms = format!(r#"{{"term": "{term}", "coefficient": 2.0}}"#);
+        assert_eq!(
+            refusal(&document(X, "ddx", &terms)),
+            Some("result-damaged"),
+            "{term}"
+        );
+    }
+    for coefficient in ["null", "\"1\"", "[1]"] {
+        let terms = format!(r#"{{"term": "x", "coefficient": {coefficient}}}"#);
+        assert_eq!(
+            refusal(&document(X, "ddx", &terms)),
+            Some("result-damaged"),
+            "{coefficient}"
+        );
+    }
+}
+
+#[test]
+fn an_output_may_contain_the_highest_derivative() {
+    let text = r#"{"sidc_result": 1,
+        "variables": [{"name": "x", "kind": "state", "order": 2}, {"name": "a", "kind": "output"}],
+        "equations": [
+            {"target": "ddx", "terms": [{"term": "x", "coefficient": -4.0}], "status": "pass"},
+            {"target": "a", "terms": [{"term": "ddx", "coefficient": 0.1}], "status": "pass"}]}"#;
+    let discovery = result::read("r.json", text).unwrap();
+    let code = emit::target("rust").unwrap().emit(&discovery).unwrap();
+    assert!(code.contains("let rate = derivatives(t, state);"), "{code}");
+    assert!(code.contains("let ddx = rate[1];"), "{code}");
+}
