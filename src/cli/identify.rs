@@ -137,12 +137,13 @@ pub(super) fn trajectories(measured: &Measured) -> String {
 /// What was measured and what was estimated, and how.
 pub(super) fn signals_text(program: &Program, measured: &Measured) -> String {
     let entries = signal_entries(program, measured);
-    let measured: Vec<&str> = entries
-        .iter()
-        .filter(|e| e.error.is_none())
-        .map(|e| e.signal.as_str())
+    let columns = measured.dataset.trajectories.first().map(|t| &t.columns);
+    let columns: Vec<String> = columns
+        .into_iter()
+        .flatten()
+        .map(|(signal, _)| program.model.name(*signal))
         .collect();
-    let mut text = format!("measured: {}\n", measured.join(", "));
+    let mut text = format!("measured: {}\n", columns.join(", "));
     for e in &entries {
         if let Some(error) = e.error {
             text.push_str(&format!(

@@ -126,7 +126,8 @@ pub fn report<T>(
     if notes != Notes::Full {
         if notes == Notes::Lines {
             for d in diagnostics.iter().filter(|d| is_note(d)) {
-                eprintln!("note[{}]: {}", d.code, d.message);
+                let line = Diagnostic::note(d.code, &d.message);
+                eprintln!("{}", render(&[line], sources).trim_end());
             }
         }
         diagnostics.retain(|d| !is_note(d));

@@ -12,7 +12,7 @@ pub(super) fn judge(d: &mut Discovery, model: &Model) {
         if holds(d, constraint) {
             continue;
         }
-        let reason = Reason::new("constraint", text(d, constraint));
+        let reason = Reason::new("constraint-broken", text(d, constraint));
         for e in &mut d.equations {
             let concerned = constraint.coefficients.iter().any(|c| c.target == e.target);
             if concerned && e.status != Status::Known {

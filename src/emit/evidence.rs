@@ -87,12 +87,12 @@ fn proof(e: &Evidence) -> String {
             "proved: of all that {fits}, this has the smallest 1-norm, and no other equals it ({figures})"
         ),
         (true, false) => format!(
-            "proved: of all that {fits}, none has a smaller 1-norm; another may equal it ({figures})"
+            "proved: of all that {fits}, none has a smaller 1-norm; that none equals it is not shown ({figures})"
         ),
         (false, _) => format!(
             "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \
-             the terms are the best of {} by the extended Bayesian criterion",
-            e.searched
+             the terms (rank {} of {}) are the best of {} by the extended Bayesian criterion",
+            p.rank, p.support, e.searched
         ),
     }
 }
@@ -100,11 +100,15 @@ fn proof(e: &Evidence) -> String {
 fn figures(p: &Proof) -> String {
     let mut out = format!("gap {}", power(p.gap));
     if p.of_answer {
-        out.push_str(&format!(", |φᵀλ| ≤ {:.4} off the support", 1.0 - p.margin));
+        out.push_str(&format!(
+            ", |φᵀλ| ≤ {:.4} off the support, rank {} of {}",
+            1.0 - p.margin,
+            p.rank,
+            p.support
+        ));
     } else {
         out.push_str(&format!(", max |φᵀλ| {:.6}", p.max_correlation));
     }
-    out.push_str(&format!(", rank {} of {}", p.rank, p.support));
     out
 }
 

@@ -72,7 +72,7 @@ fn first_or_next(i: usize, (negative, text): &(bool, String)) -> String {
     }
 }
 
-/// Sign, and `1.29032 F`; the constant is its number alone; a bare term has coefficient 1 exactly.
+/// Sign, and `1.29032*F`, as the language has it; a coefficient that rounds to 1 is left out, the constant is its number.
 fn signed_terms(d: &Discovery, e: &Equation) -> Vec<(bool, String)> {
     e.terms
         .iter()
@@ -81,9 +81,9 @@ fn signed_terms(d: &Discovery, e: &Equation) -> Vec<(bool, String)> {
             let (term, binds) = write_term(&Language(d), &t.term);
             let text = match (t.term.is_one(), size.as_str()) {
                 (true, _) => size,
-                (_, "1") if t.coefficient.abs() == 1.0 => term,
-                _ if binds < Precedence::Product => format!("{size} ({term})"),
-                _ => format!("{size} {term}"),
+                (_, "1") if binds >= Precedence::Product => term,
+                _ if binds < Precedence::Product => format!("{size}*({term})"),
+                _ => format!("{size}*{term}"),
             };
             (t.coefficient < 0.0, text)
         })

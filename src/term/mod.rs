@@ -5,6 +5,7 @@
 
 mod expr;
 mod function;
+mod order;
 mod print;
 mod signal;
 

@@ -44,7 +44,7 @@ fn path(folder: &Path, name: &str) -> String {
 fn a_pass_is_0_with_equations_on_stdout() {
     let run = identify(&[]);
     assert_eq!(run.status, 0, "{}", run.stderr);
-    assert!(run.stdout.contains("dx = -10 x + 10 y\n"), "{}", run.stdout);
+    assert!(run.stdout.contains("dx = -10*x + 10*y\n"), "{}", run.stdout);
 }
 
 #[test]
@@ -247,7 +247,7 @@ fn a_result_exports_to_every_target() {
     let folder = folder();
     let document = result(folder.path()).display().to_string();
     for (target, words) in [
-        ("text", "dx = -10 x + 10 y"),
+        ("text", "dx = -10*x + 10*y"),
         ("latex", r"\dot{x} &= -10 x + 10 y"),
         ("rust", "pub fn derivatives(t: f64, state: &[f64; 3]"),
     ] {
