@@ -10,15 +10,8 @@ use crate::term::{Signal, VarId};
 
 use super::csv::{Table, bad_cells};
 use super::missing;
+use super::piece::Piece;
 use super::{Dataset, Trajectory, checks, columns, inputs, instants};
-
-/// One trajectory and the rows it came from.
-pub(super) struct Piece<'a> {
-    pub table: &'a Table,
-    /// Rows of the table, one for each instant.
-    pub rows: Vec<usize>,
-    pub trajectory: Trajectory,
-}
 
 /// Binds tables to a model's signals.
 ///

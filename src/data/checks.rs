@@ -7,9 +7,9 @@ use crate::lang::model::{Model, VarKind};
 use crate::lang::source::Sources;
 use crate::term::{Signal, SignalNames};
 
-use super::bind::Piece;
 use super::csv::Table;
 use super::instants;
+use super::piece::Piece;
 
 /// Checks of the bound signals.
 pub(super) fn check(

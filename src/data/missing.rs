@@ -5,8 +5,8 @@ use crate::lang::model::{Model, Var, VarKind};
 use crate::lang::source::Span;
 use crate::term::{Signal, SignalNames};
 
-use super::bind::Piece;
 use super::csv::Table;
+use super::piece::Piece;
 
 /// A data block entry names a column that the file lacks.
 pub(super) fn column(

@@ -12,6 +12,7 @@ mod derivatives;
 mod inputs;
 mod instants;
 mod missing;
+mod piece;
 mod samples;
 mod sampling;
 mod window;
