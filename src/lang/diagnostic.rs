@@ -1,4 +1,4 @@
-//! A diagnostic is data: a stable code, a message, places and a remedy. Prose and colour are added once, in [`super::render`].
+//! A diagnostic is data: a stable code, a message, places and a remedy. Prose and colour are added once, in [`mod@super::render`].
 //!
 //! Every pass builds its own from named constructors beside it; none prints.
 
