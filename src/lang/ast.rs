@@ -1,6 +1,6 @@
 //! What was written, statement by statement, before any name is looked up.
 //!
-//! Made by [`super::parse`], read by [`super::check`]. Chains of one precedence are flat (`a + b - c` is one
+//! Made by [`mod@super::parse`], read by [`super::check`]. Chains of one precedence are flat (`a + b - c` is one
 //! [`ExprKind::Sum`]), so depth is bounded by the nesting of brackets, never by the length of a line.
 
 use super::source::{FileId, Span};

@@ -41,9 +41,9 @@ pub struct Certificate {
     pub rank: usize,
     /// Their condition number.
     pub condition: f64,
-    /// Feasible within [`FEASIBLE`] and |gap| ≤ [`OPTIMAL_GAP`].
+    /// Feasible within `FEASIBLE` and |gap| ≤ `OPTIMAL_GAP`.
     pub proves_optimal: bool,
-    /// Optimal, the support has full rank, and `elsewhere` ≤ [`ELSEWHERE`].
+    /// Optimal, the support has full rank, and `elsewhere` ≤ `ELSEWHERE`.
     pub proves_unique: bool,
 }
 
@@ -53,7 +53,7 @@ pub fn certify(problem: &Problem, coefficients: &[f64], dual: &[f64]) -> Certifi
     certify_support(problem, coefficients, dual, support)
 }
 
-/// The columns that matter: |a_j|‖φ_j‖ > [`SUPPORT`] · max.
+/// The columns that matter: |a_j|‖φ_j‖ > `SUPPORT` · max.
 pub fn support(problem: &Problem, coefficients: &[f64]) -> Vec<usize> {
     let shares: Vec<f64> = shares(problem, coefficients).collect();
     let largest = shares.iter().fold(0.0_f64, |m, s| m.max(*s));
