@@ -5,7 +5,7 @@
 use crate::data::{self, Dataset, Provenance, Samples, Table};
 use crate::discover::{self, Discovery, Options};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{Model, RightSide};
+use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
 use crate::lang::{self, GeneratorSignature, Vocabulary};
 use crate::library::{self, GENERATORS, Library};
@@ -28,6 +28,9 @@ pub struct Measured {
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
+
+/// Up to so many equations are expanded at once; more would be more threads than cores.
+const MOST_THREADS: usize = 8;
 
 /// What a stage gave, if it gave anything, and everything it had to say.
 pub type Staged<T> = (Option<T>, Vec<Diagnostic>);
@@ -53,26 +56,45 @@ pub fn compile(file: FileId, sources: &Sources) -> Staged<Program> {
         return (None, diagnostics);
     };
     let mut libraries = Vec::new();
-    for equation in &model.equations {
-        libraries.push(match &equation.right {
-            RightSide::Search {
-                library: Some(written),
-                ..
-            } => {
-                let (library, found) = library::expand(&model, equation.target, written);
-                // One `let` used by several equations has the same to say about each.
-                diagnostics.extend(
-                    found
-                        .into_iter()
-                        .filter(|d| !diagnostics.contains(d))
-                        .collect::<Vec<_>>(),
-                );
-                Some(library)
+    for (library, found) in expand_all(&model) {
+        // One `let` used by several equations has the same to say about each.
+        for d in found {
+            if !diagnostics.contains(&d) {
+                diagnostics.push(d);
             }
-            _ => None,
-        });
+        }
+        libraries.push(library);
     }
     finish(Program { model, libraries }, diagnostics)
+}
+
+/// The library of each equation, in order. Start-up is mostly this, so few equations share the cores.
+fn expand_all(model: &Model) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
+    let expand = |equation: &Equation| match &equation.right {
+        RightSide::Search {
+            library: Some(written),
+            ..
+        } => {
+            let (library, found) = library::expand(model, equation.target, written);
+            (Some(library), found)
+        }
+        _ => (None, Vec::new()),
+    };
+    let Some((first, rest)) = model.equations.split_first() else {
+        return Vec::new();
+    };
+    if rest.len() >= MOST_THREADS {
+        return model.equations.iter().map(expand).collect();
+    }
+    std::thread::scope(|scope| {
+        let spawn = |e| scope.spawn(move || expand(e));
+        let others: Vec<_> = rest.iter().map(spawn).collect();
+        let mut all = vec![expand(first)];
+        // A thread that could not finish leaves its equation to this one.
+        let joined = others.into_iter().zip(rest);
+        all.extend(joined.map(|(handle, e)| handle.join().unwrap_or_else(|_| expand(e))));
+        all
+    })
 }
 
 /// Program + tables → samples of every signal that its equations mention.

@@ -43,6 +43,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         text.push_str(&super::identify::signals_text(&program, &measured));
     }
     output::print(&text)?;
+    // The process ends here; freeing every term of a large library one by one would be a good part of its time.
+    std::mem::forget(program);
     Ok(status::PASS)
 }
 

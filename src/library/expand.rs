@@ -205,6 +205,10 @@ impl<'a> Expansion<'a> {
 }
 
 fn distinct(mut terms: Vec<Term>) -> Vec<Term> {
+    // Generators and products of sorted sets mostly come so.
+    if terms.is_sorted_by(|a, b| a < b) {
+        return terms;
+    }
     terms.sort_unstable();
     terms.dedup();
     terms

@@ -12,7 +12,7 @@ impl VarId {
 ///
 /// `x` is `{der: 0, shift: 0}`, `ddx` is `{der: 2}`, `next(x)` is `{shift: 1}`, `lag(u, 3)` is `{shift: -3}`.
 /// The order (variable, derivative, shift) is the order of factors in a printed term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Signal {
     pub var: VarId,
     /// Order of the time derivative.
@@ -23,6 +23,12 @@ pub struct Signal {
 
 impl Signal {
     pub const TIME: Signal = Signal::new(VarId::TIME);
+
+    /// All fields in one number, in their order.
+    fn packed(&self) -> u64 {
+        let shift = (self.shift as u32) ^ (1 << 31);
+        (u64::from(self.var.0) << 40) | (u64::from(self.der) << 32) | u64::from(shift)
+    }
 
     pub const fn new(var: VarId) -> Self {
         Signal {
@@ -44,11 +50,13 @@ impl Signal {
 // One comparison of packed fields: sorting a library is mostly this.
 impl Ord for Signal {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let packed = |s: &Signal| {
-            let shift = (s.shift as u32) ^ (1 << 31);
-            (u64::from(s.var.0) << 40) | (u64::from(s.der) << 32) | u64::from(shift)
-        };
-        packed(self).cmp(&packed(other))
+        self.packed().cmp(&other.packed())
+    }
+}
+
+impl std::hash::Hash for Signal {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        state.write_u64(self.packed());
     }
 }
 
