@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::{Failure, inputs, output, status};
+use super::{Failure, hint, inputs, output, status};
 use crate::emit::{self, TARGETS};
-use crate::lang::diagnostic::did_you_mean;
 use crate::lang::source::Sources;
 use crate::result;
 
@@ -39,8 +38,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
 
 fn unknown(name: &str) -> Failure {
     let names: Vec<&str> = TARGETS.iter().map(|t| t.name()).collect();
-    let hint = did_you_mean(name, names.iter().copied())
-        .map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+    let hint = hint(name, names.iter().copied());
     Failure::new(format!(
         "error[unknown-target]: no target named `{name}`{hint}\n  = targets: {}",
         names.join(", ")

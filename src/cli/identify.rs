@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::inputs::{self, Inputs, Notes};
 use super::progress::Line;
-use super::{Failure, output, status};
+use super::{Failure, hint, output, status};
 use crate::discover::{Discovery, Options, Reason};
 use crate::emit;
 use crate::lang::diagnostic::{Diagnostic, Severity, did_you_mean};
@@ -250,8 +250,7 @@ fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failu
             continue;
         }
         let names = vars.iter().filter(|v| measured(v)).map(|v| v.name.as_str());
-        let hint = did_you_mean(name, names.clone())
-            .map_or_else(String::new, |n| format!("; did you mean `{n}`?"));
+        let hint = hint(name, names.clone());
         return Err(Failure::new(format!(
             "error[unknown-noise]: --noise {name}: the model measures no signal of this name{hint}\n  = measured: {}",
             names.collect::<Vec<_>>().join(", ")

@@ -13,6 +13,8 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::lang::diagnostic::did_you_mean;
+
 /// Exit statuses, as docs/command-line.md promises them. 2 (usage) is clap's own.
 pub(crate) mod status {
     pub const PASS: u8 = 0;
@@ -55,6 +57,11 @@ pub fn run() -> ExitCode {
         Command::List(args) => list::run(&args),
     };
     ExitCode::from(result.unwrap_or_else(|said| said.print()))
+}
+
+/// What to add to the message about an unknown name, if one of the known names may be meant.
+pub(crate) fn hint<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    did_you_mean(wrong, known).map_or_else(String::new, |n| format!("; did you mean `{n}`?"))
 }
 
 /// A failure of the whole command, with everything to say about it.

@@ -33,7 +33,9 @@ impl Weights {
         let target_errors = errors(samples, target);
         let mut square = vec![0.0; samples.len()];
         add_squares(&mut square, target_errors, 1.0);
+        let mut correlation = correlation_of(samples, target);
         for s in signals(library) {
+            correlation = correlation.max(correlation_of(samples, s));
             if let Some(c) = samples.column(s)
                 && s != target
             {
@@ -41,10 +43,6 @@ impl Weights {
                 let scale = size / rms(&c.values).max(f64::MIN_POSITIVE);
                 add_squares(&mut square, errors(samples, s), scale);
             }
-        }
-        let mut correlation = correlation_of(samples, target);
-        for s in signals(library) {
-            correlation = correlation.max(correlation_of(samples, s));
         }
         let error: Vec<f64> = square.iter().map(|e| e.sqrt()).collect();
         let usual = median(&error);
@@ -56,7 +54,7 @@ impl Weights {
             vec![1.0; samples.len()]
         };
         let weighted = |e: &[f64]| -> Vec<f64> { e.iter().zip(&row).map(|(e, w)| e * w).collect() };
-        let floor = (SAFETY * usual).max(rounding).max(f64::MIN_POSITIVE);
+        let floor = (SAFETY * usual).max(rounding);
         Weights {
             tolerance: norm(&weighted(&error)),
             floor: (floor * floor).max(f64::MIN_POSITIVE),

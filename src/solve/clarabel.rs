@@ -13,7 +13,7 @@ use clarabel::solver::{
     SolverStatus, ZeroConeT,
 };
 
-use super::least_squares::inconsistent;
+use super::frame::solve_reduced;
 use super::reduce::{Reduced, minus, nonzero, norm, times};
 use super::{Monitor, Problem, Progress, Solution, Solver, Status};
 
@@ -35,27 +35,11 @@ impl Solver for Clarabel {
     }
 
     fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
-        let Some(reduced) = Reduced::new(problem) else {
-            return Solution::zero(problem, Status::broken());
-        };
-        if reduced.size <= problem.tolerance {
-            return Solution::zero(problem, Status::Solved);
-        }
-        let Some(tolerance) = reduced
-            .inner_tolerance()
-            .filter(|_| !reduced.strengths.is_empty())
-        else {
-            return inconsistent(problem, None);
-        };
-        let programme = Programme::new(&reduced, tolerance);
-        let Some(end) = programme.run(monitor) else {
-            return Solution::zero(problem, Status::broken());
-        };
-        let solution = programme.read(&reduced, &end);
-        match solution.status {
-            Status::Inaccurate { .. } => inconsistent(problem, Some(solution)),
-            _ => solution,
-        }
+        solve_reduced(problem, |reduced, tolerance| {
+            let programme = Programme::new(reduced, tolerance);
+            let end = programme.run(monitor)?;
+            Some(programme.read(reduced, &end))
+        })
     }
 }
 

@@ -5,7 +5,7 @@
 //! Nesterov–Todd scaling. One dense m × m Cholesky factorisation an iteration. It knows no names and stores no model units.
 
 use super::cone::{Pair, Scaling};
-use super::least_squares::inconsistent;
+use super::frame::solve_reduced;
 use super::normal::Normal;
 use super::point::{Direction, Point, Residuals};
 use super::reduce::{Reduced, add_scaled, minus, norm, times};
@@ -38,29 +38,15 @@ impl Solver for InteriorPoint {
     }
 
     fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
-        let Some(reduced) = Reduced::new(problem) else {
-            return Solution::zero(problem, Status::broken());
-        };
-        if reduced.size <= problem.tolerance {
-            return Solution::zero(problem, Status::Solved);
-        }
-        let Some(tolerance) = reduced
-            .inner_tolerance()
-            .filter(|_| !reduced.strengths.is_empty())
-        else {
-            return inconsistent(problem, None);
-        };
-        let run = iterate(&reduced, tolerance, monitor);
-        let solution = Solution {
-            coefficients: reduced.coefficients(&run.best.x()),
-            dual: reduced.dual(&run.best.lambda),
-            status: run.status,
-            iterations: run.iterations,
-        };
-        match solution.status {
-            Status::Inaccurate { .. } => inconsistent(problem, Some(solution)),
-            _ => solution,
-        }
+        solve_reduced(problem, |reduced, tolerance| {
+            let run = iterate(reduced, tolerance, monitor);
+            Some(Solution {
+                coefficients: reduced.coefficients(&run.best.x()),
+                dual: reduced.dual(&run.best.lambda),
+                status: run.status,
+                iterations: run.iterations,
+            })
+        })
     }
 }
 

@@ -5,6 +5,7 @@
 mod certificate;
 mod clarabel;
 mod cone;
+mod frame;
 mod interior_point;
 mod least_squares;
 mod normal;
