@@ -152,9 +152,7 @@ pub fn needed(program: &Program) -> Vec<Signal> {
     for (equation, library) in program.model.equations.iter().zip(&program.libraries) {
         let Some(library) = library else { continue };
         all.push(equation.target);
-        for term in &library.terms {
-            term.for_each_signal(&mut |s| all.push(s));
-        }
+        all.extend(library.signals());
         if let RightSide::Search { known, .. } = &equation.right {
             known
                 .iter()

@@ -78,8 +78,8 @@ fn terms(program: &Program) -> String {
     for (equation, library) in program.model.equations.iter().zip(&program.libraries) {
         let Some(library) = library else { continue };
         text.push_str(&format!("{} ~\n", program.model.name(equation.target)));
-        for term in &library.terms {
-            text.push_str(&format!("  {}\n", Language(&program.model).term(term)));
+        for (_, term) in library.terms() {
+            text.push_str(&format!("  {}\n", Language(&program.model).term(&term)));
         }
     }
     text

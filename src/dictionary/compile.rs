@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::Dense;
+use super::{Dense, Dictionary};
 use crate::data::Samples;
+use crate::library::Library;
 use crate::term::{Atom, Signal, Term};
 
 /// A term without a finite value somewhere in the data.
@@ -18,11 +19,21 @@ pub struct BadValue {
     pub value: f64,
 }
 
-/// Evaluates every term on every row: M × N, column-major, each row multiplied by `weights[row]` if given.
+/// Φ of a library on samples, each row multiplied by `weights[row]` if given. Columns are the library's slots.
 ///
 /// # Errors
 /// The first term (in library order) that is not finite somewhere, with its first such row.
 pub fn compile(
+    library: &Library,
+    samples: &Samples,
+    weights: Option<&[f64]>,
+) -> Result<Box<dyn Dictionary>, Box<BadValue>> {
+    let terms: Vec<Term> = library.terms().map(|(_, t)| t).collect();
+    Ok(Box::new(evaluate_all(&terms, samples, weights)?))
+}
+
+/// Every term on every row: M × N, column-major.
+fn evaluate_all(
     terms: &[Term],
     samples: &Samples,
     weights: Option<&[f64]>,
@@ -120,7 +131,6 @@ fn explain(term: &Term, row: usize, samples: &Samples) -> BadValue {
 mod tests {
     use super::*;
     use crate::data::{Column, Origin};
-    use crate::dictionary::Dictionary;
     use crate::term::{Expr, Func, VarId};
 
     fn samples() -> Samples {
@@ -143,7 +153,7 @@ mod tests {
     #[test]
     fn columns_are_weighted_products() {
         let term = x().pow(3.0).into_term().1;
-        let phi = compile(&[Term::one(), term], &samples(), Some(&[1.0, 2.0, 1.0])).unwrap();
+        let phi = evaluate_all(&[Term::one(), term], &samples(), Some(&[1.0, 2.0, 1.0])).unwrap();
         assert_eq!(phi.values(), &[1.0, 2.0, 1.0, 1.0, -16.0, 27.0]);
         assert!((phi.norms()[0] - 6f64.sqrt()).abs() < 1e-15);
     }
@@ -151,7 +161,7 @@ mod tests {
     #[test]
     fn the_row_and_value_of_a_bad_logarithm_are_named() {
         let log = Expr::call(Func::named("log").unwrap(), vec![x()]);
-        let bad = compile(&[log.into_term().1], &samples(), None).unwrap_err();
+        let bad = evaluate_all(&[log.into_term().1], &samples(), None).unwrap_err();
         assert_eq!((bad.row, bad.value), (1, -2.0));
     }
 }

@@ -1,6 +1,6 @@
 //! Φ stored whole, column after column.
 
-use super::Dictionary;
+use super::{Collector, Dictionary, Strongest};
 
 /// A column-major M × N matrix with its column norms.
 #[derive(Clone, Debug)]
@@ -45,10 +45,13 @@ impl Dictionary for Dense {
         out.copy_from_slice(&self.values[j * self.rows..(j + 1) * self.rows]);
     }
 
-    fn correlate(&self, lambda: &[f64], out: &mut [f64]) {
-        for (o, column) in out.iter_mut().zip(self.values.chunks_exact(self.rows)) {
-            *o = dot(column, lambda);
+    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
+        let mut found = Collector::new(most, least);
+        let columns = self.values.chunks_exact(self.rows).zip(&self.norms);
+        for (j, (column, norm)) in columns.enumerate().filter(|(_, (_, n))| **n > 0.0) {
+            found.offer(j, dot(column, lambda) / norm);
         }
+        found.finish()
     }
 }
 

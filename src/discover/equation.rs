@@ -9,7 +9,7 @@ use super::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Options, Proof, Reason, Status,
 };
 use crate::data::Samples;
-use crate::dictionary::{BadValue, Dense, Dictionary, compile, evaluate};
+use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
 use crate::library::Library;
 use crate::solve::{self, Certificate, Monitor, Polished, Problem, Solution};
 use crate::term::{Language, Signal, SignalNames, Term};
@@ -50,18 +50,24 @@ impl Task<'_> {
             return Ok(Err(self.motionless(names)));
         }
         let mut weights = Weights::new(&used, self.target, self.library, &y);
-        let phi = compile(&self.library.terms, &used, Some(&weights.row))?;
+        let phi = compile(self.library, &used, Some(&weights.row))?;
+        let phi = phi.as_ref();
         let aim = product(&y, &weights.row);
         let problem = Problem {
-            dictionary: &phi,
+            dictionary: phi,
             target: &aim,
-            tolerance: tolerance(&phi, &aim, &mut weights),
+            tolerance: tolerance(phi, &aim, &mut weights),
         };
         let solution = self.options.solver.solve(&problem, monitor);
-        weights.seen_contribution(largest_contribution(&phi, &solution));
-        let criterion = Criterion::new(used.len(), weights.correlation, phi.cols(), weights.floor);
-        let choice = support::choose(&phi, &aim, &solution.coefficients, criterion);
-        let polished = solve::polish(&phi, &aim, &choice.support);
+        weights.seen_contribution(largest_contribution(phi, &solution));
+        let criterion = Criterion::new(
+            used.len(),
+            weights.correlation,
+            self.library.len(),
+            weights.floor,
+        );
+        let choice = support::choose(phi, &aim, &solution.coefficients, criterion);
+        let polished = solve::polish(phi, &aim, &choice.support);
 
         let proof = prove(&problem, &solution, &choice, &polished);
         let size = rms(&aim);
@@ -69,7 +75,7 @@ impl Task<'_> {
         let left = self.residual(&terms, &used, &y);
         let evidence = Evidence {
             rows: used.len(),
-            candidates: phi.cols(),
+            candidates: self.library.len(),
             solver: self.options.solver.name().into(),
             iterations: solution.iterations,
             residual: rms(&product(&left, &weights.row)) / size,
@@ -91,6 +97,11 @@ impl Task<'_> {
         y
     }
 
+    /// The term of a column of Φ.
+    fn term(&self, column: usize) -> Term {
+        self.library.term(column).unwrap_or_default()
+    }
+
     fn found_terms(&self, choice: &Choice, polished: &Polished) -> Vec<FoundTerm> {
         choice
             .support
@@ -98,7 +109,7 @@ impl Task<'_> {
             .zip(&polished.coefficients)
             .zip(&polished.standard_errors)
             .map(|((j, a), e)| FoundTerm {
-                term: self.library.terms[*j].clone(),
+                term: self.term(*j),
                 coefficient: *a,
                 fixed: false,
                 standard_error: e.is_finite().then_some(*e),
@@ -137,7 +148,7 @@ impl Task<'_> {
     }
 
     fn named(&self, supports: &[Vec<usize>], names: &Discovery) -> Vec<Vec<String>> {
-        let name = |j: &usize| Language(names).term(&self.library.terms[*j]);
+        let name = |j: &usize| Language(names).term(&self.term(*j));
         supports
             .iter()
             .map(|s| s.iter().map(name).collect())
@@ -203,7 +214,7 @@ fn subtract(y: &mut [f64], terms: &[(f64, Term)], samples: &Samples) {
 }
 
 /// ε: the data's own estimated error, or, where more rows than terms show a larger one, that.
-fn tolerance(phi: &Dense, y: &[f64], weights: &mut Weights) -> f64 {
+fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> f64 {
     let (m, n) = (phi.rows(), phi.cols());
     if m <= n {
         return weights.tolerance;
@@ -220,21 +231,21 @@ fn tolerance(phi: &Dense, y: &[f64], weights: &mut Weights) -> f64 {
 }
 
 /// y − Φ a.
-fn residual(phi: &Dense, y: &[f64], coefficients: &[f64]) -> Vec<f64> {
+fn residual(phi: &dyn Dictionary, y: &[f64], coefficients: &[(usize, f64)]) -> Vec<f64> {
     let mut left = y.to_vec();
-    for (a, column) in coefficients
-        .iter()
-        .zip(phi.values().chunks_exact(phi.rows()))
-    {
-        left.iter_mut().zip(column).for_each(|(l, c)| *l -= a * c);
+    let mut column = vec![0.0; y.len()];
+    for (j, a) in coefficients {
+        phi.column(*j, &mut column);
+        left.iter_mut().zip(&column).for_each(|(l, c)| *l -= a * c);
     }
     left
 }
 
 /// Root mean square of the largest coefficient · column.
-fn largest_contribution(phi: &Dense, solution: &Solution) -> f64 {
-    let sizes = solution.coefficients.iter().zip(phi.norms());
-    let largest = sizes.map(|(a, n)| a.abs() * n).fold(0.0, f64::max);
+fn largest_contribution(phi: &dyn Dictionary, solution: &Solution) -> f64 {
+    let sizes = solution.coefficients.iter();
+    let sizes = sizes.map(|(j, a)| a.abs() * phi.norms()[*j]);
+    let largest = sizes.fold(0.0, f64::max);
     largest / (phi.rows() as f64).sqrt()
 }
 
@@ -262,14 +273,6 @@ fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Pol
     }
 }
 
-fn spread(n: usize, support: &[usize], values: &[f64]) -> Vec<f64> {
-    let mut all = vec![0.0; n];
-    for (j, v) in support.iter().zip(values) {
-        all[*j] = *v;
-    }
-    all
-}
-
 /// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more.
 fn certify_answer(
     problem: &Problem,
@@ -278,7 +281,8 @@ fn certify_answer(
     polished: &Polished,
 ) -> Certificate {
     let support = &choice.support;
-    let answer = spread(problem.dictionary.cols(), support, &polished.coefficients);
+    let columns = support.iter().copied();
+    let answer: Vec<(usize, f64)> = columns.zip(polished.coefficients.clone()).collect();
     let signs: Vec<f64> = polished.coefficients.iter().map(|a| a.signum()).collect();
     let certify = |dual: &[f64]| solve::certify_support(problem, &answer, dual, support.clone());
     let plain = certify(&solution.dual);

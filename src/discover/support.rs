@@ -33,7 +33,7 @@ pub struct Choice {
 pub fn choose(
     dictionary: &dyn Dictionary,
     target: &[f64],
-    coefficients: &[f64],
+    coefficients: &[(usize, f64)],
     criterion: Criterion,
 ) -> Choice {
     let proposed = proposals(dictionary, coefficients);
@@ -78,14 +78,13 @@ pub fn choose(
 }
 
 /// Columns with a contribution above rounding, largest first.
-fn proposals(dictionary: &dyn Dictionary, coefficients: &[f64]) -> Vec<usize> {
-    let size = |j: usize| coefficients[j].abs() * dictionary.norms()[j];
-    let largest = (0..coefficients.len()).map(size).fold(0.0, f64::max);
-    let mut found: Vec<usize> = (0..coefficients.len())
-        .filter(|&j| size(j) > NEGLIGIBLE * largest)
-        .collect();
-    found.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
-    found
+fn proposals(dictionary: &dyn Dictionary, coefficients: &[(usize, f64)]) -> Vec<usize> {
+    let norms = dictionary.norms();
+    let sizes = coefficients.iter().map(|(j, a)| (*j, a.abs() * norms[*j]));
+    let largest = sizes.clone().fold(0.0, |m: f64, (_, s)| m.max(s));
+    let mut found: Vec<(usize, f64)> = sizes.filter(|(_, s)| *s > NEGLIGIBLE * largest).collect();
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    found.into_iter().map(|(j, _)| j).collect()
 }
 
 /// The pool's columns, rotated to at most as many rows as columns.

@@ -1,7 +1,5 @@
 //! What the data's own errors allow: a weight for each row, the tolerance of the fit, the floor below which residuals say nothing.
 
-use std::collections::BTreeSet;
-
 use crate::data::{Origin, Samples};
 use crate::library::Library;
 use crate::term::Signal;
@@ -37,7 +35,7 @@ impl Weights {
         let mut square = vec![0.0; samples.len()];
         add_squares(&mut square, target_errors, 1.0);
         let mut correlation = correlation_of(samples, target);
-        for s in signals(library) {
+        for s in library.signals() {
             correlation = correlation.max(correlation_of(samples, s));
             if let Some(c) = samples.column(s)
                 && s != target
@@ -101,16 +99,6 @@ fn add_squares(sum: &mut [f64], errors: Option<&[f64]>, scale: f64) {
     for (s, e) in sum.iter_mut().zip(errors.unwrap_or_default()) {
         *s += (scale * e).powi(2);
     }
-}
-
-fn signals(library: &Library) -> BTreeSet<Signal> {
-    let mut found = BTreeSet::new();
-    for term in &library.terms {
-        term.for_each_signal(&mut |s| {
-            found.insert(s);
-        });
-    }
-    found
 }
 
 /// Rows over which a series repeats itself: 1 + 2 Σ ρ_k, summed as far as five times itself (Sokal 1997).

@@ -31,7 +31,7 @@ fn arguments(library: &Library) -> Vec<Expr> {
         return Vec::new();
     };
     let mut found: Vec<Expr> = Vec::new();
-    for (atom, p) in library.terms.iter().flat_map(Term::factors) {
+    for (atom, p) in library.factors().flat_map(Term::factors) {
         if let Atom::Call(f, args) = atom
             && *f == sin
             && p == 2.0
@@ -46,19 +46,20 @@ fn arguments(library: &Library) -> Vec<Expr> {
 }
 
 /// The library's terms, to be asked for by fingerprint.
-struct Known<'a> {
-    terms: &'a [Term],
+struct Known {
+    terms: Vec<Term>,
     fingerprints: Vec<u64>,
     sorted: Vec<u64>,
 }
 
-impl<'a> Known<'a> {
-    fn new(library: &'a Library) -> Self {
-        let fingerprints: Vec<u64> = library.terms.iter().map(Term::fingerprint).collect();
+impl Known {
+    fn new(library: &Library) -> Self {
+        let terms: Vec<Term> = library.terms().map(|(_, t)| t).collect();
+        let fingerprints: Vec<u64> = terms.iter().map(Term::fingerprint).collect();
         let mut sorted = fingerprints.clone();
         sorted.sort_unstable();
         Known {
-            terms: &library.terms,
+            terms,
             fingerprints,
             sorted,
         }

@@ -9,6 +9,7 @@ mod expand;
 mod generators;
 mod known;
 mod size;
+mod terms;
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{LibExpr, Model, NumberArg};
@@ -17,26 +18,10 @@ use crate::term::{Expr, Signal, Term};
 
 pub use generators::GENERATORS;
 pub use known::known_terms;
+pub use terms::{Block, Library};
 
 /// Most terms of one library while Φ is stored whole.
 pub const MAX_TERMS: u128 = 200_000;
-
-/// The candidate terms of one equation.
-#[derive(Clone, Debug, Default)]
-pub struct Library {
-    /// Distinct, sorted by degree, then by term.
-    pub terms: Vec<Term>,
-}
-
-impl Library {
-    pub fn len(&self) -> usize {
-        self.terms.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.terms.is_empty()
-    }
-}
 
 /// A family of terms made from atoms and numbers: one file and one line in [`GENERATORS`].
 pub trait Generator: Sync {
@@ -76,7 +61,7 @@ pub fn generator(name: &str) -> Option<&'static dyn Generator> {
 pub fn expand(model: &Model, target: Signal, library: &LibExpr) -> (Library, Vec<Diagnostic>) {
     let mut pass = expand::Expansion::new(model, target);
     let terms = pass.library(library).unwrap_or_default();
-    let library_found = Library { terms };
+    let library_found = Library::listed(terms);
     pass.diagnostics
         .extend(dependence::check(model, target, library, &library_found));
     (library_found, pass.diagnostics)

@@ -47,36 +47,39 @@ pub struct Certificate {
     pub proves_unique: bool,
 }
 
-/// Checks `coefficients` (length N, raw units) and `dual` (length M) against the problem, on the support of [`support`].
-pub fn certify(problem: &Problem, coefficients: &[f64], dual: &[f64]) -> Certificate {
+/// Checks `coefficients` (column, value in raw units; zeros left out) and `dual` (length M) against the problem, on the support of [`support`].
+pub fn certify(problem: &Problem, coefficients: &[(usize, f64)], dual: &[f64]) -> Certificate {
     let support = support(problem, coefficients);
     certify_support(problem, coefficients, dual, support)
 }
 
 /// The columns that matter: |a_j|‖φ_j‖ > `SUPPORT` · max.
-pub fn support(problem: &Problem, coefficients: &[f64]) -> Vec<usize> {
-    let shares: Vec<f64> = shares(problem, coefficients).collect();
-    let largest = shares.iter().fold(0.0_f64, |m, s| m.max(*s));
-    (0..shares.len())
-        .filter(|&j| shares[j] > SUPPORT * largest)
+pub fn support(problem: &Problem, coefficients: &[(usize, f64)]) -> Vec<usize> {
+    let largest = shares(problem, coefficients).fold(0.0_f64, f64::max);
+    let columns = coefficients.iter().map(|(j, _)| *j);
+    columns
+        .zip(shares(problem, coefficients))
+        .filter(|(_, share)| *share > SUPPORT * largest)
+        .map(|(j, _)| j)
         .collect()
 }
 
 /// The same on a support of the caller's choice (ascending indices).
 pub fn certify_support(
     problem: &Problem,
-    coefficients: &[f64],
+    coefficients: &[(usize, f64)],
     dual: &[f64],
     support: Vec<usize>,
 ) -> Certificate {
     let primal: f64 = shares(problem, coefficients).sum();
-    let correlations = unit_correlations(problem, dual);
-    let largest_correlation = correlations.iter().fold(0.0_f64, |m, c| m.max(*c));
+    // One more than the support has columns: the strongest column off it is among them.
+    let strongest = problem.dictionary.strongest(dual, support.len() + 1, 0.0);
+    let largest_correlation = strongest.largest();
     let scale = largest_correlation.max(1.0);
     let dual = dual_value(problem, dual) / scale;
-    let mut off = correlations;
-    support.iter().for_each(|&j| off[j] = 0.0);
-    let margin = 1.0 - off.iter().fold(0.0_f64, |m, c| m.max(*c)) / scale;
+    let off = strongest.columns.iter();
+    let off = off.filter(|(j, _)| support.binary_search(j).is_err());
+    let margin = 1.0 - off.map(|(_, c)| c.abs()).next().unwrap_or(0.0) / scale;
     let gap = (primal - dual) / nonzero(primal.max(dual));
     let residual = residual(problem, coefficients);
     let length = norm(problem.target);
@@ -129,10 +132,8 @@ pub fn refine_dual(problem: &Problem, support: &[usize], signs: &[f64], dual: &[
         add_scaled(&mut refined, 1.0, &pivoted.least_norm(&wrong));
     }
     let bound = |lambda: &[f64]| {
-        let largest = unit_correlations(problem, lambda)
-            .iter()
-            .fold(1.0_f64, |m, c| m.max(*c));
-        dual_value(problem, lambda) / largest
+        let largest = problem.dictionary.strongest(lambda, 1, 0.0).largest();
+        dual_value(problem, lambda) / largest.max(1.0)
     };
     if bound(&refined) > bound(dual) {
         refined
@@ -141,22 +142,14 @@ pub fn refine_dual(problem: &Problem, support: &[usize], signs: &[f64], dual: &[
     }
 }
 
-/// |a_j|‖φ_j‖ for every column.
-fn shares<'a>(problem: &'a Problem, coefficients: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-    coefficients
-        .iter()
-        .zip(problem.dictionary.norms())
-        .map(|(a, n)| a.abs() * n)
-}
-
-/// |φ_jᵀλ|/‖φ_j‖; zero for all-zero columns.
-fn unit_correlations(problem: &Problem, lambda: &[f64]) -> Vec<f64> {
-    let mut c = vec![0.0; problem.dictionary.cols()];
-    problem.dictionary.correlate(lambda, &mut c);
-    c.iter()
-        .zip(problem.dictionary.norms())
-        .map(|(c, n)| c.abs() / nonzero(*n))
-        .collect()
+/// |a_j|‖φ_j‖ of the coefficients given.
+fn shares<'a>(
+    problem: &'a Problem,
+    coefficients: &'a [(usize, f64)],
+) -> impl Iterator<Item = f64> + 'a {
+    let norms = problem.dictionary.norms();
+    let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
+    coefficients.iter().map(share)
 }
 
 /// yᵀλ − ε‖λ‖₂
@@ -165,11 +158,11 @@ fn dual_value(problem: &Problem, lambda: &[f64]) -> f64 {
 }
 
 /// ‖Φa − y‖₂ column by column over the non-zero coefficients.
-fn residual(problem: &Problem, coefficients: &[f64]) -> f64 {
+fn residual(problem: &Problem, coefficients: &[(usize, f64)]) -> f64 {
     let mut rest = problem.target.to_vec();
     let mut column = vec![0.0; rest.len()];
-    for (j, a) in coefficients.iter().enumerate().filter(|(_, a)| **a != 0.0) {
-        problem.dictionary.column(j, &mut column);
+    for (j, a) in coefficients {
+        problem.dictionary.column(*j, &mut column);
         add_scaled(&mut rest, -a, &column);
     }
     norm(&rest)
@@ -200,11 +193,11 @@ mod tests {
     fn one_column_is_optimal_and_unique() {
         let phi = Dense::new(1, vec![2.0, 1.0]);
         // Both unit columns are 1: any split is optimal, so nothing is unique.
-        let c = certify(&problem(&phi, &[4.0], 0.0), &[2.0, 0.0], &[1.0]);
+        let c = certify(&problem(&phi, &[4.0], 0.0), &[(0, 2.0)], &[1.0]);
         assert!(c.proves_optimal && !c.proves_unique);
         assert_eq!((c.primal, c.dual, c.support.len()), (4.0, 4.0, 1));
         let phi = Dense::new(2, vec![2.0, 0.0, 0.0, 1.0]);
-        let c = certify(&problem(&phi, &[4.0, 0.0], 0.0), &[2.0, 0.0], &[1.0, 0.25]);
+        let c = certify(&problem(&phi, &[4.0, 0.0], 0.0), &[(0, 2.0)], &[1.0, 0.25]);
         assert!(c.proves_optimal && c.proves_unique);
         assert_eq!((c.margin, c.rank, c.condition), (0.75, 1, 1.0));
     }
@@ -214,13 +207,13 @@ mod tests {
         let phi = Dense::new(2, vec![1.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
         let y = [1.0, 1.0];
         // (1, 1, 0) is feasible with norm 2; the minimum is √2 on the third column.
-        let split = certify(&problem(&phi, &y, 0.0), &[1.0, 1.0, 0.0], &[1.0, 1.0]);
+        let split = certify(&problem(&phi, &y, 0.0), &[(0, 1.0), (1, 1.0)], &[1.0, 1.0]);
         assert!(!split.proves_optimal);
-        let infeasible = certify(&problem(&phi, &y, 0.0), &[0.0, 0.0, 0.9], &[0.7, 0.7]);
+        let infeasible = certify(&problem(&phi, &y, 0.0), &[(2, 0.9)], &[0.7, 0.7]);
         assert!(!infeasible.proves_optimal);
         let right = certify(
             &problem(&phi, &y, 0.0),
-            &[0.0, 0.0, 1.0],
+            &[(2, 1.0)],
             &[0.5_f64.sqrt(), 0.5_f64.sqrt()],
         );
         assert!(right.proves_optimal && right.proves_unique);
@@ -234,8 +227,8 @@ mod tests {
         let rough = [0.7, 0.7];
         let fine = refine_dual(&p, &[2], &[1.0], &rough);
         let (before, after) = (
-            certify(&p, &[0.0, 0.0, 1.0], &rough),
-            certify(&p, &[0.0, 0.0, 1.0], &fine),
+            certify(&p, &[(2, 1.0)], &rough),
+            certify(&p, &[(2, 1.0)], &fine),
         );
         assert!(before.gap > 1e-3 && after.gap.abs() < 1e-15);
     }
@@ -243,7 +236,7 @@ mod tests {
     #[test]
     fn zero_is_certified_for_a_target_within_tolerance() {
         let phi = Dense::new(1, vec![1.0]);
-        let c = certify(&problem(&phi, &[0.5], 1.0), &[0.0], &[0.0]);
+        let c = certify(&problem(&phi, &[0.5], 1.0), &[], &[0.0]);
         assert!(c.proves_optimal && c.support.is_empty());
     }
 }

@@ -124,6 +124,7 @@ impl Programme {
                 iteration: info.iterations as usize,
                 gap: info.gap_rel,
                 residual: info.res_primal,
+                ..Progress::default()
             };
             let sent = ask.send(progress).is_ok();
             let reply = answered.lock().ok().and_then(|a| a.recv().ok());

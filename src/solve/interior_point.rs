@@ -66,6 +66,7 @@ fn iterate(reduced: &Reduced, tolerance: f64, monitor: Monitor) -> Run {
             iteration,
             gap: residuals.gap.max(residuals.dual),
             residual: norm(&residuals.primal),
+            ..Progress::default()
         };
         let hopeless = !best.offer(&point, progress);
         if best.reached(TARGET, TARGET_EXCESS) {

@@ -10,8 +10,8 @@ use crate::dictionary::Dictionary;
 /// `min ‖Φ a − y‖₂` over all of Φ.
 #[derive(Clone, Debug)]
 pub struct LeastSquares {
-    /// The minimiser of least norm in unit columns, length N, in units of the raw columns.
-    pub coefficients: Vec<f64>,
+    /// The minimiser of least norm in unit columns, by rising column, in units of the raw columns.
+    pub coefficients: Vec<(usize, f64)>,
     /// ‖Φ a − y‖₂, in the units of y.
     pub residual: f64,
     /// Numerical rank of Φ with unit columns.
@@ -32,7 +32,7 @@ pub fn least_squares(dictionary: &dyn Dictionary, target: &[f64]) -> LeastSquare
     let size = norm(target);
     let y: Vec<f64> = target.iter().map(|y| y / nonzero(size)).collect();
     let mut fit = LeastSquares {
-        coefficients: vec![0.0; norms.len()],
+        coefficients: Vec::new(),
         residual: size,
         rank: 0,
         condition: 1.0,
@@ -49,9 +49,8 @@ pub fn least_squares(dictionary: &dyn Dictionary, target: &[f64]) -> LeastSquare
         .for_each(|(z, s)| *z /= s * s);
     let x = times_transposed(rows.as_ref(), &z);
     if x.iter().all(|x| x.is_finite()) {
-        for ((&j, &n), x) in kept.iter().zip(&lengths).zip(&x) {
-            fit.coefficients[j] = x * size / n;
-        }
+        let raw = kept.iter().zip(&lengths).zip(&x);
+        fit.coefficients = raw.map(|((&j, &n), x)| (j, x * size / n)).collect();
         fit.residual = size * norm(&range.outside(&y));
         fit.rank = range.values.len();
         fit.condition = first / last;

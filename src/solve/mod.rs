@@ -39,8 +39,8 @@ pub struct Problem<'a> {
 /// What a solver found. Always finite; `status` says how far to believe it.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// a, length N, in the units of the raw columns.
-    pub coefficients: Vec<f64>,
+    /// The coefficients that are not zero, by rising column, in the units of the raw columns.
+    pub coefficients: Vec<(usize, f64)>,
     /// λ, length M: a dual point, near-feasible for |φ_jᵀλ| ≤ ‖φ_j‖.
     pub dual: Vec<f64>,
     pub status: Status,
@@ -64,10 +64,18 @@ pub enum Status {
 }
 
 impl Solution {
+    /// a_j, zero where nothing was found.
+    pub fn coefficient(&self, column: usize) -> f64 {
+        let at = self.coefficients.binary_search_by_key(&column, |(j, _)| *j);
+        at.ok()
+            .and_then(|k| self.coefficients.get(k))
+            .map_or(0.0, |(_, a)| *a)
+    }
+
     /// a = 0, λ = 0.
     pub(crate) fn zero(problem: &Problem, status: Status) -> Solution {
         Solution {
-            coefficients: vec![0.0; problem.dictionary.cols()],
+            coefficients: Vec::new(),
             dual: vec![0.0; problem.dictionary.rows()],
             status,
             iterations: 0,
@@ -86,11 +94,17 @@ impl Status {
 }
 
 /// One step of a long computation, for a progress line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Progress {
+    /// Rounds of a growing working set, from 1; 0 where every column is looked at from the start.
+    pub round: usize,
     pub iteration: usize,
+    /// Relative duality gap on the columns looked at.
     pub gap: f64,
+    /// ‖Φa − y‖₂/‖y‖
     pub residual: f64,
+    /// How far the worst of all columns exceeds |φ_jᵀλ| ≤ ‖φ_j‖, when they were last priced; 0 before.
+    pub violation: f64,
 }
 
 /// Told after every iteration; `Break` asks the solver to stop and return what it has.

@@ -31,7 +31,6 @@ pub(super) struct Reduced {
     pub tolerance: f64,
     kept: Vec<usize>,
     norms: Vec<f64>,
-    cols: usize,
     /// U, M × r.
     basis: Mat<f64>,
     /// The leftover part as a unit vector, length M.
@@ -64,7 +63,6 @@ impl Reduced {
             tolerance: problem.tolerance / nonzero(size),
             kept,
             norms,
-            cols: dictionary.cols(),
             basis: range.basis,
             beyond,
         })
@@ -79,14 +77,12 @@ impl Reduced {
         (c <= e).then(|| ((e - c) * (e + c)).sqrt())
     }
 
-    /// a in model units, length N, from x.
-    pub fn coefficients(&self, x: &[f64]) -> Vec<f64> {
-        let mut a = vec![0.0; self.cols];
-        for ((&j, &n), &x) in self.kept.iter().zip(&self.norms).zip(x) {
-            let value = x * self.size / n;
-            a[j] = if value.is_finite() { value } else { 0.0 };
-        }
-        a
+    /// a in model units from x; what is zero or overflows is left out.
+    pub fn coefficients(&self, x: &[f64]) -> Vec<(usize, f64)> {
+        let raw = self.kept.iter().zip(&self.norms).zip(x);
+        raw.map(|((&j, &n), &x)| (j, x * self.size / n))
+            .filter(|(_, a)| a.is_finite() && *a != 0.0)
+            .collect()
     }
 
     /// λ on the original rows. With a leftover c and ε > 0 the dual has a part along it too, `c/δ` with `δ = ε'/‖λ'‖`.

@@ -9,7 +9,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("lang", &["term"]),
     ("library", &["term", "lang"]),
     ("data", &["term", "lang"]),
-    ("dictionary", &["term", "data"]),
+    ("dictionary", &["library", "term", "data"]),
     ("solve", &["dictionary"]),
     (
         "discover",

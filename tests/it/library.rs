@@ -22,9 +22,8 @@ fn terms(model: &str) -> Vec<String> {
     let program = program.unwrap_or_else(|| panic!("{codes:?}\n{model}"));
     let library = program.libraries.last().unwrap().as_ref().unwrap();
     library
-        .terms
-        .iter()
-        .map(|t| Language(&program.model).term(t))
+        .terms()
+        .map(|(_, t)| Language(&program.model).term(&t))
         .collect()
 }
 

@@ -1,0 +1,122 @@
+//! The largest of many correlations, kept while they stream by: memory for the answer alone.
+
+use std::cmp::Ordering;
+
+/// Columns whose correlation with λ exceeds a bound.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strongest {
+    /// (column, φ_jᵀλ/‖φ_j‖ with its sign), largest magnitude first, equal ones by column.
+    pub columns: Vec<(usize, f64)>,
+    /// How many exceed the bound in all.
+    pub count: usize,
+}
+
+impl Strongest {
+    /// The largest magnitude, or zero.
+    pub fn largest(&self) -> f64 {
+        self.columns.first().map_or(0.0, |(_, c)| c.abs())
+    }
+}
+
+/// Collects a [`Strongest`] from correlations in any order; the answer does not depend on it.
+#[derive(Clone, Debug)]
+pub struct Collector {
+    most: usize,
+    least: f64,
+    /// Magnitudes below this are counted, not kept.
+    bar: f64,
+    count: usize,
+    kept: Vec<(usize, f64)>,
+}
+
+impl Collector {
+    /// For the `most` columns whose magnitude exceeds `least`.
+    pub fn new(most: usize, least: f64) -> Collector {
+        Collector {
+            most,
+            least,
+            bar: least,
+            count: 0,
+            kept: Vec::new(),
+        }
+    }
+
+    /// Takes notice of one column's correlation. NaN is never strong.
+    #[inline]
+    pub fn offer(&mut self, column: usize, correlation: f64) {
+        let size = correlation.abs();
+        if size > self.least {
+            self.count += 1;
+            if size >= self.bar && self.most > 0 {
+                self.keep(column, correlation);
+            }
+        }
+    }
+
+    /// Takes over what another collector with the same bounds has seen.
+    pub fn absorb(&mut self, other: Collector) {
+        self.count += other.count;
+        for (column, correlation) in other.kept {
+            self.keep(column, correlation);
+        }
+    }
+
+    pub fn finish(mut self) -> Strongest {
+        self.kept.sort_unstable_by(stronger);
+        self.kept.truncate(self.most);
+        Strongest {
+            columns: self.kept,
+            count: self.count,
+        }
+    }
+
+    fn keep(&mut self, column: usize, correlation: f64) {
+        self.kept.push((column, correlation));
+        if self.kept.len() >= 2 * self.most + 64 {
+            self.kept.select_nth_unstable_by(self.most - 1, stronger);
+            self.kept.truncate(self.most);
+            self.bar = self.kept.last().map_or(self.bar, |(_, c)| c.abs());
+        }
+    }
+}
+
+fn stronger(a: &(usize, f64), b: &(usize, f64)) -> Ordering {
+    b.1.abs().total_cmp(&a.1.abs()).then_with(|| a.0.cmp(&b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_come_first_whatever_the_order() {
+        let values: Vec<f64> = (0..1000).map(|i| f64::from(i * 37 % 101 - 50)).collect();
+        let collect = |order: &mut dyn Iterator<Item = usize>| {
+            let (mut a, mut b) = (Collector::new(7, 10.0), Collector::new(7, 10.0));
+            for j in order {
+                if j % 3 == 0 { &mut a } else { &mut b }.offer(j, values[j]);
+            }
+            a.absorb(b);
+            a.finish()
+        };
+        let forwards = collect(&mut (0..1000));
+        assert_eq!(forwards, collect(&mut (0..1000).rev()));
+        assert_eq!(forwards.columns.len(), 7);
+        assert!(forwards.columns.iter().all(|(_, c)| c.abs() == 50.0));
+        assert!(forwards.columns.is_sorted_by(|a, b| a.0 < b.0));
+        assert_eq!(
+            forwards.count,
+            values.iter().filter(|v| v.abs() > 10.0).count()
+        );
+    }
+
+    #[test]
+    fn nothing_and_nan_are_not_strong() {
+        let mut c = Collector::new(0, 0.0);
+        c.offer(0, f64::NAN);
+        c.offer(1, 0.0);
+        c.offer(2, 3.0);
+        let found = c.finish();
+        assert!(found.columns.is_empty() && found.count == 1);
+    }
+}
