@@ -1,7 +1,9 @@
 //! From a dataset to the rows that equations are found from: every needed signal, measured or estimated.
 //!
-//! In: a model, its dataset, the signals needed. Out: [`Samples`], and how each signal was come by. Measured derivatives are
+//! In: a model, its dataset, the signals needed, somebody to tell of each. Out: [`Samples`], and how each signal was come by. Measured derivatives are
 //! used as measured; absent ones are estimated from the highest measured one below. Nothing crosses a gap or a trajectory.
+
+use std::ops::ControlFlow;
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::Model;
@@ -23,6 +25,9 @@ pub struct Provenance {
     pub rms: f64,
 }
 
+/// Told before each signal of each trajectory is prepared; `Break` ends the work with no rows at all.
+pub type SignalMonitor<'a> = &'a mut dyn FnMut(Signal) -> ControlFlow<()>;
+
 /// All `needed` signals at common instants, what is to be said about them, and how each was come by (sorted by signal).
 ///
 /// Rows at which any needed signal is unknown are left out. Errors: `no-signal`, `no-samples`.
@@ -30,6 +35,7 @@ pub fn samples(
     model: &Model,
     dataset: &Dataset,
     needed: &[Signal],
+    monitor: SignalMonitor,
 ) -> (Samples, Vec<Diagnostic>, Vec<Provenance>) {
     let mut needed = needed.to_vec();
     needed.sort();
@@ -43,6 +49,9 @@ pub fn samples(
         let source = Source::new(model, dataset, trajectory);
         let mut found: Vec<Known> = Vec::with_capacity(needed.len());
         for signal in &needed {
+            if monitor(*signal).is_break() {
+                return Default::default();
+            }
             match source.signal(*signal, &mut often) {
                 Some(known) => found.push(known),
                 None => out.push(no_signal(model, trajectory, *signal)),
