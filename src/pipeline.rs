@@ -28,7 +28,8 @@ pub struct Measured {
     pub report: Vec<Provenance>,
 }
 
-/// Bytes that anything whose size is known beforehand may take, where nobody says otherwise: a library, or one equation's Φ.
+/// Bytes that anything whose size is known beforehand may take, where nobody says otherwise: a table, a library, one
+/// equation's Φ.
 pub const MEMORY: u64 = 4_000_000_000;
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.

@@ -23,7 +23,7 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_parser = super::identify::parameter)]
     params: Vec<(String, Vec<f64>)>,
-    /// Most memory for a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    /// Most memory for a table or a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
 }
@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         text.push_str(&terms(&program));
     }
     if !files.data.is_empty() {
-        let tables = inputs::tables(&files.data, &mut sources)?;
+        let tables = inputs::tables(&files.data, args.memory_limit, &mut sources)?;
         let line = Line::start(true, &program.model, &Limits::start(None));
         let staged = pipeline::measure(
             &program,

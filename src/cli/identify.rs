@@ -50,7 +50,7 @@ pub struct Args {
     /// Stop after this time with what there is: 30, 30s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = limits::time)]
     time_limit: Option<Duration>,
-    /// Most memory for a library, and for its values on the rows: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    /// Most memory for a table, a library, and its values: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
     /// Only warnings and errors on stderr
@@ -78,7 +78,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut warnings = said(&compiled.1);
     let mut program = inputs::report(compiled, &sources, notes)?;
     set_noise(&mut program, &args.noise)?;
-    let tables = inputs::tables(&files.data, &mut sources)?;
+    let tables = inputs::tables(&files.data, args.memory_limit, &mut sources)?;
     let window = args.window.unwrap_or_default();
     limits.listen();
     let line = Line::start(!args.quiet, &program.model, &limits);
