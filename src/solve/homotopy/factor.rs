@@ -44,8 +44,7 @@ impl Factor {
     pub fn push(&mut self, column: &[f64]) -> bool {
         let (mut inside, mut rest) = self.split(column);
         let length = norm(&rest);
-        // A comparison that NaN fails.
-        if !(length > DEPENDENT) || self.len() >= self.rows {
+        if length.is_nan() || length <= DEPENDENT || self.len() >= self.rows {
             return false;
         }
         rest.iter_mut().for_each(|x| *x /= length);

@@ -25,7 +25,7 @@ pub struct Knot {
 /// The problem's own ε is not looked at. `None` if values are not finite, the monitor stops it, or rounding ends the path.
 pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> {
     let size = norm(problem.target);
-    if !super::is_finite(problem, size) || !(penalty > 0.0) {
+    if !super::is_finite(problem, size) || penalty.is_nan() || penalty <= 0.0 {
         return None;
     }
     let target = unit(problem.target, size);
