@@ -28,11 +28,15 @@ pub(super) struct Case<'a> {
     pub terms: &'a [FoundTerm],
     pub names: &'a [String],
     pub solved: &'a Solved,
+    /// Whether the solver can prove what it finds.
+    pub exact: bool,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 10] = [
+    let rules: [fn(&Case) -> Option<Reason>; 12] = [
         interrupted,
+        refused,
+        heuristic,
         solver,
         crowded,
         poor_fit,
@@ -57,6 +61,28 @@ fn interrupted(c: &Case) -> Option<Reason> {
         Reason::new(
             "interrupted",
             "the solver was stopped before it finished; this is the best it had",
+        )
+    })
+}
+
+fn refused(c: &Case) -> Option<Reason> {
+    match c.solved {
+        Solved::Refused { reason } => Some(Reason::new(
+            "solver-refused",
+            format!("{reason}: another solver, or fewer rows or terms"),
+        )),
+        _ => None,
+    }
+}
+
+fn heuristic(c: &Case) -> Option<Reason> {
+    (!c.exact && !c.evidence.certificate.optimal).then(|| {
+        Reason::new(
+            "heuristic-solver",
+            format!(
+                "`{}` is a heuristic: the equation fits as shown, which is not a proof of the sparsest answer",
+                c.evidence.solver
+            ),
         )
     })
 }
