@@ -220,28 +220,46 @@ impl Ladder {
     }
 }
 
-/// The minimiser of ‖P x − y‖, refined once or twice: with more columns than rows the one of least norm from singular values,
-/// otherwise by pivoted QR with zeros at dependent columns (Golub & Van Loan, section 5.5). Zeros if nothing can be fitted.
+/// The minimiser of ‖P x − y‖, refined twice; zeros if nothing can be fitted (Golub & Van Loan, section 5.5).
 fn least_squares(unit: MatRef<f64>, y: &[f64]) -> Vec<f64> {
-    let solve: Box<dyn Fn(&[f64]) -> Vec<f64>> = if unit.ncols() > unit.nrows() {
-        let range = Range::new(unit);
-        let rows = range.basis.transpose() * unit;
-        Box::new(move |y| {
-            let mut z = times_transposed(range.basis.as_ref(), y);
-            let squares = range.values.iter().map(|s| nonzero(s * s));
-            z.iter_mut().zip(squares).for_each(|(z, s)| *z /= s);
-            times_transposed(rows.as_ref(), &z)
-        })
-    } else {
-        let Some(pivoted) = Pivoted::new(unit) else {
-            return vec![0.0; unit.ncols()];
-        };
-        Box::new(move |y| pivoted.solve(y))
+    let Some(factors) = Factors::new(unit) else {
+        return vec![0.0; unit.ncols()];
     };
-    let mut x = solve(y);
+    let mut x = factors.solve(y);
     for _ in 0..2 {
         let left = minus(y, &times(unit, &x));
-        add_scaled(&mut x, 1.0, &solve(&left));
+        add_scaled(&mut x, 1.0, &factors.solve(&left));
     }
     x
+}
+
+/// Rank-revealing factors of P.
+enum Factors {
+    /// More columns than rows: U, Σ and Uᵀ P, for the minimiser of least norm.
+    Wide(Range, Mat<f64>),
+    /// Pivoted QR, with zeros at dependent columns.
+    Tall(Pivoted),
+}
+
+impl Factors {
+    fn new(unit: MatRef<f64>) -> Option<Factors> {
+        if unit.ncols() <= unit.nrows() {
+            return Pivoted::new(unit).map(Factors::Tall);
+        }
+        let range = Range::new(unit);
+        let rows = range.basis.transpose() * unit;
+        Some(Factors::Wide(range, rows))
+    }
+
+    fn solve(&self, y: &[f64]) -> Vec<f64> {
+        match self {
+            Factors::Tall(pivoted) => pivoted.solve(y),
+            Factors::Wide(range, rows) => {
+                let mut z = times_transposed(range.basis.as_ref(), y);
+                let squares = range.values.iter().map(|s| nonzero(s * s));
+                z.iter_mut().zip(squares).for_each(|(z, s)| *z /= s);
+                times_transposed(rows.as_ref(), &z)
+            }
+        }
+    }
 }
