@@ -124,7 +124,7 @@ def sklearn_lars(P, q):
     from sklearn.linear_model import lars_path
 
     alpha, _, x = lars_path(P, q, method="lasso", alpha_min=0.0, max_iter=4000, return_path=False)
-    return x, f"penalty {float(np.ravel(alpha)[-1]):.0e}"
+    return x, "penalty 0" if np.ravel(alpha)[-1] < 1e-12 else f"penalty {np.ravel(alpha)[-1]:.0e}"
 
 
 PEERS = {
@@ -196,7 +196,7 @@ def run(command, limit, environment):
     lines = done.stdout.strip().splitlines()
     if done.returncode != 0 or not lines:
         last = (done.stderr.strip().splitlines() or ["no output"])[-1]
-        return {"failed": "out of memory" if done.returncode == -9 else last[:60]}
+        return {"failed": "out of memory" if done.returncode == -9 else f"error: {last.split(':', 1)[-1].strip()[:48]}"}
     answer = json.loads(lines[-1])
     return {"failed": f"> {limit:.0f} s"} if answer["seconds"] > limit else answer
 
@@ -264,7 +264,8 @@ def table(title, runs, ours):
             continue
         median = statistics.median(seconds(name))
         worst = [max(a[key] for a in done) for key in ("error", "over_best", "residual")]
-        notes = sorted({a["status"].split("{")[0].strip() for a in done if a["status"]})
+        words = (a["status"].split("{")[0].strip() for a in done)
+        notes = sorted({w for w in words if w})
         if any(a.get("proved") for a in done):
             notes.append(f"proved {sum(bool(a.get('proved')) for a in done)}/{len(runs)}")
         if failed:
@@ -329,7 +330,7 @@ def main():
                 answers = problem(binary, rows, target, seed, contenders, args.limit, environment)
                 runs.append(answers)
                 everything.append({"rows": rows, "target": target, "seed": seed, "answers": answers})
-        what = f"{rows} × 6,561: both equations of the cart-pendulum, {args.draws} draws each"
+        what = f"{rows} × 6,561: both equations of the cart-pendulum, draws of each: {args.draws}"
         print(table(what, runs, ours), flush=True)
     (HOME / "results.json").write_text(json.dumps(everything, indent=1))
 

@@ -17,7 +17,7 @@ use super::reduce::{
 use super::{CONSISTENT, Monitor, Problem, Progress, Solution, Solver, Status};
 
 /// Most entries M·N of Φ: it is copied and factorised whole.
-const MOST_ENTRIES: usize = 16_000_000;
+const MOST_ENTRIES: usize = 8_000_000;
 /// Rungs of the ladder, each twice the one below; the last is one half.
 const RUNGS: i32 = 20;
 /// Most fits on one rung; what is left then goes on to the next.
