@@ -21,13 +21,17 @@ pub(super) fn solve_reduced(
         .inner_tolerance()
         .filter(|_| !reduced.strengths.is_empty())
     else {
-        return inconsistent(problem, None);
+        let residual = f64::INFINITY;
+        return inconsistent(
+            problem,
+            Solution::zero(problem, Status::Inconsistent { residual }),
+        );
     };
     let Some(solution) = iterate(&reduced, tolerance) else {
         return Solution::zero(problem, Status::broken());
     };
     match solution.status {
-        Status::Inaccurate { .. } => inconsistent(problem, Some(solution)),
+        Status::Inaccurate { .. } => inconsistent(problem, solution),
         _ => solution,
     }
 }
