@@ -16,6 +16,7 @@ mod polish;
 mod pool;
 mod reduce;
 mod stlsq;
+mod working_set;
 
 use std::ops::ControlFlow;
 
