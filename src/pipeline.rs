@@ -75,7 +75,8 @@ fn expand_all(model: &Model) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
             library: Some(written),
             ..
         } => {
-            let (library, found) = library::expand(model, equation.target, written);
+            let (library, found) =
+                library::expand(model, equation.target, written, library::MEMORY);
             (Some(library), found)
         }
         _ => (None, Vec::new()),

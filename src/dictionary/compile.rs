@@ -29,7 +29,17 @@ pub fn compile(
     weights: Option<&[f64]>,
 ) -> Result<Box<dyn Dictionary>, Box<BadValue>> {
     let terms: Vec<Term> = library.terms().map(|(_, t)| t).collect();
-    Ok(Box::new(evaluate_all(&terms, samples, weights)?))
+    let dense = evaluate_all(&terms, samples, weights)?;
+    if library.empty_slots().is_empty() {
+        return Ok(Box::new(dense));
+    }
+    let mut values = vec![0.0; samples.len() * library.slots()];
+    let rows = samples.len().max(1);
+    let columns = dense.values().chunks_exact(rows);
+    for ((slot, _), column) in library.terms().zip(columns) {
+        values[slot * rows..(slot + 1) * rows].copy_from_slice(column);
+    }
+    Ok(Box::new(Dense::new(samples.len(), values)))
 }
 
 /// Every term on every row: M × N, column-major.
