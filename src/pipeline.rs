@@ -8,6 +8,7 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
 use crate::lang::{self, GeneratorSignature, Vocabulary};
+pub use crate::library::MEMORY;
 use crate::library::{self, GENERATORS, Library};
 use crate::term::Signal;
 
@@ -27,10 +28,6 @@ pub struct Measured {
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
-
-/// Bytes that anything whose size is known beforehand may take, where nobody says otherwise: a table, a library, one
-/// equation's Φ.
-pub const MEMORY: u64 = 4_000_000_000;
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.
 const MOST_THREADS: usize = 8;
@@ -72,13 +69,13 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
 }
 
 /// The library of each equation, in order. Start-up is mostly this, so few equations share the cores.
-fn expand_all(model: &Model, _memory: u64) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
+fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
     let expand = |equation: &Equation| match &equation.right {
         RightSide::Search {
             library: Some(written),
             ..
         } => {
-            let (library, found) = library::expand(model, equation.target, written);
+            let (library, found) = library::expand(model, equation.target, written, memory);
             (Some(library), found)
         }
         _ => (None, Vec::new()),

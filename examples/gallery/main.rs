@@ -8,6 +8,7 @@
 
 mod brusselator;
 mod dc_motor;
+mod double_pendulum;
 mod duffing;
 mod falling_ball;
 mod fitzhugh_nagumo;
@@ -39,6 +40,7 @@ type Tables = fn() -> Vec<(&'static str, Table)>;
 const SYSTEMS: &[(&str, Tables)] = &[
     ("brusselator",      brusselator::tables),
     ("dc_motor",         dc_motor::tables),
+    ("double_pendulum",  double_pendulum::tables),
     ("duffing",          duffing::tables),
     ("falling_ball",     falling_ball::tables),
     ("fitzhugh_nagumo",  fitzhugh_nagumo::tables),

@@ -1,5 +1,7 @@
 //! One equation, start to end: rows, Φ, proposal, choice, polish, proof, doubts.
 
+use std::cmp::Ordering;
+
 use super::doubts::{self, Case};
 use super::memory;
 use super::rows::{self, Split};
@@ -118,18 +120,22 @@ impl Task<'_> {
     }
 
     fn found_terms(&self, choice: &Choice, polished: &Polished) -> Vec<FoundTerm> {
-        choice
+        let found = choice
             .support
             .iter()
             .zip(&polished.coefficients)
-            .zip(&polished.standard_errors)
+            .zip(&polished.standard_errors);
+        let mut found: Vec<FoundTerm> = found
             .map(|((j, a), e)| FoundTerm {
                 term: self.term(*j),
                 coefficient: *a,
                 fixed: false,
                 standard_error: e.is_finite().then_some(*e),
             })
-            .collect()
+            .collect();
+        // Products stand in the order of their lists.
+        found.sort_by(|a, b| simpler(&a.term, &b.term));
+        found
     }
 
     /// y − Σ coefficient · term on every row.
@@ -163,11 +169,12 @@ impl Task<'_> {
     }
 
     fn named(&self, supports: &[Vec<usize>], names: &Discovery) -> Vec<Vec<String>> {
-        let name = |j: &usize| Language(names).term(&self.term(*j));
-        supports
-            .iter()
-            .map(|s| s.iter().map(name).collect())
-            .collect()
+        let name = |s: &Vec<usize>| {
+            let mut terms: Vec<Term> = s.iter().map(|j| self.term(*j)).collect();
+            terms.sort_by(simpler);
+            terms.iter().map(|t| Language(names).term(t)).collect()
+        };
+        supports.iter().map(name).collect()
     }
 
     fn equation(
@@ -222,6 +229,11 @@ impl Task<'_> {
             reasons: vec![reason],
         }
     }
+}
+
+/// The order in which terms are printed.
+fn simpler(a: &Term, b: &Term) -> Ordering {
+    a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
 }
 
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {

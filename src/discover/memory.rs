@@ -1,18 +1,16 @@
 //! What Φ will take, by arithmetic, before any of it is allocated.
 
 use super::Reason;
+use crate::dictionary::bytes;
 use crate::library::Library;
-
-/// Bytes of a number.
-const NUMBER: u64 = 8;
 
 /// The failure `memory-limit` if Φ of `rows` rows on this library would take more than `limit` bytes.
 pub(super) fn refuse(rows: usize, library: &Library, limit: u64) -> Option<Reason> {
-    let terms = library.len();
-    let row = (terms as u64).saturating_mul(NUMBER);
-    let needed = row.saturating_mul(rows as u64);
-    (needed > limit).then(|| {
-        let fits = limit / row.max(1);
+    let needed = bytes(library, rows);
+    (needed > u128::from(limit)).then(|| {
+        let fixed = bytes(library, 0);
+        let row = bytes(library, 1) - fixed;
+        let fits = u128::from(limit).saturating_sub(fixed) / row.max(1);
         let way_out = if fits == 0 {
             "not one row fits: take a smaller library or a higher --memory-limit".into()
         } else {
@@ -21,16 +19,17 @@ pub(super) fn refuse(rows: usize, library: &Library, limit: u64) -> Option<Reaso
         Reason::new(
             "memory-limit",
             format!(
-                "{rows} rows of {terms} terms take {}, the limit is {}; {way_out}",
+                "{rows} rows of {} terms take {}, the limit is {}; {way_out}",
+                library.len(),
                 size(needed),
-                size(limit)
+                size(limit.into())
             ),
         )
     })
 }
 
 /// Bytes in the largest decimal unit that leaves a whole part: `31.5 MB`.
-fn size(bytes: u64) -> String {
+fn size(bytes: u128) -> String {
     const UNITS: [&str; 6] = ["kB", "MB", "GB", "TB", "PB", "EB"];
     let mut shown = format!("{bytes} bytes");
     let mut number = bytes as f64;
@@ -57,10 +56,11 @@ mod tests {
     #[test]
     fn the_limit_itself_is_allowed_and_a_byte_less_is_not() {
         let library = library(10);
-        assert_eq!(refuse(100, &library, 8000), None);
-        let reason = refuse(100, &library, 7999).unwrap();
+        let needed = bytes(&library, 100) as u64;
+        assert_eq!(refuse(100, &library, needed), None);
+        let reason = refuse(100, &library, needed - 1).unwrap();
         assert_eq!(reason.code, "memory-limit");
-        for figure in ["100 rows of 10 terms", "8 kB", "--samples 99 "] {
+        for figure in ["100 rows of 10 terms", "--samples 99 "] {
             assert!(reason.text.contains(figure), "{}", reason.text);
         }
     }
@@ -77,13 +77,13 @@ mod tests {
     #[test]
     fn sizes_have_a_whole_part() {
         let cases = [
-            (999, "999 bytes"),
+            (999u64, "999 bytes"),
             (1000, "1 kB"),
             (31_492_800, "31.5 MB"),
             (u64::MAX, "18.4 EB"),
         ];
         for (bytes, text) in cases {
-            assert_eq!(size(bytes), text);
+            assert_eq!(size(bytes.into()), text);
         }
     }
 }

@@ -1,9 +1,20 @@
 //! Which rows the coefficients are found from, and which are left to test them.
 
-/// Most entries of a stored Φ, M · N: about a second of basis pursuit, 32 MB.
-const ENTRIES: usize = 4_000_000;
-/// Fewest rows that the limit leaves.
+/// Most entries M · N of a Φ that is stored: 32 MB, and a second of least squares where rows outnumber terms.
+const STORED: usize = 4_000_000;
+/// Most products M · N of a Φ that is only priced: some 20 ms for a look at all columns.
+const PRICED: usize = 400_000_000;
+/// Terms from which on more rows than these tell nothing new, but every step of a solver pays for them.
+const MANY: usize = 2000;
+/// Fewest rows that the limits leave.
 const FEWEST: usize = 100;
+
+/// Rows that an equation with `terms` candidates is found from, if there are so many.
+fn affordable(terms: usize) -> usize {
+    let stored = STORED / terms.max(1);
+    let priced = (PRICED / terms.max(1)).min(terms).min(MANY);
+    stored.max(priced).max(FEWEST)
+}
 
 /// Row indices, rising.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -16,7 +27,7 @@ pub struct Split {
 
 /// Splits `rows` rows: `samples` of them if asked for, else as many as Φ with `terms` columns may have.
 pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Split {
-    let fits = (ENTRIES / terms.max(1)).max(FEWEST);
+    let fits = affordable(terms);
     let wanted = samples.unwrap_or(fits).min(rows);
     if wanted == rows {
         return Split {
@@ -74,7 +85,7 @@ mod tests {
             split(50, 10, Some(20), 2).used
         );
         let s = split(10_000, 6_561, None, 0);
-        assert_eq!((s.used.len(), s.limited), (609, true));
+        assert_eq!((s.used.len(), s.limited), (2000, true));
         assert_eq!(split(300, 6_561, Some(1000), 0).used.len(), 300);
     }
 }

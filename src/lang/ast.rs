@@ -37,6 +37,7 @@ pub enum Keyword {
     Data,
     Constrain,
     Symmetry,
+    Limit,
 }
 
 #[derive(Clone, Debug)]
@@ -70,6 +71,10 @@ pub enum StatementKind {
         first: Expr,
         rest: Vec<(&'static str, Expr)>,
     },
+    /// `symmetry NAMES -> IMAGE`
+    Symmetry { names: Vec<Expr>, image: Image },
+    /// `limit degree 4`
+    Limit(Vec<Attribute>),
     /// `data { ... }`
     Data(Vec<Entry>),
 }
@@ -87,6 +92,15 @@ pub enum EntryKind {
     Source { name: Ident, value: Expr },
     /// `step 0.01`
     Step(Expr),
+}
+
+/// What stands on the right of a symmetry's arrow.
+#[derive(Clone, Debug)]
+pub struct Image {
+    pub span: Span,
+    /// True for `-(NAMES)`.
+    pub flipped: bool,
+    pub items: Vec<Expr>,
 }
 
 /// A name as written (primes included), normalised to NFC.
@@ -190,6 +204,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
     ("data", Keyword::Data),
     ("constrain", Keyword::Constrain),
     ("symmetry", Keyword::Symmetry),
+    ("limit", Keyword::Limit),
 ];
 
 impl Keyword {

@@ -15,7 +15,26 @@ pub struct Model {
     pub discrete: bool,
     pub equations: Vec<Equation>,
     pub constraints: Vec<Constraint>,
+    pub symmetries: Vec<Symmetry>,
+    /// Largest sum of |exponents| of a term, if limited.
+    pub degree: Option<f64>,
     pub data: DataBlock,
+}
+
+/// `symmetry y, theta -> -(y, theta)`: the equations hold as well with these variables' signs changed.
+#[derive(Clone, Debug)]
+pub struct Symmetry {
+    pub flipped: Vec<VarId>,
+    pub span: Span,
+}
+
+impl Symmetry {
+    /// True if a signal changes its sign: derivatives and shifted samples go with their variable. Where time itself is
+    /// flipped, each derivative changes it once more.
+    pub fn flips(&self, s: Signal) -> bool {
+        let has = |var: VarId| self.flipped.contains(&var);
+        has(s.var) ^ (has(VarId::TIME) && s.der % 2 == 1)
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -1,37 +1,44 @@
 //! Algebraic dependence that is visible without data: cos² + sin² = 1.
 //!
 //! A library may well be dependent (the 6,561-term pendulum has 729 such identities), so this is a note, once per pair of factors.
-//! Only a target hidden in its own library is an error.
+//! Only a target hidden in its own library is an error. Identities are counted on factors: no term is touched.
 
-use super::{Library, errors};
+use super::count::Counter;
+use super::errors;
+use super::list::List;
+use super::product::Product;
+use super::rule::Rule;
+use super::set::Set;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{LibExpr, Model};
 use crate::term::{Atom, Expr, Func, Language, Signal, SignalNames, Term};
+
+/// Most pairs of products to compare: about a tenth of a second.
+const MAX_PAIRS: usize = 50_000;
 
 pub(super) fn check(
     model: &Model,
     target: Signal,
     written: &LibExpr,
-    library: &Library,
+    set: &Set,
+    rule: &Rule,
 ) -> Vec<Diagnostic> {
-    let arguments = arguments(library);
-    if arguments.is_empty() {
-        return Vec::new();
-    }
-    let known = Known::new(library);
-    arguments
+    arguments(set)
         .iter()
-        .filter_map(|argument| pythagoras(model, target, written, &known, argument))
+        .filter_map(|argument| pythagoras(model, target, written, set, rule, argument))
         .collect()
 }
 
 /// Arguments `e` for which sin²(e) occurs, each once.
-fn arguments(library: &Library) -> Vec<Expr> {
+fn arguments(set: &Set) -> Vec<Expr> {
     let Some(sin) = Func::named("sin") else {
         return Vec::new();
     };
+    let lists = set.products().iter().flat_map(Product::factors);
+    let sines = |atom: &&Atom| matches!(atom, Atom::Call(f, _) if *f == sin);
+    let lists = lists.filter(|list| list.atoms().iter().any(|atom| sines(&atom)));
     let mut found: Vec<Expr> = Vec::new();
-    for (atom, p) in library.factors().flat_map(Term::factors) {
+    for (atom, p) in lists.flat_map(|l| l.terms()).flat_map(Term::factors) {
         if let Atom::Call(f, args) = atom
             && *f == sin
             && p == 2.0
@@ -45,51 +52,12 @@ fn arguments(library: &Library) -> Vec<Expr> {
     found
 }
 
-/// The library's terms, to be asked for by fingerprint.
-struct Known {
-    terms: Vec<Term>,
-    fingerprints: Vec<u64>,
-    sorted: Vec<u64>,
-}
-
-impl Known {
-    fn new(library: &Library) -> Self {
-        let terms: Vec<Term> = library.terms().map(|(_, t)| t).collect();
-        let fingerprints: Vec<u64> = terms.iter().map(Term::fingerprint).collect();
-        let mut sorted = fingerprints.clone();
-        sorted.sort_unstable();
-        Known {
-            terms,
-            fingerprints,
-            sorted,
-        }
-    }
-
-    fn has(&self, fingerprint: u64) -> bool {
-        self.sorted.binary_search(&fingerprint).is_ok()
-    }
-
-    /// Terms T·sin² for which T and T·cos² are there too.
-    fn identities(&self, sin2: &Term, cos2: &Term) -> usize {
-        let (with_sin2, with_cos2) = (sin2.fingerprint(), cos2.fingerprint());
-        let square = sin2.factors().next();
-        self.terms
-            .iter()
-            .zip(&self.fingerprints)
-            .filter(|(t, _)| t.factors().any(|factor| Some(factor) == square))
-            .filter(|(_, f)| {
-                let plain = f.wrapping_sub(with_sin2);
-                self.has(plain) && self.has(plain.wrapping_add(with_cos2))
-            })
-            .count()
-    }
-}
-
 fn pythagoras(
     model: &Model,
     target: Signal,
     written: &LibExpr,
-    known: &Known,
+    set: &Set,
+    rule: &Rule,
     argument: &Expr,
 ) -> Option<Diagnostic> {
     let square = |name| {
@@ -101,17 +69,65 @@ fn pythagoras(
     let language = Language(model);
     let bare = Term::signal(target);
     let (with_sin, with_cos) = (bare.mul(&sin2), bare.mul(&cos2));
-    if known.has(with_sin.fingerprint()) && known.has(with_cos.fingerprint()) {
+    // Both squares are even, so the rule admits both products or neither.
+    if rule.admits(&with_sin) && set.contains(&with_sin) && set.contains(&with_cos) {
         let name = model.name(target);
         let (a, b) = (language.term(&with_sin), language.term(&with_cos));
         return Some(errors::target_by_identity(written.span, &name, &a, &b));
     }
-    let count = known.identities(&sin2, &cos2);
-    if count == 0 {
-        return None;
-    }
+    let count = identities(set, rule, &sin2, &cos2).filter(|n| *n > 0)?;
     let (sin2, cos2) = (language.term(&sin2), language.term(&cos2));
     let identity = format!("`{sin2} + {cos2} = 1`");
     let example = format!("1, {sin2}, {cos2}");
     Some(errors::dependent(written.span, &identity, &example, count))
+}
+
+/// Number of terms T·sin² for which T and T·cos² are there too; `None` where counting takes too long.
+///
+/// The sets {T·sin²}, {T}·sin² and {T·cos²}·sin²/cos² are products over the same factors, and so is what they have in common.
+/// The rule admits T and T·cos² wherever it admits T·sin².
+pub(super) fn identities(set: &Set, rule: &Rule, sin2: &Term, cos2: &Term) -> Option<u128> {
+    let products = set.products();
+    let with_sine: Vec<Product> = products.iter().filter_map(|p| having(p, sin2)).collect();
+    if with_sine.len() * products.len() > MAX_PAIRS {
+        return None;
+    }
+    let moved = |by: &Term| -> Vec<Product> { products.iter().map(|p| p.shifted(by)).collect() };
+    let plain = moved(sin2);
+    let turned = moved(&sin2.mul(&cos2.pow(-1.0)));
+    let one_group = products.iter().all(|p| p.group == 0);
+    let mut all = Vec::new();
+    for product in &with_sine {
+        for t in &plain {
+            let Some(pair) = product.and(t).ok()? else {
+                continue;
+            };
+            for t in &turned {
+                if let Some(triple) = pair.and(t).ok()? {
+                    // Products of one group have nothing in common, nor have these then.
+                    let group = if one_group { 0 } else { all.len() };
+                    all.push(triple.in_group(group));
+                }
+            }
+        }
+    }
+    Counter::default().count(&all, rule)
+}
+
+/// The terms of a product that have this very power as a factor.
+fn having(product: &Product, power: &Term) -> Option<Product> {
+    let square = power.factors().next()?;
+    let with = |list: &List| list.filtered(|t| t.factors().any(|factor| factor == square));
+    let found = product.factors().iter().any(|l| l.has_atom(square.0));
+    let factors = product
+        .factors()
+        .iter()
+        .map(|list| match list.has_atom(square.0) {
+            true => with(list),
+            false => list.clone(),
+        });
+    let kept = Product::from_factors(factors.collect())
+        .with_holes(product.holes().iter().cloned())
+        .in_group(product.group);
+    (found && kept.size() > 0).then_some(kept)
 }

@@ -1,21 +1,85 @@
 //! What can be wrong with a library, in words.
 
-use super::size::readable;
-use super::{MAX_TERMS, Misuse};
+use super::list::Unwieldy;
+use super::size::{readable, readable_bytes};
+use super::{MAX_LIST, MAX_PRODUCTS, Misuse};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 
-pub(super) fn too_many_terms(span: Span, count: u128) -> Diagnostic {
+/// Known by arithmetic, before anything is made.
+pub(super) fn too_large(span: Span, terms: u128, bytes: u128, memory: u64) -> Diagnostic {
+    let (needed, limit) = (readable_bytes(bytes), readable_bytes(memory.into()));
     Diagnostic::error(
         "library-too-large",
         format!(
-            "this library has {} terms; the limit is {}",
-            readable(count),
-            readable(MAX_TERMS)
+            "this library has {} terms, which take {needed}; the limit is {limit}",
+            readable(terms)
         ),
     )
-    .at(span, format!("{} terms", readable(count)))
-    .help("lower the degree, or multiply smaller libraries: poly(x, y; 2) * <1, sin z>")
+    .at(span, format!("{} terms", readable(terms)))
+    .help("lower a degree, take atoms out, or say what is known: `limit degree 4`, `symmetry x -> -x`; --memory-limit sets the limit")
+}
+
+/// What cannot stay a product of short lists.
+pub(super) fn unwieldy(span: Span, why: Unwieldy) -> Diagnostic {
+    match why {
+        Unwieldy::List(count) => Diagnostic::error(
+            "library-too-large",
+            format!(
+                "{} terms would have to be listed one by one; the limit of one list is {}",
+                readable(count),
+                readable(MAX_LIST)
+            ),
+        )
+        .at(span, "does not stay a product of short lists")
+        .help("multiply libraries that have no atom in common, such as poly(x, y; 2) * <1, sin z>, or lower the degree"),
+        Unwieldy::Products => Diagnostic::error(
+            "library-too-large",
+            format!(
+                "this library falls into more than {} products of lists",
+                readable(MAX_PRODUCTS as u128)
+            ),
+        )
+        .at(span, "too many unions multiplied")
+        .help("lower the degree, or take atoms out"),
+    }
+}
+
+/// `kept` of `all` terms, if that many could be counted.
+pub(super) fn pruned(
+    span: Span,
+    target: &str,
+    (kept, all): (u128, Option<u128>),
+    by: &str,
+) -> Diagnostic {
+    let of = all.map_or_else(String::new, |n| format!(" of {}", readable(n)));
+    Diagnostic::note(
+        "library-pruned",
+        format!("{target} has {}{of} candidate terms ({by})", readable(kept)),
+    )
+    .at(span, "")
+}
+
+/// A term that no symmetric equation can have alone.
+pub(super) fn without_parity(span: Span, symmetry: Span, term: &str, flipped: &str) -> Diagnostic {
+    Diagnostic::note(
+        "without-parity",
+        format!("`{term}` is neither even nor odd in {flipped}: terms like it are left out"),
+    )
+    .at(span, "")
+    .also(
+        symmetry,
+        "under this symmetry each term has a sign of its own",
+    )
+}
+
+pub(super) fn all_pruned(span: Span, target: &str, by: &str) -> Diagnostic {
+    Diagnostic::error(
+        "empty-library",
+        format!("none of these terms may stand in the equation of `{target}` ({by})"),
+    )
+    .at(span, "nothing left to choose from")
+    .help(format!("a term must have the parity of `{target}` under each symmetry, and keep to the limit on the degree; `sidc check --terms` without those statements lists all"))
 }
 
 pub(super) fn misuse(name_span: Span, usage: &str, m: Misuse) -> Diagnostic {
@@ -45,12 +109,15 @@ pub(super) fn removes_nothing(span: Span, single: Option<(&str, &str)>) -> Diagn
     }
 }
 
-pub(super) fn needs_one_term(span: Span, operator: &str, found: usize) -> Diagnostic {
+pub(super) fn needs_one_term(span: Span, operator: &str, found: u128) -> Diagnostic {
     Diagnostic::error(
         "needs-one-term",
-        format!("`{operator}` needs a single term here, but this is a library of {found} terms"),
+        format!(
+            "`{operator}` needs a single term here, but this is a library of {} terms",
+            readable(found)
+        ),
     )
-    .at(span, format!("{found} terms"))
+    .at(span, format!("{} terms", readable(found)))
     .help("divide or raise inside `< >`, term by term: `<x/y, x/z>`")
 }
 
@@ -107,12 +174,12 @@ pub(super) fn target_by_identity(
     .help(format!("leave out one of the two, `{first}` or `{second}`"))
 }
 
-pub(super) fn dependent(span: Span, identity: &str, example: &str, count: usize) -> Diagnostic {
+pub(super) fn dependent(span: Span, identity: &str, example: &str, count: u128) -> Diagnostic {
     Diagnostic::note(
         "dependent-terms",
         format!(
             "{identity} makes {} of these terms dependent on others",
-            readable(count as u128)
+            readable(count)
         ),
     )
     .at(span, format!("{example}, …"))

@@ -1,72 +1,106 @@
-//! Set algebra on terms: one function an operation, sizes checked before each.
+//! Set algebra on terms: one function an operation. Sets stay products of lists.
 
 use std::collections::BTreeSet;
 
-use super::{MAX_TERMS, errors, generator};
+use super::layout::Refused;
+use super::list::Unwieldy;
+use super::monomials::monomials;
+use super::product::Product;
+use super::rule::{Rule, flipped};
+use super::set::Set;
+use super::{Library, MAX_LIST, errors, generator, generators, layout, restrictions};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{LibExpr, LibKind, Model, NumberArg};
+use crate::lang::model::{LibExpr, LibKind, Model, NumberArg, Symmetry};
 use crate::lang::source::Span;
-use crate::term::{Expr, Language, Signal, Term};
+use crate::term::{Expr, Language, Signal, SignalNames, Term};
 
 /// One expansion: the equation it is for, and what was found wrong on the way. `None` means an error was reported.
 pub(super) struct Expansion<'a> {
     model: &'a Model,
     target: Signal,
+    /// Bytes that the library may take.
+    memory: u64,
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl<'a> Expansion<'a> {
-    pub fn new(model: &'a Model, target: Signal) -> Self {
+    pub fn new(model: &'a Model, target: Signal, memory: u64) -> Self {
         Expansion {
             model,
             target,
+            memory,
             diagnostics: Vec::new(),
         }
     }
 
-    /// The whole right side: expanded, without the bare target, sorted.
-    pub fn library(&mut self, e: &LibExpr) -> Option<Vec<Term>> {
-        let mut terms = self.set(e)?;
+    /// The whole right side, without the bare target.
+    pub fn library(&mut self, e: &LibExpr) -> Option<Set> {
+        let mut set = self.set(e)?;
         let bare = Term::signal(self.target);
-        let before = terms.len();
-        terms.retain(|t| *t != bare);
-        if terms.len() < before {
+        if set.contains(&bare) {
             self.note_target(e.span);
+            set = set.without(&bare);
         }
-        if terms.is_empty() {
+        if set.count(&Rule::none()) == Some(0) {
             return self.fail(errors::empty(e.span));
         }
-        // Sets come in the order of terms, and this sort is stable; degrees are never negative, so their bits are ordered.
-        terms.sort_by_cached_key(|t| t.degree().to_bits());
-        Some(terms)
+        Some(set)
+    }
+
+    /// The set as a library, pruned by the rule.
+    pub fn lay_out(&mut self, e: &LibExpr, set: &Set, rule: &Rule) -> Option<Library> {
+        let library = match layout::lay_out(set, rule, self.memory) {
+            Ok(library) => library,
+            Err(Refused::Memory(terms, bytes)) => {
+                return self.fail(errors::too_large(e.span, terms, bytes, self.memory));
+            }
+            Err(Refused::Unwieldy(why)) => return self.fail(errors::unwieldy(e.span, why)),
+        };
+        let Some(by) = restrictions(self.model) else {
+            return Some(library);
+        };
+        let target = self.model.name(self.target);
+        if library.is_empty() {
+            return self.fail(errors::all_pruned(e.span, &target, &by));
+        }
+        let before = set.count(&Rule::none());
+        let counts = (library.len() as u128, before);
+        self.diagnostics
+            .push(errors::pruned(e.span, &target, counts, &by));
+        if let Some((term, symmetry)) = without_parity(set, rule) {
+            let (term, names) = (
+                Language(self.model).term(term),
+                flipped(self.model, symmetry),
+            );
+            let note = errors::without_parity(e.span, symmetry.span, &term, &names);
+            self.diagnostics.push(note);
+        }
+        Some(library.pruned_from(before))
     }
 
     /// Distinct terms of a set expression.
-    fn set(&mut self, e: &LibExpr) -> Option<Vec<Term>> {
+    fn set(&mut self, e: &LibExpr) -> Option<Set> {
         match &e.kind {
-            LibKind::Term(x) => Some(vec![self.column(e.span, x)?]),
+            LibKind::Term(x) => Some(Set::of(vec![self.column(e.span, x)?])),
             LibKind::List(items) => {
                 let sets = self.each(items)?;
-                Some(distinct(sets.into_iter().flatten().collect()))
+                self.made(e.span, Set::union(sets))
             }
             LibKind::Union(a, b) => {
                 let (a, b) = self.both(a, b)?;
-                self.limit(e.span, a.len() as u128 + b.len() as u128)?;
-                Some(distinct(a.into_iter().chain(b).collect()))
+                self.made(e.span, Set::union([a, b]))
             }
             LibKind::Difference(a, b) => self.difference(e.span, a, b),
             LibKind::Product(a, b) => {
                 let (a, b) = self.both(a, b)?;
-                self.limit(e.span, a.len() as u128 * b.len() as u128)?;
-                let all = a.iter().flat_map(|x| b.iter().map(|y| x.mul(y)));
-                Some(distinct(all.collect()))
+                self.made(e.span, a.times(&b))
             }
             LibKind::Quotient(a, b) => {
                 let a = self.set(a)?;
                 let divisor = self.single(b, "/")?.pow(-1.0);
-                Some(distinct(a.iter().map(|x| x.mul(&divisor)).collect()))
+                Some(a.shifted(&divisor))
             }
-            LibKind::Power(a, p) => Some(vec![self.single(a, "^")?.pow(*p)]),
+            LibKind::Power(a, p) => Some(Set::of(vec![self.single(a, "^")?.pow(*p)])),
             LibKind::Named { body, .. } => self.set(body),
             LibKind::Generate {
                 name,
@@ -84,16 +118,29 @@ impl<'a> Expansion<'a> {
         name_span: Span,
         args: &[LibExpr],
         numbers: &[NumberArg],
-    ) -> Option<Vec<Term>> {
+    ) -> Option<Set> {
         let generator = generator(name)?;
         let atoms = self.atoms(span, args)?;
         let misuse = |m| errors::misuse(name_span, generator.usage(), m);
-        match generator.count(atoms.len(), numbers) {
-            Ok(count) => self.limit(span, count)?,
-            Err(m) => return self.fail(misuse(m)),
+        let (count, exponents) = match (
+            generator.count(atoms.len(), numbers),
+            generator.exponents(numbers),
+        ) {
+            (Ok(count), Ok(exponents)) => (count, exponents),
+            (Err(m), _) | (_, Err(m)) => return self.fail(misuse(m)),
+        };
+        if let Some(exponents) = exponents {
+            let bytes = count.saturating_mul(layout::SLOT_BYTES);
+            if exponents.is_bounded() && bytes > u128::from(self.memory) {
+                return self.fail(errors::too_large(span, count, bytes, self.memory));
+            }
+            return self.made(span, monomials(&generators::factors(&atoms), exponents));
+        }
+        if count > MAX_LIST {
+            return self.fail(errors::unwieldy(span, Unwieldy::List(count)));
         }
         match generator.expand(&atoms, numbers) {
-            Ok(terms) => Some(distinct(terms)),
+            Ok(terms) => Some(Set::of(terms)),
             Err(m) => self.fail(misuse(m)),
         }
     }
@@ -107,7 +154,11 @@ impl<'a> Expansion<'a> {
         for arg in args {
             let found = match &arg.kind {
                 LibKind::Term(x) => vec![self.finite(arg.span, x)?.clone()],
-                _ => self.set(arg)?.into_iter().map(Expr::from).collect(),
+                _ => {
+                    let set = self.set(arg)?;
+                    let list = self.made(arg.span, set.list())?;
+                    list.terms().iter().cloned().map(Expr::from).collect()
+                }
             };
             for atom in found {
                 if atom == bare {
@@ -120,18 +171,15 @@ impl<'a> Expansion<'a> {
         Some(atoms)
     }
 
-    fn difference(&mut self, span: Span, a: &LibExpr, b: &LibExpr) -> Option<Vec<Term>> {
+    fn difference(&mut self, span: Span, a: &LibExpr, b: &LibExpr) -> Option<Set> {
         let (left, right) = self.both(a, b)?;
-        let gone: BTreeSet<&Term> = right.iter().collect();
-        let kept: Vec<Term> = left.iter().filter(|t| !gone.contains(t)).cloned().collect();
+        let (kept, any) = self.made(span, left.minus(&right))?;
         // Taking the target out of a shared library is no mistake, though it was dropped before.
         let takes_target = right.contains(&Term::signal(self.target));
-        if kept.len() == left.len() && !takes_target {
+        if !any && !takes_target {
             let language = Language(self.model);
-            let single = match (left.as_slice(), right.as_slice()) {
-                ([a], [b]) => Some((language.term(a), language.term(b))),
-                _ => None,
-            };
+            let single = left.single().zip(right.single());
+            let single = single.map(|(a, b)| (language.term(&a), language.term(&b)));
             let single = single.as_ref().map(|(a, b)| (a.as_str(), b.as_str()));
             return self.fail(errors::removes_nothing(span, single));
         }
@@ -165,33 +213,36 @@ impl<'a> Expansion<'a> {
     }
 
     fn single(&mut self, e: &LibExpr, operator: &str) -> Option<Term> {
-        let mut set = self.set(e)?;
-        match (set.len(), set.pop()) {
-            (1, Some(t)) => Some(t),
-            (n, _) => self.fail(errors::needs_one_term(e.span, operator, n)),
+        let set = self.set(e)?;
+        match set.single() {
+            Some(term) => Some(term),
+            None => {
+                let found = set.count(&Rule::none()).unwrap_or_else(|| set.bound());
+                self.fail(errors::needs_one_term(e.span, operator, found))
+            }
         }
     }
 
     /// Both sides, so that an error in one does not hide an error in the other.
-    fn both(&mut self, a: &LibExpr, b: &LibExpr) -> Option<(Vec<Term>, Vec<Term>)> {
+    fn both(&mut self, a: &LibExpr, b: &LibExpr) -> Option<(Set, Set)> {
         let (a, b) = (self.set(a), self.set(b));
         Some((a?, b?))
     }
 
-    fn each(&mut self, items: &[LibExpr]) -> Option<Vec<Vec<Term>>> {
-        let sets: Vec<Option<Vec<Term>>> = items.iter().map(|i| self.set(i)).collect();
+    fn each(&mut self, items: &[LibExpr]) -> Option<Vec<Set>> {
+        let sets: Vec<Option<Set>> = items.iter().map(|i| self.set(i)).collect();
         sets.into_iter().collect()
     }
 
-    fn limit(&mut self, span: Span, count: u128) -> Option<()> {
-        if count <= MAX_TERMS {
-            return Some(());
+    fn made<T>(&mut self, span: Span, made: Result<T, Unwieldy>) -> Option<T> {
+        match made {
+            Ok(made) => Some(made),
+            Err(why) => self.fail(errors::unwieldy(span, why)),
         }
-        self.fail(errors::too_many_terms(span, count))
     }
 
     fn note_target(&mut self, span: Span) {
-        let name = crate::term::SignalNames::name(self.model, self.target);
+        let name = self.model.name(self.target);
         let note = errors::target_dropped(span, &name);
         if !self.diagnostics.contains(&note) {
             self.diagnostics.push(note);
@@ -204,12 +255,10 @@ impl<'a> Expansion<'a> {
     }
 }
 
-fn distinct(mut terms: Vec<Term>) -> Vec<Term> {
-    // Generators and products of sorted sets mostly come so.
-    if terms.is_sorted_by(|a, b| a < b) {
-        return terms;
-    }
-    terms.sort_unstable();
-    terms.dedup();
-    terms
+/// The simplest factor that has no parity under some symmetry.
+fn without_parity<'a>(set: &'a Set, rule: &'a Rule) -> Option<(&'a Term, &'a Symmetry)> {
+    let lists = set.products().iter().flat_map(Product::factors);
+    let terms = lists.flat_map(|list| list.terms());
+    let broken = terms.filter_map(|t| Some((t, rule.broken_by(t)?)));
+    broken.min_by(|(a, _), (b, _)| a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b)))
 }

@@ -1,15 +1,27 @@
 //! Libraries of candidate terms: the set expressions of a model, expanded for one equation.
 //!
-//! In: a [`LibExpr`] with names resolved, and the equation's target. Out: a [`Library`] of distinct terms, simplest first, or
-//! diagnostics. Sizes are known by arithmetic before anything is expanded. Knows nothing of data.
+//! In: a [`LibExpr`] with names resolved, and the equation's target. Out: a [`Library`] of distinct terms, or diagnostics. Sets stay
+//! products of short lists from the expression to the library, so sizes are known by arithmetic before anything is made, and what
+//! `symmetry` and `limit` statements exclude is never made at all. Knows nothing of data.
 
+mod count;
 mod dependence;
 mod errors;
 mod expand;
 mod generators;
+mod graded;
+mod index;
 mod known;
+mod layout;
+mod list;
+mod monomials;
+mod product;
+mod rule;
+mod set;
 mod size;
 mod terms;
+#[cfg(test)]
+mod tests;
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{LibExpr, Model, NumberArg};
@@ -18,10 +30,18 @@ use crate::term::{Expr, Signal, Term};
 
 pub use generators::GENERATORS;
 pub use known::known_terms;
+pub use rule::restrictions;
+pub use size::{readable, readable_bytes};
 pub use terms::{Block, Library};
 
-/// Most terms of one library while Φ is stored whole.
-pub const MAX_TERMS: u128 = 200_000;
+/// Most terms of one list: of factors that share atoms, or of a generator that does not factor.
+pub const MAX_LIST: u128 = 200_000;
+
+/// Most products that a set may fall into.
+const MAX_PRODUCTS: usize = 10_000;
+
+/// Bytes that one library may take, if nothing else is said: 4 GB.
+pub const MEMORY: u64 = 4_000_000_000;
 
 /// A family of terms made from atoms and numbers: one file and one line in [`GENERATORS`].
 pub trait Generator: Sync {
@@ -36,8 +56,34 @@ pub trait Generator: Sync {
     }
     /// How many terms `atoms` atoms give, by arithmetic alone; also checks the numbers.
     fn count(&self, atoms: usize, numbers: &[NumberArg]) -> Result<u128, Misuse>;
-    /// The terms; called only after [`Generator::count`] found the numbers good and few enough terms.
+    /// For a generator of monomials: with which exponents. Its terms are then kept as products of the powers of each atom, and
+    /// there may be millions; all others are listed.
+    fn exponents(&self, _numbers: &[NumberArg]) -> Result<Option<Exponents>, Misuse> {
+        Ok(None)
+    }
+    /// The terms, one by one; called only after [`Generator::count`] found the numbers good and few enough terms.
     fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse>;
+}
+
+/// The exponents of monomials: each atom's from 0 to `each`, their sum within `total`, ends included.
+#[derive(Clone, Copy, Debug)]
+pub struct Exponents {
+    pub each: u32,
+    pub total: (u32, u32),
+}
+
+impl Exponents {
+    /// Every exponent up to a cap, independently.
+    pub fn each(cap: u32) -> Exponents {
+        Exponents {
+            each: cap,
+            total: (0, u32::MAX),
+        }
+    }
+
+    fn is_bounded(self) -> bool {
+        self.total.1 != u32::MAX
+    }
 }
 
 /// A generator used wrongly: what is wrong, at a number if it is one number's fault, and how to write it.
@@ -53,16 +99,25 @@ pub fn generator(name: &str) -> Option<&'static dyn Generator> {
     GENERATORS.iter().copied().find(|g| g.name() == name)
 }
 
-/// Expands the library of one equation.
+/// Expands the library of one equation, in at most `memory` bytes.
 ///
-/// The bare target never becomes a column, and generators drop it from their atoms; both are said in a note.
-/// Errors: too many terms (with the count, before expansion), misused generators, a `-` that removes nothing, the target itself
-/// hidden in the library by an identity.
-pub fn expand(model: &Model, target: Signal, library: &LibExpr) -> (Library, Vec<Diagnostic>) {
-    let mut pass = expand::Expansion::new(model, target);
-    let terms = pass.library(library).unwrap_or_default();
-    let library_found = Library::listed(terms);
-    pass.diagnostics
-        .extend(dependence::check(model, target, library, &library_found));
-    (library_found, pass.diagnostics)
+/// The bare target never becomes a column, and generators drop it from their atoms; both are said in a note. Terms that the model's
+/// symmetries and degree limit exclude are left out, and counted in a note.
+/// Errors: a library that does not fit (with the numbers, before anything is made), misused generators, a `-` that removes
+/// nothing, the target itself hidden in the library by an identity.
+pub fn expand(
+    model: &Model,
+    target: Signal,
+    written: &LibExpr,
+    memory: u64,
+) -> (Library, Vec<Diagnostic>) {
+    let mut pass = expand::Expansion::new(model, target, memory);
+    let library = pass.library(written).and_then(|set| {
+        let rule = rule::Rule::of(model, target);
+        let library = pass.lay_out(written, &set, &rule)?;
+        let found = dependence::check(model, target, written, &set, &rule);
+        pass.diagnostics.extend(found);
+        Some(library)
+    });
+    (library.unwrap_or_default(), pass.diagnostics)
 }

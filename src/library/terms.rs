@@ -2,6 +2,9 @@
 //!
 //! In: blocks. Out: terms by slot, one at a time. A library of millions of terms takes the memory of its factors.
 
+use std::sync::OnceLock;
+
+use super::index::Index;
 use crate::term::{Signal, Term};
 
 /// Every product of a term on the left with one on the right. Block after block these are the library's slots, the right
@@ -18,24 +21,36 @@ pub struct Library {
     blocks: Vec<Block>,
     /// Slots whose term is excluded or stands in an earlier slot too; rising.
     empty: Vec<usize>,
+    /// Number of terms before symmetries and bounds took theirs.
+    before: Option<u128>,
+    /// Made when first asked for.
+    index: OnceLock<Index>,
 }
 
 impl Library {
+    /// Distinct terms; `empty` rises.
+    pub(super) fn new(blocks: Vec<Block>, empty: Vec<usize>) -> Library {
+        debug_assert!(empty.is_sorted_by(|a, b| a < b));
+        Library {
+            blocks,
+            empty,
+            ..Library::default()
+        }
+    }
+
     /// A library of listed terms: distinct, in the order of their slots.
     pub fn listed(terms: Vec<Term>) -> Library {
-        Library {
-            blocks: vec![Block {
-                left: terms,
-                right: vec![Term::one()],
-            }],
-            empty: Vec::new(),
-        }
+        Library::new(vec![Block::listed(terms)], Vec::new())
+    }
+
+    pub(super) fn pruned_from(mut self, before: Option<u128>) -> Library {
+        self.before = before;
+        self
     }
 
     /// A library of products, block after block; `empty` are the slots that are no candidates, rising.
     pub fn products(blocks: Vec<Block>, empty: Vec<usize>) -> Library {
-        debug_assert!(empty.is_sorted_by(|a, b| a < b));
-        Library { blocks, empty }
+        Library::new(blocks, empty)
     }
 
     /// Number of terms.
@@ -45,6 +60,11 @@ impl Library {
 
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Number of terms as written, before `symmetry` and `limit` statements pruned them; `None` if there are none of those.
+    pub fn before(&self) -> Option<u128> {
+        self.before
     }
 
     /// Number of slots: columns of Φ.
@@ -61,6 +81,10 @@ impl Library {
         &self.empty
     }
 
+    pub fn is_empty_slot(&self, slot: usize) -> bool {
+        self.empty.binary_search(&slot).is_ok()
+    }
+
     /// The product that stands in a slot; `None` past the last one. Empty slots have a term too, which is not a candidate.
     pub fn term(&self, slot: usize) -> Option<Term> {
         let mut place = slot;
@@ -74,13 +98,33 @@ impl Library {
         None
     }
 
+    /// The slot of a term, if it is a candidate: a few look-ups a block, after the first call has indexed the lists.
+    pub fn contains(&self, term: &Term) -> Option<usize> {
+        let index = self.index.get_or_init(|| Index::new(&self.blocks));
+        let (all, mut from) = (self.blocks.len(), 0);
+        while from < all {
+            let slot = index.find(&self.blocks, from..all, term)?;
+            if !self.is_empty_slot(slot) {
+                return Some(slot);
+            }
+            // Excluded there, it may stand in a later block.
+            from = 1 + self.block_of(slot)?;
+        }
+        None
+    }
+
+    /// The block of a slot.
+    fn block_of(&self, slot: usize) -> Option<usize> {
+        let mut end = 0;
+        self.blocks.iter().position(|b| {
+            end += b.slots();
+            slot < end
+        })
+    }
+
     /// Every term with its slot.
     pub fn terms(&self) -> impl Iterator<Item = (usize, Term)> {
-        let products = self.blocks.iter().flat_map(|b| {
-            b.left
-                .iter()
-                .flat_map(move |l| b.right.iter().map(move |r| l.mul(r)))
-        });
+        let products = self.blocks.iter().flat_map(Block::terms);
         let mut empty = self.empty.iter().copied().peekable();
         products
             .enumerate()
@@ -107,7 +151,25 @@ impl Library {
 }
 
 impl Block {
+    pub(super) fn listed(terms: Vec<Term>) -> Block {
+        Block {
+            left: terms,
+            right: vec![Term::one()],
+        }
+    }
+
     pub fn slots(&self) -> usize {
         self.left.len() * self.right.len()
+    }
+
+    /// True if this is a plain list.
+    pub fn is_list(&self) -> bool {
+        self.right.len() == 1
+    }
+
+    /// Every product, in the order of slots.
+    pub fn terms(&self) -> impl Iterator<Item = Term> {
+        let left = self.left.iter();
+        left.flat_map(move |l| self.right.iter().map(move |r| l.mul(r)))
     }
 }

@@ -130,6 +130,12 @@ impl Term {
         }])
     }
 
+    /// The factors that `keep` keeps.
+    pub fn part(&self, keep: impl Fn(&Atom) -> bool) -> Term {
+        let kept = self.0.iter().filter(|f| keep(&f.atom));
+        Term(kept.cloned().collect())
+    }
+
     /// Calls `visit` for every signal in the term, arguments and sums included.
     pub fn for_each_signal(&self, visit: &mut impl FnMut(Signal)) {
         for f in &self.0 {

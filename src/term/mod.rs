@@ -6,11 +6,13 @@
 mod expr;
 mod function;
 mod order;
+mod parity;
 mod print;
 mod signal;
 
 pub(crate) use expr::power;
 pub use expr::{Atom, Expr, Term};
-pub use function::{FUNCTIONS, Func, Function};
+pub use function::{FUNCTIONS, Func, Function, Symmetry};
+pub use parity::Parity;
 pub use print::{Language, Notation, Precedence, write_expr, write_term};
 pub use signal::{Signal, SignalNames, VarId};

@@ -15,7 +15,7 @@ impl Term {
         self.0.iter().fold(0, |sum: u64, factor| {
             let mut hasher = Fnv(0xCBF2_9CE4_8422_2325);
             factor.hash(&mut hasher);
-            sum.wrapping_add(hasher.0)
+            sum.wrapping_add(hasher.finish())
         })
     }
 }
@@ -54,12 +54,16 @@ impl Ord for Weighted {
     }
 }
 
-/// FNV-1a on words, with a final mix that spreads them: fast, and the same in every run.
+/// FNV-1a on words: fast, and the same in every run.
 struct Fnv(u64);
 
 impl Hasher for Fnv {
+    /// Mixed until every bit depends on every bit (Stafford's variant 13): exponents differ in their top bits only, and sums of
+    /// hashes that do too would soon be equal.
     fn finish(&self) -> u64 {
-        self.0
+        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let b = (a ^ (a >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        b ^ (b >> 31)
     }
 
     fn write(&mut self, bytes: &[u8]) {

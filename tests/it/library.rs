@@ -1,10 +1,13 @@
 //! Libraries: sizes by arithmetic, algebra of sets, what is refused and what is only noted.
 
+use std::time::Instant;
+
 use proptest::prelude::*;
+use sidc::lang::diagnostic::Diagnostic;
 use sidc::lang::source::Sources;
 use sidc::library::GENERATORS;
 use sidc::pipeline::{self, Program};
-use sidc::term::{Expr, Language, Signal, VarId};
+use sidc::term::{Expr, Language, Signal, Term, VarId};
 
 /// The program, and the codes of its notes and warnings, or of its errors if there is none.
 fn compile(model: &str) -> (Option<Program>, Vec<String>) {
@@ -87,13 +90,152 @@ fn what_cannot_be_meant_is_refused() {
         "needs-one-term"
     );
     assert_eq!(error("state x\ndx ~ <x - x>"), "zero-term");
+}
+
+/// The message of the one error.
+fn refusal(model: &str) -> String {
+    let mut sources = Sources::default();
+    let file = sources.add("model.sid", model);
+    let (program, diagnostics) = pipeline::compile(file, &sources, pipeline::MEMORY);
+    assert!(program.is_none(), "{model} was accepted");
+    let errors: Vec<&Diagnostic> = diagnostics.iter().filter(|d| d.is_error()).collect();
+    assert_eq!(errors.len(), 1, "{errors:?}");
+    assert_eq!(errors[0].code, "library-too-large");
+    errors[0].message.clone()
+}
+
+#[test]
+fn what_does_not_fit_is_refused_by_arithmetic() {
+    let start = Instant::now();
     assert_eq!(
-        error("state x, y\ndx ~ poly(x, y; 1000)"),
-        "library-too-large"
+        refusal("state x1..x40\ndx1 ~ powers(x1..x40; 2)"),
+        "this library has about 10^19 terms, which take 97,261,323,672 GB; the limit is 4 GB"
+    );
+    let huge = "state x1..x99\ndx1 ~ poly(x1..x99; 1000)";
+    assert!(refusal(huge).starts_with("this library has more than 10^38 terms"));
+    assert_eq!(
+        refusal("state x\ndx ~ powers(x, x^2, x^3, x^4; 100000)"),
+        "about 10^20 terms would have to be listed one by one; the limit of one list is 200,000"
+    );
+    let shared = "state x1..x13\ndx1 ~ powers(x1..x13; 2) * poly(x1..x13; 1)";
+    assert!(refusal(shared).starts_with("22,320,522 terms would have to be listed"));
+    refusal("state x1..x40\nlimit degree 12\ndx1 ~ powers(x1..x40; 2)");
+    assert!(start.elapsed().as_millis() < 200, "{:?}", start.elapsed());
+}
+
+/// Only the last factor of each term, as often as it occurs, tells products from lists.
+#[test]
+fn millions_of_terms_take_the_memory_of_their_factors() {
+    let stored = |model: &str| {
+        let (program, codes) = compile(model);
+        let program = program.unwrap_or_else(|| panic!("{codes:?}"));
+        let library = program.libraries.last().unwrap().clone().unwrap();
+        (library.len(), library.factors().count())
+    };
+    let powers = stored("state x1..x15\ndx1 ~ powers(x1..x15; 2)");
+    assert_eq!(powers, (14_348_907, 2_187 + 6_561));
+    let (terms, factors) = stored("state x, y\ndx ~ poly(x, y; 1000)");
+    assert_eq!(terms, 501_501);
+    assert!(factors < 50_000, "{factors}");
+    let (terms, factors) = stored("state x1..x30\ndx1 ~ poly(x1..x30; 6)");
+    assert_eq!(terms, 1_947_792);
+    assert!(factors < 100_000, "{factors}");
+    let (terms, factors) = stored("state x1..x30\nlimit degree 4\ndx1 ~ powers(x1..x30; 2)");
+    assert_eq!(terms, 45_446);
+    assert!(factors < 10_000, "{factors}");
+    let (terms, factors) =
+        stored("state x1..x12\ndx1 ~ powers(x1..x12; 2) + powers(x2..x12; 3) - poly(x3, x4; 1..2)");
+    assert_eq!(terms, 531_441 + 4_194_304 - 177_147 - 5);
+    assert!(factors < 30_000, "{factors}");
+}
+
+/// Found by slot, and back.
+#[test]
+fn slots_are_found_without_a_list() {
+    let (program, _) = compile(
+        "state x1..x9\ninput u\ndx1 ~ powers(x1..x9; 2) * <1, u, sin u> + powers(x1, u; 5) - <x1*x9, u^2>",
+    );
+    let program = program.unwrap();
+    let library = program.libraries[0].as_ref().unwrap();
+    assert_eq!(library.len(), 3 * 19_683 + 36 - 6 - 2);
+    let mut empty = 0;
+    for slot in (0..library.slots()).step_by(7).chain([library.slots() - 1]) {
+        let term = library.term(slot).unwrap();
+        empty += usize::from(library.is_empty_slot(slot));
+        let found = library.contains(&term);
+        assert_eq!(found == Some(slot), !library.is_empty_slot(slot));
+    }
+    assert!(
+        library
+            .contains(&Term::signal(Signal::new(VarId(11))))
+            .is_none()
+    );
+    assert_eq!(library.empty_slots().len(), library.slots() - library.len());
+    assert!(empty <= library.empty_slots().len());
+}
+
+#[test]
+fn symmetries_keep_the_parity_of_the_target() {
+    let m = |rest: &str| terms(&format!("state x, y : order 2\ninput F\n{rest}"));
+    assert_eq!(
+        m("symmetry x, F -> -(x, F)\nddx ~ poly(x, y, F; 2)"),
+        ["x", "F", "x*y", "y*F"]
     );
     assert_eq!(
-        error("state x\ndx ~ powers(x, x^2, x^3, x^4; 100000)"),
-        "library-too-large"
+        m("symmetry x, F -> -(x, F)\nddy ~ poly(x, y, F; 2)"),
+        ["1", "y", "x*F", "x^2", "y^2", "F^2"]
+    );
+    // Two symmetries, each of which a term must keep.
+    assert_eq!(
+        m("symmetry x -> -x\nsymmetry y -> -y\nddx ~ poly(x, y; 3)"),
+        ["x", "x*y^2", "x^3"]
+    );
+    assert_eq!(
+        m("symmetry x -> -(x)\nddx ~ <sin x, cos x, x*cos x, dx, abs x, exp x, 1 + x, x + x^3>"),
+        ["dx", "sin(x)", "x + x^3", "x*cos(x)"]
+    );
+    // Time reversed: an acceleration keeps its sign, a velocity does not.
+    assert_eq!(
+        m("symmetry t -> -t\nddx ~ poly(x, dx; 2)"),
+        ["1", "x", "x^2", "dx^2"]
+    );
+    assert_eq!(
+        m("limit degree 2\nddx ~ powers(x, y; 2)"),
+        ["1", "x", "y", "x*y", "x^2", "y^2"]
+    );
+    assert_eq!(
+        terms("state x\ninput u\nsymmetry x, u -> -(x, u)\nnext x ~ poly(x, lags(u; 0..1); 1)"),
+        ["x", "lag(u, 1)", "u"]
+    );
+}
+
+#[test]
+fn pruning_is_told_with_its_counts() {
+    let model = "state y, theta : order 2\ninput F\nsymmetry y, theta, F -> -(y, theta, F)\nlimit degree 4\nddy ~ powers(y, dy, theta, dtheta, ddtheta, sin theta, cos theta, F; 2)";
+    let mut sources = Sources::default();
+    let file = sources.add("model.sid", model);
+    let (program, diagnostics) = pipeline::compile(file, &sources, pipeline::MEMORY);
+    let program = program.unwrap();
+    let library = program.libraries[0].as_ref().unwrap();
+    assert_eq!(library.before(), Some(6_561));
+    let note = diagnostics
+        .iter()
+        .find(|d| d.code == "library-pruned")
+        .unwrap();
+    assert_eq!(
+        note.message,
+        format!(
+            "ddy has {} of 6,561 candidate terms (symmetry y, theta, F; degree ≤ 4)",
+            library.len()
+        )
+    );
+    let brute = |t: &&(usize, Term)| t.1.degree() <= 4.0;
+    assert_eq!(library.terms().filter(|t| brute(&t)).count(), library.len());
+    let (_, codes) = compile("state x\nsymmetry x -> -x\ndx ~ <x, exp x>");
+    assert!(codes.contains(&"without-parity".to_string()), "{codes:?}");
+    assert_eq!(
+        error("state x\nsymmetry x -> -x\ndx ~ <x^2, exp x>"),
+        "empty-library"
     );
 }
 

@@ -72,7 +72,7 @@ fn a_time_that_has_passed_leaves_a_whole_document() {
 #[test]
 fn limits_that_are_not_reached_change_nothing() {
     let free = identify(LORENZ, &["--json"]);
-    let limits = ["--json", "--time-limit", "1h", "--memory-limit", "160kB"];
+    let limits = ["--json", "--time-limit", "1h", "--memory-limit", "241kB"];
     let limited = identify(LORENZ, &limits);
     assert_eq!((limited.status, limited.stdout), (0, free.stdout));
 }
@@ -85,17 +85,17 @@ fn a_memory_limit_says_what_is_needed_and_the_rows_it_offers_do_fit() {
     let missing = ["dx memory-limit", "dy memory-limit", "dz memory-limit"];
     assert_eq!(failures(&d), missing);
     let text = &d.failed[0].reasons[0].text;
-    // 1000 rows · 20 terms · 8 bytes; 100,000/160 rows.
+    // 1000 rows · (20 terms + 10 powers of their factors) · 8 bytes and 20 norms; (100,000 − 160)/240 rows.
     for words in [
-        "1000 rows of 20 terms take 160 kB",
+        "1000 rows of 20 terms take 240.2 kB",
         "limit is 100 kB",
-        "--samples 625 fits",
+        "--samples 416 fits",
     ] {
         assert!(text.contains(words), "{text}");
     }
-    let offered = ["--memory-limit", "100kB", "--samples", "625"];
+    let offered = ["--memory-limit", "100kB", "--samples", "416"];
     assert_eq!(identify(LORENZ, &offered).status, 0);
-    let more = ["--memory-limit", "100kB", "--samples", "626"];
+    let more = ["--memory-limit", "100kB", "--samples", "417"];
     assert_eq!(identify(LORENZ, &more).status, 3);
 }
 

@@ -13,6 +13,7 @@ mod equation;
 mod lets;
 mod library;
 mod measure;
+mod restrict;
 mod scope;
 mod sets;
 mod unknown;
@@ -66,6 +67,8 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
     model.system = c.system();
     model.discrete = c.scope.discrete.is_some();
     model.constraints = c.constraints(&model.equations);
+    model.symmetries = c.symmetries();
+    model.degree = c.degree_limit();
     model.data = c.data_blocks();
     model.vars = std::mem::take(&mut c.scope.vars);
     c.notes(&model);

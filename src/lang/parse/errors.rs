@@ -139,15 +139,6 @@ pub fn wrong_bracket(open: Span, close: Span, opening: &str, closing: &str) -> D
     ))
 }
 
-pub fn reserved(at: Span, word: &str) -> Diagnostic {
-    Diagnostic::error(
-        "reserved-word",
-        format!("`{word}` is reserved for a later version"),
-    )
-    .at(at, "not a statement yet")
-    .help("remove the line")
-}
-
 pub fn data_without_brace(at: Span) -> Diagnostic {
     Diagnostic::error("syntax", "a data block needs braces")
         .at(at, "expected `{` right after `data`")
@@ -190,7 +181,7 @@ pub fn ends_early(at: Span, expected: &str) -> Diagnostic {
 pub fn not_a_statement(at: Span, text: &str) -> Diagnostic {
     Diagnostic::error("unknown-statement", format!("`{text}` opens no statement"))
         .at(at, "not understood")
-        .fact("statements: state, input, output, param, system, let, data, constrain, and equations `TARGET ~ LIBRARY`")
+        .fact("statements: state, input, output, param, system, let, data, constrain, symmetry, limit, and equations `TARGET ~ LIBRARY`")
 }
 
 /// This should not be possible: the grammar and the tree builder disagree.

@@ -48,6 +48,7 @@ pub fn explain(
     };
     stop.misspelt_keyword(rule)
         .or_else(|| stop.missing_colon(rule))
+        .or_else(|| stop.missing_arrow(rule))
         .or_else(|| stop.juxtaposed())
         .or_else(|| stop.missing_operator())
         .unwrap_or_else(|| stop.generic(rule, error))
@@ -104,6 +105,18 @@ impl<'t> Stop<'_, 't> {
             errors::unexpected(word.span(self.file), word.text, "`:` before the attributes")
                 .help(format!("write `{names} : {rest}`")),
         )
+    }
+
+    /// `symmetry x = -x`
+    fn missing_arrow(&self, rule: Rule) -> Option<Diagnostic> {
+        if rule != Rule::symmetry || self.tokens.iter().any(|t| t.is("->")) {
+            return None;
+        }
+        let d = match self.found() {
+            Some(found) => errors::unexpected(found.span(self.file), found.text, "`->`"),
+            None => errors::ends_early(self.before(1)?.span(self.file), "`->`"),
+        };
+        Some(d.help(format!("the form is `{}`", example(rule))))
     }
 
     /// The words from one token to before another.
@@ -234,6 +247,8 @@ fn example(rule: Rule) -> &'static str {
         Rule::declare => "state x, y : order 2, noise 0.01",
         Rule::constant => "let g = 9.81",
         Rule::constrain => "constrain coef(dx, x) < 0",
+        Rule::symmetry => "symmetry x, y -> -(x, y)",
+        Rule::limit => "limit degree 4",
         Rule::step => "step 0.01",
         Rule::source => "x = \"Column\" * 1e-3",
         Rule::equation => "dx ~ poly(x, y; 3)",
@@ -265,6 +280,7 @@ fn word(rule: Rule) -> Option<&'static str> {
     Some(match rule {
         Rule::word | Rule::name => "a name",
         Rule::names => "names",
+        Rule::image | Rule::flipped => "`-(…)`",
         Rule::number => "a number",
         Rule::text
         | Rule::list

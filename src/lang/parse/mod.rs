@@ -77,9 +77,8 @@ fn statement(id: FileId, text: &str, tokens: &[Token], piece: &Piece) -> Found {
         Some(Keyword::Let) => Rule::constant,
         Some(Keyword::Constrain) => Rule::constrain,
         Some(Keyword::Data) => return data(id, text, tokens, piece),
-        Some(Keyword::Symmetry) => {
-            return Err(Box::new(errors::reserved(span_of(id, own), "symmetry"))).into();
-        }
+        Some(Keyword::Symmetry) => Rule::symmetry,
+        Some(Keyword::Limit) => Rule::limit,
         None => Rule::equation,
     };
     tree::statement(id, text, own, rule, piece.keyword).into()

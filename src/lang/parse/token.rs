@@ -95,7 +95,7 @@ struct Lexer<'t> {
     errors: Vec<Diagnostic>,
 }
 
-const PAIRS: [&str; 4] = ["..", "<=", ">=", "=="];
+const PAIRS: [&str; 5] = ["..", "<=", ">=", "==", "->"];
 const SINGLES: &str = "+-*/^~=:;,()<>{}";
 
 impl<'t> Lexer<'t> {

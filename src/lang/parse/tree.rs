@@ -13,7 +13,7 @@ use pest_derive::Parser;
 use super::token::{Token, normalise};
 use super::{errors, expected};
 use crate::lang::ast::{
-    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Keyword, Side, Sign, StatementKind,
+    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, Keyword, Side, Sign, StatementKind,
 };
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::{FileId, Span};
@@ -48,6 +48,8 @@ pub fn statement(
         Rule::declare => tree.declare(inner, keyword.unwrap_or(Keyword::State)),
         Rule::constant => tree.constant(inner),
         Rule::constrain => tree.constrain(inner),
+        Rule::symmetry => tree.symmetry(inner),
+        Rule::limit => tree.limit(inner),
         _ => tree.equation(inner),
     }
 }
@@ -194,6 +196,32 @@ impl Tree<'_> {
             rest.push((relation, self.expr(self.next(&mut inner)?)?));
         }
         Ok(StatementKind::Constrain { first, rest })
+    }
+
+    /// `symmetry = { SOI ~ "symmetry" ~ names ~ "->" ~ image ~ EOI }`, `image = { flipped | names }`
+    fn symmetry(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let names = self.items(self.next(&mut inner)?)?;
+        let image = self.next(&mut inner)?;
+        let span = self.span(&image);
+        let mut items = self.next(&mut image.into_inner())?;
+        let flipped = items.as_rule() == Rule::flipped;
+        if flipped {
+            items = self.next(&mut items.into_inner())?;
+        }
+        let items = self.items(items)?;
+        let image = Image {
+            span,
+            flipped,
+            items,
+        };
+        Ok(StatementKind::Symmetry { names, image })
+    }
+
+    /// `limit = { SOI ~ "limit" ~ attribute ~ ("," ~ attribute)* ~ EOI }`
+    fn limit(&self, inner: Pairs<Rule>) -> Result<StatementKind> {
+        let keys = inner.filter(|p| p.as_rule() == Rule::attribute);
+        let keys: Result<Vec<Attribute>> = keys.map(|p| self.attribute(p)).collect();
+        Ok(StatementKind::Limit(keys?))
     }
 
     /// `items = { item ~ ("," ~ item)* ~ ","? }`, and `names`, `numbers` alike

@@ -5,7 +5,7 @@ mod lags;
 mod poly;
 mod powers;
 
-use super::{Generator, Misuse};
+use super::{Exponents, Generator, Misuse};
 use crate::lang::model::NumberArg;
 use crate::term::{Expr, Term};
 
@@ -61,7 +61,7 @@ fn whole(numbers: &[NumberArg], what: &str, least: u32, usage: &str) -> Result<u
 }
 
 /// Atoms as factors of products; their numbers go into the coefficients.
-fn factors(atoms: &[Expr]) -> Vec<Term> {
+pub(super) fn factors(atoms: &[Expr]) -> Vec<Term> {
     let mut terms: Vec<Term> = atoms.iter().map(|a| a.clone().into_term().1).collect();
     terms.retain(|t| !t.is_one());
     terms.sort_unstable();
@@ -69,37 +69,21 @@ fn factors(atoms: &[Expr]) -> Vec<Term> {
     terms
 }
 
-/// Every product of powers of the atoms with each exponent up to `each` and their sum in `total`, in the order of terms, so
-/// that sorting them costs nothing.
-fn monomials(atoms: &[Expr], each: u32, total: (u32, u32)) -> Vec<Term> {
-    let powers: Vec<Vec<Term>> = factors(atoms)
-        .iter()
-        .map(|f| {
-            (1..=each.min(total.1))
-                .map(|p| f.pow(f64::from(p)))
-                .collect()
-        })
-        .collect();
-    let mut out = Vec::new();
-    extend(&mut out, Term::one(), 0, &powers, total);
-    out
-}
-
-/// `prefix`, and its products with the powers of the factors that are left. As deep as a product has factors, which the limit
-/// on the number of terms keeps small.
-fn extend(out: &mut Vec<Term>, prefix: Term, degree: u32, powers: &[Vec<Term>], total: (u32, u32)) {
-    let room = (total.1 - degree) as usize;
-    let at = (degree >= total.0).then_some(out.len());
-    if at.is_some() {
-        out.push(Term::one());
-    }
-    for (i, of_one) in powers.iter().enumerate() {
-        let after = powers.get(i + 1..).unwrap_or(&[]);
-        for (p, power) in (degree + 1..).zip(of_one.iter().take(room)) {
-            extend(out, prefix.mul(power), p, after, total);
+/// The monomials of atoms one by one.
+fn monomials(atoms: &[Expr], exponents: Exponents) -> Vec<Term> {
+    let (least, most) = exponents.total;
+    let mut all = vec![(0, Term::one())];
+    for factor in factors(atoms) {
+        let powers: Vec<Term> = (0..=exponents.each.min(most))
+            .map(|p| factor.pow(f64::from(p)))
+            .collect();
+        let mut next = Vec::new();
+        for (degree, term) in &all {
+            let steps = (*degree..=most).zip(&powers);
+            next.extend(steps.map(|(sum, power)| (sum, term.mul(power))));
         }
+        all = next;
     }
-    if let Some(place) = at.and_then(|i| out.get_mut(i)) {
-        *place = prefix;
-    }
+    all.retain(|(degree, _)| *degree >= least);
+    all.into_iter().map(|(_, t)| t).collect()
 }

@@ -3,7 +3,7 @@
 use super::{monomials, whole_range};
 use crate::lang::model::NumberArg;
 use crate::library::size::binomial;
-use crate::library::{Generator, Misuse};
+use crate::library::{Exponents, Generator, Misuse};
 use crate::term::{Expr, Term};
 
 pub(super) struct Poly;
@@ -34,8 +34,14 @@ impl Generator for Poly {
         })
     }
 
-    fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
+    fn exponents(&self, numbers: &[NumberArg]) -> Result<Option<Exponents>, Misuse> {
         let (from, to) = whole_range(numbers, "degree", 0, USAGE)?;
-        Ok(monomials(atoms, to, (from, to)))
+        let total = (from, to);
+        Ok(Some(Exponents { each: to, total }))
+    }
+
+    fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
+        let exponents = self.exponents(numbers)?;
+        Ok(exponents.map_or_else(Vec::new, |e| monomials(atoms, e)))
     }
 }

@@ -3,7 +3,7 @@
 use super::{monomials, whole};
 use crate::lang::model::NumberArg;
 use crate::library::size::power;
-use crate::library::{Generator, Misuse};
+use crate::library::{Exponents, Generator, Misuse};
 use crate::term::{Expr, Term};
 
 pub(super) struct Powers;
@@ -28,8 +28,13 @@ impl Generator for Powers {
         Ok(power(u128::from(cap) + 1, atoms))
     }
 
+    fn exponents(&self, numbers: &[NumberArg]) -> Result<Option<Exponents>, Misuse> {
+        let each = whole(numbers, "power", 0, USAGE)?;
+        Ok(Some(Exponents::each(each)))
+    }
+
     fn expand(&self, atoms: &[Expr], numbers: &[NumberArg]) -> Result<Vec<Term>, Misuse> {
-        let cap = whole(numbers, "power", 0, USAGE)?;
-        Ok(monomials(atoms, cap, (0, u32::MAX)))
+        let exponents = self.exponents(numbers)?;
+        Ok(exponents.map_or_else(Vec::new, |e| monomials(atoms, e)))
     }
 }

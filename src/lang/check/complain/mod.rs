@@ -5,9 +5,11 @@
 mod data;
 mod equations;
 mod names;
+mod restrict;
 mod terms;
 
 pub use data::*;
 pub use equations::*;
 pub use names::*;
+pub use restrict::*;
 pub use terms::*;
