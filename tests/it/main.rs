@@ -5,6 +5,7 @@
 mod architecture;
 mod cli;
 mod data;
+mod dictionary;
 mod docs;
 mod emit;
 mod gallery;
