@@ -20,6 +20,9 @@ pub(super) struct Filled {
 /// Groups of columns for each thread: enough to even out, few enough to read the factors seldom.
 const GROUPS: usize = 4;
 
+/// Rows that are multiplied and then squared.
+const PIECE: usize = 256;
+
 /// Every term on every row, each row multiplied by its weight if there are any.
 pub(super) fn fill<'a>(
     terms: impl IntoIterator<Item = &'a Term>,
@@ -59,15 +62,19 @@ fn fill_group(
         let columns = values.chunks_exact_mut(rows).zip(&mut *squares);
         for ((column, squares), factors) in columns.zip(terms) {
             let out = &mut column[block.rows.clone()];
-            match factors.split_last() {
-                None => out.fill(1.0),
-                Some((only, [])) => out.copy_from_slice(block.power(*only)),
+            *squares += match factors.split_last() {
+                None => {
+                    out.fill(1.0);
+                    dot(out, out)
+                }
+                Some((only, [])) => {
+                    out.copy_from_slice(block.power(*only));
+                    dot(out, out)
+                }
                 Some((last, first)) => {
                     multiply(prefix.product(&block, first), block.power(*last), out)
                 }
-            }
-            // The piece is still in the first cache.
-            *squares += dot(out, out);
+            };
         }
     }
 }
@@ -103,9 +110,16 @@ impl Prefix {
     }
 }
 
-fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) {
-    let products = a.iter().zip(b).map(|(a, b)| a * b);
-    out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
+/// The product of two columns, and its sum of squares, taken while a piece is still in the first cache.
+fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) -> f64 {
+    let factors = a.chunks(PIECE).zip(b.chunks(PIECE));
+    let mut squares = 0.0;
+    for (out, (a, b)) in out.chunks_mut(PIECE).zip(factors) {
+        let products = a.iter().zip(b).map(|(a, b)| a * b);
+        out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
+        squares += dot(out, out);
+    }
+    squares
 }
 
 #[cfg(test)]
