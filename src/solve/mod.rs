@@ -6,11 +6,13 @@ mod certificate;
 mod clarabel;
 mod cone;
 mod frame;
+mod homotopy;
 mod interior_point;
 mod least_squares;
 mod normal;
 mod point;
 mod polish;
+mod pool;
 mod reduce;
 
 use std::ops::ControlFlow;
@@ -19,6 +21,7 @@ use crate::dictionary::Dictionary;
 
 pub use certificate::{Certificate, certify, certify_support, refine_dual, support};
 pub use clarabel::Clarabel;
+pub use homotopy::{Homotopy, Knot, lasso, lasso_path};
 pub use interior_point::InteriorPoint;
 pub use least_squares::{LeastSquares, least_squares};
 pub use polish::{Polished, polish};
@@ -119,4 +122,4 @@ pub trait Solver: Sync {
 }
 
 /// Every solver; the first is the default.
-pub static SOLVERS: &[&dyn Solver] = &[&InteriorPoint, &Clarabel];
+pub static SOLVERS: &[&dyn Solver] = &[&Homotopy, &InteriorPoint, &Clarabel];

@@ -12,6 +12,7 @@ mod gallery;
 mod hostile_results;
 mod lang;
 mod library;
+mod limits;
 mod measured;
 mod pendulum;
 mod program;
