@@ -23,7 +23,8 @@ pub struct BadValue {
 
 /// Φ of a library on samples, each row multiplied by `weights[row]` if given. Columns are the library's slots.
 ///
-/// A library that is one list without empty slots becomes a [`Dense`] matrix, any other a [`Factored`] one.
+/// A library that is one list without empty slots becomes a [`Dense`] matrix, any other a [`Factored`] one. There a product is
+/// evaluated as its two factors: `1/x` times `x` is not finite at 0.
 ///
 /// # Errors
 /// The first term (in the order of slots, empty ones left out) that is not finite somewhere, with its first such row.

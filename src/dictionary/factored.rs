@@ -160,10 +160,12 @@ impl Factored {
 
     /// The squares of the right factors over their scales.
     fn scaled_squares(&self, scales: &[f64]) -> Vec<f64> {
-        let columns = self.right.chunks_exact(self.rows.max(1)).zip(scales);
-        columns
-            .flat_map(|(column, scale)| column.iter().map(move |x| (x / scale) * (x / scale)))
-            .collect()
+        let mut squares = self.right.clone();
+        let columns = squares.chunks_exact_mut(self.rows.max(1)).zip(scales);
+        for (column, scale) in columns {
+            column.iter_mut().for_each(|x| *x = (*x / scale).powi(2));
+        }
+        squares
     }
 
     pub(super) fn strongest_on(
@@ -362,4 +364,63 @@ fn multiply(right: &[f64], left: &[f64], rows: usize, out: &mut [f64]) {
         1.0,
         Par::Seq,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two blocks of several tiles, with an empty slot.
+    fn factored() -> Factored {
+        let rows = 13;
+        let values = |count: usize, step: u32| -> Vec<f64> {
+            let value = |i: u32| f64::from(i * step % 101) / 50.0 - 1.0;
+            (0..(count * rows) as u32).map(value).collect()
+        };
+        let blocks = vec![
+            Block {
+                first_slot: 0,
+                left: 0..70,
+                right: 0..300,
+            },
+            Block {
+                first_slot: 21_000,
+                left: 70..200,
+                right: 300..301,
+            },
+        ];
+        let factors = [values(200, 37), values(301, 59)];
+        Factored::new(rows, factors, blocks, &[17]).ok().unwrap()
+    }
+
+    #[test]
+    fn answers_do_not_depend_on_the_number_of_threads() {
+        let phi = factored();
+        let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
+        let one = phi.strongest_on(1, &lambda, 50, 0.5);
+        assert!(one.columns.len() == 50 && one.count > 50);
+        for threads in [2, 3, 8] {
+            assert_eq!(one, phi.strongest_on(threads, &lambda, 50, 0.5));
+            let mut norms = vec![0.0; phi.cols()];
+            phi.measure(threads, &[17], &mut norms).unwrap();
+            norms[17] = 0.0;
+            assert_eq!(norms, phi.norms());
+        }
+    }
+
+    #[test]
+    fn every_slot_has_its_own_product() {
+        let phi = factored();
+        let mut column = vec![0.0; 13];
+        for j in [0, 299, 300, 20_999, 21_000, 21_129] {
+            let [l, r] = phi.factors(j);
+            phi.column(j, &mut column);
+            for (row, value) in column.iter().enumerate() {
+                assert_eq!(*value, phi.left[l * 13 + row] * phi.right[r * 13 + row]);
+            }
+            assert!((length(&column) / phi.norms()[j] - 1.0).abs() < 1e-14);
+        }
+        phi.column(17, &mut column);
+        assert!(column.iter().all(|x| *x == 0.0) && phi.norms()[17] == 0.0);
+    }
 }

@@ -5,6 +5,7 @@
 
 use super::cores;
 use super::powers::{Plan, Table, TableBlock};
+use super::sums::dot;
 use crate::data::Samples;
 use crate::term::Term;
 
@@ -18,6 +19,9 @@ pub(super) struct Filled {
 
 /// Groups of columns for each thread: enough to even out, few enough to read the factors seldom.
 const GROUPS: usize = 4;
+
+/// Rows that are multiplied and then squared.
+const PIECE: usize = 256;
 
 /// Every term on every row, each row multiplied by its weight if there are any.
 pub(super) fn fill<'a>(
@@ -52,63 +56,70 @@ fn fill_group(
     squares: &mut [f64],
     rows: usize,
 ) {
+    let mut prefix = Prefix::default();
     for block in table.blocks() {
+        prefix.factors.clear();
         let columns = values.chunks_exact_mut(rows).zip(&mut *squares);
         for ((column, squares), factors) in columns.zip(terms) {
-            *squares += multiply(&block, factors, &mut column[block.rows.clone()]);
+            let out = &mut column[block.rows.clone()];
+            *squares += match factors.split_last() {
+                None => {
+                    out.fill(1.0);
+                    dot(out, out)
+                }
+                Some((only, [])) => {
+                    out.copy_from_slice(block.power(*only));
+                    dot(out, out)
+                }
+                Some((last, first)) => {
+                    multiply(prefix.product(&block, first), block.power(*last), out)
+                }
+            };
         }
     }
 }
 
-/// The product of some powers, from left to right, and its sum of squares.
-fn multiply(block: &TableBlock, factors: &[u32], out: &mut [f64]) -> f64 {
-    let power = |n: &u32| block.power(*n);
-    match factors {
-        [] => product::<0>([], out),
-        [a] => product([a].map(power), out),
-        [a, b] => product([a, b].map(power), out),
-        [a, b, c] => product([a, b, c].map(power), out),
-        [a, b, c, d] => product([a, b, c, d].map(power), out),
-        [a, b, c, d, e] => product([a, b, c, d, e].map(power), out),
-        [a, b, c, d, e, rest @ ..] => {
-            product([a, b, c, d, e].map(power), out);
-            multiply_on(block, rest, out)
+/// Products of a term's first factors, which the next term mostly shares: terms come sorted.
+#[derive(Default)]
+struct Prefix {
+    factors: Vec<u32>,
+    /// The product of the first two factors, of the first three, …
+    products: Vec<Vec<f64>>,
+}
+
+impl Prefix {
+    /// The product of at least one factor, from left to right.
+    fn product<'a>(&'a mut self, block: &TableBlock<'a>, factors: &[u32]) -> &'a [f64] {
+        let pairs = self.factors.iter().zip(factors);
+        let shared = pairs.take_while(|(a, b)| a == b).count();
+        for (k, factor) in factors.iter().enumerate().skip(shared.max(1)) {
+            if self.products.len() < k {
+                self.products.push(Vec::new());
+            }
+            let (before, rest) = self.products.split_at_mut(k - 1);
+            let before = before.last().map_or(block.power(factors[0]), Vec::as_slice);
+            rest[0].resize(before.len(), 0.0);
+            multiply(before, block.power(*factor), &mut rest[0]);
+        }
+        self.factors.truncate(shared);
+        self.factors.extend_from_slice(&factors[shared..]);
+        match factors.len() {
+            1 => block.power(factors[0]),
+            many => &self.products[many - 2],
         }
     }
 }
 
-/// The same for a product of many, begun in `out`.
-fn multiply_on(block: &TableBlock, factors: &[u32], out: &mut [f64]) -> f64 {
-    for factor in factors {
-        let factor = block.power(*factor);
-        out.iter_mut().zip(factor).for_each(|(o, f)| *o *= f);
+/// The product of two columns, and its sum of squares, taken while a piece is still in the first cache.
+fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) -> f64 {
+    let factors = a.chunks(PIECE).zip(b.chunks(PIECE));
+    let mut squares = 0.0;
+    for (out, (a, b)) in out.chunks_mut(PIECE).zip(factors) {
+        let products = a.iter().zip(b).map(|(a, b)| a * b);
+        out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
+        squares += dot(out, out);
     }
-    super::sums::dot(out, out)
-}
-
-/// Rows that are multiplied side by side.
-const LANES: usize = 8;
-
-/// The product of K columns in one pass, and its sum of squares.
-fn product<const K: usize>(factors: [&[f64]; K], out: &mut [f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let mut heads = factors.map(|f| f.chunks_exact(LANES));
-    let tails = factors.map(|f| f.chunks_exact(LANES).remainder());
-    let mut pieces = out.chunks_exact_mut(LANES);
-    for piece in &mut pieces {
-        let mut lanes = [1.0; LANES];
-        for head in heads.iter_mut().filter_map(Iterator::next) {
-            lanes.iter_mut().zip(head).for_each(|(l, f)| *l *= f);
-        }
-        piece.copy_from_slice(&lanes);
-        sums.iter_mut().zip(lanes).for_each(|(s, l)| *s += l * l);
-    }
-    let mut rest = 0.0;
-    for (i, out) in pieces.into_remainder().iter_mut().enumerate() {
-        *out = tails.iter().map(|t| t[i]).product();
-        rest += *out * *out;
-    }
-    sums.iter().sum::<f64>() + rest
+    squares
 }
 
 #[cfg(test)]

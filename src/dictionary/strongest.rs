@@ -58,18 +58,24 @@ impl Collector {
 
     /// Takes notice of consecutive columns: φ_jᵀλ from column `first` on, and ‖φ_j‖. A column of length zero is passed over.
     pub fn offer_all(&mut self, first: usize, products: &[f64], norms: &[f64]) {
-        let groups = products.chunks(LANES).zip(norms.chunks(LANES));
-        for (group, (products, norms)) in groups.enumerate() {
-            let mut correlations = [f64::NAN; LANES];
-            let quotients = products.iter().zip(norms);
-            for (c, (product, norm)) in correlations.iter_mut().zip(quotients) {
-                *c = if *norm > 0.0 {
-                    product / norm
+        let (groups, few) = products.as_chunks::<LANES>();
+        let (group_norms, few_norms) = norms.as_chunks::<LANES>();
+        let columns = (first..).step_by(LANES);
+        for (column, (products, norms)) in columns.zip(groups.iter().zip(group_norms)) {
+            // Divided first and chosen then, without a branch.
+            let quotients: [f64; LANES] = std::array::from_fn(|k| products[k] / norms[k]);
+            let chosen = |k| {
+                if norms[k] > 0.0 {
+                    quotients[k]
                 } else {
                     f64::NAN
-                };
-            }
-            self.offer_group(first + group * LANES, &correlations);
+                }
+            };
+            self.offer_group(column, &std::array::from_fn(chosen));
+        }
+        let columns = first + groups.len() * LANES..;
+        for (column, (product, norm)) in columns.zip(few.iter().zip(few_norms)) {
+            self.offer(column, quotient(*product, *norm));
         }
     }
 
@@ -77,13 +83,14 @@ impl Collector {
     #[inline]
     fn offer_group(&mut self, first: usize, correlations: &[f64; LANES]) {
         let sizes = correlations.map(f64::abs);
-        let strong: u32 = sizes.iter().map(|s| u32::from(*s > self.least)).sum();
+        let over = |bound: f64| -> usize { sizes.iter().map(|s| usize::from(*s > bound)).sum() };
+        let strong = over(self.least);
         if strong == 0 {
             return;
         }
-        let strongest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
-        if strongest < self.bar || self.most == 0 {
-            self.count += strong as usize;
+        let kept = sizes.iter().filter(|s| **s >= self.bar).count();
+        if self.most == 0 || kept == 0 {
+            self.count += strong;
             return;
         }
         for (column, correlation) in (first..).zip(correlations) {
@@ -125,6 +132,12 @@ impl Collector {
             self.bar = self.kept.last().map_or(self.bar, |(_, c)| c.abs());
         }
     }
+}
+
+/// φ_jᵀλ/‖φ_j‖; NaN, which is never strong, for a column of length zero.
+#[inline]
+fn quotient(product: f64, norm: f64) -> f64 {
+    if norm > 0.0 { product / norm } else { f64::NAN }
 }
 
 fn stronger(a: &(usize, f64), b: &(usize, f64)) -> Ordering {

@@ -22,7 +22,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// overflowed. NaN is not.
 #[inline]
 pub(super) fn is_safe(sum: f64) -> bool {
-    (sum >= 1e-280) & (sum <= 1e280)
+    (1e-280..=1e280).contains(&sum)
 }
 
 /// Euclidean length without overflow for columns of any magnitude; not finite if an entry is not.

@@ -7,6 +7,7 @@ mod architecture;
 mod baselines;
 mod cli;
 mod data;
+mod dictionary;
 mod docs;
 mod emit;
 mod gallery;
