@@ -7,6 +7,7 @@ mod clarabel;
 mod cone;
 mod frame;
 mod interior_point;
+mod joint;
 mod least_squares;
 mod normal;
 mod point;
@@ -20,6 +21,10 @@ use crate::dictionary::Dictionary;
 pub use certificate::{Certificate, certify, certify_support, refine_dual, support};
 pub use clarabel::Clarabel;
 pub use interior_point::InteriorPoint;
+pub use joint::{
+    Fit, FitBlock, Joint, JointProof, JointSolution, Outcome, Row, Sense, certify_joint, conflict,
+    fit, nearest, solve_joint,
+};
 pub use least_squares::{LeastSquares, least_squares};
 pub use polish::{Polished, polish};
 pub use reduce::RANK_TOLERANCE;

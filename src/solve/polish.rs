@@ -127,7 +127,7 @@ impl Pivoted {
     }
 
     /// Least-squares solution with zeros at dependent columns.
-    fn solve(&self, y: &[f64]) -> Vec<f64> {
+    pub fn solve(&self, y: &[f64]) -> Vec<f64> {
         let mut z = times_transposed(self.basis.as_ref(), y);
         z.truncate(self.rank);
         for i in (0..self.rank).rev() {

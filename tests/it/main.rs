@@ -10,6 +10,7 @@ mod emit;
 mod gallery;
 mod hostile_results;
 mod lang;
+mod joint;
 mod library;
 mod measured;
 mod pendulum;
