@@ -2,14 +2,13 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
-use crate::data::{self, Dataset, Provenance, Samples, Table};
-use crate::discover::{self, Discovery, Options};
+use crate::data::{self, Dataset, Provenance, Samples, SignalMonitor, Table};
+use crate::discover::{self, Discovery, Options, Watch};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
 use crate::lang::{self, GeneratorSignature, Vocabulary};
 use crate::library::{self, GENERATORS, Library};
-use crate::solve::Monitor;
 use crate::term::Signal;
 
 mod unevaluable;
@@ -28,6 +27,10 @@ pub struct Measured {
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
+
+/// Bytes that anything whose size is known beforehand may take, where nobody says otherwise: a table, a library, one
+/// equation's Φ.
+pub const MEMORY: u64 = 4_000_000_000;
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.
 const MOST_THREADS: usize = 8;
@@ -49,14 +52,14 @@ pub fn vocabulary() -> Vocabulary {
     }
 }
 
-/// Text → program.
-pub fn compile(file: FileId, sources: &Sources) -> Staged<Program> {
+/// Text → program, of which no library takes more than `memory` bytes.
+pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> {
     let (model, mut diagnostics) = lang::compile(file, sources, &vocabulary());
     let Some(model) = model else {
         return (None, diagnostics);
     };
     let mut libraries = Vec::new();
-    for (library, found) in expand_all(&model) {
+    for (library, found) in expand_all(&model, memory) {
         // One `let` used by several equations has the same to say about each.
         for d in found {
             if !diagnostics.contains(&d) {
@@ -69,7 +72,7 @@ pub fn compile(file: FileId, sources: &Sources) -> Staged<Program> {
 }
 
 /// The library of each equation, in order. Start-up is mostly this, so few equations share the cores.
-fn expand_all(model: &Model) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
+fn expand_all(model: &Model, _memory: u64) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
     let expand = |equation: &Equation| match &equation.right {
         RightSide::Search {
             library: Some(written),
@@ -97,13 +100,14 @@ fn expand_all(model: &Model) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
     })
 }
 
-/// Program + tables → samples of every signal that its equations mention.
+/// Program + tables → samples of every signal that its equations mention; no rows if `monitor` ended the work.
 pub fn measure(
     program: &Program,
     tables: &[Table],
     params: &[(String, Vec<f64>)],
     window: (Option<f64>, Option<f64>),
     sources: &mut Sources,
+    monitor: SignalMonitor,
 ) -> Staged<Measured> {
     let (mut dataset, mut diagnostics) = data::bind(&program.model, tables, params, sources);
     if diagnostics.iter().any(Diagnostic::is_error) {
@@ -113,7 +117,8 @@ pub fn measure(
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
     }
-    let (samples, found, report) = data::samples(&program.model, &dataset, &needed(program));
+    let (samples, found, report) =
+        data::samples(&program.model, &dataset, &needed(program), monitor);
     diagnostics.extend(found);
     finish(
         Measured {
@@ -130,14 +135,14 @@ pub fn identify(
     program: &Program,
     measured: &Measured,
     options: &Options,
-    monitor: Monitor,
+    watch: Watch,
 ) -> Result<Discovery, Vec<Diagnostic>> {
     discover::discover(
         &program.model,
         &program.libraries,
         &measured.samples,
         options,
-        monitor,
+        watch,
     )
     .map_err(|bad| {
         bad.iter()

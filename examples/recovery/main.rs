@@ -83,6 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 solver,
                 samples: Some(rows),
                 seed: draw,
+                memory: pipeline::MEMORY,
             };
             outcomes.push(one(&program, draw, &options)?);
         }
@@ -120,7 +121,7 @@ fn picture(args: &Args, [cart, pendulum]: [Vec<usize>; 2]) -> String {
 fn program() -> Result<Program, Box<dyn Error>> {
     let mut sources = Sources::default();
     let file = sources.add("recovery.sid", MODEL);
-    let (program, _) = pipeline::compile(file, &sources);
+    let (program, _) = pipeline::compile(file, &sources, pipeline::MEMORY);
     Ok(program.ok_or("the model does not compile")?)
 }
 

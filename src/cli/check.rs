@@ -1,8 +1,11 @@
 //! `sidc check MODEL [DATA…]`: what the model means, how large it is, what the data lack.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use super::inputs::{self, Inputs, Notes};
+use super::limits::{self, Limits};
+use super::progress::{Line, Work};
 use super::{Failure, output, status};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Program};
@@ -20,20 +23,36 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_parser = super::identify::parameter)]
     params: Vec<(String, Vec<f64>)>,
+    /// Most memory for a table or a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
+    memory_limit: u64,
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
     let file = inputs::model(&files.model, &mut sources)?;
-    let program = inputs::report(pipeline::compile(file, &sources), &sources, Notes::Full)?;
+    let compiled = pipeline::compile(file, &sources, args.memory_limit);
+    let program = inputs::report(compiled, &sources, Notes::Full)?;
     let mut text = describe(&program);
     if args.terms {
         text.push_str(&terms(&program));
     }
     if !files.data.is_empty() {
-        let tables = inputs::tables(&files.data, &mut sources)?;
-        let staged = pipeline::measure(&program, &tables, &args.params, (None, None), &mut sources);
+        let tables = inputs::tables(&files.data, args.memory_limit, &mut sources)?;
+        let line = Line::start(true, &program.model, &Limits::start(None));
+        let staged = pipeline::measure(
+            &program,
+            &tables,
+            &args.params,
+            (None, None),
+            &mut sources,
+            &mut |signal| {
+                line.show(Work::Preparing(program.model.name(signal)));
+                ControlFlow::Continue(())
+            },
+        );
+        drop(line);
         let measured = inputs::report(staged, &sources, Notes::Full)?;
         text.push_str(&format!(
             "{} from {}\n",

@@ -1,9 +1,11 @@
 //! `sidc identify MODEL DATA…`: the main job.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::inputs::{self, Inputs, Notes};
-use super::progress::Line;
+use super::limits::{self, Limits};
+use super::progress::{Line, Work};
 use super::{Failure, hint, output, status};
 use crate::discover::{Discovery, Options, Reason};
 use crate::emit;
@@ -45,12 +47,19 @@ pub struct Args {
     /// Standard deviation of a signal's measurement, in units of the model
     #[arg(long = "noise", value_name = "theta=0.01", value_parser = noise)]
     noise: Vec<(String, f64)>,
+    /// Stop after this time with what there is: 30, 30s, 5m, 1h
+    #[arg(long, value_name = "TIME", value_parser = limits::time)]
+    time_limit: Option<Duration>,
+    /// Most memory for a table, a library, and its values: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
+    memory_limit: u64,
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
+    let limits = Limits::start(args.time_limit);
     let files = Inputs::sort(&args.files)?;
     let notes = if args.quiet {
         Notes::None
@@ -59,7 +68,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     };
     let mut sources = Sources::default();
     let file = inputs::model(&files.model, &mut sources)?;
-    let compiled = pipeline::compile(file, &sources);
+    let compiled = pipeline::compile(file, &sources, args.memory_limit);
     if files.data.is_empty() {
         inputs::report(compiled, &sources, notes)?;
         return Err(Failure::new(
@@ -69,9 +78,22 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut warnings = said(&compiled.1);
     let mut program = inputs::report(compiled, &sources, notes)?;
     set_noise(&mut program, &args.noise)?;
-    let tables = inputs::tables(&files.data, &mut sources)?;
+    let tables = inputs::tables(&files.data, args.memory_limit, &mut sources)?;
     let window = args.window.unwrap_or_default();
-    let staged = pipeline::measure(&program, &tables, &args.params, window, &mut sources);
+    limits.listen();
+    let line = Line::start(!args.quiet, &program.model, &limits);
+    let staged = pipeline::measure(
+        &program,
+        &tables,
+        &args.params,
+        window,
+        &mut sources,
+        &mut |signal| {
+            line.show(Work::Preparing(program.model.name(signal)));
+            limits.go_on()
+        },
+    );
+    line.rest();
     warnings.extend(said(&staged.1));
     let measured = inputs::report(staged, &sources, notes)?;
 
@@ -79,9 +101,12 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         solver: args.solver,
         samples: args.samples.map(|n| n as usize),
         seed: args.seed,
+        memory: args.memory_limit,
     };
-    let mut line = Line::new();
-    let found = pipeline::identify(&program, &measured, &options, &mut |p| line.show(p));
+    let found = pipeline::identify(&program, &measured, &options, &mut |step| {
+        line.show(Work::Equation(step));
+        limits.check()
+    });
     drop(line);
     let discovery = found.map_err(|d| Failure::new(inputs::render(&d, &sources)))?;
 
@@ -115,8 +140,12 @@ fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) ->
         Some(n) if (n as usize) < rows => format!(" ({n} drawn, seed {})", args.seed),
         _ => String::new(),
     };
+    let rows = match rows {
+        0 => "no rows were ready".into(),
+        n => format!("{n} rows{drawn}"),
+    };
     text.push_str(&format!(
-        "{}: {rows} rows{drawn} from {}\n\n",
+        "{}: {rows} from {}\n\n",
         d.system.as_deref().unwrap_or("system"),
         trajectories(measured)
     ));

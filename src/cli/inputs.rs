@@ -75,13 +75,21 @@ pub fn model(path: &Path, sources: &mut Sources) -> Result<FileId, Failure> {
     Ok(sources.add(path.display().to_string(), text(path)?))
 }
 
-/// Reads every data file; all their faults at once.
-pub fn tables(paths: &[PathBuf], sources: &mut Sources) -> Result<Vec<Table>, Failure> {
+/// Reads every data file, each into `memory` bytes at most; all their faults at once.
+pub fn tables(
+    paths: &[PathBuf],
+    memory: u64,
+    sources: &mut Sources,
+) -> Result<Vec<Table>, Failure> {
+    let limits = Limits {
+        table_bytes: memory,
+        ..Limits::default()
+    };
     let mut tables = Vec::new();
     let mut faults = Vec::new();
     for path in paths {
         let file = open(path)?;
-        match data::read(&short_name(path), file, &Limits::default(), sources) {
+        match data::read(&short_name(path), file, &limits, sources) {
             Ok(table) => tables.push(table),
             Err(found) => faults.extend(found),
         }

@@ -5,6 +5,7 @@ mod export;
 mod fmt;
 mod identify;
 mod inputs;
+mod limits;
 mod list;
 mod output;
 mod progress;
@@ -22,6 +23,8 @@ pub(crate) mod status {
     pub const INPUT: u8 = 1;
     /// A doubt, a failure, an interrupt or a limit: equations are still printed.
     pub const DOUBT: u8 = 3;
+    /// Ctrl-C a second time: nothing is printed. What shells say of a program that Ctrl-C ended.
+    pub const KILLED: u8 = 130;
 }
 
 /// A compiler for equation discovery: from measured time series to differential equations, with evidence.
@@ -36,7 +39,7 @@ const EXAMPLES: &str = "Examples:
   sidc check pendulum.sid data.csv                  what the model means, and what the data lack
   sidc identify pendulum.sid data.csv -o R.json     find the equations
   sidc export R.json --to latex                     write them down
-Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt";
+Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt, a limit or Ctrl-C";
 
 #[derive(Subcommand)]
 enum Command {

@@ -21,5 +21,5 @@ pub use bind::bind;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use samples::{Column, Origin, Samples};
-pub use sampling::{Provenance, samples};
+pub use sampling::{Provenance, SignalMonitor, samples};
 pub use window::keep_window;

@@ -1,13 +1,15 @@
 //! From a dataset to the rows that equations are found from: every needed signal, measured or estimated.
 //!
-//! In: a model, its dataset, the signals needed. Out: [`Samples`], and how each signal was come by. Measured derivatives are
+//! In: a model, its dataset, the signals needed, somebody to tell of each. Out: [`Samples`], and how each signal was come by. Measured derivatives are
 //! used as measured; absent ones are estimated from the highest measured one below. Nothing crosses a gap or a trajectory.
+
+use std::ops::ControlFlow;
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::Model;
 use crate::term::{Signal, SignalNames};
 
-use super::derivatives::{self, Grid, Stretch};
+use super::derivatives::{self, Grid, Stopped, Stretch};
 use super::{Column, Dataset, Origin, Samples, Trajectory, inputs, instants};
 
 /// How one signal was come by, for printing.
@@ -23,6 +25,9 @@ pub struct Provenance {
     pub rms: f64,
 }
 
+/// Told which signal is being prepared, at its start and some times on the way; `Break` ends the work with no rows at all.
+pub type SignalMonitor<'a> = &'a mut dyn FnMut(Signal) -> ControlFlow<()>;
+
 /// All `needed` signals at common instants, what is to be said about them, and how each was come by (sorted by signal).
 ///
 /// Rows at which any needed signal is unknown are left out. Errors: `no-signal`, `no-samples`.
@@ -30,6 +35,7 @@ pub fn samples(
     model: &Model,
     dataset: &Dataset,
     needed: &[Signal],
+    monitor: SignalMonitor,
 ) -> (Samples, Vec<Diagnostic>, Vec<Provenance>) {
     let mut needed = needed.to_vec();
     needed.sort();
@@ -43,9 +49,15 @@ pub fn samples(
         let source = Source::new(model, dataset, trajectory);
         let mut found: Vec<Known> = Vec::with_capacity(needed.len());
         for signal in &needed {
-            match source.signal(*signal, &mut often) {
-                Some(known) => found.push(known),
-                None => out.push(no_signal(model, trajectory, *signal)),
+            let mut go_on = || monitor(*signal).is_continue();
+            let known = match go_on() {
+                true => source.signal(*signal, &mut often, &mut go_on),
+                false => Err(Stopped),
+            };
+            match known {
+                Ok(Some(known)) => found.push(known),
+                Ok(None) => out.push(no_signal(model, trajectory, *signal)),
+                Err(Stopped) => return Default::default(),
             }
         }
         if found.len() < needed.len() {
@@ -134,25 +146,34 @@ impl<'a> Source<'a> {
         }
     }
 
-    fn signal(&self, s: Signal, often: &mut Often) -> Option<Known> {
+    fn signal(
+        &self,
+        s: Signal,
+        often: &mut Often,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Known>, Stopped> {
         let measured = |values: Vec<f64>| Known {
             values,
             estimated: None,
         };
         if s.shift != 0 {
             let base = Signal { shift: 0, ..s };
-            return Some(measured(self.shifted(&self.plain(base)?, s.shift)));
+            let base = self.plain(base);
+            return Ok(base.map(|values| measured(self.shifted(&values, s.shift))));
         }
         if let Some(values) = self.plain(s) {
-            return Some(measured(values));
+            return Ok(Some(measured(values)));
         }
-        let below = (0..s.der)
-            .rev()
-            .map(|der| Signal { der, ..s })
-            .find(|b| self.trajectory.column(*b).is_some())?;
-        let order = s.der - below.der;
-        let values = self.trajectory.column(below)?;
-        (order <= 3).then(|| self.derivative(values, below, order as usize, often))
+        let mut lower = (0..s.der).rev().map(|der| Signal { der, ..s });
+        let below = lower.find_map(|b| Some((b, self.trajectory.column(b)?)));
+        match below {
+            Some((below, values)) if s.der - below.der <= 3 => {
+                let order = (s.der - below.der) as usize;
+                let known = self.derivative(values, below, order, often, go_on)?;
+                Ok(Some(known))
+            }
+            _ => Ok(None),
+        }
     }
 
     fn plain(&self, s: Signal) -> Option<Vec<f64>> {
@@ -182,20 +203,27 @@ impl<'a> Source<'a> {
         self.model.var(s.var).map_or(1, |v| v.order as usize)
     }
 
-    fn derivative(&self, values: &[f64], below: Signal, order: usize, often: &mut Often) -> Known {
+    fn derivative(
+        &self,
+        values: &[f64],
+        below: Signal,
+        order: usize,
+        often: &mut Often,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Known, Stopped> {
         let noise = match below.der {
             0 => self.model.var(below.var).and_then(|v| v.noise),
             _ => None,
         };
         let within = stretches(values, &self.gaps, &self.jumps);
-        let mut e = derivatives::differentiate(&self.grid, values, &within, order, noise);
+        let mut e = derivatives::differentiate(&self.grid, values, &within, order, noise, go_on)?;
         let driven = below.der as usize + order >= self.order(below);
         let size = if driven { rms(&e.values) } else { 0.0 };
         let mut across = 0;
         if !self.jumps.is_empty() {
             // Short stretches and noise can make it better to step over a jump than to respect it: the errors decide.
             let open = stretches(values, &self.gaps, &[]);
-            let wide = derivatives::differentiate(&self.grid, values, &open, order, noise);
+            let wide = derivatives::differentiate(&self.grid, values, &open, order, noise, go_on)?;
             for (i, (value, error)) in wide.values.iter().zip(&wide.error).enumerate() {
                 let (Some(v), Some(s)) = (e.values.get_mut(i), e.error.get_mut(i)) else {
                     continue;
@@ -231,14 +259,14 @@ impl<'a> Source<'a> {
             "local polynomial of {of}, degree {} on {} points",
             e.degree, e.points
         );
-        Known {
+        Ok(Known {
             values: e.values,
             estimated: Some(Estimated {
                 method,
                 correlation,
                 error: e.error,
             }),
-        }
+        })
     }
 }
 

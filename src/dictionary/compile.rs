@@ -1,11 +1,13 @@
-//! Library × samples → Φ: each distinct factor is evaluated once, its powers once, and columns are products of those.
+//! Library × samples → Φ: one listed block is stored whole, products are left as factors.
 
-use std::collections::BTreeMap;
-
+use super::factored::{Block, Factored};
+use super::fill::fill;
+use super::powers::Plan;
+use super::values::Run;
 use super::{Dense, Dictionary};
 use crate::data::Samples;
 use crate::library::Library;
-use crate::term::{Atom, Signal, Term};
+use crate::term::{Atom, Signal, Term, power};
 
 /// A term without a finite value somewhere in the data.
 #[derive(Clone, Debug)]
@@ -21,106 +23,116 @@ pub struct BadValue {
 
 /// Φ of a library on samples, each row multiplied by `weights[row]` if given. Columns are the library's slots.
 ///
+/// A library that is one list without empty slots becomes a [`Dense`] matrix, any other a [`Factored`] one.
+///
 /// # Errors
-/// The first term (in library order) that is not finite somewhere, with its first such row.
+/// The first term (in the order of slots, empty ones left out) that is not finite somewhere, with its first such row.
 pub fn compile(
     library: &Library,
     samples: &Samples,
     weights: Option<&[f64]>,
 ) -> Result<Box<dyn Dictionary>, Box<BadValue>> {
-    let terms: Vec<Term> = library.terms().map(|(_, t)| t).collect();
-    Ok(Box::new(evaluate_all(&terms, samples, weights)?))
+    match listed(library) {
+        Some(terms) => Ok(Box::new(dense(terms, samples, weights)?)),
+        None => Ok(Box::new(factored(library, samples, weights)?)),
+    }
 }
 
-/// Every term on every row: M × N, column-major.
-fn evaluate_all(
-    terms: &[Term],
-    samples: &Samples,
-    weights: Option<&[f64]>,
-) -> Result<Dense, Box<BadValue>> {
-    let rows = samples.len();
-    let mut factors = Factors::default();
-    let mut values = Vec::with_capacity(rows * terms.len());
-    for term in terms {
-        let start = values.len();
-        match weights {
-            Some(w) => values.extend_from_slice(w),
-            None => values.resize(start + rows, 1.0),
-        }
-        let column = &mut values[start..];
-        for (atom, power) in term.factors() {
-            let factor = factors.powered(atom, power, samples);
-            column.iter_mut().zip(factor).for_each(|(c, f)| *c *= f);
-        }
-        if let Some(row) = column.iter().position(|v| !v.is_finite()) {
-            return Err(Box::new(explain(term, row, samples)));
-        }
-    }
-    Ok(Dense::new(rows, values))
+/// Memory that [`compile`] takes at most, in bytes: Φ or its factors, a norm for every slot, and the powers of the factors.
+/// Arithmetic only: nothing is evaluated.
+pub fn bytes(library: &Library, rows: usize) -> u128 {
+    let blocks = library.blocks();
+    // Right factors are squared once.
+    let factors = |b: &crate::library::Block| b.left.len() as u128 + 2 * b.right.len() as u128;
+    let columns = match listed(library) {
+        Some(terms) => terms.len() as u128,
+        None => blocks.iter().map(factors).sum(),
+    };
+    let slots = blocks
+        .iter()
+        .map(|b| b.left.len() as u128 * b.right.len() as u128);
+    let powers = Plan::new(library.factors(), true).count() as u128;
+    8 * ((columns + powers) * rows as u128 + slots.sum::<u128>())
 }
 
 /// Values of one term on every row, finite or not.
 pub fn evaluate(term: &Term, samples: &Samples) -> Vec<f64> {
-    (0..samples.len())
-        .map(|row| term.eval(&|s| value(samples, s, row)))
-        .collect()
+    let rows = 0..samples.len();
+    let mut values = vec![0.0; samples.len()];
+    Run { samples, rows }.term(term, &mut values);
+    values
 }
 
-/// Each factor's powers, computed when first needed.
-#[derive(Default)]
-struct Factors {
-    /// Power by the bits of its exponent: the exponents are few and exact.
-    powers: BTreeMap<Atom, Vec<(u64, Vec<f64>)>>,
+/// The terms of a library that is one list of them and nothing else.
+fn listed(library: &Library) -> Option<&[Term]> {
+    match library.blocks() {
+        [b] if library.empty_slots().is_empty()
+            && matches!(b.right.as_slice(), [r] if r.is_one()) =>
+        {
+            Some(&b.left)
+        }
+        _ => None,
+    }
 }
 
-impl Factors {
-    fn powered(&mut self, atom: &Atom, power: f64, samples: &Samples) -> &[f64] {
-        let known = self
-            .powers
-            .entry(atom.clone())
-            .or_insert_with(|| vec![(1f64.to_bits(), evaluate_atom(atom, samples))]);
-        let place = known.iter().position(|(p, _)| *p == power.to_bits());
-        let place = place.unwrap_or_else(|| {
-            let raised = known[0]
-                .1
-                .iter()
-                .map(|x| crate::term::power(*x, power))
-                .collect();
-            known.push((power.to_bits(), raised));
-            known.len() - 1
+fn dense(
+    terms: &[Term],
+    samples: &Samples,
+    weights: Option<&[f64]>,
+) -> Result<Dense, Box<BadValue>> {
+    let filled = fill(terms, samples, weights);
+    let rows = samples.len().max(1);
+    let columns = filled.values.chunks_exact(rows).zip(&filled.squares);
+    for (term, (column, squares)) in terms.iter().zip(columns) {
+        if !squares.is_finite()
+            && let Some(row) = column.iter().position(|v| !v.is_finite())
+        {
+            return Err(Box::new(explain([term, &Term::one()], row, samples)));
+        }
+    }
+    Ok(Dense::filled(rows, filled))
+}
+
+fn factored(
+    library: &Library,
+    samples: &Samples,
+    weights: Option<&[f64]>,
+) -> Result<Factored, Box<BadValue>> {
+    let used = || library.blocks().iter().filter(|b| b.slots() > 0);
+    let lefts: Vec<&Term> = used().flat_map(|b| &b.left).collect();
+    let rights: Vec<&Term> = used().flat_map(|b| &b.right).collect();
+    let mut blocks: Vec<Block> = Vec::new();
+    for b in used() {
+        let (first_slot, left, right) = blocks.last().map_or((0, 0, 0), Block::ends);
+        blocks.push(Block {
+            first_slot,
+            left: left..left + b.left.len(),
+            right: right..right + b.right.len(),
         });
-        &known[place].1
     }
+    let left = fill(lefts.iter().copied(), samples, weights).values;
+    let right = fill(rights.iter().copied(), samples, None).values;
+    Factored::new(samples.len(), [left, right], blocks, library.empty_slots()).map_err(|bad| {
+        let [l, r] = bad.factors;
+        Box::new(explain([lefts[l], rights[r]], bad.row, samples))
+    })
 }
 
-fn evaluate_atom(atom: &Atom, samples: &Samples) -> Vec<f64> {
-    if let Atom::Signal(s) = atom
-        && let Some(c) = samples.column(*s)
-    {
-        return c.values.clone();
-    }
-    (0..samples.len())
-        .map(|row| atom.eval(&|s| value(samples, s, row)))
-        .collect()
-}
-
-/// NaN stands for a signal that the samples lack; the caller asked for every signal it mentions.
-fn value(samples: &Samples, s: Signal, row: usize) -> f64 {
-    samples.column(s).map_or(f64::NAN, |c| c.values[row])
-}
-
-fn explain(term: &Term, row: usize, samples: &Samples) -> BadValue {
-    let at = |s: Signal| value(samples, s, row);
-    let culprit = term
-        .factors()
-        .find(|(atom, p)| !crate::term::power(atom.eval(&at), *p).is_finite());
+fn explain(factors: [&Term; 2], row: usize, samples: &Samples) -> BadValue {
+    let at = |s: Signal| samples.column(s).map_or(f64::NAN, |c| c.values[row]);
+    let [left, right] = factors;
+    let term = left.mul(right);
+    let culprit = factors
+        .into_iter()
+        .flat_map(Term::factors)
+        .find(|(atom, p)| !power(atom.eval(&at), *p).is_finite());
     let value = match culprit {
         Some((Atom::Call(_, args), _)) => args.first().map_or(f64::NAN, |a| a.eval(&at)),
         Some((atom, _)) => atom.eval(&at),
         None => term.eval(&at),
     };
     BadValue {
-        term: term.clone(),
+        term,
         atom: culprit.map(|(a, _)| a.clone()),
         row,
         value,
@@ -128,32 +140,32 @@ fn explain(term: &Term, row: usize, samples: &Samples) -> BadValue {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::data::{Column, Origin};
     use crate::term::{Expr, Func, VarId};
 
-    fn samples() -> Samples {
-        let signal = Signal::new(VarId(1));
+    /// One signal with the values given.
+    pub fn samples(values: &[f64]) -> Samples {
         Samples {
-            trajectory: vec![0; 3],
-            time: vec![0.0, 1.0, 2.0],
+            trajectory: vec![0; values.len()],
+            time: (0..values.len()).map(|i| i as f64).collect(),
             columns: vec![Column {
-                signal,
-                values: vec![1.0, -2.0, 3.0],
+                signal: Signal::new(VarId(1)),
+                values: values.to_vec(),
                 origin: Origin::Measured,
             }],
         }
     }
 
-    fn x() -> Expr {
+    pub fn x() -> Expr {
         Expr::signal(Signal::new(VarId(1)))
     }
 
     #[test]
     fn columns_are_weighted_products() {
-        let term = x().pow(3.0).into_term().1;
-        let phi = evaluate_all(&[Term::one(), term], &samples(), Some(&[1.0, 2.0, 1.0])).unwrap();
+        let terms = [Term::one(), x().pow(3.0).into_term().1];
+        let phi = dense(&terms, &samples(&[1.0, -2.0, 3.0]), Some(&[1.0, 2.0, 1.0])).unwrap();
         assert_eq!(phi.values(), &[1.0, 2.0, 1.0, 1.0, -16.0, 27.0]);
         assert!((phi.norms()[0] - 6f64.sqrt()).abs() < 1e-15);
     }
@@ -161,7 +173,8 @@ mod tests {
     #[test]
     fn the_row_and_value_of_a_bad_logarithm_are_named() {
         let log = Expr::call(Func::named("log").unwrap(), vec![x()]);
-        let bad = evaluate_all(&[log.into_term().1], &samples(), None).unwrap_err();
+        let terms = [log.into_term().1];
+        let bad = dense(&terms, &samples(&[1.0, -2.0, 3.0]), None).unwrap_err();
         assert_eq!((bad.row, bad.value), (1, -2.0));
     }
 }

@@ -1,6 +1,8 @@
 //! Φ stored whole, column after column.
 
-use super::{Collector, Dictionary, Strongest};
+use super::fill::Filled;
+use super::sums::{dot, is_safe, length};
+use super::{Collector, Dictionary, Strongest, cores};
 
 /// A column-major M × N matrix with its column norms.
 #[derive(Clone, Debug)]
@@ -10,11 +12,14 @@ pub struct Dense {
     norms: Vec<f64>,
 }
 
+/// Columns that a thread prices before it asks for more hold about so many values.
+const TASK: usize = 128 * 1024;
+
 impl Dense {
     /// `values` holds the columns one after another; its length is a multiple of `rows`.
     pub fn new(rows: usize, values: Vec<f64>) -> Self {
         debug_assert!(rows > 0 && values.len().is_multiple_of(rows));
-        let norms = values.chunks_exact(rows.max(1)).map(norm).collect();
+        let norms = values.chunks_exact(rows.max(1)).map(length).collect();
         Dense {
             rows,
             values,
@@ -22,9 +27,50 @@ impl Dense {
         }
     }
 
+    /// Takes columns over with what is known of their lengths.
+    pub(super) fn filled(rows: usize, filled: Filled) -> Self {
+        let columns = filled.values.chunks_exact(rows.max(1));
+        let exact = |(squares, column): (&f64, &[f64])| {
+            if is_safe(*squares) {
+                squares.sqrt()
+            } else {
+                length(column)
+            }
+        };
+        let norms = filled.squares.iter().zip(columns).map(exact).collect();
+        Dense {
+            rows,
+            values: filled.values,
+            norms,
+        }
+    }
+
     /// Column-major values, M · N of them.
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    pub(super) fn strongest_on(
+        &self,
+        threads: usize,
+        lambda: &[f64],
+        most: usize,
+        least: f64,
+    ) -> Strongest {
+        let rows = self.rows.max(1);
+        let group = (TASK / rows).max(1);
+        let groups = self.values.chunks(group * rows).enumerate();
+        let collectors = cores::share(threads, groups, |tasks| {
+            let mut found = Collector::new(most, least);
+            for (i, values) in tasks {
+                for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
+                    let product = dot(column, lambda);
+                    found.offer_all(j, &[product], &self.norms[j..=j]);
+                }
+            }
+            found
+        });
+        Collector::finish_all(collectors)
     }
 }
 
@@ -46,43 +92,24 @@ impl Dictionary for Dense {
     }
 
     fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
-        let mut found = Collector::new(most, least);
-        let columns = self.values.chunks_exact(self.rows).zip(&self.norms);
-        for (j, (column, norm)) in columns.enumerate().filter(|(_, (_, n))| **n > 0.0) {
-            found.offer(j, dot(column, lambda) / norm);
-        }
-        found.finish()
+        let threads = cores::threads_for(self.values.len());
+        self.strongest_on(threads, lambda, most, least)
     }
 }
 
-/// Eight running sums, which the processor adds side by side; the order is fixed, so the result is too.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (heads, tails) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = heads
-        .remainder()
-        .iter()
-        .zip(tails.remainder())
-        .map(|(a, b)| a * b)
-        .sum();
-    for (a, b) in heads.zip(tails) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_answer_does_not_depend_on_the_number_of_threads() {
+        let values: Vec<f64> = (0..300_000).map(|i| f64::from(i % 101 - 50)).collect();
+        let phi = Dense::new(30, values);
+        let lambda: Vec<f64> = (0..30).map(|i| f64::from(i % 7 - 3)).collect();
+        let one = phi.strongest_on(1, &lambda, 20, 0.5);
+        assert!(one.columns.len() == 20 && one.count > 20);
+        for threads in [2, 3, 8] {
+            assert_eq!(one, phi.strongest_on(threads, &lambda, 20, 0.5));
         }
     }
-    sums.iter().sum::<f64>() + rest
-}
-
-/// Euclidean length without overflow for columns of any magnitude.
-fn norm(column: &[f64]) -> f64 {
-    let largest = column.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    if largest == 0.0 || !largest.is_finite() {
-        return largest;
-    }
-    largest
-        * column
-            .iter()
-            .map(|x| (x / largest).powi(2))
-            .sum::<f64>()
-            .sqrt()
 }

@@ -1,11 +1,18 @@
 //! Φ as an operator: what a solver may ask of a library on data, however it is stored.
 
 mod compile;
+mod cores;
 mod dense;
+mod factored;
+mod fill;
+mod powers;
 mod strongest;
+mod sums;
+mod values;
 
-pub use compile::{BadValue, compile, evaluate};
+pub use compile::{BadValue, bytes, compile, evaluate};
 pub use dense::Dense;
+pub use factored::Factored;
 pub use strongest::{Collector, Strongest};
 
 /// The matrix Φ (M rows, N columns) of a library on samples.

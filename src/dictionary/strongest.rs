@@ -2,6 +2,9 @@
 
 use std::cmp::Ordering;
 
+/// Columns that are looked at together.
+const LANES: usize = 8;
+
 /// Columns whose correlation with λ exceeds a bound.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Strongest {
@@ -51,6 +54,50 @@ impl Collector {
                 self.keep(column, correlation);
             }
         }
+    }
+
+    /// Takes notice of consecutive columns: φ_jᵀλ from column `first` on, and ‖φ_j‖. A column of length zero is passed over.
+    pub fn offer_all(&mut self, first: usize, products: &[f64], norms: &[f64]) {
+        let groups = products.chunks(LANES).zip(norms.chunks(LANES));
+        for (group, (products, norms)) in groups.enumerate() {
+            let mut correlations = [f64::NAN; LANES];
+            let quotients = products.iter().zip(norms);
+            for (c, (product, norm)) in correlations.iter_mut().zip(quotients) {
+                *c = if *norm > 0.0 {
+                    product / norm
+                } else {
+                    f64::NAN
+                };
+            }
+            self.offer_group(first + group * LANES, &correlations);
+        }
+    }
+
+    /// Most groups are weak and only counted, which the processor does side by side.
+    #[inline]
+    fn offer_group(&mut self, first: usize, correlations: &[f64; LANES]) {
+        let sizes = correlations.map(f64::abs);
+        let strong: u32 = sizes.iter().map(|s| u32::from(*s > self.least)).sum();
+        if strong == 0 {
+            return;
+        }
+        let strongest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
+        if strongest < self.bar || self.most == 0 {
+            self.count += strong as usize;
+            return;
+        }
+        for (column, correlation) in (first..).zip(correlations) {
+            self.offer(column, *correlation);
+        }
+    }
+
+    /// The answer of several collectors with the same bounds.
+    pub fn finish_all(collectors: impl IntoIterator<Item = Collector>) -> Strongest {
+        let together = collectors.into_iter().reduce(|mut all, next| {
+            all.absorb(next);
+            all
+        });
+        together.map_or_else(Strongest::default, Collector::finish)
     }
 
     /// Takes over what another collector with the same bounds has seen.
@@ -108,6 +155,23 @@ mod tests {
             forwards.count,
             values.iter().filter(|v| v.abs() > 10.0).count()
         );
+    }
+
+    #[test]
+    fn many_at_once_are_the_same_as_one_by_one() {
+        let products: Vec<f64> = (0..1003).map(|i| f64::from(i * 37 % 101 - 50)).collect();
+        let norms: Vec<f64> = (0..1003).map(|i| f64::from(i % 5)).collect();
+        for (most, least) in [(0, 3.0), (7, 10.0), (9, 0.0), (2000, 1.0), (3, -1.0)] {
+            let (mut a, mut b) = (Collector::new(most, least), Collector::new(most, least));
+            for (j, (p, n)) in products.iter().zip(&norms).enumerate() {
+                if *n > 0.0 {
+                    a.offer(j, p / n);
+                }
+            }
+            b.offer_all(0, &products[..501], &norms[..501]);
+            b.offer_all(501, &products[501..], &norms[501..]);
+            assert_eq!(a.finish(), b.finish());
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What speaks against an equation: each rule is one function with its figure, and its text says the figure.
 
-use super::{Evidence, FoundTerm, Reason};
+use super::{Evidence, FoundTerm, Reason, Stop};
 use crate::solve::Status as Solved;
 
 /// Residual above which the equation leaves too much of its target open.
@@ -28,20 +28,13 @@ pub(super) struct Case<'a> {
     pub terms: &'a [FoundTerm],
     pub names: &'a [String],
     pub solved: &'a Solved,
+    /// Why the work ended before it was through, if it did.
+    pub stopped: Option<Stop>,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
     let rules: [fn(&Case) -> Option<Reason>; 10] = [
-        interrupted,
-        solver,
-        crowded,
-        poor_fit,
-        misfit,
-        rough,
-        held_out,
-        few_rows,
-        dependent,
-        tied,
+        stopped, solver, crowded, poor_fit, misfit, rough, held_out, few_rows, dependent, tied,
     ];
     let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
     reasons.extend(uncertain(case));
@@ -52,13 +45,8 @@ fn noisy(e: &Evidence) -> bool {
     e.residual > 1e-6
 }
 
-fn interrupted(c: &Case) -> Option<Reason> {
-    (*c.solved == Solved::Interrupted).then(|| {
-        Reason::new(
-            "interrupted",
-            "the solver was stopped before it finished; this is the best it had",
-        )
-    })
+fn stopped(c: &Case) -> Option<Reason> {
+    c.stopped.map(Stop::doubt)
 }
 
 fn solver(c: &Case) -> Option<Reason> {

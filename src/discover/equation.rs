@@ -1,9 +1,11 @@
 //! One equation, start to end: rows, Φ, proposal, choice, polish, proof, doubts.
 
 use super::doubts::{self, Case};
+use super::memory;
 use super::rows::{self, Split};
 use super::subset::Criterion;
 use super::support::{self, Choice};
+use super::watch::{Stage, Stop, Watcher};
 use super::weights::{Weights, norm, rms};
 use super::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Options, Proof, Reason, Status,
@@ -11,7 +13,7 @@ use super::{
 use crate::data::Samples;
 use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
 use crate::library::Library;
-use crate::solve::{self, Certificate, Monitor, Polished, Problem, Solution};
+use crate::solve::{self, Certificate, Polished, Problem, Progress, Solution, Status as Solved};
 use crate::term::{Language, Signal, SignalNames, Term};
 
 /// What is asked.
@@ -36,14 +38,20 @@ impl Task<'_> {
     pub fn run(
         &self,
         names: &Discovery,
-        monitor: Monitor,
+        watcher: &mut Watcher,
     ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
+        if let Some(stop) = watcher.at(Stage::Evaluating) {
+            return Ok(Err(self.failed(stop.failure())));
+        }
         let split = rows::split(
             self.samples.len(),
             self.library.len(),
             self.options.samples,
             self.options.seed,
         );
+        if let Some(reason) = memory::refuse(split.used.len(), self.library, self.options.memory) {
+            return Ok(Err(self.failed(reason)));
+        }
         let used = self.samples.select(&split.used);
         let y = self.target_values(&used);
         if rms(&y) == 0.0 {
@@ -58,7 +66,10 @@ impl Task<'_> {
             target: &aim,
             tolerance: tolerance(phi, &aim, &mut weights),
         };
-        let solution = self.options.solver.solve(&problem, monitor);
+        if let Some(stop) = watcher.at(Stage::Solving(Progress::default())) {
+            return Ok(Err(self.failed(stop.failure())));
+        }
+        let solution = watcher.solving(|monitor| self.options.solver.solve(&problem, monitor));
         weights.seen_contribution(largest_contribution(phi, &solution));
         let criterion = Criterion::new(
             used.len(),
@@ -66,7 +77,11 @@ impl Task<'_> {
             self.library.len(),
             weights.floor,
         );
-        let choice = support::choose(phi, &aim, &solution.coefficients, criterion);
+        let choice = support::choose(phi, &aim, &solution.coefficients, criterion, &mut || {
+            watcher.at(Stage::Choosing).is_none()
+        });
+        let cut = choice.cut || solution.status == Solved::Interrupted;
+        let stopped = watcher.stop().filter(|_| cut);
         let polished = solve::polish(phi, &aim, &choice.support);
 
         let proof = prove(&problem, &solution, &choice, &polished);
@@ -85,7 +100,7 @@ impl Task<'_> {
             certificate: proof,
             ties: self.named(&choice.ties, names),
         };
-        Ok(Ok(self.equation(names, terms, evidence, &solution)))
+        Ok(Ok(self.equation(names, terms, evidence, &solution, stopped)))
     }
 
     /// y without what is known.
@@ -161,6 +176,7 @@ impl Task<'_> {
         terms: Vec<FoundTerm>,
         evidence: Evidence,
         solution: &Solution,
+        stopped: Option<Stop>,
     ) -> Equation {
         let written: Vec<String> = terms
             .iter()
@@ -171,6 +187,7 @@ impl Task<'_> {
             terms: &terms,
             names: &written,
             solved: &solution.status,
+            stopped,
         });
         let status = if reasons.is_empty() {
             Status::Pass
@@ -189,15 +206,19 @@ impl Task<'_> {
     }
 
     fn motionless(&self, names: &Discovery) -> Failed {
+        self.failed(Reason::new(
+            "no-motion",
+            format!(
+                "{} is zero on every row (known parts taken off): there is nothing to explain",
+                names.name(self.target)
+            ),
+        ))
+    }
+
+    fn failed(&self, reason: Reason) -> Failed {
         Failed {
             target: self.target,
-            reasons: vec![Reason::new(
-                "no-motion",
-                format!(
-                    "{} is zero on every row (known parts taken off): there is nothing to explain",
-                    names.name(self.target)
-                ),
-            )],
+            reasons: vec![reason],
         }
     }
 }

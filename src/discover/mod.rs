@@ -8,22 +8,25 @@ mod doubts;
 mod equation;
 mod form;
 mod mass;
+mod memory;
 mod rows;
 mod subset;
 mod support;
+mod watch;
 mod weights;
 
 use crate::data::Samples;
 use crate::dictionary::BadValue;
 use crate::lang::model::{Model, RightSide};
 use crate::library::{Library, known_terms};
-use crate::solve::{Monitor, Solver};
+use crate::solve::Solver;
 use crate::term::Term;
 
 pub use discovery::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Proof, Reason, Status, Variable,
 };
 pub use form::{Form, NotRunnable, Rate, Row, Weighted};
+pub use watch::{Stage, Step, Stop, Watch};
 
 /// How to look.
 #[derive(Clone, Copy)]
@@ -33,12 +36,15 @@ pub struct Options {
     pub samples: Option<usize>,
     /// Seed of that draw.
     pub seed: u64,
+    /// Most bytes that one equation's Φ may take.
+    pub memory: u64,
 }
 
 /// A term that the data cannot evaluate: which equation asked for it, and where it fails.
 pub type Unevaluable = (usize, Box<BadValue>);
 
-/// Finds every equation of the model. `libraries` has one entry an equation, `None` for those that are known.
+/// Finds every equation of the model. `libraries` has one entry an equation, `None` for those that are known. Where `watch`
+/// ends the work, the equations found so far stand, and the others are listed as failed.
 ///
 /// # Errors
 /// Terms without a finite value on the data, one an equation.
@@ -47,10 +53,11 @@ pub fn discover(
     libraries: &[Option<Library>],
     samples: &Samples,
     options: &Options,
-    monitor: Monitor,
+    watch: Watch,
 ) -> Result<Discovery, Vec<Unevaluable>> {
     let mut discovery = Discovery::of(model);
     let mut bad = Vec::new();
+    let mut watcher = watch::Watcher::new(watch);
     for (i, (equation, library)) in model.equations.iter().zip(libraries).enumerate() {
         let known = fixed_terms(&equation.right);
         let Some(library) = library else {
@@ -64,7 +71,8 @@ pub fn discover(
             samples,
             options,
         };
-        match task.run(&discovery, monitor) {
+        watcher.turn_to(i);
+        match task.run(&discovery, &mut watcher) {
             Ok(Ok(found)) => discovery.equations.push(found),
             Ok(Err(failed)) => discovery.failed.push(failed),
             Err(value) => bad.push((i, value)),

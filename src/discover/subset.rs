@@ -95,8 +95,14 @@ impl Search {
         }
     }
 
-    /// Distinct supports of up to `most` terms, best criterion first; `starts` join the search.
-    pub fn run(&self, most: usize, starts: &[Vec<usize>]) -> Vec<Subset> {
+    /// Distinct supports of up to `most` terms, best criterion first; `starts` join the search. The beam is short work and
+    /// always runs; the single changes after it end when `go_on` says no.
+    pub fn run(
+        &self,
+        most: usize,
+        starts: &[Vec<usize>],
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Vec<Subset> {
         let mut found = Found::default();
         found.add(self.subset(&self.start()));
         self.beam(most, &mut found);
@@ -104,7 +110,7 @@ impl Search {
             let state = self.project(start);
             found.add(self.subset(&state));
         }
-        self.improve(most, &mut found);
+        self.improve(most, &mut found, go_on);
         found.sorted()
     }
 
@@ -157,13 +163,13 @@ impl Search {
     }
 
     /// Follows the best single change until none helps.
-    fn improve(&self, most: usize, found: &mut Found) {
+    fn improve(&self, most: usize, found: &mut Found, go_on: &mut dyn FnMut() -> bool) {
         let Some(mut best) = found.best().cloned() else {
             return;
         };
         loop {
             let before = best.value;
-            let neighbours = self.neighbours(&best.support, most);
+            let neighbours = self.neighbours(&best.support, most, go_on);
             for n in neighbours {
                 if n.value < best.value {
                     best = n.clone();
@@ -177,9 +183,17 @@ impl Search {
     }
 
     /// Supports that differ by one term: for each place emptied (or none), the drop and the best fillings.
-    fn neighbours(&self, support: &[usize], most: usize) -> Vec<Subset> {
+    fn neighbours(
+        &self,
+        support: &[usize],
+        most: usize,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Vec<Subset> {
         let mut out = Vec::new();
         for gap in 0..=support.len() {
+            if !go_on() {
+                break;
+            }
             let kept: Vec<usize> = support
                 .iter()
                 .enumerate()
@@ -326,7 +340,9 @@ mod tests {
             .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
             .collect();
         let criterion = Criterion::new(rows, 1.0, count, 0.0);
-        let best = &Search::new(rows, columns.clone(), target, 0.0, criterion).run(10, &[])[0];
+        let best =
+            &Search::new(rows, columns.clone(), target, 0.0, criterion).run(10, &[], &mut || true)
+                [0];
         assert_eq!(best.support, vec![7, 19]);
     }
 
@@ -341,7 +357,7 @@ mod tests {
         let run = |floor: f64| {
             let criterion = Criterion::new(rows, 1.0, count, floor * floor);
             let search = Search::new(rows, columns.clone(), target.clone(), 0.0, criterion);
-            search.run(10, &[])[0].support.clone()
+            search.run(10, &[], &mut || true)[0].support.clone()
         };
         assert_eq!(run(1e-4), vec![2]);
         assert_eq!(run(1e-9), vec![2, 5]);
@@ -353,7 +369,7 @@ mod tests {
         let one = noise(rows, 9);
         let columns = [one.clone(), one.clone(), noise(rows, 10)].concat();
         let criterion = Criterion::new(rows, 1.0, 3, 1e-20);
-        let best = &Search::new(rows, columns, one, 0.0, criterion).run(3, &[])[0];
+        let best = &Search::new(rows, columns, one, 0.0, criterion).run(3, &[], &mut || true)[0];
         assert_eq!(best.support.len(), 1);
     }
 }

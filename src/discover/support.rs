@@ -27,14 +27,17 @@ pub struct Choice {
     pub searched: usize,
     /// True if the support is the solver's own, not a part of it or another.
     pub as_proposed: bool,
+    /// True if the search was ended before it was through.
+    pub cut: bool,
 }
 
-/// Chooses among subsets of the candidates (all, or the solver's proposals if there are too many).
+/// Chooses among subsets of the candidates (all, or the solver's proposals if there are too many), as long as `go_on` allows.
 pub fn choose(
     dictionary: &dyn Dictionary,
     target: &[f64],
     coefficients: &[(usize, f64)],
     criterion: Criterion,
+    go_on: &mut dyn FnMut() -> bool,
 ) -> Choice {
     let proposed = proposals(dictionary, coefficients);
     let pool: Vec<usize> = if dictionary.cols() <= SEARCHABLE {
@@ -50,7 +53,11 @@ pub fn choose(
         .filter_map(|j| pool.binary_search(j).ok())
         .collect();
     let most = MOST_TERMS.min(dictionary.rows().saturating_sub(1)).max(1);
-    let found = search(dictionary, target, &pool, criterion).run(most, &[start]);
+    let mut cut = false;
+    let found = search(dictionary, target, &pool, criterion).run(most, &[start], &mut || {
+        cut = !go_on();
+        !cut
+    });
     let named = |s: &Subset| -> Vec<usize> { s.support.iter().map(|i| pool[*i]).collect() };
     let Some(best) = found.first() else {
         return Choice {
@@ -58,6 +65,7 @@ pub fn choose(
             ties: Vec::new(),
             searched: pool.len(),
             as_proposed: proposed.is_empty(),
+            cut,
         };
     };
     let ties = found
@@ -74,6 +82,7 @@ pub fn choose(
         support,
         ties,
         searched: pool.len(),
+        cut,
     }
 }
 

@@ -98,7 +98,8 @@ fn proof(e: &Evidence) -> String {
 }
 
 fn figures(p: &Proof) -> String {
-    let mut out = format!("gap {}", power(p.gap));
+    // Below zero it is rounding of the residual.
+    let mut out = format!("gap {}", power(p.gap.abs()));
     if p.of_answer {
         out.push_str(&format!(
             ", |φᵀλ| ≤ {:.4} off the support, rank {} of {}",

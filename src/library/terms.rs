@@ -32,6 +32,12 @@ impl Library {
         }
     }
 
+    /// A library of products, block after block; `empty` are the slots that are no candidates, rising.
+    pub fn products(blocks: Vec<Block>, empty: Vec<usize>) -> Library {
+        debug_assert!(empty.is_sorted_by(|a, b| a < b));
+        Library { blocks, empty }
+    }
+
     /// Number of terms.
     pub fn len(&self) -> usize {
         self.slots() - self.empty.len()

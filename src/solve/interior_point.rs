@@ -34,7 +34,7 @@ impl Solver for InteriorPoint {
     }
 
     fn about(&self) -> &'static str {
-        "primal-dual interior point, dense normal equations (default)"
+        "primal-dual interior point, dense normal equations"
     }
 
     fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {

@@ -6,12 +6,14 @@ mod certificate;
 mod clarabel;
 mod cone;
 mod frame;
+mod homotopy;
 mod interior_point;
 mod joint;
 mod least_squares;
 mod normal;
 mod point;
 mod polish;
+mod pool;
 mod reduce;
 
 use std::ops::ControlFlow;
@@ -20,6 +22,7 @@ use crate::dictionary::Dictionary;
 
 pub use certificate::{Certificate, certify, certify_support, refine_dual, support};
 pub use clarabel::Clarabel;
+pub use homotopy::{Homotopy, Knot, lasso, lasso_path};
 pub use interior_point::InteriorPoint;
 pub use joint::{
     Fit, FitBlock, Joint, JointProof, JointSolution, Outcome, Row, Sense, certify_joint, conflict,
@@ -124,4 +127,4 @@ pub trait Solver: Sync {
 }
 
 /// Every solver; the first is the default.
-pub static SOLVERS: &[&dyn Solver] = &[&InteriorPoint, &Clarabel];
+pub static SOLVERS: &[&dyn Solver] = &[&Homotopy, &InteriorPoint, &Clarabel];

@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic)]
 
+use std::ops::ControlFlow;
+
 use sidc::data::{self, Dataset, Limits, Origin, Samples, Table};
 use sidc::lang::diagnostic::{Diagnostic, Severity};
 use sidc::lang::model::{
@@ -431,7 +433,8 @@ fn undeclared_inputs_are_held_if_they_mostly_stand_still() {
 // ---- Samples. ----
 
 fn sampled(model: &Model, dataset: &Dataset, needed: &[Signal]) -> Samples {
-    let (samples, ds, _) = data::samples(model, dataset, needed);
+    let (samples, ds, _) =
+        data::samples(model, dataset, needed, &mut |_| ControlFlow::Continue(()));
     assert!(!ds.iter().any(Diagnostic::is_error), "{ds:?}");
     samples
 }
@@ -536,7 +539,10 @@ fn rows_without_a_needed_signal_are_left_out() {
     let table = table(&mut sources, "run.csv", text);
     let (dataset, _) = data::bind(&model, &[table], &[], &mut sources);
     let dx = Signal::derivative(VarId(1), 1);
-    let (samples, ds, report) = data::samples(&model, &dataset, &[Signal::new(VarId(1)), dx]);
+    let (samples, ds, report) =
+        data::samples(&model, &dataset, &[Signal::new(VarId(1)), dx], &mut |_| {
+            ControlFlow::Continue(())
+        });
     assert_eq!(samples.len(), 59);
     assert_eq!(codes(&ds), ["rows-left-out"]);
     assert!(report.iter().any(|p| p.signal == dx && !p.measured));

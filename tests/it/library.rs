@@ -10,7 +10,7 @@ use sidc::term::{Expr, Language, Signal, VarId};
 fn compile(model: &str) -> (Option<Program>, Vec<String>) {
     let mut sources = Sources::default();
     let file = sources.add("model.sid", model);
-    let (program, diagnostics) = pipeline::compile(file, &sources);
+    let (program, diagnostics) = pipeline::compile(file, &sources, pipeline::MEMORY);
     let failed = program.is_none();
     let told = diagnostics.iter().filter(|d| d.is_error() || !failed);
     (program, told.map(|d| d.code.to_string()).collect())

@@ -12,6 +12,7 @@ mod hostile_results;
 mod lang;
 mod joint;
 mod library;
+mod limits;
 mod measured;
 mod pendulum;
 mod program;

@@ -79,8 +79,8 @@ fn certificate(
     certify(&problem, &s.coefficients, &s.dual)
 }
 
-/// Both solvers say solved, both certificates hold, and the minima agree.
-fn both_agree(
+/// All solvers say solved, their certificates hold, and the minima agree.
+fn all_agree(
     dictionary: &dyn Dictionary,
     target: &[f64],
     tolerance: f64,
@@ -93,8 +93,10 @@ fn both_agree(
         prop_assert!(c.proves_optimal, "{}: {:?}", solver.name(), c);
         minima.push(c.primal);
     }
-    let spread = (minima[0] - minima[1]).abs() / minima[0].max(1e-300);
-    prop_assert!(spread < 1e-6, "{:?}", minima);
+    for other in &minima[1..] {
+        let spread = (minima[0] - other).abs() / minima[0].max(1e-300);
+        prop_assert!(spread < 1e-6, "{:?}", minima);
+    }
     Ok(())
 }
 
@@ -128,14 +130,14 @@ fn a_hundred_samples_of_the_pendulum_give_both_equations() {
             right < 1e-9 && wrong < 1e-9,
             "{target:?}: {right:e} {wrong:e}"
         );
-        assert!(s.iterations <= 16, "{}", s.iterations);
+        assert!(s.iterations <= 100, "{}", s.iterations);
     }
 }
 
 #[test]
 fn clarabel_finds_the_pendulum_too() {
     let r = regression(&draw(40, 3), Target::Pendulum, [2, 2, 2, 6, 2, 2, 2, 2]);
-    let s = solve(1, &r.dictionary, &r.target, 0.0);
+    let s = solve(2, &r.dictionary, &r.target, 0.0);
     let (right, wrong) = errors(&r, &s);
     assert!(
         right < 1e-4 && wrong < 1e-4,
@@ -152,7 +154,7 @@ fn refined_dual_closes_the_gap_further() {
         target: &r.target,
         tolerance: 0.0,
     };
-    let s = SOLVERS[0].solve(&problem, &mut |p| {
+    let s = SOLVERS[1].solve(&problem, &mut |p| {
         if p.gap < 1e-3 {
             ControlFlow::Break(())
         } else {
@@ -252,7 +254,7 @@ fn dependent_rows_are_fine_until_they_contradict_each_other() {
     }
     let phi = Dense::new(11, values);
     let mut y = combine(&phi, &[(3, 1.0), (4, 2.0)]);
-    assert!(both_agree(&phi, &y, 0.0).is_ok());
+    assert!(all_agree(&phi, &y, 0.0).is_ok());
     y[10] += 1.0;
     for solver in 0..SOLVERS.len() {
         let Status::Inconsistent { residual } = solve(solver, &phi, &y, 0.0).status else {
@@ -285,13 +287,13 @@ fn more_rows_than_columns() {
     let least = least_squares(&phi, &y);
     for solver in 0..SOLVERS.len() {
         let s = solve(solver, &phi, &y, 0.0);
-        assert_eq!(
-            s.status,
-            Status::Inconsistent {
-                residual: least.residual
-            }
-        );
-        assert_eq!(s.coefficients, least.coefficients);
+        let Status::Inconsistent { residual } = s.status else {
+            unreachable!("contradiction not seen")
+        };
+        assert!((residual / least.residual - 1.0).abs() < 1e-12);
+        for (j, a) in &least.coefficients {
+            assert!((s.coefficient(*j) - a).abs() < 1e-12);
+        }
         let s = solve(solver, &phi, &y, least.residual * 0.999);
         assert!(matches!(s.status, Status::Inconsistent { .. }));
         let s = solve(solver, &phi, &y, least.residual * 1.001);
@@ -360,7 +362,7 @@ fn values_that_are_not_finite_end_without_a_panic() {
 #[test]
 fn monitor_can_stop_either_solver() {
     let phi = gaussian(20, 60, 9, |_| 1.0);
-    let y = combine(&phi, &[(4, 1.0)]);
+    let y = gaussian(20, 1, 10, |_| 1.0).values().to_vec();
     for solver in SOLVERS {
         let mut calls = 0;
         let s = solver.solve(
@@ -458,7 +460,7 @@ proptest! {
         let terms: Vec<(usize, f64)> = random.choose(cols.min(4), cols).into_iter()
             .map(|j| (j, random.normal() / phi.norms()[j])).collect();
         let y = combine(&phi, &terms);
-        both_agree(&phi, &y, part * length(&y))?;
+        all_agree(&phi, &y, part * length(&y))?;
     }
 
     #[test]
@@ -466,7 +468,7 @@ proptest! {
         let phi = gaussian(rows, cols, seed, |_| 1.0);
         let y = gaussian(rows, 1, seed + 1, |_| 1.0).values().to_vec();
         let floor = least_squares(&phi, &y).residual;
-        both_agree(&phi, &y, floor + part * (length(&y) - floor))?;
+        all_agree(&phi, &y, floor + part * (length(&y) - floor))?;
     }
 }
 

@@ -164,7 +164,9 @@ pub(super) fn table_too_large(
             size(limit)
         ),
     )
-    .help("keep only the columns that the model uses, or fewer rows")
+    .help(
+        "keep only the columns that the model uses, or fewer rows, or set a higher --memory-limit",
+    )
 }
 
 fn size(bytes: u64) -> String {

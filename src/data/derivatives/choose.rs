@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use super::stencil::{Choice, Stencil, Stencils, dot};
-use super::{Estimate, Grid, Stretch};
+use super::{Estimate, Grid, Stopped, Stretch};
 
 /// Samples that the choice for the whole record is made on, at most; a sixteenth of it on uneven grids, where weights cost more.
 const TRIED: usize = 16_384;
@@ -57,7 +57,8 @@ pub(super) fn least_error(
     stretches: &[Stretch],
     order: usize,
     sigma: f64,
-) -> Estimate {
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Estimate, Stopped> {
     let longest = stretches.iter().map(Stretch::len).max().unwrap_or(0);
     let mut work = Work {
         even: grid.step.is_some(),
@@ -87,6 +88,9 @@ pub(super) fn least_error(
     };
     let mut used: BTreeMap<Choice, usize> = BTreeMap::new();
     for part in blocks(stretches, BLOCK) {
+        if !go_on() {
+            return Err(Stopped);
+        }
         let mut floor = (0, Vec::new());
         let mut judged: Vec<(Choice, Vec<Judged>)> = Vec::with_capacity(kept.len() + 1);
         for c in kept.iter().filter(|c| c.points <= part.stretch.len()) {
@@ -123,7 +127,7 @@ pub(super) fn least_error(
     if let Some((choice, _)) = used.into_iter().max_by_key(|(_, n)| *n) {
         (out.points, out.degree) = (choice.points, choice.degree);
     }
-    out
+    Ok(out)
 }
 
 /// Rows `from..to` of one stretch.

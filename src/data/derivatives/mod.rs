@@ -51,6 +51,10 @@ impl Grid {
     }
 }
 
+/// Somebody asked the work to end; there is no estimate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stopped;
+
 /// A derivative at every sample; NaN where its stretch has too few samples, and outside the stretches.
 #[derive(Clone, Debug)]
 pub(super) struct Estimate {
@@ -77,15 +81,19 @@ impl Estimate {
 /// Derivative `order` (1 to 3) of `values`, all finite within the stretches.
 ///
 /// `noise`: the sensor's standard deviation if it is known, else it is measured. Time linear in the samples on even grids.
+///
+/// # Errors
+/// `go_on`, asked every few thousand samples, said no.
 pub(super) fn differentiate(
     grid: &Grid,
     values: &[f64],
     stretches: &[Stretch],
     order: usize,
     noise: Option<f64>,
-) -> Estimate {
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Estimate, Stopped> {
     let sigma = noise.unwrap_or_else(|| noise::estimate(grid, values, stretches));
-    choose::least_error(grid, values, stretches, order, sigma)
+    choose::least_error(grid, values, stretches, order, sigma, go_on)
 }
 
 #[cfg(test)]

@@ -1,0 +1,92 @@
+//! The whole path, and the Lasso form: every knot is the answer to a family of problems.
+//!
+//! In: a problem (its ε ends the path). Out: knots from a = 0 on, each optimal over all columns. Between two knots the answer
+//! is their linear interpolation in the penalty.
+
+use super::super::reduce::norm;
+use super::super::{Monitor, Problem, Status};
+use super::path::{End, Goal, Place};
+use super::rounds::{Look, Rounds};
+
+/// The answer of `min ½‖Φa − y‖₂² + τ‖D a‖₁`, which also is that of `min ‖D a‖₁ s.t. ‖Φa − y‖₂ ≤ ε` at its own residual.
+#[derive(Clone, Debug)]
+pub struct Knot {
+    /// τ, in the units of y.
+    pub penalty: f64,
+    /// ‖Φa − y‖₂, in the units of y.
+    pub residual: f64,
+    /// By rising column, in the units of the raw columns.
+    pub coefficients: Vec<(usize, f64)>,
+    /// λ = (y − Φa)/τ, length M: |φ_jᵀλ| ≤ ‖φ_j‖ for every column.
+    pub dual: Vec<f64>,
+}
+
+/// The answer at one penalty τ > 0, in the units of y, over columns of length one; a = 0 where τ ≥ max |φ_jᵀy|/‖φ_j‖.
+/// The problem's own ε is not looked at. `None` if values are not finite, the monitor stops it, or rounding ends the path.
+pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> {
+    let size = norm(problem.target);
+    if !super::is_finite(problem, size) || penalty.is_nan() || penalty <= 0.0 {
+        return None;
+    }
+    let target = unit(problem.target, size);
+    let goal = Goal {
+        tolerance: 0.0,
+        penalty: penalty / size,
+    };
+    let rounds = Rounds::new(problem.dictionary, &target, goal);
+    let Some(mut rounds) = rounds.filter(|r| r.level() > goal.penalty) else {
+        return Some(Knot {
+            penalty,
+            residual: size,
+            coefficients: Vec::new(),
+            dual: problem.target.iter().map(|y| y / penalty).collect(),
+        });
+    };
+    let (place, status) = rounds.run(monitor);
+    (status == Status::Solved).then(|| knot(&rounds, &place, size))
+}
+
+/// All knots down to the problem's ε, at most `most`. Shorter where the monitor stops it, or where rounding ends the path.
+pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot> {
+    let size = norm(problem.target);
+    let mut knots: Vec<Knot> = Vec::new();
+    if !super::is_finite(problem, size) || size <= problem.tolerance {
+        return knots;
+    }
+    let target = unit(problem.target, size);
+    let goal = Goal {
+        tolerance: problem.tolerance / size,
+        penalty: 0.0,
+    };
+    let Some(mut rounds) = Rounds::new(problem.dictionary, &target, goal) else {
+        return knots;
+    };
+    while knots.len() < most {
+        let place = rounds.walk(1, monitor);
+        match (place.end, rounds.look(&place)) {
+            (End::Interrupted, _) | (_, Look::Fails) => break,
+            // Knots at smaller penalties were met without the columns that joined.
+            (_, Look::Changed) => knots.retain(|k| k.penalty >= rounds.level() * size),
+            (end, Look::Stays) => {
+                knots.push(knot(&rounds, &place, size));
+                if end != End::Due {
+                    break;
+                }
+            }
+        }
+    }
+    knots
+}
+
+fn unit(target: &[f64], size: f64) -> Vec<f64> {
+    target.iter().map(|y| y / size).collect()
+}
+
+fn knot(rounds: &Rounds, place: &Place, size: f64) -> Knot {
+    Knot {
+        penalty: place.level * size,
+        residual: place.residual * size,
+        coefficients: rounds.raw(&place.coefficients, size),
+        dual: place.lambda.clone(),
+    }
+}

@@ -1,0 +1,67 @@
+//! The default solver: the Lasso path on a growing working set, down to ε.
+//!
+//! In: any dictionary. Out: the end of the path, optimal over all columns; or the whole path. Few terms explain exact data,
+//! so the path has few knots: tens of steps of O(M w) on w columns, and one pricing of all N columns a round. Columns are
+//! taken in when λ breaks their bound; the path is then taken up where they first would have met it.
+
+mod centre;
+mod factor;
+mod lasso;
+mod path;
+mod rounds;
+
+pub use lasso::{Knot, lasso, lasso_path};
+
+use super::reduce::norm;
+use super::{Monitor, Problem, Solution, Solver, Status};
+use path::Goal;
+use rounds::Rounds;
+
+/// Homotopy on a working set. Where it gives up, which is where noise has to be fitted exactly, its answer is still optimal
+/// for the residual it reached.
+pub struct Homotopy;
+
+impl Solver for Homotopy {
+    fn name(&self) -> &'static str {
+        "homotopy"
+    }
+
+    fn about(&self) -> &'static str {
+        "Lasso path on a growing working set, for libraries of any size (default)"
+    }
+
+    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
+        let size = norm(problem.target);
+        if !is_finite(problem, size) {
+            return Solution::zero(problem, Status::broken());
+        }
+        if size <= problem.tolerance {
+            return Solution::zero(problem, Status::Solved);
+        }
+        let target: Vec<f64> = problem.target.iter().map(|y| y / size).collect();
+        let goal = Goal {
+            tolerance: problem.tolerance / size,
+            penalty: 0.0,
+        };
+        let Some(mut rounds) = Rounds::new(problem.dictionary, &target, goal) else {
+            return Solution::zero(problem, Status::Inconsistent { residual: size });
+        };
+        let (place, status) = rounds.run(monitor);
+        Solution {
+            coefficients: rounds.raw(&place.coefficients, size),
+            dual: rounds.centred(&place),
+            status: match status {
+                Status::Inconsistent { residual } => Status::Inconsistent {
+                    residual: residual * size,
+                },
+                other => other,
+            },
+            iterations: rounds.steps(),
+        }
+    }
+}
+
+fn is_finite(problem: &Problem, size: f64) -> bool {
+    let norms = problem.dictionary.norms();
+    size.is_finite() && problem.tolerance.is_finite() && norms.iter().all(|n| n.is_finite())
+}

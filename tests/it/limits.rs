@@ -1,0 +1,353 @@
+//! Limits of time and memory, and Ctrl-C: the run ends early, and what it prints is whole.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use sidc::data::{self, Limits};
+use sidc::discover::{Discovery, Options, Reason, Stage, Status, Step, Stop};
+use sidc::lang::source::Sources;
+use sidc::pipeline::{self, MEMORY, Measured, Program};
+use sidc::result::{Document, FailedEntry};
+use sidc::solve::SOLVERS;
+
+use super::program::{Run, file, sidc};
+
+const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
+const PENDULUM: [&str; 2] = ["models/pendulum.sid", "models/data/pendulum.csv"];
+
+fn identify(files: [&str; 2], more: &[&str]) -> Run {
+    let mut args = vec!["identify", "--quiet"];
+    args.extend(files);
+    args.extend(more);
+    sidc(&args)
+}
+
+fn document(text: &str) -> Document {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}:\n{text}"))
+}
+
+/// Why each equation is missing: `dx time-limit`.
+fn failures(d: &Document) -> Vec<String> {
+    let one = |f: &FailedEntry| format!("{} {}", f.target, codes(&f.reasons).join(" "));
+    d.failed.iter().map(one).collect()
+}
+
+fn codes(reasons: &[Reason]) -> Vec<String> {
+    reasons.iter().map(|r| r.code.clone()).collect()
+}
+
+#[test]
+fn values_of_limits_are_checked_before_anything_is_read() {
+    for (option, value, word) in [
+        ("--time-limit", "soon", "30s, 5m or 1h"),
+        ("--time-limit", "0", "above 0"),
+        ("--time-limit", "5d", "30s, 5m or 1h"),
+        ("--memory-limit", "2G", "2GiB"),
+        ("--memory-limit", "0", "at least 1 byte"),
+        ("--memory-limit", "much", "2GB"),
+    ] {
+        let run = identify(["none.sid", "none.csv"], &[option, value]);
+        assert_eq!(run.status, 2, "{option} {value}: {}", run.stderr);
+        assert_eq!(run.stdout, "");
+        for word in [word, option, value] {
+            assert!(run.stderr.contains(word), "{word}: {}", run.stderr);
+        }
+    }
+    let check = sidc(&["check", LORENZ[0], "--memory-limit", "2G"]);
+    assert_eq!((check.status, check.stdout.as_str()), (2, ""));
+}
+
+#[test]
+fn a_time_that_has_passed_leaves_a_whole_document() {
+    let run = identify(PENDULUM, &["--time-limit", "0.001s", "--json"]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    let d = document(&run.stdout);
+    assert!(d.equations.is_empty());
+    assert_eq!(failures(&d), ["ddy time-limit", "ddtheta time-limit"]);
+    let text = identify(PENDULUM, &["--time-limit", "1ms"]).stdout;
+    let line = "ddy: not found\n    failed[time-limit]: stopped by the time limit of 0.001 s";
+    assert!(text.contains(line), "{text}");
+}
+
+#[test]
+fn limits_that_are_not_reached_change_nothing() {
+    let free = identify(LORENZ, &["--json"]);
+    let limits = ["--json", "--time-limit", "1h", "--memory-limit", "160kB"];
+    let limited = identify(LORENZ, &limits);
+    assert_eq!((limited.status, limited.stdout), (0, free.stdout));
+}
+
+#[test]
+fn a_memory_limit_says_what_is_needed_and_the_rows_it_offers_do_fit() {
+    let run = identify(LORENZ, &["--memory-limit", "100kB", "--json"]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    let d = document(&run.stdout);
+    let missing = ["dx memory-limit", "dy memory-limit", "dz memory-limit"];
+    assert_eq!(failures(&d), missing);
+    let text = &d.failed[0].reasons[0].text;
+    // 1000 rows · 20 terms · 8 bytes; 100,000/160 rows.
+    for words in [
+        "1000 rows of 20 terms take 160 kB",
+        "limit is 100 kB",
+        "--samples 625 fits",
+    ] {
+        assert!(text.contains(words), "{text}");
+    }
+    let offered = ["--memory-limit", "100kB", "--samples", "625"];
+    assert_eq!(identify(LORENZ, &offered).status, 0);
+    let more = ["--memory-limit", "100kB", "--samples", "626"];
+    assert_eq!(identify(LORENZ, &more).status, 3);
+}
+
+/// The Lorenz system, compiled and measured.
+fn lorenz() -> (Program, Measured) {
+    let mut sources = Sources::default();
+    let model = sources.add("lorenz.sid", file(LORENZ[0]));
+    let program = pipeline::compile(model, &sources, MEMORY).0.unwrap();
+    let measured = measure(&program, &mut sources, |_| ControlFlow::Continue(()));
+    (program, measured)
+}
+
+fn measure(
+    program: &Program,
+    sources: &mut Sources,
+    mut monitor: impl FnMut(usize) -> ControlFlow<()>,
+) -> Measured {
+    let text = file(LORENZ[1]);
+    let table = data::read("lorenz.csv", text.as_bytes(), &Limits::default(), sources).unwrap();
+    let mut told = 0;
+    let staged = pipeline::measure(program, &[table], &[], (None, None), sources, &mut |_| {
+        told += 1;
+        monitor(told)
+    });
+    staged.0.unwrap()
+}
+
+/// Identifies the Lorenz system until `ends` says stop; the steps told until then.
+fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
+    let (program, measured) = lorenz();
+    let options = Options {
+        solver: SOLVERS[0],
+        samples: None,
+        seed: 0,
+        memory: MEMORY,
+    };
+    let mut told = Vec::new();
+    let found = pipeline::identify(&program, &measured, &options, &mut |step| {
+        told.push(step);
+        if ends(&step) {
+            ControlFlow::Break(why)
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    (found.unwrap(), told)
+}
+
+/// How many equations are missing, all for this one reason.
+fn missing(d: &Discovery, code: &str) -> usize {
+    assert!(
+        d.failed.iter().all(|f| codes(&f.reasons) == [code]),
+        "{:?}",
+        d.failed
+    );
+    d.failed.len()
+}
+
+fn solving(step: &Step, iteration: usize) -> bool {
+    matches!(step.stage, Stage::Solving(p) if p.iteration == iteration)
+}
+
+#[test]
+fn every_stage_of_every_equation_is_told_in_order() {
+    let (d, told) = until(|_| false, Stop::Interrupted);
+    assert!(d.passes());
+    let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.equation, stage(s.stage))).collect();
+    assert!(stages.is_sorted(), "{stages:?}");
+    stages.dedup();
+    let all: Vec<(usize, u8)> = (0..3).flat_map(|e| (0..3).map(move |s| (e, s))).collect();
+    assert_eq!(stages, all);
+}
+
+fn stage(s: Stage) -> u8 {
+    match s {
+        Stage::Evaluating => 0,
+        Stage::Solving(_) => 1,
+        Stage::Choosing => 2,
+    }
+}
+
+#[test]
+fn a_stop_between_equations_keeps_those_found() {
+    let (d, told) = until(|s| s.equation == 1, Stop::Interrupted);
+    assert_eq!(d.equations[0].status, Status::Pass);
+    assert_eq!((d.equations.len(), missing(&d, "interrupted")), (1, 2));
+    assert_eq!(
+        told.iter().filter(|s| s.equation > 0).count(),
+        1,
+        "asked again after its stop"
+    );
+}
+
+#[test]
+fn a_stop_in_the_solver_keeps_the_best_it_had_as_a_doubt() {
+    let limit = Stop::TimeLimit(Duration::from_secs(2));
+    let (d, told) = until(|s| solving(s, 3), limit);
+    assert!(
+        solving(told.last().unwrap(), 3),
+        "told of more after its stop"
+    );
+    assert_eq!((d.equations.len(), missing(&d, "time-limit")), (1, 2));
+    let first = &d.equations[0];
+    assert_eq!(
+        (first.status, first.reasons[0].code.as_str()),
+        (Status::Doubt, "time-limit")
+    );
+    assert!(first.reasons[0].text.contains("2 s"), "{:?}", first.reasons);
+    let evidence = first.evidence.as_ref().unwrap();
+    assert_eq!(evidence.iterations, 3);
+    assert!(
+        !evidence.certificate.optimal,
+        "three iterations are no proof"
+    );
+}
+
+#[test]
+fn a_stop_while_choosing_is_a_doubt_too() {
+    let (d, _) = until(|s| matches!(s.stage, Stage::Choosing), Stop::Interrupted);
+    assert_eq!(codes(&d.equations[0].reasons), ["interrupted"]);
+    // The solver had finished: what it proved stands.
+    assert!(
+        d.equations[0]
+            .evidence
+            .as_ref()
+            .unwrap()
+            .certificate
+            .optimal
+    );
+}
+
+#[test]
+fn a_stop_while_signals_are_prepared_leaves_no_rows() {
+    let mut sources = Sources::default();
+    let model = sources.add("lorenz.sid", file(LORENZ[0]));
+    let program = pipeline::compile(model, &sources, MEMORY).0.unwrap();
+    let mut told = 0;
+    let measured = measure(&program, &mut sources, |n| {
+        told = n;
+        if n == 2 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    });
+    assert_eq!(told, 2, "asked again after its stop");
+    assert!(measured.samples.is_empty() && measured.report.is_empty());
+}
+
+/// Real signals to a real process; where its signals stand is read from Linux's /proc.
+#[cfg(target_os = "linux")]
+mod ctrl_c {
+    use std::io::{BufRead, BufReader, Read};
+    use std::path::Path;
+    use std::process::{Child, Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    use super::super::program::root;
+    use super::{LORENZ, document, failures};
+
+    const SIGINT: u64 = 1 << 1;
+
+    fn start(model: &str, more: &[&str]) -> Child {
+        Command::new(env!("CARGO_BIN_EXE_sidc"))
+            .args(["identify", model, LORENZ[1], "--json", "--quiet"])
+            .args(more)
+            .current_dir(root())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap()
+    }
+
+    /// Waits until the process listens to Ctrl-C; false if whoever started the tests has it ignored, as shells do in scripts.
+    fn listens(child: &Child) -> bool {
+        let start = Instant::now();
+        while start.elapsed() < Duration::from_secs(60) {
+            let status = format!("/proc/{}/status", child.id());
+            let status = std::fs::read_to_string(status).unwrap();
+            let mask = |name: &str| {
+                let line = status.lines().find_map(|l| l.strip_prefix(name));
+                u64::from_str_radix(line.unwrap_or("0").trim(), 16).unwrap()
+            };
+            if mask("SigIgn:") & SIGINT != 0 {
+                eprintln!("skipped: Ctrl-C is ignored here");
+                return false;
+            }
+            if mask("SigCgt:") & SIGINT != 0 {
+                return true;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        panic!("never listened to Ctrl-C");
+    }
+
+    fn interrupt(child: &Child) {
+        let pid = child.id().to_string();
+        let sent = Command::new("kill").args(["-INT", &pid]).status().unwrap();
+        assert!(sent.success());
+    }
+
+    fn end(mut child: Child) {
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+
+    #[test]
+    fn once_ends_the_work_with_a_whole_document() {
+        let folder = tempfile::tempdir().unwrap();
+        let model = folder.path().join("long.sid");
+        // 5,456 terms three times: seconds of work on any machine.
+        std::fs::write(&model, "state x, y, z\ndx, dy, dz ~ poly(x, y, z; 30)\n").unwrap();
+        let child = start(&model.display().to_string(), &[]);
+        if !listens(&child) {
+            return end(child);
+        }
+        interrupt(&child);
+        let out = child.wait_with_output().unwrap();
+        let said = String::from_utf8(out.stderr).unwrap();
+        assert_eq!(out.status.code(), Some(3), "{said}");
+        assert!(said.contains("interrupted: "), "{said}");
+        let d = document(std::str::from_utf8(&out.stdout).unwrap());
+        assert!(
+            failures(&d).contains(&"dz interrupted".to_string()),
+            "{:?}",
+            d.failed
+        );
+    }
+
+    /// A pipe that nobody reads holds the run up for as long as it takes.
+    #[test]
+    fn twice_ends_the_process_at_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = Command::new("mkfifo").arg(&pipe).status();
+        if !made.is_ok_and(|s| s.success()) {
+            return;
+        }
+        let mut child = start(LORENZ[0], &["-o", &pipe.display().to_string()]);
+        if !listens(&child) {
+            return end(child);
+        }
+        interrupt(&child);
+        let mut said = String::new();
+        let mut words = BufReader::new(child.stderr.take().unwrap());
+        words.read_line(&mut said).unwrap();
+        assert!(said.starts_with("interrupted: "), "{said}");
+        interrupt(&child);
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        let mut out = String::new();
+        child.stdout.unwrap().read_to_string(&mut out).unwrap();
+        assert_eq!(out, "");
+        assert!(Path::new(&pipe).exists());
+    }
+}
