@@ -7,9 +7,6 @@ use super::super::certificate::{FEASIBLE, OPTIMAL_GAP};
 use super::super::reduce::{add_scaled, dot, nonzero, norm};
 use super::{Joint, Row, Sense, named};
 
-/// By how much a row may be missed, relative to its largest summand.
-const ROW: f64 = 1e-9;
-
 /// What can be said about coefficients and a dual point of a joint problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointProof {
@@ -21,6 +18,8 @@ pub struct JointProof {
     pub gap: f64,
     /// Largest price of a column, of the dual point as given; 1 on the support of an optimal answer.
     pub largest_price: f64,
+    /// For each block 1 − the largest price of a column off its support, of the scaled dual point.
+    pub margins: Vec<f64>,
     /// Every block within its tolerance (to `FEASIBLE`), every row to rounding.
     pub feasible: bool,
     /// Feasible, and |gap| ≤ `OPTIMAL_GAP`.
@@ -53,18 +52,29 @@ pub fn certify_joint(
         feasible &= norm(&rest) <= allowed;
     }
     let signed: Vec<f64> = joint.rows.iter().zip(multipliers).map(sign).collect();
-    let largest_price = largest_price(joint, duals, &signed);
-    let mut dual: f64 = joint.rows.iter().zip(&signed).map(|(r, m)| m * r.right).sum();
+    let prices = joint.blocks.iter().zip(duals).zip(coefficients).enumerate();
+    let prices: Vec<(f64, f64)> = prices
+        .map(|(e, ((_, lambda), a))| prices_of(joint, e, lambda, &signed, a))
+        .collect();
+    let largest_price = prices.iter().map(|(all, _)| *all).fold(0.0, f64::max);
+    let scale = largest_price.max(1.0);
+    let mut dual: f64 = joint
+        .rows
+        .iter()
+        .zip(&signed)
+        .map(|(r, m)| m * r.right)
+        .sum();
     for (problem, lambda) in joint.blocks.iter().zip(duals) {
         dual += dot(problem.target, lambda) - problem.tolerance * norm(lambda);
     }
-    dual /= largest_price.max(1.0);
+    dual /= scale;
     let gap = (primal - dual) / nonzero(primal.max(dual));
     JointProof {
         primal,
         dual,
         gap,
         largest_price,
+        margins: prices.iter().map(|(_, off)| 1.0 - off / scale).collect(),
         feasible,
         proves_optimal: feasible && gap.abs() <= OPTIMAL_GAP,
     }
@@ -88,42 +98,54 @@ fn holds(row: &Row, coefficients: &[Vec<(usize, f64)>]) -> bool {
         largest = largest.max((weight * value).abs());
     }
     match row.sense {
-        Sense::Equal => sum.abs() <= ROW * largest,
-        Sense::AtMost | Sense::Below => sum <= ROW * largest,
+        Sense::Equal => sum.abs() <= FEASIBLE * largest,
+        Sense::AtMost | Sense::Below => sum <= FEASIBLE * largest,
     }
 }
 
-/// max_j |φ_jᵀλ + Σ_k ν_k c_kj| ‖y‖/‖φ_j‖ over all columns of all blocks.
-fn largest_price(joint: &Joint, duals: &[Vec<f64>], multipliers: &[f64]) -> f64 {
-    let mut largest = 0.0_f64;
-    for (e, (problem, lambda)) in joint.blocks.iter().zip(duals).enumerate() {
-        let size = norm(problem.target);
-        let mut tied = named(joint, e);
-        tied.sort_unstable();
-        tied.dedup();
-        // One more than there are tied columns: the strongest of the others is among them.
-        let strongest = problem.dictionary.strongest(lambda, tied.len() + 1, 0.0);
-        let plain = strongest.columns.iter();
-        let plain = plain.filter(|(j, _)| tied.binary_search(j).is_err());
-        largest = largest.max(plain.map(|(_, c)| c.abs() * size).next().unwrap_or(0.0));
-        let mut column = vec![0.0; lambda.len()];
-        for j in tied {
-            problem.dictionary.column(j, &mut column);
-            let rows = joint.rows.iter().zip(multipliers);
-            let pull: f64 = rows
-                .flat_map(|(r, m)| r.entries.iter().map(move |(b, c, w)| (*b, *c, m * w)))
-                .filter(|(b, c, _)| *b == e && *c == j)
-                .map(|(_, _, p)| p)
-                .sum();
-            let length = problem.dictionary.norms()[j];
-            let price = (dot(&column, lambda) + pull).abs() * size;
-            // A column of zeros costs nothing, so nothing may pull at it.
-            largest = largest.max(match (length > 0.0, price > 0.0) {
-                (true, _) => price / length,
-                (false, true) => f64::INFINITY,
-                (false, false) => 0.0,
-            });
-        }
+/// max_j |φ_jᵀλ + Σ_k ν_k c_kj| ‖y‖/‖φ_j‖ over all columns of a block, and over those without a coefficient.
+fn prices_of(
+    joint: &Joint,
+    e: usize,
+    lambda: &[f64],
+    multipliers: &[f64],
+    coefficients: &[(usize, f64)],
+) -> (f64, f64) {
+    let problem = &joint.blocks[e];
+    let size = norm(problem.target);
+    let mut tied = named(joint, e);
+    tied.sort_unstable();
+    tied.dedup();
+    let mut prices: Vec<(usize, f64)> = Vec::new();
+    // So many that the strongest which is neither tied nor on the support is among them.
+    let most = tied.len() + coefficients.len() + 1;
+    let strongest = problem.dictionary.strongest(lambda, most, 0.0).columns;
+    let plain = strongest.into_iter();
+    let plain = plain.filter(|(j, _)| tied.binary_search(j).is_err());
+    prices.extend(plain.map(|(j, c)| (j, c.abs() * size)));
+    let mut column = vec![0.0; lambda.len()];
+    for j in tied {
+        problem.dictionary.column(j, &mut column);
+        let rows = joint.rows.iter().zip(multipliers);
+        let pull: f64 = rows
+            .flat_map(|(r, m)| r.entries.iter().map(move |(b, c, w)| (*b, *c, m * w)))
+            .filter(|(b, c, _)| *b == e && *c == j)
+            .map(|(_, _, p)| p)
+            .sum();
+        let length = problem.dictionary.norms()[j];
+        let price = (dot(&column, lambda) + pull).abs() * size;
+        // A column of zeros costs nothing, so nothing may pull at it.
+        let price = match (length > 0.0, price > 0.0) {
+            (true, _) => price / length,
+            (false, true) => f64::INFINITY,
+            (false, false) => 0.0,
+        };
+        prices.push((j, price));
     }
-    largest
+    let used = |j: &usize| coefficients.binary_search_by_key(j, |(k, _)| *k).is_ok();
+    let off = prices.iter().filter(|(j, _)| !used(j));
+    (
+        prices.iter().map(|(_, p)| *p).fold(0.0, f64::max),
+        off.map(|(_, p)| *p).fold(0.0, f64::max),
+    )
 }

@@ -295,14 +295,20 @@ mod tests {
         let found = fit(&blocks, &[vec![0], vec![0]], &[tie]).unwrap();
         assert!((found.values[0][0] - 2.0).abs() < 1e-15);
         assert_eq!(found.values[0], found.values[1]);
-        assert_eq!((found.parameters, found.squares.clone()), (1, vec![1.0, 1.0]));
+        assert_eq!(
+            (found.parameters, found.squares.clone()),
+            (1, vec![1.0, 1.0])
+        );
         // The mean of two has half the variance of one.
         assert!((found.standard_errors[0][0] - 0.5_f64.sqrt()).abs() < 1e-14);
     }
 
     #[test]
     fn a_sign_that_binds_presses_and_moves_the_others() {
-        let blocks = [block(&[&[1.0, 0.0, 1.0], &[0.0, 1.0, 1.0]], &[3.0, -1.0, 2.0])];
+        let blocks = [block(
+            &[&[1.0, 0.0, 1.0], &[0.0, 1.0, 1.0]],
+            &[3.0, -1.0, 2.0],
+        )];
         let positive = row(&[(0, 1, -1.0)], Sense::Below, 0.0);
         let found = fit(&blocks, &[vec![0, 1]], &[positive.clone()]).unwrap();
         assert_eq!(found.pressing, vec![0]);

@@ -23,9 +23,7 @@ pub(super) fn least_distance(spaces: &[HalfSpace]) -> Option<Vec<f64>> {
     let lengths: Vec<f64> = spaces.iter().map(|s| norm(&s.normal)).collect();
     let largest = spaces.iter().map(|s| s.height.abs()).fold(0.0, f64::max);
     let mut multipliers = vec![0.0; spaces.len()];
-    let usable: Vec<usize> = (0..spaces.len())
-        .filter(|&k| lengths[k] > FLAT)
-        .collect();
+    let usable: Vec<usize> = (0..spaces.len()).filter(|&k| lengths[k] > FLAT).collect();
     let flat = (0..spaces.len()).filter(|&k| lengths[k] <= FLAT);
     if flat.map(|k| spaces[k].height).any(|h| h > EMPTY * largest) {
         return None;

@@ -238,11 +238,7 @@ impl<'a> Programme<'a> {
             row += r;
             let mut lambda = times(block.basis.as_ref(), &z_data);
             if cone {
-                add_scaled(
-                    &mut lambda,
-                    -number(z, row).unwrap_or(0.0),
-                    &block.beyond,
-                );
+                add_scaled(&mut lambda, -number(z, row).unwrap_or(0.0), &block.beyond);
                 row += 1;
             }
             lambda.iter_mut().for_each(|l| *l /= block.size);

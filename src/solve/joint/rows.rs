@@ -43,7 +43,11 @@ fn obeyable(rows: &[Row], chosen: &[usize]) -> bool {
                 weights[*k] += w / largest;
             }
         }
-        let strict = if row.sense == Sense::Below { STRICT } else { 0.0 };
+        let strict = if row.sense == Sense::Below {
+            STRICT
+        } else {
+            0.0
+        };
         Plane {
             weights,
             right: row.right / largest / scale - strict,
@@ -111,7 +115,12 @@ mod tests {
 
     #[test]
     fn strict_rows_exclude_their_bounds() {
-        let twice = |sense| [row(&[(0, 1.0)], sense, 2.0), row(&[(0, -1.0)], AtMost, -2.0)];
+        let twice = |sense| {
+            [
+                row(&[(0, 1.0)], sense, 2.0),
+                row(&[(0, -1.0)], AtMost, -2.0),
+            ]
+        };
         assert_eq!(conflict(&twice(AtMost)), None);
         assert_eq!(conflict(&twice(Below)), Some(vec![0, 1]));
         let signs = [row(&[(0, 1.0)], Below, 0.0), row(&[(0, -1.0)], Below, 0.0)];
