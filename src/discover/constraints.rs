@@ -69,7 +69,7 @@ fn values(d: &Discovery, constraint: &Constraint) -> String {
     let parts: Vec<String> = constraint
         .coefficients
         .iter()
-        .map(|c| format!("{} = {:.6}", coefficient(d, c), found(d, c)))
+        .map(|c| format!("{} = {}", coefficient(d, c), figure(found(d, c))))
         .collect();
     parts.join(", ")
 }
@@ -107,4 +107,9 @@ pub(super) fn written(names: &impl SignalNames, constraint: &Constraint) -> Stri
     // Adding zero turns −0 into 0.
     let right = -flip * constraint.constant + 0.0;
     format!("{out} {relation} {right}")
+}
+
+/// Six significant digits; −0 is 0.
+pub(super) fn figure(x: f64) -> f64 {
+    format!("{x:.5e}").parse::<f64>().unwrap_or(x) + 0.0
 }

@@ -5,7 +5,7 @@
 
 use super::Discovery;
 use super::Refusal;
-use super::constraints::{coefficient, written};
+use super::constraints::{coefficient, figure, written};
 use super::equation::Answer;
 use super::together::{Link, Member};
 use super::weights::norm;
@@ -133,6 +133,6 @@ pub(super) fn wanted(
         of.map(|(m, answer)| m.task.value(answer, &c.term)).sum()
     };
     let parts = constraint.coefficients.iter();
-    let parts = parts.map(|c| format!("{} = {:.6}", coefficient(names, c), value(c)));
+    let parts = parts.map(|c| format!("{} = {}", coefficient(names, c), figure(value(c))));
     parts.collect::<Vec<String>>().join(", ")
 }

@@ -34,6 +34,8 @@ pub(super) struct Chosen {
     pub supports: Supports,
     pub fit: Fit,
     pub ties: Vec<Supports>,
+    /// Columns of each block that took part.
+    pub searched: Vec<usize>,
 }
 
 /// A support that was fitted; exact zeros are taken off.
@@ -119,6 +121,7 @@ impl TiedSearch<'_> {
         Some(Chosen {
             fit: fit(&self.blocks, &best.supports, self.rows)?,
             supports: best.supports.clone(),
+            searched: self.blocks.iter().map(|b| b.columns.len()).collect(),
             ties,
         })
     }
@@ -246,7 +249,7 @@ impl TiedSearch<'_> {
     }
 
     /// With every column that an equality ties to a chosen one, and those without which a row cannot be obeyed.
-    fn closed(&self, mut supports: Supports) -> Supports {
+    pub fn closed(&self, mut supports: Supports) -> Supports {
         loop {
             let before = supports.clone();
             for row in self.rows {
