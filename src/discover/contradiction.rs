@@ -111,7 +111,7 @@ fn contradiction(names: &Discovery, case: &Case, set: &[usize], reached: &[f64])
         if entries.any(|e| e.0 == b) {
             let size = norm(&m.prepared.aim);
             d = d.fact(format!(
-                "{}: with it the residual is {r:.1e} of the target at best, without {:.1e}",
+                "{}: the residual is at best {r:.1e} of the target under the constraints, {:.1e} without",
                 names.name(m.task.target),
                 m.proposed.polished.residual / size
             ));

@@ -139,7 +139,13 @@ fn solved(
     let rows: Vec<Row> = links.iter().map(|l| l.row.clone()).collect();
     let supports: Supports = free.iter().map(|a| a.support.clone()).collect();
     let pools = pools(members, &rows, None);
-    let Some(chosen) = search(members, &rows, &pools, &[supports.clone()], watcher) else {
+    let Some(chosen) = search(
+        members,
+        &rows,
+        &pools,
+        std::slice::from_ref(&supports),
+        watcher,
+    ) else {
         return Ok((free, Vec::new()));
     };
     let case = Case {

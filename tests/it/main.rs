@@ -4,6 +4,7 @@
 
 mod architecture;
 mod cli;
+mod constrained;
 mod data;
 mod docs;
 mod emit;

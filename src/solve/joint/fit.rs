@@ -310,7 +310,7 @@ mod tests {
             &[3.0, -1.0, 2.0],
         )];
         let positive = row(&[(0, 1, -1.0)], Sense::Below, 0.0);
-        let found = fit(&blocks, &[vec![0, 1]], &[positive.clone()]).unwrap();
+        let found = fit(&blocks, &[vec![0, 1]], std::slice::from_ref(&positive)).unwrap();
         assert_eq!(found.pressing, vec![0]);
         assert_eq!(found.values[0][1], 0.0);
         assert!((found.values[0][0] - 2.5).abs() < 1e-14);
