@@ -6,7 +6,6 @@
 use super::Discovery;
 use super::Refusal;
 use super::constraints::{coefficient, figure, written};
-use super::equation::Answer;
 use super::together::{Link, Member};
 use super::weights::norm;
 use crate::lang::diagnostic::Diagnostic;
@@ -21,11 +20,14 @@ const NUMERICAL: f64 = 1e-6;
 /// Room that the tolerance leaves over the smallest residual there is.
 const ROOM: f64 = 1.001;
 
+/// (column, coefficient) of one equation's terms, by rising column.
+pub(super) type Pairs = Vec<(usize, f64)>;
+
 /// Tied equations and their free answers.
 pub(super) struct Case<'m, 'c, 't, 'a> {
     pub members: &'m [Member<'t, 'a>],
     pub links: &'m [Link<'c>],
-    pub free: &'m [Answer],
+    pub free: &'m [Pairs],
 }
 
 /// ε of each block, widened as far as the constraints need and the data's errors allow.
@@ -125,12 +127,12 @@ pub(super) fn wanted(
     names: &Discovery,
     members: &[Member],
     constraint: &Constraint,
-    free: &[Answer],
+    free: &[Pairs],
 ) -> String {
     let value = |c: &Coefficient| -> f64 {
         let of = members.iter().zip(free);
         let of = of.filter(|(m, _)| m.task.target == c.target);
-        of.map(|(m, answer)| m.task.value(answer, &c.term)).sum()
+        of.map(|(m, found)| m.task.value(found, &c.term)).sum()
     };
     let parts = constraint.coefficients.iter();
     let parts = parts.map(|c| format!("{} = {}", coefficient(names, c), figure(value(c))));

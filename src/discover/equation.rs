@@ -71,6 +71,24 @@ pub(super) struct Answer {
     pub stopped: Option<Stop>,
 }
 
+impl Proposed {
+    /// (column, coefficient) of the choice.
+    pub fn pairs(&self) -> Vec<(usize, f64)> {
+        let columns = self.choice.support.iter().copied();
+        columns
+            .zip(self.polished.coefficients.iter().copied())
+            .collect()
+    }
+}
+
+impl Answer {
+    /// (column, coefficient) of the terms.
+    pub fn pairs(&self) -> Vec<(usize, f64)> {
+        let columns = self.support.iter().copied();
+        columns.zip(self.coefficients.iter().copied()).collect()
+    }
+}
+
 impl Prepared {
     pub fn problem(&self) -> Problem<'_> {
         Problem {
@@ -223,10 +241,9 @@ impl Task<'_> {
         self.library.term(column).unwrap_or_default()
     }
 
-    /// The coefficient of a term in an answer, its known part included.
-    pub fn value(&self, answer: &Answer, term: &Term) -> f64 {
-        let found = answer.support.iter().zip(&answer.coefficients);
-        let found = found.filter(|(j, _)| self.term(**j) == *term);
+    /// The coefficient of a term among (column, coefficient), its known part included.
+    pub fn value(&self, found: &[(usize, f64)], term: &Term) -> f64 {
+        let found = found.iter().filter(|(j, _)| self.term(*j) == *term);
         let known = self.known.iter().filter(|(_, t)| t == term);
         known.map(|(value, _)| value).sum::<f64>() + found.map(|(_, a)| a).sum::<f64>()
     }

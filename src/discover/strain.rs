@@ -3,8 +3,7 @@
 //! In: tied equations, their free answers and the constrained ones. Out: a doubt for each such constraint.
 
 use super::constraints::written;
-use super::contradiction::wanted;
-use super::equation::Answer;
+use super::contradiction::{Case, Pairs, wanted};
 use super::together::{Link, Member, ROUNDING, left_over, tied_search};
 use super::{Discovery, Reason};
 use crate::lang::model::Constraint;
@@ -18,16 +17,20 @@ const FAR: f64 = 1000.0;
 /// Doubts for the constraints that the data push against, or on which they are silent where the model speaks.
 pub(super) fn doubts<'a>(
     names: &Discovery,
-    members: &[Member],
-    links: &[Link<'a>],
-    answers: &[Answer],
+    case: &Case<'_, 'a, '_, '_>,
+    answers: &[Pairs],
     pressing: &[usize],
 ) -> Vec<(&'a Constraint, Reason)> {
-    let free: Vec<Answer> = members
-        .iter()
-        .map(|m| m.task.answer(&m.prepared, &m.proposed))
-        .collect();
-    let far = distances(members, links, &free);
+    let Case {
+        members,
+        links,
+        free,
+    } = *case;
+    // Free answers that stand obey everything: no distance to measure.
+    let far = match free == answers {
+        true => Vec::new(),
+        false => distances(members, links, free),
+    };
     let mut out = Vec::new();
     for (k, link) in links.iter().enumerate() {
         let (sum, largest) = left_over(&link.row, answers);
@@ -36,10 +39,10 @@ pub(super) fn doubts<'a>(
             format!(
                 "{} {how}; the data alone give {}",
                 written(names, link.constraint),
-                wanted(names, members, link.constraint, &free)
+                wanted(names, members, link.constraint, free)
             )
         };
-        if pressing.contains(&k) || strict && sum >= -ROUNDING * largest {
+        if pressing.contains(&k) || strict && sum.abs() <= ROUNDING * largest {
             let reason = Reason::new("at-bound", text("is met only at its bound"));
             out.push((link.constraint, reason));
         } else if let Some(d) = far.get(k).filter(|d| **d > SIGNIFICANT) {
@@ -59,12 +62,15 @@ pub(super) fn doubts<'a>(
 
 /// For each link how far it is from the free fit, in standard errors: the root of what it alone adds to the weighted squares, on
 /// the terms chosen freely and those that it names.
-fn distances(members: &[Member], links: &[Link], free: &[Answer]) -> Vec<f64> {
+fn distances(members: &[Member], links: &[Link], free: &[Pairs]) -> Vec<f64> {
     links
         .iter()
         .map(|link| {
             let rows = [link.row.clone()];
-            let mut supports: Vec<Vec<usize>> = free.iter().map(|a| a.support.clone()).collect();
+            let mut supports: Vec<Vec<usize>> = free
+                .iter()
+                .map(|a| a.iter().map(|(j, _)| *j).collect())
+                .collect();
             for (b, column, _) in &link.row.entries {
                 if let Some(s) = supports.get_mut(*b) {
                     s.push(*column);

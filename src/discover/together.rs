@@ -4,7 +4,7 @@
 //! constraints. Where the free answers obey the constraints already, they are the answers.
 
 use super::constraints::doubt;
-use super::contradiction::Case;
+use super::contradiction::{Case, Pairs};
 use super::equation::{Answer, Prepared, Proposed, Task};
 use super::strain;
 use super::support;
@@ -78,11 +78,18 @@ impl<'a> Group<'a> {
             return Err(bad);
         }
         let links = links(&self.tied, &members);
-        let (answers, pressing) = match solved(names, &members, &links, watcher) {
+        let free: Vec<Pairs> = members.iter().map(|m| m.proposed.pairs()).collect();
+        let case = Case {
+            members: &members,
+            links: &links,
+            free: &free,
+        };
+        let (answers, pressing) = match solved(names, &case, watcher) {
             Ok(found) => found,
             Err(refusal) => return Err(vec![*refusal]),
         };
-        let doubts = strain::doubts(names, &members, &links, &answers, &pressing);
+        let found: Vec<Pairs> = answers.iter().map(Answer::pairs).collect();
+        let doubts = strain::doubts(names, &case, &found, &pressing);
         for (m, answer) in members.iter().zip(&answers) {
             let equation = m.task.conclude(names, &m.prepared, answer);
             done.push((m.place, Ok(equation)));
@@ -121,23 +128,32 @@ fn links<'a>(tied: &[&'a Tied<'a>], members: &[Member]) -> Vec<Link<'a>> {
         .collect()
 }
 
-/// The answers, and the links that press on them.
-fn solved(
+/// The answers, and the links that press on them. Free answers that obey stand with their own proofs, as do those of a run that
+/// is stopped.
+fn solved<'c>(
     names: &Discovery,
-    members: &[Member],
-    links: &[Link],
+    case: &Case<'_, 'c, '_, '_>,
     watcher: &mut Watcher,
 ) -> Result<(Vec<Answer>, Vec<usize>), Box<Refusal>> {
-    let free: Vec<Answer> = members
-        .iter()
-        .map(|m| m.task.answer(&m.prepared, &m.proposed))
-        .collect();
-    let obeyed = links.iter().all(|l| holds(&l.row, &free));
+    let Case {
+        members,
+        links,
+        free,
+    } = *case;
+    let as_free = || {
+        let answers = members.iter();
+        let answers = answers.map(|m| m.task.answer(&m.prepared, &m.proposed));
+        (answers.collect::<Vec<Answer>>(), Vec::new())
+    };
+    let obeyed = links.iter().all(|l| holds(&l.row, free));
     if obeyed || watcher.stop().is_some() {
-        return Ok((free, Vec::new()));
+        return Ok(as_free());
     }
     let rows: Vec<Row> = links.iter().map(|l| l.row.clone()).collect();
-    let supports: Supports = free.iter().map(|a| a.support.clone()).collect();
+    let supports: Supports = free
+        .iter()
+        .map(|a| a.iter().map(|(j, _)| *j).collect())
+        .collect();
     let pools = pools(members, &rows, None);
     let Some(chosen) = search(
         members,
@@ -146,41 +162,33 @@ fn solved(
         std::slice::from_ref(&supports),
         watcher,
     ) else {
-        return Ok((free, Vec::new()));
+        return Ok(as_free());
     };
-    let case = Case {
-        members,
-        links,
-        free: &free,
-    };
-    let (chosen, proved) = tied_proof::prove(names, &case, &rows, chosen, &supports, watcher)?;
+    let (chosen, proved) = tied_proof::prove(names, case, &rows, chosen, &supports, watcher)?;
     let answers = members.iter().enumerate();
     let answers = answers.map(|(b, m)| tied_proof::answer(b, m, &chosen, &proved, watcher));
     Ok((answers.collect(), chosen.fit.pressing.clone()))
 }
 
-fn coefficient(answers: &[Answer], block: usize, column: usize) -> f64 {
-    let Some(answer) = answers.get(block) else {
-        return 0.0;
-    };
-    let at = answer.support.binary_search(&column).ok();
-    at.and_then(|k| answer.coefficients.get(k).copied())
-        .unwrap_or(0.0)
+fn coefficient(found: &[Pairs], block: usize, column: usize) -> f64 {
+    let found = found.get(block).map_or(&[][..], Vec::as_slice);
+    let at = found.binary_search_by_key(&column, |(j, _)| *j).ok();
+    at.and_then(|k| found.get(k)).map_or(0.0, |(_, a)| *a)
 }
 
 /// Left side minus right side, and the size of the largest summand.
-pub(super) fn left_over(row: &Row, answers: &[Answer]) -> (f64, f64) {
+pub(super) fn left_over(row: &Row, found: &[Pairs]) -> (f64, f64) {
     let (mut sum, mut largest) = (-row.right, row.right.abs());
     for (block, column, weight) in &row.entries {
-        let summand = weight * coefficient(answers, *block, *column);
+        let summand = weight * coefficient(found, *block, *column);
         sum += summand;
         largest = largest.max(summand.abs());
     }
     (sum, largest)
 }
 
-fn holds(row: &Row, answers: &[Answer]) -> bool {
-    let (sum, largest) = left_over(row, answers);
+fn holds(row: &Row, found: &[Pairs]) -> bool {
+    let (sum, largest) = left_over(row, found);
     match row.sense {
         Sense::Equal => sum.abs() <= ROUNDING * largest,
         Sense::AtMost | Sense::Below => sum <= 0.0,

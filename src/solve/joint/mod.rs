@@ -96,12 +96,11 @@ pub fn solve_joint(joint: &Joint, start: &[Vec<usize>], monitor: Monitor) -> Joi
             let near = programme.run(Goal::Nearest);
             iterations += near.iterations;
             let grown = grow(joint, &mut sets, &near, CORRELATED);
-            if grown == 0 {
+            if grown != Priced::Added {
                 let feasible = near.excess.iter().all(|e| *e <= REACHED);
-                let outcome = if feasible {
-                    Outcome::Inaccurate
-                } else {
-                    Outcome::Infeasible
+                let outcome = match feasible || !near.solved || grown == Priced::Left {
+                    true => Outcome::Inaccurate,
+                    false => Outcome::Infeasible,
                 };
                 return end.solution(outcome, iterations);
             }
@@ -117,11 +116,10 @@ pub fn solve_joint(joint: &Joint, start: &[Vec<usize>], monitor: Monitor) -> Joi
         if matches!(monitor(progress), ControlFlow::Break(())) {
             return end.solution(Outcome::Interrupted, iterations);
         }
-        if grown == 0 {
-            let outcome = if end.solved {
-                Outcome::Solved
-            } else {
-                Outcome::Inaccurate
+        if grown != Priced::Added {
+            let outcome = match end.solved && grown == Priced::None {
+                true => Outcome::Solved,
+                false => Outcome::Inaccurate,
             };
             return end.solution(outcome, iterations);
         }
@@ -139,7 +137,7 @@ pub fn nearest(joint: &Joint, start: &[Vec<usize>]) -> Vec<f64> {
         let end = Programme::new(joint, &sets).run(Goal::Nearest);
         excess.clone_from(&end.excess);
         let reached = end.solved && excess.iter().all(|e| *e <= REACHED);
-        if reached || grow(joint, &mut sets, &end, CORRELATED) == 0 {
+        if reached || grow(joint, &mut sets, &end, CORRELATED) != Priced::Added {
             break;
         }
     }
@@ -180,13 +178,20 @@ fn named(joint: &Joint, block: usize) -> Vec<usize> {
         .collect()
 }
 
-/// Adds the columns that the dual point prices above `bound`; how many. Named columns are all there already.
-fn grow(joint: &Joint, sets: &mut [Vec<usize>], end: &End, bound: f64) -> usize {
-    let mut added = 0;
+/// What became of the columns that a dual point prices too high.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Priced {
+    /// There are none.
+    None,
+    Added,
+    /// There are some, and no room for them.
+    Left,
+}
+
+/// Adds the columns that the dual point prices above `bound`. Named columns are all there already.
+fn grow(joint: &Joint, sets: &mut [Vec<usize>], end: &End, bound: f64) -> Priced {
+    let mut priced = Priced::None;
     for ((problem, set), lambda) in joint.blocks.iter().zip(sets).zip(&end.duals) {
-        if set.len() >= MOST {
-            continue;
-        }
         let size = norm(problem.target);
         let scaled: Vec<f64> = lambda.iter().map(|l| l * size).collect();
         let wanted = ADDED + set.len();
@@ -196,9 +201,16 @@ fn grow(joint: &Joint, sets: &mut [Vec<usize>], end: &End, bound: f64) -> usize 
             .filter(|j| set.binary_search(j).is_err())
             .take(ADDED)
             .collect();
-        added += fresh.len();
-        set.extend(fresh);
-        set.sort_unstable();
+        if fresh.is_empty() {
+            continue;
+        }
+        if set.len() < MOST {
+            set.extend(fresh);
+            set.sort_unstable();
+            priced = Priced::Added;
+        } else if priced == Priced::None {
+            priced = Priced::Left;
+        }
     }
-    added
+    priced
 }
