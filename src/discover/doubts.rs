@@ -30,11 +30,14 @@ pub(super) struct Case<'a> {
     pub solved: &'a Solved,
     /// Why the work ended before it was through, if it did.
     pub stopped: Option<Stop>,
+    /// Whether the solver can prove what it finds.
+    pub exact: bool,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 10] = [
-        stopped, solver, crowded, poor_fit, misfit, rough, held_out, few_rows, dependent, tied,
+    let rules: [fn(&Case) -> Option<Reason>; 12] = [
+        stopped, refused, heuristic, solver, crowded, poor_fit, misfit, rough, held_out, few_rows,
+        dependent, tied,
     ];
     let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
     reasons.extend(uncertain(case));
@@ -47,6 +50,28 @@ fn noisy(e: &Evidence) -> bool {
 
 fn stopped(c: &Case) -> Option<Reason> {
     c.stopped.map(Stop::doubt)
+}
+
+fn refused(c: &Case) -> Option<Reason> {
+    match c.solved {
+        Solved::Refused { reason } => Some(Reason::new(
+            "solver-refused",
+            format!("{reason}: another solver, or fewer rows or terms"),
+        )),
+        _ => None,
+    }
+}
+
+fn heuristic(c: &Case) -> Option<Reason> {
+    (!c.exact && !c.evidence.certificate.optimal).then(|| {
+        Reason::new(
+            "heuristic-solver",
+            format!(
+                "`{}` is a heuristic: the equation fits as shown, which is not a proof of the sparsest answer",
+                c.evidence.solver
+            ),
+        )
+    })
 }
 
 fn solver(c: &Case) -> Option<Reason> {

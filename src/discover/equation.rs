@@ -66,6 +66,8 @@ pub(super) struct Answer {
     pub ties: Vec<Vec<usize>>,
     pub searched: usize,
     pub solver: &'static str,
+    /// Whether that solver can prove what it finds.
+    pub exact: bool,
     pub iterations: usize,
     pub status: Solved,
     pub stopped: Option<Stop>,
@@ -200,6 +202,7 @@ impl Task<'_> {
             ties: choice.ties.clone(),
             searched: choice.searched,
             solver: self.options.solver.name(),
+            exact: self.options.solver.exact(),
             iterations: solution.iterations,
             status: solution.status.clone(),
             stopped: proposed.stopped,
@@ -318,6 +321,7 @@ impl Task<'_> {
             names: &written,
             solved: &answer.status,
             stopped: answer.stopped,
+            exact: answer.exact,
         });
         let status = if reasons.is_empty() {
             Status::Pass

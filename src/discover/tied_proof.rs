@@ -100,6 +100,10 @@ fn joint<'m>(members: &'m [Member], rows: &[Row], tolerances: &[f64]) -> Joint<'
 
 /// The proof of the answer by dual points of the free problems, if they prove it: as they are, or moved to its vertex.
 fn bounded_by_free(members: &[Member], joint: &Joint, chosen: &Chosen) -> Option<JointProof> {
+    let silent = |m: &Member| m.proposed.solution.dual.iter().all(|l| *l == 0.0);
+    if members.iter().any(silent) {
+        return None;
+    }
     let blocks = || members.iter().zip(&chosen.supports).zip(&chosen.fit.values);
     let plain = blocks().map(|((m, _), _)| m.proposed.solution.dual.clone());
     let refined = blocks().map(|((m, support), values)| {
@@ -166,10 +170,12 @@ pub(super) fn answer(
     let smallest = narrowest(proof);
     let full = polished.rank == support.len();
     let solution = &member.proposed.solution;
-    let (solver, iterations, status) = match &proved.joint {
-        None => (member.task.options.solver.name(), 0, Solved::Solved),
+    let free = member.task.options.solver;
+    let (solver, exact, iterations, status) = match &proved.joint {
+        None => (free.name(), free.exact(), 0, Solved::Solved),
         Some(joint) => (
             solve::Solver::name(&solve::Clarabel),
+            true,
             joint.iterations,
             status(joint, proof),
         ),
@@ -196,6 +202,7 @@ pub(super) fn answer(
         ties: chosen.ties[b].clone(),
         searched: chosen.searched[b],
         solver,
+        exact,
         iterations: solution.iterations + iterations,
         stopped: watcher.stop(),
         status,

@@ -99,7 +99,7 @@ fn row(
             continue;
         };
         let known = known_value(equation, &c.term);
-        let slot = library.as_ref().and_then(|l| slot(l, &c.term));
+        let slot = library.as_ref().and_then(|l| l.contains(&c.term));
         constant += c.weight * known.unwrap_or(0.0);
         match (slot, known) {
             (Some(slot), _) => add(&mut entries, (place, slot, c.weight)),
@@ -142,12 +142,6 @@ fn known_value(equation: &Equation, term: &Term) -> Option<f64> {
         .iter()
         .find(|(_, t)| t == term)
         .map(|(value, _)| *value)
-}
-
-/// The column of a candidate term.
-fn slot(library: &Library, term: &Term) -> Option<usize> {
-    let mut all = library.terms();
-    all.find(|(_, t)| t == term).map(|(slot, _)| slot)
 }
 
 fn no_candidate(model: &Model, equation: &Equation, c: &Coefficient) -> Diagnostic {

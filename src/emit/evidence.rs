@@ -77,6 +77,12 @@ fn proof(e: &Evidence) -> String {
     if p.constrained {
         fits.push_str(" and obeys the constraints (tied equations taken together)");
     }
+    if !p.optimal && p.max_correlation == 0.0 {
+        return format!(
+            "not proved: `{}` gives no dual bound; this is not a proof of the sparsest answer",
+            e.solver
+        );
+    }
     if !p.optimal {
         return format!(
             "not proved: the dual bound leaves a gap of {} (max |φᵀλ| {:.6})",

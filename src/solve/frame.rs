@@ -3,13 +3,33 @@
 //! In: a [`Problem`] and the iterations on its reduced form. Out: a [`Solution`] with an honest status.
 
 use super::least_squares::inconsistent;
-use super::reduce::Reduced;
+use super::reduce::{Reduced, norm};
+use super::working_set::grow;
 use super::{Problem, Solution, Status};
 
-/// Runs `iterate` on the reduced problem and its ε; `None` from it means that nothing usable was reached.
+/// Most entries of Φ that are put side by side, 40 MB; beyond, a working set grows.
+const WHOLE: usize = 5_000_000;
+
+/// Runs `iterate` on the reduced problem and its ε; `None` from it means that nothing usable was reached. `iterate` is run
+/// once, or once for every working set where Φ is too large to be at hand as a whole.
 pub(super) fn solve_reduced(
     problem: &Problem,
-    iterate: impl FnOnce(&Reduced, f64) -> Option<Solution>,
+    mut iterate: impl FnMut(&Reduced, f64) -> Option<Solution>,
+) -> Solution {
+    let size = norm(problem.target);
+    let entries = problem
+        .dictionary
+        .rows()
+        .saturating_mul(problem.dictionary.cols());
+    if entries <= WHOLE || !size.is_finite() || size <= problem.tolerance {
+        return solve_whole(problem, &mut iterate);
+    }
+    grow(problem, |small| solve_whole(small, &mut iterate))
+}
+
+fn solve_whole(
+    problem: &Problem,
+    iterate: &mut impl FnMut(&Reduced, f64) -> Option<Solution>,
 ) -> Solution {
     let Some(reduced) = Reduced::new(problem) else {
         return Solution::zero(problem, Status::broken());
@@ -21,13 +41,17 @@ pub(super) fn solve_reduced(
         .inner_tolerance()
         .filter(|_| !reduced.strengths.is_empty())
     else {
-        return inconsistent(problem, None);
+        let residual = f64::INFINITY;
+        return inconsistent(
+            problem,
+            Solution::zero(problem, Status::Inconsistent { residual }),
+        );
     };
     let Some(solution) = iterate(&reduced, tolerance) else {
         return Solution::zero(problem, Status::broken());
     };
     match solution.status {
-        Status::Inaccurate { .. } => inconsistent(problem, Some(solution)),
+        Status::Inaccurate { .. } => inconsistent(problem, solution),
         _ => solution,
     }
 }

@@ -58,19 +58,26 @@ pub fn least_squares(dictionary: &dyn Dictionary, target: &[f64]) -> LeastSquare
     fit
 }
 
-/// The least-squares answer if no a reaches the tolerance, otherwise what the solver had.
-pub(super) fn inconsistent(problem: &Problem, found: Option<Solution>) -> Solution {
+/// The least-squares answer if no a reaches the tolerance, otherwise what the solver found, which then is at worst inaccurate.
+pub(super) fn inconsistent(problem: &Problem, found: Solution) -> Solution {
     let fit = least_squares(problem.dictionary, problem.target);
     let allowed = problem.tolerance.max(CONSISTENT * norm(problem.target));
-    match found {
-        Some(solution) if fit.residual <= allowed => solution,
-        found => Solution {
-            coefficients: fit.coefficients,
-            dual: vec![0.0; problem.target.len()],
-            status: Status::Inconsistent {
-                residual: fit.residual,
+    if fit.residual <= allowed {
+        let status = match found.status {
+            Status::Inconsistent { residual } => Status::Inaccurate {
+                gap: f64::INFINITY,
+                residual: residual / nonzero(norm(problem.target)),
             },
-            iterations: found.map_or(0, |s| s.iterations),
+            other => other,
+        };
+        return Solution { status, ..found };
+    }
+    Solution {
+        coefficients: fit.coefficients,
+        dual: vec![0.0; problem.target.len()],
+        status: Status::Inconsistent {
+            residual: fit.residual,
         },
+        iterations: found.iterations,
     }
 }

@@ -11,10 +11,13 @@ mod interior_point;
 mod joint;
 mod least_squares;
 mod normal;
+mod omp;
 mod point;
 mod polish;
 mod pool;
 mod reduce;
+mod stlsq;
+mod working_set;
 
 use std::ops::ControlFlow;
 
@@ -29,8 +32,10 @@ pub use joint::{
     fit, nearest, solve_joint,
 };
 pub use least_squares::{LeastSquares, least_squares};
+pub use omp::Omp;
 pub use polish::{Polished, polish};
 pub use reduce::RANK_TOLERANCE;
+pub use stlsq::Stlsq;
 
 /// With ε = 0, a residual up to this part of ‖y‖ is rounding and not a contradiction.
 pub const CONSISTENT: f64 = 1e-9;
@@ -69,6 +74,10 @@ pub enum Status {
         residual: f64,
     },
     Interrupted,
+    /// The solver does not take problems of this kind or size; the reason is a sentence for users.
+    Refused {
+        reason: String,
+    },
 }
 
 impl Solution {
@@ -123,8 +132,13 @@ pub trait Solver: Sync {
     fn name(&self) -> &'static str;
     /// One line for help texts.
     fn about(&self) -> &'static str;
+    /// True if it solves the problem stated and gives a dual point that can prove so. False for a heuristic: its answer
+    /// fits, but another may be smaller or sparser, and its dual is zero.
+    fn exact(&self) -> bool {
+        true
+    }
     fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution;
 }
 
-/// Every solver; the first is the default.
-pub static SOLVERS: &[&dyn Solver] = &[&Homotopy, &InteriorPoint, &Clarabel];
+/// Every solver; the first is the default, heuristics come last.
+pub static SOLVERS: &[&dyn Solver] = &[&Homotopy, &InteriorPoint, &Clarabel, &Omp, &Stlsq];

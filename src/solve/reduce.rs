@@ -11,7 +11,7 @@ use super::Problem;
 use crate::dictionary::Dictionary;
 
 /// A column shorter than this is treated as all zero: its reciprocal would overflow.
-const SHORTEST: f64 = 1e-290;
+pub(super) const SHORTEST: f64 = 1e-290;
 /// Singular values below this part of the largest count as zero: what f64 leaves of columns of length one.
 pub const RANK_TOLERANCE: f64 = 1e-13;
 
@@ -160,7 +160,7 @@ impl Range {
 }
 
 /// Indices of the columns that are not all zero.
-fn usable(dictionary: &dyn Dictionary) -> Vec<usize> {
+pub(super) fn usable(dictionary: &dyn Dictionary) -> Vec<usize> {
     let norms = dictionary.norms();
     (0..norms.len()).filter(|&j| norms[j] > SHORTEST).collect()
 }

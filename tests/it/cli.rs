@@ -113,6 +113,24 @@ fn an_unknown_solver_is_2_with_a_suggestion() {
     );
 }
 
+/// A baseline's answer may be right, but it never passes and never reads as proved.
+#[test]
+fn a_baseline_never_passes_as_proved() {
+    for solver in ["omp", "stlsq"] {
+        let run = identify(&["--solver", solver]);
+        assert_eq!(run.status, 3, "{}", run.stderr);
+        let out = &run.stdout;
+        assert!(out.contains("dx = -10*x + 10*y\n"), "{out}");
+        for line in [
+            format!("not proved: `{solver}` gives no dual bound"),
+            "doubt[heuristic-solver]".into(),
+        ] {
+            assert_eq!(out.matches(&line).count(), 3, "{out}");
+        }
+        assert!(!out.contains("    proved"), "{out}");
+    }
+}
+
 #[test]
 fn windows_have_ends_or_not() {
     for (window, rows) in [
@@ -391,6 +409,9 @@ fn list_names_what_there_is() {
         "sin",
         "interior-point",
         "clarabel",
+        "omp",
+        "stlsq",
+        "not a proof of the sparsest answer",
         "latex",
         "rust",
     ] {

@@ -21,6 +21,11 @@ fn solve(solver: usize, dictionary: &dyn Dictionary, target: &[f64], tolerance: 
     SOLVERS[solver].solve(&problem, &mut |_| ControlFlow::Continue(()))
 }
 
+/// Places of the solvers that solve the problem stated; heuristics have tests of their own.
+fn exact() -> impl Iterator<Item = usize> {
+    (0..SOLVERS.len()).filter(|i| SOLVERS[*i].exact())
+}
+
 /// Largest coefficient error relative to its truth, and the largest false one in unit columns relative to the largest.
 fn errors(r: &Regression, s: &Solution) -> (f64, f64) {
     let norms = r.dictionary.norms();
@@ -79,22 +84,23 @@ fn certificate(
     certify(&problem, &s.coefficients, &s.dual)
 }
 
-/// All solvers say solved, their certificates hold, and the minima agree.
+/// All exact solvers say solved, their certificates hold, and the minima agree.
 fn all_agree(
     dictionary: &dyn Dictionary,
     target: &[f64],
     tolerance: f64,
 ) -> Result<(), TestCaseError> {
     let mut minima = Vec::new();
-    for (i, solver) in SOLVERS.iter().enumerate() {
+    for i in exact() {
+        let solver = SOLVERS[i];
         let s = solve(i, dictionary, target, tolerance);
         prop_assert_eq!(&s.status, &Status::Solved, "{}", solver.name());
         let c = certificate(dictionary, &s, target, tolerance);
         prop_assert!(c.proves_optimal, "{}: {:?}", solver.name(), c);
         minima.push(c.primal);
     }
-    for other in &minima[1..] {
-        let spread = (minima[0] - other).abs() / minima[0].max(1e-300);
+    for minimum in &minima {
+        let spread = (minimum - minima[0]).abs() / minima[0].max(1e-300);
         prop_assert!(spread < 1e-6, "{:?}", minima);
     }
     Ok(())
@@ -137,7 +143,8 @@ fn a_hundred_samples_of_the_pendulum_give_both_equations() {
 #[test]
 fn clarabel_finds_the_pendulum_too() {
     let r = regression(&draw(40, 3), Target::Pendulum, [2, 2, 2, 6, 2, 2, 2, 2]);
-    let s = solve(2, &r.dictionary, &r.target, 0.0);
+    let clarabel = exact().find(|i| SOLVERS[*i].name() == "clarabel").unwrap();
+    let s = solve(clarabel, &r.dictionary, &r.target, 0.0);
     let (right, wrong) = errors(&r, &s);
     assert!(
         right < 1e-4 && wrong < 1e-4,
@@ -256,7 +263,7 @@ fn dependent_rows_are_fine_until_they_contradict_each_other() {
     let mut y = combine(&phi, &[(3, 1.0), (4, 2.0)]);
     assert!(all_agree(&phi, &y, 0.0).is_ok());
     y[10] += 1.0;
-    for solver in 0..SOLVERS.len() {
+    for solver in exact() {
         let Status::Inconsistent { residual } = solve(solver, &phi, &y, 0.0).status else {
             unreachable!("contradiction not seen")
         };
@@ -274,7 +281,7 @@ fn more_rows_than_columns() {
     let phi = gaussian(400, 20, 6, |_| 1.0);
     let truth = [(1, 1.5), (9, -0.25)];
     let mut y = combine(&phi, &truth);
-    for solver in 0..SOLVERS.len() {
+    for solver in exact() {
         let s = solve(solver, &phi, &y, 0.0);
         assert_eq!(s.status, Status::Solved);
         assert!(
@@ -285,7 +292,7 @@ fn more_rows_than_columns() {
     }
     y[17] += 0.5;
     let least = least_squares(&phi, &y);
-    for solver in 0..SOLVERS.len() {
+    for solver in exact() {
         let s = solve(solver, &phi, &y, 0.0);
         let Status::Inconsistent { residual } = s.status else {
             unreachable!("contradiction not seen")
@@ -304,7 +311,7 @@ fn more_rows_than_columns() {
 #[test]
 fn smallest_problems() {
     let one = Dense::new(1, vec![-2.0]);
-    for solver in 0..SOLVERS.len() {
+    for solver in exact() {
         let s = solve(solver, &one, &[3.0], 0.0);
         assert!(
             s.status == Status::Solved && (s.coefficient(0) + 1.5).abs() < 1e-7,
@@ -337,7 +344,7 @@ fn values_that_are_not_finite_end_without_a_panic() {
         values[7] = bad;
         let spoilt = Dense::new(5, values);
         let clean = gaussian(5, 9, 1, |_| 1.0);
-        for solver in 0..SOLVERS.len() {
+        for solver in exact() {
             for s in [
                 solve(solver, &spoilt, &[1.0; 5], 0.0),
                 solve(solver, &clean, &[1.0, bad, 0.0, 0.0, 0.0], 0.0),
@@ -360,10 +367,10 @@ fn values_that_are_not_finite_end_without_a_panic() {
 }
 
 #[test]
-fn monitor_can_stop_either_solver() {
+fn monitor_can_stop_every_exact_solver() {
     let phi = gaussian(20, 60, 9, |_| 1.0);
     let y = gaussian(20, 1, 10, |_| 1.0).values().to_vec();
-    for solver in SOLVERS {
+    for solver in SOLVERS.iter().filter(|s| s.exact()) {
         let mut calls = 0;
         let s = solver.solve(
             &Problem {

@@ -12,10 +12,14 @@ mod rounds;
 
 pub use lasso::{Knot, lasso, lasso_path};
 
+use super::least_squares::inconsistent;
 use super::reduce::norm;
 use super::{Monitor, Problem, Solution, Solver, Status};
 use path::Goal;
 use rounds::Rounds;
+
+/// Most entries of Φ that least squares looks at: a second's work.
+const AFFORDABLE: usize = 1_000_000;
 
 /// Homotopy on a working set. Where it gives up, which is where noise has to be fitted exactly, its answer is still optimal
 /// for the residual it reached.
@@ -47,7 +51,7 @@ impl Solver for Homotopy {
             return Solution::zero(problem, Status::Inconsistent { residual: size });
         };
         let (place, status) = rounds.run(monitor);
-        Solution {
+        let solution = Solution {
             coefficients: rounds.raw(&place.coefficients, size),
             dual: rounds.centred(&place),
             status: match status {
@@ -57,7 +61,20 @@ impl Solver for Homotopy {
                 other => other,
             },
             iterations: rounds.steps(),
+        };
+        second_opinion(problem, solution)
+    }
+}
+
+/// A path that ends short of ε on nearly dependent columns cannot tell a contradiction from rounding; least squares can,
+/// where it is affordable.
+fn second_opinion(problem: &Problem, solution: Solution) -> Solution {
+    let entries = problem.dictionary.rows() * problem.dictionary.cols();
+    match solution.status {
+        Status::Inaccurate { .. } | Status::Inconsistent { .. } if entries <= AFFORDABLE => {
+            inconsistent(problem, solution)
         }
+        _ => solution,
     }
 }
 

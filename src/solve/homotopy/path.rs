@@ -10,6 +10,8 @@
 //! solves `min ½‖Pa − y‖² + τ‖a‖₁`, and the basis pursuit denoising problem with ε = ‖r(τ)‖ (Osborne, Presnell & Turlach 2000;
 //! Efron et al. 2004; Donoho & Tsaig 2008). λ moves along d, away from all bounds met so far, until it meets the next one.
 
+use faer::MatRef;
+
 use super::super::pool::Pool;
 use super::super::reduce::{add_scaled, dot, norm, times_transposed};
 use super::factor::Factor;
@@ -25,10 +27,10 @@ const NEGLIGIBLE: f64 = 1e-10;
 pub(super) const VIOLATION: f64 = 1e-10;
 /// Multiplications allowed, and steps allowed in any case. Exact data and honest ε take less than a hundred steps; thousands
 /// mean that noise is being fitted: an ill-posed problem, whose path is as long as it is meaningless.
-const WORK: f64 = 4e9;
+const WORK: f64 = 1e10;
 const STEPS: usize = 1500;
-/// Knots looked back at when columns join.
-const MEMORY: usize = 64;
+/// Knots looked at together when columns join.
+const BATCH: usize = 64;
 
 /// How a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,13 +62,12 @@ pub(super) struct Place {
     pub rest: Vec<f64>,
 }
 
-/// The start of a segment, and λ at its end.
+/// The start of a segment.
 struct Knot {
     active: Vec<usize>,
     signs: Vec<f64>,
-    /// τ at the start.
+    /// τ
     level: f64,
-    end: Vec<f64>,
 }
 
 /// Where a path is to end.
@@ -83,6 +84,8 @@ pub(super) struct Path<'a> {
     target: &'a [f64],
     goal: Goal,
     knots: Vec<Knot>,
+    /// λ at the end of each knot's segment, one after another: M × knots, column-major.
+    ends: Vec<f64>,
     active: Vec<usize>,
     signs: Vec<f64>,
     level: f64,
@@ -116,6 +119,7 @@ impl<'a> Path<'a> {
             target,
             goal,
             knots: Vec::new(),
+            ends: Vec::new(),
             active: Vec::new(),
             signs: Vec::new(),
             level: c.abs(),
@@ -198,19 +202,9 @@ impl<'a> Path<'a> {
     /// Takes the path back to the first segment in which one of the pool's columns from `new` on meets its bound; the last
     /// segment if none does.
     pub fn rewind(&mut self, pool: &Pool, new: usize) {
-        let added = pool.matrix().subcols(new, pool.len() - new);
-        let meets = |knot: &Knot| {
-            let c = times_transposed(added, &knot.end);
-            c.iter().any(|c| c.abs() > 1.0 + VIOLATION)
-        };
         let last = self.knots.len().saturating_sub(1);
-        let from = self.knots.len().saturating_sub(MEMORY);
-        let at = self
-            .knots
-            .iter()
-            .skip(from)
-            .position(meets)
-            .map_or(last, |i| from + i);
+        let at = self.first_broken(pool, new).unwrap_or(last);
+        self.ends.truncate(at * self.target.len());
         self.knots.truncate(at + 1);
         let Some(knot) = self.knots.pop() else { return };
         self.factor = Factor::new(self.target.len());
@@ -219,6 +213,22 @@ impl<'a> Path<'a> {
             self.enter(pool, k, sign);
         }
         self.level = knot.level;
+    }
+
+    /// The first knot whose segment ends beyond the bound of one of the pool's columns from `new` on.
+    fn first_broken(&self, pool: &Pool, new: usize) -> Option<usize> {
+        let added = pool.matrix().subcols(new, pool.len() - new);
+        let rows = self.target.len();
+        for (batch, ends) in self.ends.chunks(BATCH * rows).enumerate() {
+            let ends = MatRef::from_column_major_slice(ends, rows, ends.len() / rows);
+            let correlations = added.transpose() * ends;
+            let mut knots = correlations.col_iter();
+            let broken = knots.position(|c| c.iter().any(|c| c.abs() > 1.0 + VIOLATION));
+            if let Some(place) = broken {
+                return Some(batch * BATCH + place);
+            }
+        }
+        None
     }
 
     fn enter(&mut self, pool: &Pool, column: usize, sign: f64) -> bool {
@@ -236,8 +246,9 @@ impl<'a> Path<'a> {
             active: self.active.clone(),
             signs: self.signs.clone(),
             level: self.level,
-            end: segment.lambda(if level > 0.0 { level } else { self.level }),
         });
+        let end = if level > 0.0 { level } else { self.level };
+        self.ends.extend(segment.lambda(end));
     }
 
     fn segment(&self) -> Segment {

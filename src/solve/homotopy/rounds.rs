@@ -10,7 +10,9 @@ use crate::dictionary::{Dictionary, Strongest};
 
 /// Columns of the first working set, and most that a round adds.
 const FIRST: usize = 256;
-const MORE: usize = 128;
+const MORE: usize = 256;
+/// Once a bound is broken, columns this near to theirs join too: the path is about to meet them.
+const NEAR: f64 = 0.9;
 /// Steps between two looks at all columns: as many as cost about what the look costs, within these bounds.
 const STRIDE: (usize, usize) = (8, 64);
 /// Largest correlation with what is left, of columns that cannot explain any of it.
@@ -147,10 +149,13 @@ impl<'a> Rounds<'a> {
                 return related;
             }
         }
-        let bound = 1.0 + VIOLATION;
-        let priced = self.dictionary.strongest(&place.lambda, MORE, bound);
+        let priced = self.dictionary.strongest(&place.lambda, MORE, NEAR);
         self.violation = (priced.largest() - 1.0).max(0.0);
-        priced
+        if self.violation > VIOLATION {
+            priced
+        } else {
+            Strongest::default()
+        }
     }
 }
 
