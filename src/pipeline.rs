@@ -3,7 +3,7 @@
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
 use crate::data::{self, Dataset, Provenance, Samples, SignalMonitor, Table};
-use crate::discover::{self, Discovery, Options, Watch};
+use crate::discover::{self, Discovery, Options, Refusal, Watch};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
@@ -64,6 +64,9 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
             }
         }
         libraries.push(library);
+    }
+    if !diagnostics.iter().any(Diagnostic::is_error) {
+        diagnostics.extend(discover::check_constraints(&model, &libraries));
     }
     finish(Program { model, libraries }, diagnostics)
 }
@@ -142,8 +145,13 @@ pub fn identify(
         watch,
     )
     .map_err(|bad| {
-        bad.iter()
-            .map(|(i, value)| unevaluable::explain(program, measured, *i, value))
+        bad.into_iter()
+            .map(|refusal| match refusal {
+                Refusal::Unevaluable((i, value)) => {
+                    unevaluable::explain(program, measured, i, &value)
+                }
+                Refusal::Contradiction(diagnostic) => diagnostic,
+            })
             .collect()
     })
 }

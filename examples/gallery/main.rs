@@ -25,6 +25,7 @@ mod rlc;
 #[path = "../simulate/mod.rs"]
 mod simulate;
 mod sir;
+mod two_carts;
 mod two_mass;
 mod van_der_pol;
 
@@ -54,6 +55,7 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("pendulum_lengths", pendulum_lengths::tables),
     ("rlc",              rlc::tables),
     ("sir",              sir::tables),
+    ("two_carts",        two_carts::tables),
     ("two_mass",         two_mass::tables),
     ("van_der_pol",      van_der_pol::tables),
 ];

@@ -138,6 +138,9 @@ pub struct Proof {
     pub unique: bool,
     /// True if the printed terms are the ℓ1 answer's own support, not a choice among its proposals.
     pub of_answer: bool,
+    /// True if the problem was that of all equations tied by constraints, under these.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub constrained: bool,
 }
 
 impl Discovery {

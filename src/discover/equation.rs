@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use super::doubts::{self, Case};
 use super::memory;
+use super::proof::prove;
 use super::rows::{self, Split};
 use super::subset::Criterion;
 use super::support::{self, Choice};
@@ -15,7 +16,7 @@ use super::{
 use crate::data::Samples;
 use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
 use crate::library::Library;
-use crate::solve::{self, Certificate, Polished, Problem, Progress, Solution, Status as Solved};
+use crate::solve::{self, Polished, Problem, Progress, Solution, Status as Solved};
 use crate::term::{Language, Signal, SignalNames, Term};
 
 /// What is asked.
@@ -34,6 +35,74 @@ const ROOM: f64 = 1.001;
 /// Relative residual of the whole library above which noise is plain to see.
 const VISIBLE: f64 = 1e-2;
 
+/// Rows, Φ and what the data's errors allow: all that is there before a solver starts.
+pub(super) struct Prepared {
+    split: Split,
+    used: Samples,
+    /// The target without known parts, unweighted.
+    y: Vec<f64>,
+    pub weights: Weights,
+    pub phi: Box<dyn Dictionary>,
+    /// y, rows weighted.
+    pub aim: Vec<f64>,
+    /// ε
+    pub tolerance: f64,
+}
+
+/// What the solver proposed, and what the criterion made of it.
+pub(super) struct Proposed {
+    pub solution: Solution,
+    pub criterion: Criterion,
+    pub choice: Choice,
+    pub polished: Polished,
+    stopped: Option<Stop>,
+}
+
+/// What is printed, and how it was come by.
+pub(super) struct Answer {
+    /// Columns of Φ, rising; the coefficients and their standard errors go with it.
+    pub support: Vec<usize>,
+    pub coefficients: Vec<f64>,
+    pub standard_errors: Vec<f64>,
+    pub proof: Proof,
+    pub ties: Vec<Vec<usize>>,
+    pub searched: usize,
+    pub solver: &'static str,
+    /// Whether that solver can prove what it finds.
+    pub exact: bool,
+    pub iterations: usize,
+    pub status: Solved,
+    pub stopped: Option<Stop>,
+}
+
+impl Proposed {
+    /// (column, coefficient) of the choice.
+    pub fn pairs(&self) -> Vec<(usize, f64)> {
+        let columns = self.choice.support.iter().copied();
+        columns
+            .zip(self.polished.coefficients.iter().copied())
+            .collect()
+    }
+}
+
+impl Answer {
+    /// (column, coefficient) of the terms.
+    pub fn pairs(&self) -> Vec<(usize, f64)> {
+        let columns = self.support.iter().copied();
+        columns.zip(self.coefficients.iter().copied()).collect()
+    }
+}
+
+impl Prepared {
+    pub fn problem(&self) -> Problem<'_> {
+        Problem {
+            dictionary: self.phi.as_ref(),
+            target: &self.aim,
+            tolerance: self.tolerance,
+        }
+    }
+}
+
 impl Task<'_> {
     /// # Errors
     /// A term that the data cannot evaluate; inside, an equation that was not found.
@@ -42,6 +111,21 @@ impl Task<'_> {
         names: &Discovery,
         watcher: &mut Watcher,
     ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
+        let mut prepared = match self.prepare(names, watcher)? {
+            Ok(prepared) => prepared,
+            Err(failed) => return Ok(Err(failed)),
+        };
+        let proposed = self.propose(&mut prepared, watcher);
+        let answer = self.answer(&prepared, &proposed);
+        Ok(Ok(self.conclude(names, &prepared, &answer)))
+    }
+
+    /// Rows, Φ, weights, tolerance.
+    pub fn prepare(
+        &self,
+        names: &Discovery,
+        watcher: &mut Watcher,
+    ) -> Result<Result<Prepared, Failed>, Box<BadValue>> {
         if let Some(stop) = watcher.at(Stage::Evaluating) {
             return Ok(Err(self.failed(stop.failure())));
         }
@@ -61,48 +145,91 @@ impl Task<'_> {
         }
         let mut weights = Weights::new(&used, self.target, self.library, &y);
         let phi = compile(self.library, &used, Some(&weights.row))?;
-        let phi = phi.as_ref();
         let aim = product(&y, &weights.row);
-        let problem = Problem {
-            dictionary: phi,
-            target: &aim,
-            tolerance: tolerance(phi, &aim, &mut weights),
-        };
+        let tolerance = tolerance(phi.as_ref(), &aim, &mut weights);
         if let Some(stop) = watcher.at(Stage::Solving(Progress::default())) {
             return Ok(Err(self.failed(stop.failure())));
         }
+        Ok(Ok(Prepared {
+            split,
+            used,
+            y,
+            weights,
+            phi,
+            aim,
+            tolerance,
+        }))
+    }
+
+    /// The solver's terms, the criterion's choice among them, and the fit of that choice.
+    pub fn propose(&self, prepared: &mut Prepared, watcher: &mut Watcher) -> Proposed {
+        let problem = prepared.problem();
         let solution = watcher.solving(|monitor| self.options.solver.solve(&problem, monitor));
-        weights.seen_contribution(largest_contribution(phi, &solution));
+        let largest = largest_contribution(problem.dictionary, &solution);
+        prepared.weights.seen_contribution(largest);
+        let (phi, weights) = (prepared.phi.as_ref(), &prepared.weights);
         let criterion = Criterion::new(
-            used.len(),
+            phi.rows(),
             weights.correlation,
             self.library.len(),
             weights.floor,
         );
-        let choice = support::choose(phi, &aim, &solution.coefficients, criterion, &mut || {
+        let proposals = &solution.coefficients;
+        let choice = support::choose(phi, &prepared.aim, proposals, criterion, &mut || {
             watcher.at(Stage::Choosing).is_none()
         });
         let cut = choice.cut || solution.status == Solved::Interrupted;
-        let stopped = watcher.stop().filter(|_| cut);
-        let polished = solve::polish(phi, &aim, &choice.support);
+        Proposed {
+            polished: solve::polish(phi, &prepared.aim, &choice.support),
+            stopped: watcher.stop().filter(|_| cut),
+            solution,
+            criterion,
+            choice,
+        }
+    }
 
-        let proof = prove(&problem, &solution, &choice, &polished);
-        let size = rms(&aim);
-        let terms = self.found_terms(&choice, &polished);
-        let left = self.residual(&terms, &used, &y);
-        let evidence = Evidence {
-            rows: used.len(),
-            candidates: self.library.len(),
-            solver: self.options.solver.name().into(),
+    /// The choice as it stands.
+    pub fn answer(&self, prepared: &Prepared, proposed: &Proposed) -> Answer {
+        let Proposed {
+            solution,
+            choice,
+            polished,
+            ..
+        } = proposed;
+        Answer {
+            support: choice.support.clone(),
+            coefficients: polished.coefficients.clone(),
+            standard_errors: polished.standard_errors.clone(),
+            proof: prove(&prepared.problem(), solution, choice, polished),
+            ties: choice.ties.clone(),
+            searched: choice.searched,
+            solver: self.options.solver.name(),
+            exact: self.options.solver.exact(),
             iterations: solution.iterations,
+            status: solution.status.clone(),
+            stopped: proposed.stopped,
+        }
+    }
+
+    /// The equation with its evidence and its doubts.
+    pub fn conclude(&self, names: &Discovery, prepared: &Prepared, answer: &Answer) -> Equation {
+        let weights = &prepared.weights;
+        let size = rms(&prepared.aim);
+        let terms = self.found_terms(answer);
+        let left = self.residual(&terms, &prepared.used, &prepared.y);
+        let evidence = Evidence {
+            rows: prepared.used.len(),
+            candidates: self.library.len(),
+            solver: answer.solver.into(),
+            iterations: answer.iterations,
             residual: rms(&product(&left, &weights.row)) / size,
             target_error: weights.target_error / size,
-            held_out: self.held_out(&terms, &split),
-            searched: choice.searched,
-            certificate: proof,
-            ties: self.named(&choice.ties, names),
+            held_out: self.held_out(&terms, &prepared.split),
+            searched: answer.searched,
+            certificate: answer.proof.clone(),
+            ties: self.named(&answer.ties, names),
         };
-        Ok(Ok(self.equation(names, terms, evidence, &solution, stopped)))
+        self.equation(names, terms, evidence, answer)
     }
 
     /// y without what is known.
@@ -119,12 +246,19 @@ impl Task<'_> {
         self.library.term(column).unwrap_or_default()
     }
 
-    fn found_terms(&self, choice: &Choice, polished: &Polished) -> Vec<FoundTerm> {
-        let found = choice
+    /// The coefficient of a term among (column, coefficient), its known part included.
+    pub fn value(&self, found: &[(usize, f64)], term: &Term) -> f64 {
+        let found = found.iter().filter(|(j, _)| self.term(*j) == *term);
+        let known = self.known.iter().filter(|(_, t)| t == term);
+        known.map(|(value, _)| value).sum::<f64>() + found.map(|(_, a)| a).sum::<f64>()
+    }
+
+    fn found_terms(&self, answer: &Answer) -> Vec<FoundTerm> {
+        let found = answer
             .support
             .iter()
-            .zip(&polished.coefficients)
-            .zip(&polished.standard_errors);
+            .zip(&answer.coefficients)
+            .zip(&answer.standard_errors);
         let mut found: Vec<FoundTerm> = found
             .map(|((j, a), e)| FoundTerm {
                 term: self.term(*j),
@@ -182,8 +316,7 @@ impl Task<'_> {
         names: &Discovery,
         terms: Vec<FoundTerm>,
         evidence: Evidence,
-        solution: &Solution,
-        stopped: Option<Stop>,
+        answer: &Answer,
     ) -> Equation {
         let written: Vec<String> = terms
             .iter()
@@ -193,9 +326,9 @@ impl Task<'_> {
             evidence: &evidence,
             terms: &terms,
             names: &written,
-            solved: &solution.status,
-            stopped,
-            exact: self.options.solver.exact(),
+            solved: &answer.status,
+            stopped: answer.stopped,
+            exact: answer.exact,
         });
         let status = if reasons.is_empty() {
             Status::Pass
@@ -281,63 +414,4 @@ fn largest_contribution(phi: &dyn Dictionary, solution: &Solution) -> f64 {
     let sizes = sizes.map(|(j, a)| a.abs() * phi.norms()[*j]);
     let largest = sizes.fold(0.0, f64::max);
     largest / (phi.rows() as f64).sqrt()
-}
-
-/// The certificate of the printed answer if it is the solver's own, else of the solver's.
-fn prove(problem: &Problem, solution: &Solution, choice: &Choice, polished: &Polished) -> Proof {
-    let own = certify_answer(problem, solution, choice, polished);
-    let of_answer = choice.as_proposed && own.proves_optimal;
-    let certificate = if of_answer {
-        own
-    } else {
-        solve::certify(problem, &solution.coefficients, &solution.dual)
-    };
-    let size = norm(problem.target);
-    Proof {
-        tolerance: problem.tolerance / size,
-        gap: finite(certificate.gap),
-        max_correlation: finite(certificate.largest_correlation),
-        margin: finite(certificate.margin),
-        rank: polished.rank,
-        support: choice.support.len(),
-        condition: finite(polished.condition),
-        optimal: certificate.proves_optimal,
-        unique: certificate.proves_unique,
-        of_answer,
-    }
-}
-
-/// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more.
-fn certify_answer(
-    problem: &Problem,
-    solution: &Solution,
-    choice: &Choice,
-    polished: &Polished,
-) -> Certificate {
-    let support = &choice.support;
-    let columns = support.iter().copied();
-    let answer: Vec<(usize, f64)> = columns.zip(polished.coefficients.clone()).collect();
-    let signs: Vec<f64> = polished.coefficients.iter().map(|a| a.signum()).collect();
-    let certify = |dual: &[f64]| solve::certify_support(problem, &answer, dual, support.clone());
-    let plain = certify(&solution.dual);
-    if solution.dual.iter().all(|l| *l == 0.0) {
-        // A solver without a dual point claims no proof, and none is made up for it.
-        return plain;
-    }
-    let refined = certify(&solve::refine_dual(
-        problem,
-        support,
-        &signs,
-        &solution.dual,
-    ));
-    if refined.gap.abs() < plain.gap.abs() {
-        refined
-    } else {
-        plain
-    }
-}
-
-/// Figures in a result must be numbers.
-fn finite(x: f64) -> f64 {
-    if x.is_finite() { x } else { f64::MAX }
 }

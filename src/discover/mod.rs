@@ -3,20 +3,28 @@
 //! Knows solvers only by their trait. Never reads or prints.
 
 mod constraints;
+mod contradiction;
 mod discovery;
 mod doubts;
 mod equation;
 mod form;
 mod mass;
 mod memory;
+mod proof;
 mod rows;
+mod strain;
 mod subset;
 mod support;
+mod tied_proof;
+mod tied_support;
+mod ties;
+mod together;
 mod watch;
 mod weights;
 
 use crate::data::Samples;
 use crate::dictionary::BadValue;
+use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Model, RightSide};
 use crate::library::{Library, known_terms};
 use crate::solve::Solver;
@@ -26,6 +34,7 @@ pub use discovery::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Proof, Reason, Status, Variable,
 };
 pub use form::{Form, NotRunnable, Rate, Row, Weighted};
+pub use ties::check_constraints;
 pub use watch::{Stage, Step, Stop, Watch};
 
 /// How to look.
@@ -43,44 +52,86 @@ pub struct Options {
 /// A term that the data cannot evaluate: which equation asked for it, and where it fails.
 pub type Unevaluable = (usize, Box<BadValue>);
 
-/// Finds every equation of the model. `libraries` has one entry an equation, `None` for those that are known. Where `watch`
-/// ends the work, the equations found so far stand, and the others are listed as failed.
+/// Why there is no discovery at all.
+#[derive(Clone, Debug)]
+pub enum Refusal {
+    Unevaluable(Unevaluable),
+    /// The data contradict the constraints.
+    Contradiction(Diagnostic),
+}
+
+/// Finds every equation of the model. `libraries` has one entry an equation, `None` for those that are known. Equations that
+/// constraints connect are solved together. Where `watch` ends the work, the equations found so far stand, and the others are
+/// listed as failed.
 ///
 /// # Errors
-/// Terms without a finite value on the data, one an equation.
+/// Terms without a finite value on the data, one an equation; constraints that the data contradict.
 pub fn discover(
     model: &Model,
     libraries: &[Option<Library>],
     samples: &Samples,
     options: &Options,
     watch: Watch,
-) -> Result<Discovery, Vec<Unevaluable>> {
+) -> Result<Discovery, Vec<Refusal>> {
     let mut discovery = Discovery::of(model);
-    let mut bad = Vec::new();
+    let mut done: Vec<Option<Result<Equation, Failed>>> = vec![None; model.equations.len()];
+    let (mut bad, mut doubts) = (Vec::new(), Vec::new());
     let mut watcher = watch::Watcher::new(watch);
-    for (i, (equation, library)) in model.equations.iter().zip(libraries).enumerate() {
-        let known = fixed_terms(&equation.right);
-        let Some(library) = library else {
-            discovery.equations.push(stated(equation.target, known));
-            continue;
-        };
+    let tied = ties::ties(model, libraries);
+    let groups = ties::groups(&tied, model.equations.len());
+    let task = |i: usize| -> Option<(usize, equation::Task)> {
+        let equation = model.equations.get(i)?;
         let task = equation::Task {
             target: equation.target,
-            known,
-            library,
+            known: fixed_terms(&equation.right),
+            library: libraries.get(i)?.as_ref()?,
             samples,
             options,
         };
-        watcher.turn_to(i);
-        match task.run(&discovery, &mut watcher) {
-            Ok(Ok(found)) => discovery.equations.push(found),
-            Ok(Err(failed)) => discovery.failed.push(failed),
-            Err(value) => bad.push((i, value)),
+        Some((i, task))
+    };
+    for (i, equation) in model.equations.iter().enumerate() {
+        let Some((_, alone)) = task(i) else {
+            let known = fixed_terms(&equation.right);
+            done[i] = Some(Ok(stated(equation.target, known)));
+            continue;
+        };
+        let Some(members) = groups.iter().find(|g| g.contains(&i)) else {
+            watcher.turn_to(i);
+            match alone.run(&discovery, &mut watcher) {
+                Ok(found) => done[i] = Some(found),
+                Err(value) => bad.push(Refusal::Unevaluable((i, value))),
+            }
+            continue;
+        };
+        if members.first() != Some(&i) {
+            continue;
+        }
+        let among = |t: &&ties::Tied| t.row.entries.iter().any(|e| members.contains(&e.0));
+        let group = together::Group {
+            tasks: members.iter().filter_map(|m| task(*m)).collect(),
+            tied: tied.iter().filter(among).collect(),
+        };
+        match group.run(&discovery, &mut watcher) {
+            Ok(concluded) => {
+                doubts.extend(concluded.doubts);
+                for (place, found) in concluded.done {
+                    done[place] = Some(found);
+                }
+            }
+            Err(refusals) => bad.extend(refusals),
         }
     }
     if !bad.is_empty() {
         return Err(bad);
     }
+    for found in done.into_iter().flatten() {
+        match found {
+            Ok(equation) => discovery.equations.push(equation),
+            Err(failed) => discovery.failed.push(failed),
+        }
+    }
+    together::attach(&mut discovery, &doubts);
     mass::judge_together(&mut discovery, samples);
     constraints::judge(&mut discovery, model);
     Ok(discovery)

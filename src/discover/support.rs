@@ -11,11 +11,11 @@ const SEARCHABLE: usize = 400;
 /// Most proposals that take part.
 const PROPOSALS: usize = 80;
 /// Most terms of one equation.
-const MOST_TERMS: usize = 40;
+pub const MOST_TERMS: usize = 40;
 /// Part of the largest contribution under which a coefficient is the solver's rounding.
 const NEGLIGIBLE: f64 = 1e-7;
 /// Difference of the criterion under which two supports of equal size are a tie (Kass & Raftery 1995: 6 is "strong").
-const TIE: f64 = 6.0;
+pub const TIE: f64 = 6.0;
 
 /// The terms kept, and what else would do as well.
 pub struct Choice {
@@ -40,13 +40,7 @@ pub fn choose(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Choice {
     let proposed = proposals(dictionary, coefficients);
-    let pool: Vec<usize> = if dictionary.cols() <= SEARCHABLE {
-        (0..dictionary.cols()).collect()
-    } else {
-        let mut first: Vec<usize> = proposed.iter().copied().take(PROPOSALS).collect();
-        first.sort_unstable();
-        first
-    };
+    let pool = pool(dictionary, &proposed);
     let start: Vec<usize> = proposed
         .iter()
         .take(MOST_TERMS)
@@ -86,8 +80,18 @@ pub fn choose(
     }
 }
 
+/// The columns that take part in a choice, rising: all, or the first proposals if there are too many.
+pub fn pool(dictionary: &dyn Dictionary, proposed: &[usize]) -> Vec<usize> {
+    if dictionary.cols() <= SEARCHABLE {
+        return (0..dictionary.cols()).collect();
+    }
+    let mut first: Vec<usize> = proposed.iter().copied().take(PROPOSALS).collect();
+    first.sort_unstable();
+    first
+}
+
 /// Columns with a contribution above rounding, largest first.
-fn proposals(dictionary: &dyn Dictionary, coefficients: &[(usize, f64)]) -> Vec<usize> {
+pub fn proposals(dictionary: &dyn Dictionary, coefficients: &[(usize, f64)]) -> Vec<usize> {
     let norms = dictionary.norms();
     let sizes = coefficients.iter().map(|(j, a)| (*j, a.abs() * norms[*j]));
     let largest = sizes.clone().fold(0.0, |m: f64, (_, s)| m.max(s));

@@ -69,11 +69,14 @@ fn scope(e: &Evidence) -> String {
 /// One line that says what the certificate proves, and what it does not.
 fn proof(e: &Evidence) -> String {
     let p = &e.certificate;
-    let fits = if p.tolerance == 0.0 {
+    let mut fits = if p.tolerance == 0.0 {
         "fits these rows".to_string()
     } else {
         format!("fits within {} of the target", power(p.tolerance))
     };
+    if p.constrained {
+        fits.push_str(" and obeys the constraints (tied equations taken together)");
+    }
     if !p.optimal && p.max_correlation == 0.0 {
         return format!(
             "not proved: `{}` gives no dual bound; this is not a proof of the sparsest answer",

@@ -8,6 +8,7 @@ mod cone;
 mod frame;
 mod homotopy;
 mod interior_point;
+mod joint;
 mod least_squares;
 mod normal;
 mod omp;
@@ -26,6 +27,10 @@ pub use certificate::{Certificate, certify, certify_support, refine_dual, suppor
 pub use clarabel::Clarabel;
 pub use homotopy::{Homotopy, Knot, lasso, lasso_path};
 pub use interior_point::InteriorPoint;
+pub use joint::{
+    Fit, FitBlock, Joint, JointProof, JointSolution, Outcome, Row, Sense, certify_joint, conflict,
+    fit, nearest, solve_joint,
+};
 pub use least_squares::{LeastSquares, least_squares};
 pub use omp::Omp;
 pub use polish::{Polished, polish};

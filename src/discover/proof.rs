@@ -1,0 +1,71 @@
+//! What the dual point proves about the equation printed, in the figures of its evidence.
+
+use super::Proof;
+use super::support::Choice;
+use super::weights::norm;
+use crate::solve::{self, Certificate, Polished, Problem, Solution};
+
+/// The certificate of the printed answer if it is the solver's own, else of the solver's.
+pub(super) fn prove(
+    problem: &Problem,
+    solution: &Solution,
+    choice: &Choice,
+    polished: &Polished,
+) -> Proof {
+    let own = certify_answer(problem, solution, choice, polished);
+    let of_answer = choice.as_proposed && own.proves_optimal;
+    let certificate = if of_answer {
+        own
+    } else {
+        solve::certify(problem, &solution.coefficients, &solution.dual)
+    };
+    let size = norm(problem.target);
+    Proof {
+        tolerance: problem.tolerance / size,
+        gap: finite(certificate.gap),
+        max_correlation: finite(certificate.largest_correlation),
+        margin: finite(certificate.margin),
+        rank: polished.rank,
+        support: choice.support.len(),
+        condition: finite(polished.condition),
+        optimal: certificate.proves_optimal,
+        unique: certificate.proves_unique,
+        of_answer,
+        constrained: false,
+    }
+}
+
+/// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more.
+fn certify_answer(
+    problem: &Problem,
+    solution: &Solution,
+    choice: &Choice,
+    polished: &Polished,
+) -> Certificate {
+    let support = &choice.support;
+    let columns = support.iter().copied();
+    let answer: Vec<(usize, f64)> = columns.zip(polished.coefficients.clone()).collect();
+    let signs: Vec<f64> = polished.coefficients.iter().map(|a| a.signum()).collect();
+    let certify = |dual: &[f64]| solve::certify_support(problem, &answer, dual, support.clone());
+    let plain = certify(&solution.dual);
+    if solution.dual.iter().all(|l| *l == 0.0) {
+        // A solver without a dual point claims no proof, and none is made up for it.
+        return plain;
+    }
+    let refined = certify(&solve::refine_dual(
+        problem,
+        support,
+        &signs,
+        &solution.dual,
+    ));
+    if refined.gap.abs() < plain.gap.abs() {
+        refined
+    } else {
+        plain
+    }
+}
+
+/// Figures in a result must be numbers.
+pub(super) fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { f64::MAX }
+}

@@ -1,0 +1,191 @@
+//! The model's constraints as rows over columns of Φ, which equations they tie together, and which contradict each other.
+//!
+//! In: a model and its libraries. Out: rows, groups, diagnostics. Needs no data.
+
+use super::constraints::{coefficient, written};
+use super::fixed_terms;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{Coefficient, Constraint, Equation, Model, Relation};
+use crate::library::Library;
+use crate::solve::{self, Row, Sense};
+use crate::term::{SignalNames, Term};
+
+/// One constraint as a row; its blocks are the places of equations in the model.
+#[derive(Clone, Debug)]
+pub(super) struct Tied<'a> {
+    pub constraint: &'a Constraint,
+    pub row: Row,
+}
+
+/// The constraints that leave something to choose; those on known terms alone are settled by [`check_constraints`].
+pub(super) fn ties<'a>(model: &'a Model, libraries: &[Option<Library>]) -> Vec<Tied<'a>> {
+    let mut all = lower(model, libraries).0;
+    all.retain(|t| !t.row.entries.is_empty());
+    all
+}
+
+/// What is wrong with the constraints before any data: terms that are no candidates, and constraints that contradict each other.
+pub fn check_constraints(model: &Model, libraries: &[Option<Library>]) -> Vec<Diagnostic> {
+    let (mut tied, mut found) = lower(model, libraries);
+    if !found.is_empty() {
+        return found;
+    }
+    let rows = |tied: &[Tied]| tied.iter().map(|t| t.row.clone()).collect::<Vec<Row>>();
+    while let Some(set) = solve::conflict(&rows(&tied)) {
+        let constraints: Vec<&Constraint> = set.iter().map(|k| tied[*k].constraint).collect();
+        found.push(conflict(model, &constraints));
+        // There may be other conflicts without these.
+        let mut place = 0;
+        tied.retain(|_| {
+            place += 1;
+            !set.contains(&(place - 1))
+        });
+    }
+    found
+}
+
+/// Equations that constraints connect, directly or through others: sorted places; equations without constraints are in no group.
+pub(super) fn groups(tied: &[Tied], equations: usize) -> Vec<Vec<usize>> {
+    let mut group: Vec<usize> = (0..equations).collect();
+    for t in tied {
+        let first = t.row.entries.first().map_or(0, |e| e.0);
+        for (block, _, _) in &t.row.entries {
+            let (keep, gone) = (group[first], group[*block]);
+            let join = |g: &mut usize| {
+                if *g == gone {
+                    *g = keep;
+                }
+            };
+            group.iter_mut().for_each(join);
+        }
+    }
+    let concerned = |i: &usize| {
+        let mut blocks = tied.iter().flat_map(|t| &t.row.entries).map(|e| e.0);
+        blocks.any(|b| b == *i)
+    };
+    let of = |name: usize| {
+        (0..equations)
+            .filter(|i| group[*i] == name && concerned(i))
+            .collect()
+    };
+    let all = (0..equations).map(of);
+    all.filter(|g: &Vec<usize>| !g.is_empty()).collect()
+}
+
+fn lower<'a>(model: &'a Model, libraries: &[Option<Library>]) -> (Vec<Tied<'a>>, Vec<Diagnostic>) {
+    let (mut tied, mut found) = (Vec::new(), Vec::new());
+    for constraint in &model.constraints {
+        match row(model, libraries, constraint) {
+            Ok(row) => tied.push(Tied { constraint, row }),
+            Err(more) => found.extend(more),
+        }
+    }
+    (tied, found)
+}
+
+fn row(
+    model: &Model,
+    libraries: &[Option<Library>],
+    constraint: &Constraint,
+) -> Result<Row, Vec<Diagnostic>> {
+    let mut entries: Vec<(usize, usize, f64)> = Vec::new();
+    let mut constant = constraint.constant;
+    let mut absent = Vec::new();
+    for c in &constraint.coefficients {
+        let of = model.equations.iter().zip(libraries).enumerate();
+        let Some((place, (equation, library))) =
+            of.into_iter().find(|(_, (e, _))| e.target == c.target)
+        else {
+            continue;
+        };
+        let known = known_value(equation, &c.term);
+        let slot = library.as_ref().and_then(|l| l.contains(&c.term));
+        constant += c.weight * known.unwrap_or(0.0);
+        match (slot, known) {
+            (Some(slot), _) => add(&mut entries, (place, slot, c.weight)),
+            (None, Some(_)) => {}
+            (None, None) => absent.push(no_candidate(model, equation, c)),
+        }
+    }
+    if !absent.is_empty() {
+        return Err(absent);
+    }
+    // Coefficients that cancel: `coef(dx, x) - coef(dx, x)`.
+    entries.retain(|e| e.2 != 0.0);
+    let (sense, sign) = match constraint.relation {
+        Relation::Less => (Sense::Below, 1.0),
+        Relation::LessOrEqual => (Sense::AtMost, 1.0),
+        Relation::Equal => (Sense::Equal, 1.0),
+        Relation::GreaterOrEqual => (Sense::AtMost, -1.0),
+        Relation::Greater => (Sense::Below, -1.0),
+    };
+    entries.iter_mut().for_each(|e| e.2 *= sign);
+    Ok(Row {
+        entries,
+        sense,
+        right: -sign * constant,
+    })
+}
+
+fn add(entries: &mut Vec<(usize, usize, f64)>, new: (usize, usize, f64)) {
+    let same = entries.iter_mut().find(|e| (e.0, e.1) == (new.0, new.1));
+    match same {
+        Some(entry) => entry.2 += new.2,
+        None => entries.push(new),
+    }
+}
+
+/// What `known(…)` gives a term, if it does.
+fn known_value(equation: &Equation, term: &Term) -> Option<f64> {
+    let known = fixed_terms(&equation.right);
+    known
+        .iter()
+        .find(|(_, t)| t == term)
+        .map(|(value, _)| *value)
+}
+
+fn no_candidate(model: &Model, equation: &Equation, c: &Coefficient) -> Diagnostic {
+    let target = model.name(equation.target);
+    Diagnostic::error(
+        "constraint-term",
+        format!("{} is always 0: the equation has no such term", coefficient(model, c)),
+    )
+    .at(c.span, "no candidate")
+    .also(equation.span, format!("the candidates of {target}"))
+    .help("add the term to the library, or leave the constraint out; `sidc check --terms` lists the candidates")
+}
+
+fn conflict(model: &Model, constraints: &[&Constraint]) -> Diagnostic {
+    let message = match constraints {
+        [_] => "no coefficients satisfy this constraint",
+        _ => "no coefficients satisfy these constraints together",
+    };
+    let mut d = Diagnostic::error("constraints-conflict", message);
+    for c in constraints {
+        d = d.at(c.span, written(model, c));
+    }
+    let known = known_coefficients(model, constraints);
+    for fact in known {
+        d = d.fact(fact);
+    }
+    d.help(match constraints {
+        [_] => "correct it, or leave it out",
+        _ => "correct one of them, or leave it out",
+    })
+}
+
+/// `coef(dx, x) has -0.5 from its known part`, each once.
+fn known_coefficients(model: &Model, constraints: &[&Constraint]) -> Vec<String> {
+    let mut facts = Vec::new();
+    for c in constraints.iter().flat_map(|c| &c.coefficients) {
+        let mut equations = model.equations.iter();
+        let equation = equations.find(|e| e.target == c.target);
+        if let Some(value) = equation.and_then(|e| known_value(e, &c.term)) {
+            let fact = format!("{} has {value} from its known part", coefficient(model, c));
+            if !facts.contains(&fact) {
+                facts.push(fact);
+            }
+        }
+    }
+    facts
+}

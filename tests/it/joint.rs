@@ -1,0 +1,242 @@
+//! Tied problems against independent checks: every active set tried, and weak duality.
+
+use std::ops::ControlFlow;
+
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+use sidc::dictionary::Dense;
+use sidc::solve::{
+    FitBlock, Joint, Outcome, Problem, Row, Sense, certify_joint, fit, nearest, solve_joint,
+};
+
+/// Deterministic numbers in −1 … 1.
+fn numbers(n: usize, mut seed: u64) -> Vec<f64> {
+    let step = |_| {
+        seed = seed
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    (0..n + 3).map(step).skip(3).collect()
+}
+
+fn row(entries: &[(usize, usize, f64)], sense: Sense, right: f64) -> Row {
+    Row {
+        entries: entries.to_vec(),
+        sense,
+        right,
+    }
+}
+
+/// Two blocks of `rows` rows and `cols` columns each.
+struct Pair {
+    rows: usize,
+    cols: usize,
+    values: [Vec<f64>; 2],
+    targets: [Vec<f64>; 2],
+}
+
+impl Pair {
+    fn random(rows: usize, cols: usize, seed: u64) -> Pair {
+        let block = |k| numbers(rows * cols, seed * 4 + k);
+        let target = |k| numbers(rows, seed * 4 + k + 2);
+        Pair {
+            rows,
+            cols,
+            values: [block(0), block(1)],
+            targets: [target(0), target(1)],
+        }
+    }
+
+    fn blocks(&self) -> Vec<FitBlock> {
+        (0..2)
+            .map(|b| FitBlock {
+                columns: (0..self.cols).collect(),
+                values: faer::Mat::from_fn(self.rows, self.cols, |i, j| {
+                    self.values[b][j * self.rows + i]
+                }),
+                target: self.targets[b].clone(),
+                outside: 0.0,
+                weight: 1.0,
+                variance: 1.0,
+            })
+            .collect()
+    }
+}
+
+/// The constrained minimum by trying every set of inequalities as equations.
+fn brute_force(pair: &Pair, rows: &[Row]) -> Option<DVector<f64>> {
+    let (m, n) = (pair.rows, pair.cols);
+    let a = DMatrix::from_fn(2 * m, 2 * n, |i, j| match (i / m, j / n) {
+        (b, c) if b == c => pair.values[b][(j % n) * m + i % m],
+        _ => 0.0,
+    });
+    let y = DVector::from_fn(2 * m, |i, _| pair.targets[i / m][i % m]);
+    let plane = |r: &Row| {
+        let mut c = DVector::zeros(2 * n);
+        r.entries.iter().for_each(|(b, j, w)| c[b * n + j] += w);
+        (c, r.right)
+    };
+    let inequalities: Vec<usize> = (0..rows.len())
+        .filter(|k| rows[*k].sense != Sense::Equal)
+        .collect();
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    for mask in 0..1u32 << inequalities.len() {
+        let active: Vec<usize> = (0..rows.len())
+            .filter(|k| {
+                let at = inequalities.iter().position(|i| i == k);
+                at.is_none_or(|i| mask & (1 << i) != 0)
+            })
+            .collect();
+        let p = active.len();
+        let mut kkt = DMatrix::zeros(2 * n + p, 2 * n + p);
+        let mut right = DVector::zeros(2 * n + p);
+        kkt.view_mut((0, 0), (2 * n, 2 * n))
+            .copy_from(&(a.transpose() * &a));
+        right.rows_mut(0, 2 * n).copy_from(&(a.transpose() * &y));
+        for (k, &r) in active.iter().enumerate() {
+            let (c, d) = plane(&rows[r]);
+            kkt.view_mut((2 * n + k, 0), (1, 2 * n))
+                .copy_from(&c.transpose());
+            kkt.view_mut((0, 2 * n + k), (2 * n, 1)).copy_from(&c);
+            right[2 * n + k] = d;
+        }
+        let Some(z) = kkt.lu().solve(&right) else {
+            continue;
+        };
+        let x = z.rows(0, 2 * n).into_owned();
+        let obeys = rows.iter().all(|r| {
+            let (c, d) = plane(r);
+            match r.sense {
+                Sense::Equal => (c.dot(&x) - d).abs() < 1e-8,
+                _ => c.dot(&x) <= d + 1e-9,
+            }
+        });
+        let value = (&a * &x - &y).norm_squared();
+        if obeys && best.as_ref().is_none_or(|(v, _)| value < *v) {
+            best = Some((value, x));
+        }
+    }
+    best.map(|(_, x)| x)
+}
+
+/// An equality across the blocks and three inequalities, all obeyed by some coefficients.
+fn random_rows(cols: usize, seed: u64) -> Vec<Row> {
+    let w = numbers(12, seed + 77);
+    let inside = numbers(2 * cols, seed + 78);
+    let place = |k: usize| ((k / cols) % 2, k % cols);
+    let make = |sense, picks: &[(usize, f64)], slack: f64| {
+        let entries: Vec<(usize, usize, f64)> = picks
+            .iter()
+            .map(|(k, w)| (place(*k).0, place(*k).1, *w))
+            .collect();
+        let at = |(b, j, w): &(usize, usize, f64)| w * inside[b * cols + j];
+        let right = entries.iter().map(at).sum::<f64>() + slack;
+        Row {
+            entries,
+            sense,
+            right,
+        }
+    };
+    vec![
+        make(Sense::Equal, &[(0, 1.0), (cols, w[0])], 0.0),
+        make(Sense::AtMost, &[(1, w[1])], 0.0),
+        make(Sense::AtMost, &[(cols + 1, w[2]), (0, w[3])], 0.1),
+        make(Sense::Below, &[(2, w[4]), (cols + 2, w[5])], 0.05),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    #[test]
+    fn constrained_least_squares_is_the_best_of_all_active_sets(seed in 0u64..1_000_000) {
+        let pair = Pair::random(9, 4, seed);
+        let rows = random_rows(4, seed);
+        let all: Vec<usize> = (0..4).collect();
+        let found = fit(&pair.blocks(), &[all.clone(), all], &rows).unwrap();
+        let wanted = brute_force(&pair, &rows).unwrap();
+        for (k, a) in found.values.iter().flatten().enumerate() {
+            prop_assert!((a - wanted[k]).abs() < 1e-7 * (1.0 + wanted.norm()), "{k}: {a} {}", wanted[k]);
+        }
+        let equality = &rows[0];
+        let left: f64 = equality.entries.iter().map(|(b, j, w)| w * found.values[*b][*j]).sum();
+        prop_assert!((left - equality.right).abs() < 1e-14 * (1.0 + wanted.norm()));
+    }
+
+    #[test]
+    fn joint_answers_are_proved_optimal_by_weak_duality(seed in 0u64..1_000_000, noisy in any::<bool>()) {
+        let (rows, cols) = (12, 30);
+        let pair = Pair::random(rows, cols, seed);
+        let phis = [0, 1].map(|b| Dense::new(rows, pair.values[b].clone()));
+        let problem = |b: usize| Problem {
+            dictionary: &phis[b],
+            target: &pair.targets[b],
+            tolerance: if noisy { 0.3 } else { 0.0 },
+        };
+        let joint = Joint { blocks: vec![problem(0), problem(1)], rows: random_rows(cols, seed) };
+        let found = solve_joint(&joint, &[], &mut |_| ControlFlow::Continue(()));
+        prop_assert_eq!(found.outcome, Outcome::Solved);
+        let proof = certify_joint(&joint, &found.coefficients, &found.duals, &found.multipliers);
+        // Clarabel stops at 1e-8; the rows then miss by as much.
+        prop_assert!(proof.gap.abs() < 1e-5, "{proof:?}");
+    }
+}
+
+#[test]
+fn columns_far_from_the_start_are_priced_in() {
+    // 600 columns of which each block starts with a third.
+    let (rows, cols) = (40, 600);
+    let pair = Pair::random(rows, cols, 5);
+    let phis = [0, 1].map(|b| Dense::new(rows, pair.values[b].clone()));
+    let column = |b: usize, j: usize| &pair.values[b][j * rows..(j + 1) * rows];
+    let y = [0, 1].map(|b| -> Vec<f64> {
+        let (p, q) = (column(b, 500), column(b, 77));
+        p.iter().zip(q).map(|(p, q)| 2.0 * p - q).collect()
+    });
+    let problem = |b: usize| Problem {
+        dictionary: &phis[b],
+        target: &y[b],
+        tolerance: 0.0,
+    };
+    let tie = row(&[(0, 500, 1.0), (1, 500, -1.0)], Sense::Equal, 0.0);
+    let sign = row(&[(0, 77, 1.0)], Sense::Below, 0.0);
+    let joint = Joint {
+        blocks: vec![problem(0), problem(1)],
+        rows: vec![tie, sign],
+    };
+    let found = solve_joint(&joint, &[], &mut |_| ControlFlow::Continue(()));
+    assert_eq!(found.outcome, Outcome::Solved);
+    for a in &found.coefficients {
+        let large: Vec<usize> = a
+            .iter()
+            .filter(|(_, v)| v.abs() > 1e-3)
+            .map(|(j, _)| *j)
+            .collect();
+        assert_eq!(large, vec![77, 500]);
+    }
+    let exact: Vec<Vec<(usize, f64)>> = vec![vec![(77, -1.0), (500, 2.0)]; 2];
+    let proof = certify_joint(&joint, &exact, &found.duals, &found.multipliers);
+    assert!(proof.proves_optimal, "{proof:?}");
+    let wrong: Vec<Vec<(usize, f64)>> = vec![vec![(77, -1.0), (500, 2.0)], vec![(77, -1.0)]];
+    assert!(!certify_joint(&joint, &wrong, &found.duals, &found.multipliers).feasible);
+}
+
+#[test]
+fn data_that_no_column_can_reconcile_are_infeasible() {
+    let phi = Dense::new(3, vec![1.0, 1.0, 1.0, 0.0, 1.0, 2.0]);
+    let y = [1.0, 3.0, 5.0];
+    let joint = Joint {
+        blocks: vec![Problem {
+            dictionary: &phi,
+            target: &y,
+            tolerance: 1e-6,
+        }],
+        rows: vec![row(&[(0, 1, 1.0)], Sense::Equal, 0.0)],
+    };
+    let found = solve_joint(&joint, &[], &mut |_| ControlFlow::Continue(()));
+    assert_eq!(found.outcome, Outcome::Infeasible);
+    // What is left of (1, 3, 5) beside its mean: √8 of √35.
+    let left = nearest(&joint, &[])[0];
+    assert!((left - (8.0_f64 / 35.0).sqrt()).abs() < 1e-6, "{left}");
+}
