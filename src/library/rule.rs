@@ -83,7 +83,7 @@ impl Rule {
 
     /// A list without the terms that can stand in no product.
     pub fn definite(&self, list: &Arc<List>) -> Arc<List> {
-        if list.terms().iter().all(|t| self.signs(t).is_some()) {
+        if self.symmetries.is_empty() || list.terms().iter().all(|t| self.signs(t).is_some()) {
             return list.clone();
         }
         list.filtered(|t| self.signs(t).is_some())
@@ -138,8 +138,15 @@ pub fn restrictions(model: &Model) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
+/// Names of a symmetry before they are cut short.
+const SHOWN: usize = 8;
+
 /// The names that a symmetry flips: `y, theta`.
 pub(super) fn flipped(model: &Model, symmetry: &Symmetry) -> String {
     let names = symmetry.flipped.iter().map(|v| model.variable(*v));
-    names.collect::<Vec<_>>().join(", ")
+    let mut shown: Vec<&str> = names.take(SHOWN).collect();
+    if symmetry.flipped.len() > SHOWN {
+        shown.push("…");
+    }
+    shown.join(", ")
 }
