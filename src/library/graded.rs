@@ -26,6 +26,9 @@ pub(super) struct Degrees {
 /// How many products have each sum of degrees.
 type Histogram = BTreeMap<u64, u128>;
 
+/// Most pairs of degrees to add up: about half a second.
+const MAX_DEGREES: usize = 30_000_000;
+
 /// Degrees are counted in millionths: sums of 0.1 and 0.2 are exact.
 const UNIT: f64 = 1e6;
 /// What the rounding of many fractions may add up to.
@@ -80,7 +83,7 @@ impl Graded {
 /// # Errors
 /// Too many pieces.
 pub(super) fn pieces(lists: &[Graded], range: Degrees) -> Result<Vec<Vec<Arc<List>>>, Unwieldy> {
-    let all = within(&histogram(lists, range.to), range);
+    let all = within(&histogram(lists, range.to)?, range);
     let most = LISTED.max(4 * (all as f64).sqrt() as u128);
     Pieces { most }.of(lists, range, all)
 }
@@ -109,7 +112,7 @@ impl Pieces {
             return Ok(vec![vec![List::new(products(lists, range))]]);
         }
         let (first, second) = lists.split_at(lists.len() / 2);
-        let (lefts, rights) = (histogram(first, range.to), histogram(second, range.to));
+        let (lefts, rights) = (histogram(first, range.to)?, histogram(second, range.to)?);
         let (left, right): (Vec<u64>, Vec<u64>) = (
             lefts.keys().copied().collect(),
             rights.keys().copied().collect(),
@@ -137,26 +140,29 @@ fn ends(lists: &[Graded]) -> (u64, u64) {
 }
 
 /// Products by their sums of degrees, up to a bound.
-fn histogram(lists: &[Graded], bound: u64) -> Histogram {
+///
+/// # Errors
+/// So many degrees that no few rectangles cover their pairs.
+fn histogram(lists: &[Graded], bound: u64) -> Result<Histogram, Unwieldy> {
     let mut counts = Histogram::from([(0, 1)]);
     for list in lists {
         let mut own = Histogram::new();
         for (degree, _) in &list.0 {
             *own.entry(*degree).or_default() += 1;
         }
+        if counts.len() * own.len() > MAX_DEGREES {
+            return Err(Unwieldy::Products);
+        }
         let mut sum = Histogram::new();
         for (a, n) in &counts {
-            for (b, m) in &own {
-                if a + b > bound {
-                    break;
-                }
+            for (b, m) in own.range(..=bound - a) {
                 let count: &mut u128 = sum.entry(a + b).or_default();
                 *count = count.saturating_add(n.saturating_mul(*m));
             }
         }
         counts = sum;
     }
-    counts
+    Ok(counts)
 }
 
 fn within(counts: &Histogram, range: Degrees) -> u128 {

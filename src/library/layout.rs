@@ -249,6 +249,15 @@ impl Layout<'_> {
         };
         let number = self.rule.size(common.factors());
         self.budget.need(number.saturating_mul(SLOT_BYTES))?;
+        // A bound on degrees would leave few of the products of whole lists.
+        if common.holes().is_empty() && self.rule.degrees().is_none() {
+            let lists = common.factors();
+            let mut blocks = range.clone();
+            if blocks.all(|at| index.product(&self.blocks, at, lists, &mut slots)) {
+                return Ok(slots);
+            }
+            slots.clear();
+        }
         for sides in self.sides(&common)? {
             for block in self.blocks_of(&sides)? {
                 let gone = block.terms();

@@ -101,10 +101,12 @@ impl Rule {
             let mut sum: BTreeMap<Grade, u128> = BTreeMap::new();
             for ((d, s), n) in &counts {
                 for ((e, t), m) in &own {
-                    if self.degrees.is_none_or(|bound| bound.has(d + e)) {
-                        let count = sum.entry((d + e, s ^ t)).or_default();
-                        *count = count.saturating_add(n.saturating_mul(*m));
+                    // Rising degrees: none of the others fits either.
+                    if self.degrees.is_some_and(|bound| !bound.has(d + e)) {
+                        break;
                     }
+                    let count = sum.entry((d + e, s ^ t)).or_default();
+                    *count = count.saturating_add(n.saturating_mul(*m));
                 }
             }
             counts = sum;
