@@ -26,6 +26,9 @@ pub(super) struct Degrees {
 /// How many products have each sum of degrees.
 type Histogram = BTreeMap<u64, u128>;
 
+/// Most pairs of degrees to add up: about half a second.
+const MAX_DEGREES: usize = 30_000_000;
+
 /// Degrees are counted in millionths: sums of 0.1 and 0.2 are exact.
 const UNIT: f64 = 1e6;
 /// What the rounding of many fractions may add up to.
@@ -80,9 +83,9 @@ impl Graded {
 /// # Errors
 /// Too many pieces.
 pub(super) fn pieces(lists: &[Graded], range: Degrees) -> Result<Vec<Vec<Arc<List>>>, Unwieldy> {
-    let all = within(&histogram(lists, range.to), range);
+    let all = within(&histogram(lists, range.to)?, range);
     let most = LISTED.max(4 * (all as f64).sqrt() as u128);
-    Pieces { most }.of(lists, range)
+    Pieces { most }.of(lists, range, all)
 }
 
 struct Pieces {
@@ -91,9 +94,13 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn of(&self, lists: &[Graded], range: Degrees) -> Result<Vec<Vec<Arc<List>>>, Unwieldy> {
-        let counts = histogram(lists, range.to);
-        let size = within(&counts, range);
+    /// `size` is the number of products in the range.
+    fn of(
+        &self,
+        lists: &[Graded],
+        range: Degrees,
+        size: u128,
+    ) -> Result<Vec<Vec<Arc<List>>>, Unwieldy> {
         if size == 0 {
             return Ok(Vec::new());
         }
@@ -105,13 +112,16 @@ impl Pieces {
             return Ok(vec![vec![List::new(products(lists, range))]]);
         }
         let (first, second) = lists.split_at(lists.len() / 2);
-        let (left, right) = (sums(first, range.to), sums(second, range.to));
+        let (lefts, rights) = (histogram(first, range.to)?, histogram(second, range.to)?);
+        let (left, right): (Vec<u64>, Vec<u64>) = (
+            lefts.keys().copied().collect(),
+            rights.keys().copied().collect(),
+        );
         let mut out = Vec::new();
         for (i, j) in rectangles(&left, &right, range) {
-            let (a, b) = (
-                self.of(first, span(&left, i))?,
-                self.of(second, span(&right, j))?,
-            );
+            let (i, j) = (span(&left, i), span(&right, j));
+            let a = self.of(first, i, within(&lefts, i))?;
+            let b = self.of(second, j, within(&rights, j))?;
             for a in &a {
                 out.extend(b.iter().map(|b| [a.as_slice(), b.as_slice()].concat()));
             }
@@ -130,36 +140,37 @@ fn ends(lists: &[Graded]) -> (u64, u64) {
 }
 
 /// Products by their sums of degrees, up to a bound.
-fn histogram(lists: &[Graded], bound: u64) -> Histogram {
+///
+/// # Errors
+/// So many degrees that no few rectangles cover their pairs.
+fn histogram(lists: &[Graded], bound: u64) -> Result<Histogram, Unwieldy> {
     let mut counts = Histogram::from([(0, 1)]);
     for list in lists {
         let mut own = Histogram::new();
         for (degree, _) in &list.0 {
             *own.entry(*degree).or_default() += 1;
         }
+        if counts.len() * own.len() > MAX_DEGREES {
+            return Err(Unwieldy::Products);
+        }
         let mut sum = Histogram::new();
         for (a, n) in &counts {
-            for (b, m) in &own {
-                if a + b > bound {
-                    break;
-                }
+            for (b, m) in own.range(..=bound - a) {
                 let count: &mut u128 = sum.entry(a + b).or_default();
                 *count = count.saturating_add(n.saturating_mul(*m));
             }
         }
         counts = sum;
     }
-    counts
+    Ok(counts)
 }
 
 fn within(counts: &Histogram, range: Degrees) -> u128 {
-    let inside = counts.iter().filter(|(d, _)| range.has(**d));
+    if range.from > range.to {
+        return 0;
+    }
+    let inside = counts.range(range.from..=range.to);
     inside.fold(0, |sum: u128, (_, n)| sum.saturating_add(*n))
-}
-
-/// The sums of degrees that occur, rising.
-fn sums(lists: &[Graded], bound: u64) -> Vec<u64> {
-    histogram(lists, bound).into_keys().collect()
 }
 
 fn span(degrees: &[u64], range: Range<usize>) -> Degrees {

@@ -4,7 +4,9 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
+use std::sync::Arc;
 
+use super::list::{List, products};
 use super::terms::Block;
 use crate::term::{Atom, Term};
 
@@ -52,9 +54,51 @@ impl Index {
                 whole.then(|| place.start + i * block.right.len() + j)
             })
     }
+
+    /// Appends the slots in a block of every product over lists, and is true; false if some list lies on neither side alone.
+    pub fn product(
+        &self,
+        blocks: &[Block],
+        at: usize,
+        lists: &[Arc<List>],
+        out: &mut Vec<usize>,
+    ) -> bool {
+        let (Some(place), Some(block)) = (self.places.get(at), blocks.get(at)) else {
+            return false;
+        };
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        for list in lists {
+            if place.left.has_all(list) {
+                left.push(list.clone());
+            } else if place.right.has_all(list) {
+                right.push(list.clone());
+            } else {
+                return false;
+            }
+        }
+        let (left, right) = (
+            place.left.all(&block.left, &left),
+            place.right.all(&block.right, &right),
+        );
+        for i in left {
+            let row = place.start + i * block.right.len();
+            out.extend(right.iter().map(|j| row + j));
+        }
+        true
+    }
 }
 
 impl Side {
+    fn has_all(&self, list: &List) -> bool {
+        list.atoms().iter().all(|atom| self.atoms.contains(atom))
+    }
+
+    /// The places of the products over lists that stand here.
+    fn all(&self, terms: &[Term], lists: &[Arc<List>]) -> Vec<usize> {
+        let all = products(lists).into_iter();
+        all.filter_map(|t| Some(self.find(terms, &t)?.0)).collect()
+    }
+
     fn new(terms: &[Term]) -> Side {
         let mut atoms: BTreeSet<&Atom> = BTreeSet::new();
         for term in terms {

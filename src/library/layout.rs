@@ -4,12 +4,14 @@
 //! is made; what the rule excludes is never made at all.
 
 use std::cmp::Reverse;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::MAX_LIST;
 use super::graded::{Graded, pieces};
 use super::index::Index;
-use super::list::{List, Unwieldy, multiply_out, size};
+use super::list::{List, Unwieldy, products, size};
 use super::product::Product;
 use super::rule::{Rule, Signs};
 use super::set::{LISTED, Set};
@@ -46,10 +48,28 @@ struct Sides {
 /// Blocks in the making.
 struct Layout<'a> {
     rule: &'a Rule,
+    budget: Budget,
     /// Blocks of fewer slots are listed.
     least: usize,
     listed: Vec<Term>,
     blocks: Vec<Block>,
+}
+
+/// Bytes needed so far, and how many there are.
+struct Budget {
+    slots: u128,
+    bytes: u128,
+    limit: u128,
+}
+
+impl Budget {
+    fn need(&mut self, bytes: u128) -> Result<(), Refused> {
+        self.bytes = self.bytes.saturating_add(bytes);
+        if self.bytes > self.limit || self.slots > (isize::MAX as u128) {
+            return Err(Refused::Memory(self.slots, self.bytes));
+        }
+        Ok(())
+    }
 }
 
 /// Lays a set out. A small one becomes one list, in order of degree.
@@ -57,62 +77,48 @@ struct Layout<'a> {
 /// # Errors
 /// More memory than the limit, in bytes; a set that falls into too many products.
 pub(super) fn lay_out(set: &Set, rule: &Rule, memory: u64) -> Result<Library, Refused> {
-    let products = ordered(set, rule)?;
-    let sizes = products.iter().map(|p| rule.size(p.factors()));
+    let all = ordered(set, rule)?;
+    let sizes = all.iter().map(|p| rule.size(p.factors()));
     let slots = sizes.fold(0, u128::saturating_add);
-    let mut bytes = slots.saturating_mul(SLOT_BYTES);
-    let afford = |bytes: u128| match bytes > u128::from(memory) || slots > usize::MAX as u128 / 8 {
-        true => Err(Refused::Memory(slots, bytes)),
-        false => Ok(()),
+    let mut budget = Budget {
+        slots,
+        bytes: 0,
+        limit: memory.into(),
     };
-    afford(bytes)?;
+    budget.need(slots.saturating_mul(SLOT_BYTES))?;
     let mut layout = Layout {
         rule,
-        least: if slots <= LISTED {
-            usize::MAX
-        } else {
-            SMALL_BLOCK
+        budget,
+        least: match slots <= LISTED {
+            true => usize::MAX,
+            false => SMALL_BLOCK,
         },
         listed: Vec::new(),
         blocks: Vec::new(),
     };
-    let mut ranges = Vec::with_capacity(products.len());
-    for (i, product) in products.iter().enumerate() {
-        let sides = layout.sides(product)?;
-        let lists = sides
-            .iter()
-            .map(|s| size(&s.left).saturating_add(size(&s.right)));
-        bytes = lists.fold(bytes, |sum, n| {
-            sum.saturating_add(n.saturating_mul(TERM_BYTES))
-        });
-        afford(bytes)?;
-        let others = products.get(..i).unwrap_or_default();
-        let before: Vec<&Product> = others.iter().filter(|p| p.group != product.group).collect();
-        let start = layout.blocks.len();
-        for sides in sides {
-            layout.add(&sides, |term| {
-                !product.holes().iter().any(|h| h.contains(term))
-                    && !before.iter().any(|p| p.contains(term))
-            })?;
-        }
-        ranges.push((product, before, start..layout.blocks.len()));
+    let mut ranges = Vec::with_capacity(all.len());
+    for (i, product) in all.iter().enumerate() {
+        let others = all.get(..i).unwrap_or_default().iter();
+        let before: Vec<&Product> = others.filter(|p| p.group != product.group).collect();
+        ranges.push(layout.place(product, &before)?);
     }
-    let blocks = layout.with_listed();
-    let shift = usize::from(blocks.len() > layout.blocks.len());
-    let index = Index::new(&blocks);
+    let shift = layout.put_listed_first();
     let mut empty = Vec::new();
-    for (product, before, range) in ranges {
+    let mut index = None;
+    for (i, (product, range)) in all.iter().zip(ranges).enumerate() {
         let range = range.start + shift..range.end + shift;
+        let before = all.get(..i).unwrap_or_default().iter();
+        let before = before.filter(|p| p.group != product.group);
         for other in product.holes().iter().chain(before) {
-            let marked = layout.slots_of(product, other, &blocks, range.clone(), &index)?;
-            bytes = bytes.saturating_add(SLOT_BYTES * marked.len() as u128);
-            afford(bytes)?;
-            empty.extend(marked);
+            if !range.is_empty() {
+                let index = index.get_or_insert_with(|| Index::new(&layout.blocks));
+                empty.extend(layout.slots_of(product, other, range.clone(), index)?);
+            }
         }
     }
     empty.sort_unstable();
     empty.dedup();
-    Ok(Library::new(blocks, empty))
+    Ok(Library::new(layout.blocks, empty))
 }
 
 /// The products without terms that the rule excludes by themselves, the largest first; those inside others left out.
@@ -142,6 +148,23 @@ fn ordered(set: &Set, rule: &Rule) -> Result<Vec<Product>, Refused> {
 }
 
 impl Layout<'_> {
+    /// Makes the blocks of a product, less what others have already: which blocks they are.
+    fn place(&mut self, product: &Product, before: &[&Product]) -> Result<Range<usize>, Refused> {
+        let start = self.blocks.len();
+        let all = self.sides(product)?;
+        for sides in &all {
+            let terms = size(&sides.left).saturating_add(size(&sides.right));
+            self.budget.need(terms.saturating_mul(TERM_BYTES))?;
+        }
+        for sides in all {
+            self.add(&sides, |term| {
+                !product.holes().iter().any(|h| h.contains(term))
+                    && !before.iter().any(|p| p.contains(term))
+            })?;
+        }
+        Ok(start..self.blocks.len())
+    }
+
     /// A product as pieces within the bound on degrees, each cut in two sides.
     fn sides(&self, product: &Product) -> Result<Vec<Sides>, Unwieldy> {
         let pieces = match self.rule.degrees() {
@@ -182,55 +205,64 @@ impl Layout<'_> {
 
     /// Products of one term of each list, by their signs, then by degree and term.
     fn by_signs(&self, lists: &[Arc<List>]) -> Result<Vec<(Signs, Vec<Term>)>, Unwieldy> {
-        let all = multiply_out(lists)?;
-        let mut terms: Vec<(Signs, Term)> = Vec::with_capacity(all.len());
-        for term in all.terms() {
-            terms.extend(self.rule.signs(term).map(|s| (s, term.clone())));
+        let number = size(lists);
+        if number > MAX_LIST {
+            return Err(Unwieldy::List(number));
         }
-        // Sorted by term already, and this sort is stable.
-        terms.sort_by_cached_key(|(signs, t)| (*signs, degree_key(t)));
-        let mut out: Vec<(Signs, Vec<Term>)> = Vec::new();
-        for (signs, term) in terms {
-            match out.last_mut().filter(|(s, _)| *s == signs) {
-                Some((_, group)) => group.push(term),
-                None => out.push((signs, vec![term])),
+        let mut groups: BTreeMap<Signs, Vec<(u64, Term)>> = BTreeMap::new();
+        for term in products(lists) {
+            if let Some(signs) = self.rule.signs(&term) {
+                let group = groups.entry(signs).or_default();
+                group.push((degree_key(&term), term));
             }
         }
-        Ok(out)
+        let sorted = groups.into_iter().map(|(signs, mut group)| {
+            group.sort_unstable();
+            (signs, group.into_iter().map(|(_, term)| term).collect())
+        });
+        Ok(sorted.collect())
     }
 
-    /// All blocks: the listed terms first.
-    fn with_listed(&mut self) -> Vec<Block> {
+    /// Makes the listed terms the first block: by how much that moves the others.
+    fn put_listed_first(&mut self) -> usize {
+        if self.listed.is_empty() {
+            return 0;
+        }
         let mut listed = std::mem::take(&mut self.listed);
         listed.sort_unstable();
         listed.sort_by_cached_key(degree_key);
-        let mut blocks = Vec::with_capacity(self.blocks.len() + 1);
-        if !listed.is_empty() {
-            blocks.push(Block::listed(listed));
-        }
-        blocks.extend(self.blocks.iter().cloned());
-        blocks
+        self.blocks.insert(0, Block::listed(listed));
+        1
     }
 
     /// Slots of a product's blocks whose terms another product has too.
     fn slots_of(
-        &self,
+        &mut self,
         product: &Product,
         other: &Product,
-        blocks: &[Block],
         range: Range<usize>,
         index: &Index,
-    ) -> Result<Vec<usize>, Unwieldy> {
+    ) -> Result<Vec<usize>, Refused> {
         let mut slots = Vec::new();
-        let common = product.without_holes().and(other)?;
-        let Some(common) = common.filter(|_| !range.is_empty()) else {
+        let Some(common) = product.without_holes().and(other)? else {
             return Ok(slots);
         };
+        let number = self.rule.size(common.factors());
+        self.budget.need(number.saturating_mul(SLOT_BYTES))?;
+        // A bound on degrees would leave few of the products of whole lists.
+        if common.holes().is_empty() && self.rule.degrees().is_none() {
+            let lists = common.factors();
+            let mut blocks = range.clone();
+            if blocks.all(|at| index.product(&self.blocks, at, lists, &mut slots)) {
+                return Ok(slots);
+            }
+            slots.clear();
+        }
         for sides in self.sides(&common)? {
             for block in self.blocks_of(&sides)? {
                 let gone = block.terms();
                 let gone = gone.filter(|t| !common.holes().iter().any(|h| h.contains(t)));
-                slots.extend(gone.filter_map(|t| index.find(blocks, range.clone(), &t)));
+                slots.extend(gone.filter_map(|t| index.find(&self.blocks, range.clone(), &t)));
             }
         }
         Ok(slots)

@@ -108,6 +108,11 @@ pub(super) fn multiply_out(lists: &[Arc<List>]) -> Result<Arc<List>, Unwieldy> {
     if size > MAX_LIST {
         return Err(Unwieldy::List(size));
     }
+    Ok(List::new(products(lists)))
+}
+
+/// The products themselves, in no order; their number is seen to by the caller.
+pub(super) fn products(lists: &[Arc<List>]) -> Vec<Term> {
     let mut terms = vec![Term::one()];
     for list in lists {
         terms = terms
@@ -115,7 +120,7 @@ pub(super) fn multiply_out(lists: &[Arc<List>]) -> Result<Arc<List>, Unwieldy> {
             .flat_map(|a| list.terms.iter().map(move |b| a.mul(b)))
             .collect();
     }
-    Ok(List::new(terms))
+    terms
 }
 
 /// The lists by index, those together that share atoms directly or through others; in the order of their first lists.

@@ -83,7 +83,7 @@ impl Rule {
 
     /// A list without the terms that can stand in no product.
     pub fn definite(&self, list: &Arc<List>) -> Arc<List> {
-        if list.terms().iter().all(|t| self.signs(t).is_some()) {
+        if self.symmetries.is_empty() || list.terms().iter().all(|t| self.signs(t).is_some()) {
             return list.clone();
         }
         list.filtered(|t| self.signs(t).is_some())
@@ -101,10 +101,12 @@ impl Rule {
             let mut sum: BTreeMap<Grade, u128> = BTreeMap::new();
             for ((d, s), n) in &counts {
                 for ((e, t), m) in &own {
-                    if self.degrees.is_none_or(|bound| bound.has(d + e)) {
-                        let count = sum.entry((d + e, s ^ t)).or_default();
-                        *count = count.saturating_add(n.saturating_mul(*m));
+                    // Rising degrees: none of the others fits either.
+                    if self.degrees.is_some_and(|bound| !bound.has(d + e)) {
+                        break;
                     }
+                    let count = sum.entry((d + e, s ^ t)).or_default();
+                    *count = count.saturating_add(n.saturating_mul(*m));
                 }
             }
             counts = sum;
@@ -138,8 +140,15 @@ pub fn restrictions(model: &Model) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
+/// Names of a symmetry before they are cut short.
+const SHOWN: usize = 8;
+
 /// The names that a symmetry flips: `y, theta`.
 pub(super) fn flipped(model: &Model, symmetry: &Symmetry) -> String {
     let names = symmetry.flipped.iter().map(|v| model.variable(*v));
-    names.collect::<Vec<_>>().join(", ")
+    let mut shown: Vec<&str> = names.take(SHOWN).collect();
+    if symmetry.flipped.len() > SHOWN {
+        shown.push("…");
+    }
+    shown.join(", ")
 }

@@ -198,7 +198,7 @@ fn limited(products: Vec<Product>) -> Result<Set, Unwieldy> {
     Ok(Set::of_products(products))
 }
 
-/// Number of products of one term of each list.
+/// Every product of one term of each list; the lists must have no atoms in common.
 pub(super) fn product_of(lists: Vec<Arc<List>>) -> Result<Set, Unwieldy> {
     match size(&lists) {
         0 => Ok(Set::default()),

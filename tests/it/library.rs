@@ -123,7 +123,7 @@ fn what_does_not_fit_is_refused_by_arithmetic() {
     assert!(start.elapsed().as_millis() < 200, "{:?}", start.elapsed());
 }
 
-/// Only the last factor of each term, as often as it occurs, tells products from lists.
+/// Numbers of terms are exact; what is stored are the terms of the blocks' sides.
 #[test]
 fn millions_of_terms_take_the_memory_of_their_factors() {
     let stored = |model: &str| {

@@ -198,7 +198,7 @@ impl Tree<'_> {
         Ok(StatementKind::Constrain { first, rest })
     }
 
-    /// `symmetry = { SOI ~ "symmetry" ~ names ~ "->" ~ image ~ EOI }`, `image = { flipped | names }`
+    /// `symmetry = { SOI ~ "symmetry" ~ ("(" ~ names ~ ")" | names) ~ "->" ~ image ~ EOI }`, `image = { flipped | names }`
     fn symmetry(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
         let names = self.items(self.next(&mut inner)?)?;
         let image = self.next(&mut inner)?;
