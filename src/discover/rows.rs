@@ -2,8 +2,8 @@
 
 /// Most entries M · N of a Φ that is stored: 32 MB, and a second of least squares where rows outnumber terms.
 const STORED: usize = 4_000_000;
-/// Most products M · N of a Φ that is only priced: some 20 ms for a look at all columns.
-const PRICED: usize = 400_000_000;
+/// Most products M · N of a Φ that is only priced: some 20 ms a look at all columns.
+const PRICED: usize = 1_000_000_000;
 /// Terms from which on more rows than these tell nothing new, but every step of a solver pays for them.
 const MANY: usize = 2000;
 /// Fewest rows that the limits leave.
