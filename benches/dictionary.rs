@@ -28,7 +28,7 @@ fn samples(rows: usize, signals: u16) -> Samples {
     let column = |i| Column {
         signal: Signal::new(VarId(i)),
         values: (0..rows).map(|_| 2.0 * random.uniform() - 1.0).collect(),
-        origin: Origin::Measured,
+        origin: Origin::Measured { noise: None },
     };
     Samples {
         trajectory: vec![0; rows],

@@ -233,7 +233,7 @@ fn motion(program: &Program, plant: &Plant, random: &mut Random) -> Samples {
         .map(|signal| Column {
             signal,
             values: values(program, signal, &names, &table),
-            origin: Origin::Measured,
+            origin: Origin::Measured { noise: None },
         })
         .collect();
     columns.sort_by_key(|c| c.signal);

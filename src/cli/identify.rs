@@ -10,12 +10,12 @@ use super::{Failure, hint, output, status};
 use crate::discover::{Discovery, Options, Reason};
 use crate::emit;
 use crate::lang::diagnostic::{Diagnostic, Severity, did_you_mean};
-use crate::lang::model::{Var, VarKind};
+use crate::lang::model::{Model, VarKind};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Measured, Program};
 use crate::result::{self, Settings, SignalEntry};
 use crate::solve::{SOLVERS, Solver};
-use crate::term::SignalNames;
+use crate::term::{Signal, SignalNames, VarId};
 
 /// Find the equations of a model in data
 #[derive(clap::Args)]
@@ -44,7 +44,7 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = parameter)]
     params: Vec<(String, Vec<f64>)>,
-    /// Standard deviation of a signal's measurement, in units of the model
+    /// Standard deviation of a signal's measurement, in units of the model: theta=0.01, ddtheta=0.5
     #[arg(long = "noise", value_name = "theta=0.01", value_parser = noise)]
     noise: Vec<(String, f64)>,
     /// Stop after this time with what there is: 30, 30s, 5m, 1h
@@ -271,14 +271,15 @@ fn noise(text: &str) -> Result<(String, f64), String> {
 
 /// What the command line says of the sensors holds over the model.
 fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
-    let measured = |v: &Var| !matches!(v.kind, VarKind::Time | VarKind::Param);
+    let signals = sensors(&program.model);
     for (name, sigma) in noise {
-        let vars = &mut program.model.vars;
-        if let Some(var) = vars.iter_mut().find(|v| v.name == *name && measured(v)) {
-            var.noise = Some(*sigma);
+        if let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) {
+            if let Some(var) = program.model.vars.get_mut(signal.var.0 as usize) {
+                var.noise.insert(signal.der, *sigma);
+            }
             continue;
         }
-        let names = vars.iter().filter(|v| measured(v)).map(|v| v.name.as_str());
+        let names = signals.iter().map(|(n, _)| n.as_str());
         let hint = hint(name, names.clone());
         return Err(Failure::new(format!(
             "error[unknown-noise]: --noise {name}: the model measures no signal of this name{hint}\n  = measured: {}",
@@ -286,6 +287,21 @@ fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failu
         )));
     }
     Ok(())
+}
+
+/// Every signal that a table may hold, by name: variables, then their derivatives.
+fn sensors(model: &Model) -> Vec<(String, Signal)> {
+    let orders = (0..=model.vars.iter().map(|v| v.order).max().unwrap_or(0)).flat_map(|der| {
+        let vars = (0..).zip(&model.vars);
+        vars.filter(move |(_, v)| {
+            der <= v.order && !matches!(v.kind, VarKind::Time | VarKind::Param)
+        })
+        .map(move |(id, _)| Signal {
+            der,
+            ..Signal::new(VarId(id))
+        })
+    });
+    orders.map(|s| (model.name(s), s)).collect()
 }
 
 /// `m=0.3,0.5`

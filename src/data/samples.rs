@@ -23,7 +23,8 @@ pub struct Column {
 
 #[derive(Clone, Debug)]
 pub enum Origin {
-    Measured,
+    /// `noise` is the standard deviation of the sensor, if it was said.
+    Measured { noise: Option<f64> },
     /// Derived by the program; `error` is the estimated standard error of each value (length M), `method` says how in a few words.
     Estimated {
         error: Vec<f64>,
@@ -62,7 +63,7 @@ impl Samples {
                     signal: c.signal,
                     values: pick(&c.values),
                     origin: match &c.origin {
-                        Origin::Measured => Origin::Measured,
+                        Origin::Measured { noise } => Origin::Measured { noise: *noise },
                         Origin::Estimated {
                             error,
                             method,

@@ -99,7 +99,11 @@ pub fn samples(
             out.push(noisy_derivative(model, p, error));
         }
     }
-    table.columns = columns.into_iter().map(Gathered::into_column).collect();
+    let noisy = |c: Gathered| {
+        let noise = model.noise(c.signal);
+        c.into_column(noise)
+    };
+    table.columns = columns.into_iter().map(noisy).collect();
     (table, out, report)
 }
 
@@ -211,10 +215,7 @@ impl<'a> Source<'a> {
         often: &mut Often,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Known, Stopped> {
-        let noise = match below.der {
-            0 => self.model.var(below.var).and_then(|v| v.noise),
-            _ => None,
-        };
+        let noise = self.model.noise(below);
         let within = stretches(values, &self.gaps, &self.jumps);
         let mut e = derivatives::differentiate(&self.grid, values, &within, order, noise, go_on)?;
         let driven = below.der as usize + order >= self.order(below);
@@ -359,12 +360,12 @@ impl Gathered {
         }
     }
 
-    fn into_column(self) -> Column {
+    fn into_column(self, noise: Option<f64>) -> Column {
         Column {
             signal: self.signal,
             values: self.values,
             origin: match self.method {
-                None => Origin::Measured,
+                None => Origin::Measured { noise },
                 Some(method) => Origin::Estimated {
                     error: self.error,
                     method,

@@ -154,7 +154,7 @@ pub(super) mod tests {
             columns: vec![Column {
                 signal: Signal::new(VarId(1)),
                 values: values.to_vec(),
-                origin: Origin::Measured,
+                origin: Origin::Measured { noise: None },
             }],
         }
     }

@@ -75,17 +75,23 @@ fn heuristic(c: &Case) -> Option<Reason> {
 }
 
 fn solver(c: &Case) -> Option<Reason> {
-    match c.solved {
-        Solved::Inaccurate { gap, residual } if !c.evidence.certificate.optimal => {
-            Some(Reason::new(
-                "solver-inaccurate",
-                format!(
-                    "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
-                ),
-            ))
-        }
-        _ => None,
-    }
+    let Solved::Inaccurate { gap, residual } = c.solved else {
+        return None;
+    };
+    let p = &c.evidence.certificate;
+    // An exact fit was asked for, and the path to it did not end: there is noise to be fitted.
+    let text = if p.tolerance == 0.0 && !gap.is_finite() {
+        format!(
+            "no few terms fit these rows exactly. If the target is noisy, say how much, with `noise` or \
+             --noise NAME=SIGMA: this equation leaves {:.1e} of it",
+            c.evidence.residual
+        )
+    } else {
+        format!(
+            "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
+        )
+    };
+    (!p.optimal).then(|| Reason::new("solver-inaccurate", text))
 }
 
 /// As many terms as rows: any target can be fitted so.

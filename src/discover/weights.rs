@@ -1,5 +1,7 @@
 //! What the data's own errors allow: a weight for each row, the tolerance of the fit, the floor below which residuals say nothing.
 
+use std::borrow::Cow;
+
 use crate::data::{Origin, Samples};
 use crate::library::Library;
 use crate::term::Signal;
@@ -33,7 +35,7 @@ impl Weights {
         let size = rms(y);
         let target_errors = errors(samples, target);
         let mut square = vec![0.0; samples.len()];
-        add_squares(&mut square, target_errors, 1.0);
+        add_squares(&mut square, target_errors.as_deref(), 1.0);
         let mut correlation = correlation_of(samples, target);
         for s in library.signals() {
             correlation = correlation.max(correlation_of(samples, s));
@@ -42,7 +44,7 @@ impl Weights {
             {
                 // A term's error matters in proportion to its share of the target, at most all of it.
                 let scale = size / rms(&c.values).max(f64::MIN_POSITIVE);
-                add_squares(&mut square, errors(samples, s), scale);
+                add_squares(&mut square, errors(samples, s).as_deref(), scale);
             }
         }
         let error: Vec<f64> = square.iter().map(|e| e.sqrt()).collect();
@@ -60,7 +62,7 @@ impl Weights {
             tolerance: norm(&weighted(&error)),
             floor: (floor * floor).max(f64::MIN_POSITIVE),
             correlation,
-            target_error: target_errors.map_or(0.0, |e| rms(&weighted(e))),
+            target_error: target_errors.map_or(0.0, |e| rms(&weighted(&e))),
             row,
         }
     }
@@ -81,10 +83,11 @@ impl Weights {
     }
 }
 
-fn errors(samples: &Samples, s: Signal) -> Option<&[f64]> {
+/// The standard error of every value: estimated, or as declared for the sensor.
+fn errors(samples: &Samples, s: Signal) -> Option<Cow<'_, [f64]>> {
     match &samples.column(s)?.origin {
-        Origin::Measured => None,
-        Origin::Estimated { error, .. } => Some(error),
+        Origin::Measured { noise } => noise.map(|sigma| vec![sigma; samples.len()].into()),
+        Origin::Estimated { error, .. } => Some(error.into()),
     }
 }
 

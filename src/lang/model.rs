@@ -2,6 +2,8 @@
 //!
 //! Made by [`super::check`]; read by the library, the data reader and the emitters. Never holds data.
 
+use std::collections::BTreeMap;
+
 use super::source::Span;
 use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
 
@@ -43,8 +45,8 @@ pub struct Var {
     pub kind: VarKind,
     /// Highest derivative that exists.
     pub order: u8,
-    /// Standard deviation of the sensor noise, in model units.
-    pub noise: Option<f64>,
+    /// Standard deviation of the sensor's noise by order of derivative, each in model units.
+    pub noise: BTreeMap<u8, f64>,
     pub unit: Option<String>,
     /// How an input moves between samples, if declared.
     pub between: Option<Between>,
@@ -207,6 +209,11 @@ pub enum ColumnKind {
 impl Model {
     pub fn var(&self, id: VarId) -> Option<&Var> {
         self.vars.get(id.0 as usize)
+    }
+
+    /// Standard deviation of a signal's measurement, if it was said.
+    pub fn noise(&self, s: Signal) -> Option<f64> {
+        self.var(s.var)?.noise.get(&s.der).copied()
     }
 
     /// Declared variables of one kind, in order of declaration.

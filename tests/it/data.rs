@@ -31,7 +31,7 @@ fn model(sources: &mut Sources, vars: &[(&str, VarKind, u8)]) -> Model {
         name: name.into(),
         kind,
         order,
-        noise: None,
+        noise: Default::default(),
         unit: None,
         between: None,
         span,
@@ -458,8 +458,12 @@ fn derivatives_are_used_if_measured_and_estimated_from_the_highest_below() {
         let (dataset, _) = data::bind(&model, &[table], &[], &mut sources);
         let samples = sampled(&model, &dataset, &[Signal::new(x), dx, ddx, Signal::TIME]);
         assert_eq!(samples.len(), 300);
-        let is_measured =
-            |s| matches!(samples.column(s).map(|c| &c.origin), Some(Origin::Measured));
+        let is_measured = |s| {
+            matches!(
+                samples.column(s).map(|c| &c.origin),
+                Some(Origin::Measured { .. })
+            )
+        };
         assert_eq!(is_measured(dx), measured);
         let column = samples.column(ddx).expect("a column");
         let Origin::Estimated { error, method, .. } = &column.origin else {

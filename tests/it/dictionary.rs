@@ -26,7 +26,7 @@ fn samples(columns: &[Vec<f64>]) -> Samples {
     let column = |(i, values): (usize, &Vec<f64>)| Column {
         signal: Signal::new(VarId(i as u16 + 1)),
         values: values.clone(),
-        origin: Origin::Measured,
+        origin: Origin::Measured { noise: None },
     };
     Samples {
         trajectory: vec![0; rows],

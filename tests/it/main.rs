@@ -18,6 +18,7 @@ mod lang;
 mod library;
 mod limits;
 mod measured;
+mod noise;
 mod pendulum;
 mod program;
 mod solve;

@@ -88,7 +88,7 @@ fn declarations() {
     let names: Vec<&str> = m.vars.iter().map(|v| v.name.as_str()).collect();
     assert_eq!(names, ["t", "y", "theta", "F", "z", "m"]);
     assert_eq!(m.vars[1].order, 2);
-    assert_eq!(m.vars[1].noise, Some(0.1));
+    assert_eq!(m.vars[1].noise.get(&0), Some(&0.1));
     assert_eq!(m.vars[1].unit.as_deref(), Some("m"));
     assert_eq!(m.vars[3].between, Some(Between::Hold));
     assert_eq!(m.vars[4].kind, VarKind::Output);
