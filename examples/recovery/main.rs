@@ -48,7 +48,7 @@ struct Args {
     /// Plants for each number of rows
     #[arg(long, default_value_t = 50)]
     draws: u64,
-    #[arg(long, default_value = "interior-point")]
+    #[arg(long, default_value = SOLVERS[0].name())]
     solver: String,
     /// Also draw the table as a picture
     #[arg(long)]
