@@ -79,10 +79,11 @@ fn solver(c: &Case) -> Option<Reason> {
         return None;
     };
     let p = &c.evidence.certificate;
-    // An exact fit was asked for, and the path to it did not end: there is noise to be fitted.
-    let text = if p.tolerance == 0.0 && !gap.is_finite() {
+    // A path that did not end: what it proves is for the residual reached, not for the one asked for.
+    let early = !gap.is_finite();
+    let text = if early {
         format!(
-            "no few terms fit these rows exactly. If the target is noisy, say how much, with `noise` or \
+            "no few terms fit these rows as closely as was asked. If the target is noisy, say how much, with `noise` or \
              --noise NAME=SIGMA: this equation leaves {:.1e} of it",
             c.evidence.residual
         )
@@ -91,7 +92,8 @@ fn solver(c: &Case) -> Option<Reason> {
             "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
         )
     };
-    (!p.optimal).then(|| Reason::new("solver-inaccurate", text))
+    let proved = p.optimal && (p.of_answer || !early);
+    (!proved).then(|| Reason::new("solver-inaccurate", text))
 }
 
 /// As many terms as rows: any target can be fitted so.

@@ -14,14 +14,13 @@ pub(super) fn prove(
 ) -> Proof {
     let own = certify_answer(problem, solution, choice, polished);
     let of_answer = choice.as_proposed && own.proves_optimal;
-    let certificate = if of_answer {
-        own
+    let (certificate, tolerance) = if of_answer {
+        (own, problem.tolerance)
     } else {
-        solve::certify(problem, &solution.coefficients, &solution.dual)
+        certify_proposal(problem, solution)
     };
-    let size = norm(problem.target);
     Proof {
-        tolerance: problem.tolerance / size,
+        tolerance: tolerance / norm(problem.target),
         gap: finite(certificate.gap),
         max_correlation: finite(certificate.largest_correlation),
         margin: finite(certificate.margin),
@@ -33,6 +32,23 @@ pub(super) fn prove(
         of_answer,
         constrained: false,
     }
+}
+
+/// What a solver that ended early found may still be the best of all that fit as well as it does: its certificate, and the ε
+/// that it is for.
+fn certify_proposal(problem: &Problem, solution: &Solution) -> (Certificate, f64) {
+    let certify = |p: &Problem| solve::certify(p, &solution.coefficients, &solution.dual);
+    let asked = certify(problem);
+    if !asked.proves_optimal && asked.residual > problem.tolerance {
+        let reached = certify(&Problem {
+            tolerance: asked.residual,
+            ..*problem
+        });
+        if reached.proves_optimal && !solution.coefficients.is_empty() {
+            return (reached, asked.residual);
+        }
+    }
+    (asked, problem.tolerance)
 }
 
 /// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more.

@@ -206,10 +206,9 @@ fn a_stop_in_the_solver_keeps_the_best_it_had_as_a_doubt() {
     assert!(first.reasons[0].text.contains("2 s"), "{:?}", first.reasons);
     let evidence = first.evidence.as_ref().unwrap();
     assert_eq!(evidence.iterations, 3);
-    assert!(
-        !evidence.certificate.optimal,
-        "three iterations are no proof"
-    );
+    // Three steps down the path: the best of all that fit as well as it does, which is not what was asked.
+    let p = &evidence.certificate;
+    assert!(!p.of_answer && p.tolerance > 1e-3, "{p:?}");
 }
 
 #[test]

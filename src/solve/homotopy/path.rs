@@ -140,7 +140,7 @@ impl<'a> Path<'a> {
     ) -> Place {
         let work = 2.0 * self.target.len() as f64 * pool.len() as f64;
         let most = ((WORK / work) as usize).max(STEPS);
-        let mut barred = None;
+        let mut barred: Vec<(usize, f64)> = Vec::new();
         for step in 0.. {
             self.steps += 1;
             let segment = self.segment();
@@ -155,22 +155,24 @@ impl<'a> Path<'a> {
                 };
                 return segment.place(self, self.level, end);
             }
-            let Some((event, level)) = self.next(&segment, pool, barred) else {
+            let Some((event, level)) = self.next(&segment, pool, &barred) else {
                 self.mark(&segment, 0.0);
                 return segment.place(self, self.level, End::Stuck);
             };
             self.mark(&segment, level);
-            barred = None;
             match event {
                 Event::Goal => return segment.place(self, level, End::Reached),
                 Event::Leave { place } => {
-                    barred = Some((self.active.remove(place), self.signs.remove(place)));
+                    barred.clear();
+                    barred.push((self.active.remove(place), self.signs.remove(place)));
                     self.factor.remove(place);
                 }
+                Event::Enter { column, sign } if self.enter(pool, column, sign) => barred.clear(),
                 Event::Enter { column, sign } => {
-                    if !self.enter(pool, column, sign) {
-                        return segment.place(self, level, End::Lost);
-                    }
+                    // In the span of the active columns, to rounding: it could only trade places with them.
+                    barred.push((column, sign));
+                    self.unmark();
+                    continue;
                 }
             }
             self.level = level;
@@ -251,6 +253,12 @@ impl<'a> Path<'a> {
         self.ends.extend(segment.lambda(end));
     }
 
+    /// Takes the last note back.
+    fn unmark(&mut self) {
+        self.knots.pop();
+        self.ends.truncate(self.knots.len() * self.target.len());
+    }
+
     fn segment(&self) -> Segment {
         let fit = self.factor.fit(self.target);
         let z = self.factor.solve_transposed(&self.signs);
@@ -263,7 +271,7 @@ impl<'a> Path<'a> {
     }
 
     /// The event of largest τ below the present one.
-    fn next(&self, s: &Segment, pool: &Pool, barred: Option<(usize, f64)>) -> Option<(Event, f64)> {
+    fn next(&self, s: &Segment, pool: &Pool, barred: &[(usize, f64)]) -> Option<(Event, f64)> {
         let left = norm(&s.d);
         let leave = self.first_to_leave(s);
         let explained = left <= EXPLAINED;
@@ -301,7 +309,7 @@ impl<'a> Path<'a> {
         s: &Segment,
         left: f64,
         pool: &Pool,
-        barred: Option<(usize, f64)>,
+        barred: &[(usize, f64)],
     ) -> Option<(Event, f64)> {
         let (cw, cd) = s.correlations(pool);
         let mut is_out = vec![true; pool.len()];
@@ -312,7 +320,7 @@ impl<'a> Path<'a> {
         for k in 0..pool.len() {
             let sign = cd[k].signum();
             // What has just left its bound moves away from it; only rounding says otherwise.
-            if !is_out[k] || cd[k].abs() <= flat || barred == Some((k, sign)) {
+            if !is_out[k] || cd[k].abs() <= flat || barred.contains(&(k, sign)) {
                 continue;
             }
             let u = ((sign - cw[k]) / cd[k]).max(now);

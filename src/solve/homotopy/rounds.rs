@@ -27,6 +27,8 @@ pub(super) struct Rounds<'a> {
     violation: f64,
     /// True from a restart until a column joins: a second one would change nothing.
     restarted: bool,
+    /// The last place that no column speaks against: optimal for the residual it has.
+    proved: Option<Place>,
 }
 
 impl<'a> Rounds<'a> {
@@ -45,6 +47,7 @@ impl<'a> Rounds<'a> {
             round: 0,
             violation: 0.0,
             restarted: false,
+            proved: None,
         })
     }
 
@@ -76,15 +79,26 @@ impl<'a> Rounds<'a> {
     fn play(&mut self, monitor: Monitor) -> (Place, Option<Status>) {
         let apart = self.dictionary.cols() / (2 * self.pool.len());
         let place = self.walk(apart.clamp(STRIDE.0, STRIDE.1), monitor);
-        if place.end == End::Interrupted {
-            return (place, Some(Status::Interrupted));
-        }
-        let verdict = match self.look(&place) {
-            Look::Changed => None,
-            Look::Stays => verdict(&place),
-            Look::Fails => Some(inaccurate(&place)),
+        let verdict = match place.end {
+            End::Interrupted => Some(Status::Interrupted),
+            End::Lost => Some(inaccurate(&place)),
+            _ => match self.look(&place) {
+                Look::Changed => None,
+                Look::Stays => verdict(&place),
+                Look::Fails => Some(inaccurate(&place)),
+            },
         };
-        (place, verdict)
+        match (&verdict, &self.proved) {
+            // What was found last holds for the columns at hand; what was proved before, for all.
+            (Some(Status::Interrupted | Status::Inaccurate { .. }), Some(proved)) => {
+                (proved.clone(), verdict)
+            }
+            (None, _) if self.violation <= VIOLATION && place.end == End::Due => {
+                self.proved = Some(place.clone());
+                (place, verdict)
+            }
+            _ => (place, verdict),
+        }
     }
 
     /// λ off the bounds that an answer with ε = 0 does not need, or as it is where columns outside the pool do not allow it.
