@@ -141,7 +141,7 @@ impl Shared {
     }
 }
 
-/// `12 s of 30 s: ddy (1 of 2), solving: iteration 14, gap 3.1e-5`
+/// `12 s of 30 s: ddy (1 of 2), solving: step 14, gap 3.1e-5`
 fn text(work: &Work, targets: &[String], elapsed: Duration, limit: Option<Duration>) -> String {
     let mut text = duration(elapsed);
     if let Some(limit) = limit {
@@ -173,7 +173,7 @@ fn figures(p: Progress) -> String {
         known.push(format!("round {}", p.round));
     }
     if p.iteration > 0 {
-        known.push(format!("iteration {}", p.iteration));
+        known.push(format!("step {}", p.iteration));
     }
     for (name, figure) in [("gap", p.gap), ("violation", p.violation)] {
         if figure > 0.0 && figure.is_finite() {
@@ -238,7 +238,7 @@ mod tests {
             ..Progress::default()
         };
         let line = shown(Stage::Solving(p), None);
-        assert!(line.ends_with("solving: iteration 7, gap 1.2e-5"), "{line}");
+        assert!(line.ends_with("solving: step 7, gap 1.2e-5"), "{line}");
     }
 
     #[test]
