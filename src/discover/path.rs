@@ -13,6 +13,8 @@ use crate::term::Term;
 const KEPT: usize = 100;
 /// Knots after which a path is left: hundreds of terms by then, which say nothing of a sparse law.
 const MOST: usize = 2000;
+/// Part of the largest |a_j|‖φ_j‖ up to which a coefficient is rounding, and no term.
+const ROUNDING: f64 = 1e-12;
 
 impl Task<'_> {
     /// The knots down to the equation's ε, if they are asked for; none once the work is to stop.
@@ -33,9 +35,12 @@ impl Task<'_> {
     fn knot(&self, problem: &Problem, number: usize, knot: &Knot, largest: f64) -> PathKnot {
         let proof = solve::certify_lasso(problem, knot.penalty, &knot.coefficients, &knot.dual);
         let term = |j: usize| -> Term { self.library.term(j).unwrap_or_default() };
-        let mut terms: Vec<FoundTerm> = knot
-            .coefficients
-            .iter()
+        let norms = problem.dictionary.norms();
+        let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
+        let shares = knot.coefficients.iter().map(share);
+        let least = ROUNDING * shares.fold(0.0, f64::max);
+        let present = knot.coefficients.iter().filter(|c| share(c) > least);
+        let mut terms: Vec<FoundTerm> = present
             .map(|(j, a)| FoundTerm {
                 term: term(*j),
                 coefficient: *a,

@@ -22,8 +22,13 @@ pub(super) fn table(d: &Discovery, e: &Equation) -> String {
         .collect();
     let widths: [usize; 5] =
         std::array::from_fn(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0));
-    let changes = std::iter::once("change".to_string());
-    let changes = changes.chain(e.path.iter().map(|k| change(d, k)));
+    let tolerance = evidence.certificate.tolerance;
+    let met = last.residual <= tolerance * (1.0 + MET) + ROUNDING;
+    let mut changes = vec!["change".to_string()];
+    changes.extend(e.path.iter().map(|k| change(d, k)));
+    if let Some(end) = changes.last_mut().filter(|_| met) {
+        *end = "within the tolerance".into();
+    }
     let mut out = format!("    path: {}\n", knots(last.number));
     let mut before = 0;
     for (i, (row, change)) in rows.iter().zip(changes).enumerate() {
@@ -38,8 +43,7 @@ pub(super) fn table(d: &Discovery, e: &Equation) -> String {
         out.push_str(format!("    {}  {change}", cells.join("  ")).trim_end());
         out.push('\n');
     }
-    let tolerance = evidence.certificate.tolerance;
-    if last.residual > tolerance * (1.0 + MET) + ROUNDING {
+    if !met {
         out.push_str(&format!(
             "    the path ends here, short of the tolerance {}\n",
             significant(tolerance, DIGITS)

@@ -1,8 +1,8 @@
 //! Discovery → document → text.
 
 use super::{
-    Document, EquationEntry, FailedEntry, KnotEntry, Settings, SignalEntry, TermEntry, TimeKind, VERSION,
-    VariableEntry,
+    Document, EquationEntry, FailedEntry, KnotEntry, Settings, SignalEntry, TermEntry, TimeKind,
+    VERSION, VariableEntry,
 };
 use crate::discover::{Discovery, Equation, FoundTerm, PathKnot, Reason};
 use crate::lang::model::VarKind;
