@@ -142,8 +142,9 @@ impl Case {
         let scale = 1.0 / self.strongest(&knot.dual).max(1.0);
         let lambda: Vec<f64> = knot.dual.iter().map(|l| l * scale).collect();
         let dual = tau * dot(&self.y, &lambda) - 0.5 * tau * tau * dot(&lambda, &lambda);
-        // Values far below ‖y‖² are differences of larger ones.
-        let room = GAP * primal + ROUNDING * size * (tau + ROUNDING * size);
+        // λ = r/τ has the rounding of y, enlarged.
+        let relative = GAP + 1e-15 * size / tau.max(f64::MIN_POSITIVE);
+        let room = (relative * primal).max((ROUNDING * size).powi(2));
         prop_assert!(
             (primal - dual).abs() <= room,
             "{primal:e} {dual:e} {tau:e} {size:e}"
@@ -223,7 +224,10 @@ fn turns(knots: &[Knot]) -> Result<(), TestCaseError> {
         let mut support: Vec<usize> = knot.coefficients.iter().map(|(j, _)| *j).collect();
         support.sort_unstable();
         active.sort_unstable();
-        prop_assert_eq!(&support, &active, "{}", i);
+        // At τ = 0 a column that exact data do not need is zero up to rounding, and may be exactly.
+        let at_hand = |j: &usize| active.contains(j);
+        let same = support == active || (knot.penalty == 0.0 && support.iter().all(at_hand));
+        prop_assert!(same, "{i}: {support:?} {active:?}");
         active.extend(knot.enters);
     }
     Ok(())
@@ -264,7 +268,8 @@ proptest! {
             if knot.residual <= 1e-9 * size {
                 continue;
             }
-            prop_assert!(lasso.gap.abs() <= GAP, "{lasso:?} {}", knot.penalty / size);
+            let room = 1e-15 * size / knot.penalty;
+            prop_assert!(lasso.gap.abs() <= GAP + room, "{lasso:?} {}", knot.penalty / size);
             let c = certify(&p, &knot.coefficients, &knot.dual);
             // Nothing is paid for a = 0, and nothing is what the gap would be relative to.
             prop_assert!(c.proves_optimal || (c.primal == 0.0 && c.dual.abs() <= GAP * size), "{c:?}");
@@ -339,7 +344,7 @@ fn a_path_may_be_cut() {
     let mut told = 0;
     let stopped = lasso_path(&p, MOST, &mut |_| {
         told += 1;
-        if told > 5 {
+        if told > 3 {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())

@@ -158,18 +158,16 @@ impl<'a> Path<'a> {
         let most = ((WORK / work) as usize).max(STEPS);
         for step in 0.. {
             let segment = self.segment();
+            if step == stride {
+                return segment.place(self, self.level, End::Due);
+            }
+            self.steps += 1;
             if !watch(segment.gap(self), segment.residual(self.level)) {
                 return segment.place(self, self.level, End::Interrupted);
             }
-            if step == stride || self.steps > most {
-                let end = if self.steps > most {
-                    End::Lost
-                } else {
-                    End::Due
-                };
-                return segment.place(self, self.level, end);
+            if self.steps > most {
+                return segment.place(self, self.level, End::Lost);
             }
-            self.steps += 1;
             let Some((event, level)) = self.next(&segment, pool) else {
                 self.mark(&segment, 0.0);
                 return segment.place(self, self.level, End::Stuck);
