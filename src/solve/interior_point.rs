@@ -1,4 +1,4 @@
-//! The default solver: a primal–dual interior point for basis pursuit with and without a noise bound.
+//! A primal–dual interior point for basis pursuit with and without a noise bound.
 //!
 //! Chen, Donoho & Saunders (1998) split x = p − q into two positive parts; Mehrotra's predictor–corrector (1992; Nocedal &
 //! Wright, ch. 14) solves `min 1ᵀ(p + q) s.t. P(p − q) + r = y, ‖r‖₂ ≤ ε`, the bound as a second-order cone in
