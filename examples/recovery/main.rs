@@ -84,6 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 samples: Some(rows),
                 seed: draw,
                 memory: pipeline::MEMORY,
+                path: false,
             };
             outcomes.push(one(&program, draw, &options)?);
         }

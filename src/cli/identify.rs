@@ -53,6 +53,9 @@ pub struct Args {
     /// Most memory for a table, a library, and its values: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
+    /// Show after each equation the answers for larger tolerances, from the first term on
+    #[arg(long)]
+    path: bool,
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,
@@ -102,6 +105,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         samples: args.samples.map(|n| n as usize),
         seed: args.seed,
         memory: args.memory_limit,
+        path: args.path,
     };
     let found = pipeline::identify(&program, &measured, &options, &mut |step| {
         line.show(Work::Equation(step));

@@ -35,6 +35,27 @@ pub struct Equation {
     pub reasons: Vec<Reason>,
     /// `None` for an equation that the model states as known.
     pub evidence: Option<Evidence>,
+    /// Answers for larger tolerances, from no term on; empty unless asked for.
+    pub path: Vec<PathKnot>,
+}
+
+/// The answer of `min ½‖Φa − y‖² + τ‖Da‖₁`, and that of the smallest 1-norm within its own residual, where the terms change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathKnot {
+    /// Its place on the path, from 1. Where numbers skip, knots were left out.
+    pub number: usize,
+    /// τ relative to the largest that leaves any term: 1 at the first knot.
+    pub penalty: f64,
+    /// ‖Φa − y‖/‖y‖, rows weighted.
+    pub residual: f64,
+    /// In the order of print; coefficients in model units.
+    pub terms: Vec<FoundTerm>,
+    /// Comes in here, with a coefficient of zero yet.
+    pub enters: Option<Term>,
+    /// Leaves here.
+    pub leaves: Option<Term>,
+    /// Relative duality gap of the penalised form, over all candidates.
+    pub gap: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]

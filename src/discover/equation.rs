@@ -117,7 +117,9 @@ impl Task<'_> {
         };
         let proposed = self.propose(&mut prepared, watcher);
         let answer = self.answer(&prepared, &proposed);
-        Ok(Ok(self.conclude(names, &prepared, &answer)))
+        let mut equation = self.conclude(names, &prepared, &answer);
+        equation.path = self.path(&prepared, watcher);
+        Ok(Ok(equation))
     }
 
     /// Rows, Φ, weights, tolerance.
@@ -343,6 +345,7 @@ impl Task<'_> {
             status,
             reasons,
             evidence: Some(evidence),
+            path: Vec::new(),
         }
     }
 
@@ -365,7 +368,7 @@ impl Task<'_> {
 }
 
 /// The order in which terms are printed.
-fn simpler(a: &Term, b: &Term) -> Ordering {
+pub(super) fn simpler(a: &Term, b: &Term) -> Ordering {
     a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
 }
 

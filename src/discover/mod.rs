@@ -10,6 +10,7 @@ mod equation;
 mod form;
 mod mass;
 mod memory;
+mod path;
 mod proof;
 mod rows;
 mod strain;
@@ -31,7 +32,8 @@ use crate::solve::Solver;
 use crate::term::Term;
 
 pub use discovery::{
-    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Proof, Reason, Status, Variable,
+    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, PathKnot, Proof, Reason, Status,
+    Variable,
 };
 pub use form::{Form, NotRunnable, Rate, Row, Weighted};
 pub use ties::check_constraints;
@@ -47,6 +49,8 @@ pub struct Options {
     pub seed: u64,
     /// Most bytes that one equation's Φ may take.
     pub memory: u64,
+    /// Whether the whole path of each equation is wanted.
+    pub path: bool,
 }
 
 /// A term that the data cannot evaluate: which equation asked for it, and where it fails.
@@ -152,6 +156,7 @@ fn stated(target: crate::term::Signal, terms: Vec<(f64, Term)>) -> Equation {
         status: Status::Known,
         reasons: Vec::new(),
         evidence: None,
+        path: Vec::new(),
     }
 }
 

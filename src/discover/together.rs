@@ -91,7 +91,9 @@ impl<'a> Group<'a> {
         let found: Vec<Pairs> = answers.iter().map(Answer::pairs).collect();
         let doubts = strain::doubts(names, &case, &found, &pressing);
         for (m, answer) in members.iter().zip(&answers) {
-            let equation = m.task.conclude(names, &m.prepared, answer);
+            watcher.turn_to(m.place);
+            let mut equation = m.task.conclude(names, &m.prepared, answer);
+            equation.path = m.task.path(&m.prepared, watcher);
             done.push((m.place, Ok(equation)));
         }
         Ok(Concluded { done, doubts })

@@ -4,7 +4,7 @@ use crate::discover::{Discovery, Equation, Evidence, Proof, Reason, Status};
 use crate::term::SignalNames;
 
 use super::number::significant;
-use super::text;
+use super::{path, text};
 
 /// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found.
 pub fn answer(d: &Discovery) -> String {
@@ -14,6 +14,7 @@ pub fn answer(d: &Discovery) -> String {
         for line in remarks(e) {
             out.push_str(&format!("    {line}\n"));
         }
+        out.push_str(&path::table(d, e));
     }
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));

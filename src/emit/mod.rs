@@ -6,6 +6,7 @@ mod evidence;
 mod latex;
 mod names;
 mod number;
+mod path;
 mod rust;
 mod text;
 

@@ -64,6 +64,22 @@ pub struct EquationEntry {
     pub reasons: Vec<Reason>,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub evidence: Option<Evidence>,
+    /// Answers for larger tolerances; absent unless asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub path: Vec<KnotEntry>,
+}
+
+/// One answer of the path. What comes in or leaves follows from the terms, and is not written.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KnotEntry {
+    /// From 1; numbers that are missing are knots left out.
+    pub number: usize,
+    /// Relative to that of the first knot.
+    pub penalty: f64,
+    /// Relative to the target.
+    pub residual: f64,
+    pub terms: Vec<TermEntry>,
+    pub gap: f64,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]

@@ -172,6 +172,8 @@ fn equation_of(entry: &EquationEntry, target: crate::term::Signal, terms: Vec<Te
         status: entry.status,
         reasons: entry.reasons.clone(),
         evidence: entry.evidence.clone(),
+        // Nothing that reads a result asks for the way to it.
+        path: Vec::new(),
     }
 }
 

@@ -1,10 +1,10 @@
 //! Discovery → document → text.
 
 use super::{
-    Document, EquationEntry, FailedEntry, Settings, SignalEntry, TermEntry, TimeKind, VERSION,
-    VariableEntry,
+    Document, EquationEntry, FailedEntry, KnotEntry, Settings, SignalEntry, TermEntry, TimeKind,
+    VERSION, VariableEntry,
 };
-use crate::discover::{Discovery, Equation, Reason};
+use crate::discover::{Discovery, Equation, FoundTerm, PathKnot, Reason};
 use crate::lang::model::VarKind;
 use crate::term::{Language, SignalNames};
 
@@ -61,18 +61,30 @@ fn variable(v: &crate::discover::Variable) -> VariableEntry {
 fn equation(d: &Discovery, e: &Equation) -> EquationEntry {
     EquationEntry {
         target: d.name(e.target),
-        terms: e
-            .terms
-            .iter()
-            .map(|t| TermEntry {
-                term: Language(d).term(&t.term),
-                coefficient: t.coefficient,
-                fixed: t.fixed,
-                standard_error: t.standard_error.filter(|s| s.is_finite()),
-            })
-            .collect(),
+        terms: terms(d, &e.terms),
         status: e.status,
         reasons: e.reasons.clone(),
         evidence: e.evidence.clone(),
+        path: e.path.iter().map(|k| knot(d, k)).collect(),
+    }
+}
+
+fn terms(d: &Discovery, terms: &[FoundTerm]) -> Vec<TermEntry> {
+    let entry = |t: &FoundTerm| TermEntry {
+        term: Language(d).term(&t.term),
+        coefficient: t.coefficient,
+        fixed: t.fixed,
+        standard_error: t.standard_error.filter(|s| s.is_finite()),
+    };
+    terms.iter().map(entry).collect()
+}
+
+fn knot(d: &Discovery, k: &PathKnot) -> KnotEntry {
+    KnotEntry {
+        number: k.number,
+        penalty: k.penalty,
+        residual: k.residual,
+        terms: terms(d, &k.terms),
+        gap: k.gap,
     }
 }

@@ -143,7 +143,7 @@ pub fn refine_dual(problem: &Problem, support: &[usize], signs: &[f64], dual: &[
 }
 
 /// |a_j|‖φ_j‖ of the coefficients given.
-fn shares<'a>(
+pub(super) fn shares<'a>(
     problem: &'a Problem,
     coefficients: &'a [(usize, f64)],
 ) -> impl Iterator<Item = f64> + 'a {
@@ -158,7 +158,7 @@ fn dual_value(problem: &Problem, lambda: &[f64]) -> f64 {
 }
 
 /// ‖Φa − y‖₂ column by column over the non-zero coefficients.
-fn residual(problem: &Problem, coefficients: &[(usize, f64)]) -> f64 {
+pub(super) fn residual(problem: &Problem, coefficients: &[(usize, f64)]) -> f64 {
     let mut rest = problem.target.to_vec();
     let mut column = vec![0.0; rest.len()];
     for (j, a) in coefficients {

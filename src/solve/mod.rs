@@ -9,6 +9,7 @@ mod frame;
 mod homotopy;
 mod interior_point;
 mod joint;
+mod lasso_gap;
 mod least_squares;
 mod normal;
 mod omp;
@@ -31,6 +32,7 @@ pub use joint::{
     Fit, FitBlock, Joint, JointProof, JointSolution, Outcome, Row, Sense, certify_joint, conflict,
     fit, nearest, solve_joint,
 };
+pub use lasso_gap::{LassoCertificate, certify_lasso};
 pub use least_squares::{LeastSquares, least_squares};
 pub use omp::Omp;
 pub use polish::{Polished, polish};

@@ -55,6 +55,11 @@ impl<'a> Pool<'a> {
         self.columns.len()
     }
 
+    /// Number in the dictionary of the k-th column.
+    pub fn number(&self, k: usize) -> Option<usize> {
+        self.columns.get(k).copied()
+    }
+
     /// The k-th unit column.
     pub fn column(&self, k: usize) -> &[f64] {
         let rows = self.dictionary.rows();

@@ -131,6 +131,113 @@ fn a_baseline_never_passes_as_proved() {
     }
 }
 
+/// Lines of the tables of `--path`: columns by one space, without the gaps, which are rounding.
+fn paths(text: &str) -> String {
+    let mut lines = Vec::new();
+    let mut inside = false;
+    for line in text.lines() {
+        inside = line.starts_with("    path: ") || (inside && line.starts_with("    "));
+        if inside {
+            let mut words: Vec<&str> = line.split_whitespace().collect();
+            if words.len() > 4 && words[0].parse::<usize>().is_ok() {
+                let gap: f64 = words.remove(4).parse().unwrap();
+                assert!(gap < 1e-12, "{line}");
+            }
+            lines.push(words.join(" "));
+        }
+    }
+    lines.join("\n")
+}
+
+#[test]
+fn a_path_is_a_table_after_each_equation() {
+    let files = [
+        "models/lotka_volterra.sid",
+        "models/data/lotka_volterra.csv",
+    ];
+    let run = sidc(&["identify", files[0], files[1], "--path"]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    insta::assert_snapshot!(paths(&run.stdout));
+    let plain = sidc(&["identify", files[0], files[1]]).stdout;
+    assert!(!plain.contains("path:"), "{plain}");
+}
+
+/// The document's path: relative figures that fall from 1, terms as in an equation; nothing that reads it minds.
+#[test]
+fn a_path_is_an_array_of_the_document() {
+    let text = identify(&["--path", "--json"]).stdout;
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for equation in document["equations"].as_array().unwrap() {
+        let path = equation["path"].as_array().unwrap();
+        let figure = |i: usize, key: &str| path[i][key].as_f64().unwrap();
+        assert_eq!((figure(0, "number"), figure(0, "penalty")), (1.0, 1.0));
+        assert!((figure(0, "residual") - 1.0).abs() < 1e-12);
+        assert!(path[0]["terms"].as_array().unwrap().is_empty());
+        for i in 1..path.len() {
+            assert!(figure(i, "penalty") <= figure(i - 1, "penalty"));
+            assert!(figure(i, "residual") <= figure(i - 1, "residual"));
+            assert!(figure(i, "gap").abs() < 1e-9);
+        }
+        let last = path.last().unwrap();
+        let tolerance = equation["evidence"]["certificate"]["tolerance"].as_f64();
+        let over = last["residual"].as_f64().unwrap() / tolerance.unwrap();
+        assert!((over - 1.0).abs() < 1e-3, "{over}");
+        for term in equation["terms"].as_array().unwrap() {
+            let name = &term["term"];
+            let on_path = last["terms"].as_array().unwrap().iter();
+            let found = on_path.clone().find(|t| t["term"] == *name).unwrap();
+            let a = [term, found].map(|t| t["coefficient"].as_f64().unwrap());
+            assert!((a[0] - a[1]).abs() < 1e-3 * a[0].abs(), "{name} {a:?}");
+        }
+    }
+    assert!(!identify(&["--json"]).stdout.contains("\"path\""));
+    let folder = folder();
+    let file = write(folder.path(), "path.json", &text);
+    let run = sidc(&["export", &file, "--to", "text"]);
+    assert!(run.stdout.contains("dx = -10*x + 10*y"), "{}", run.stderr);
+}
+
+#[test]
+fn a_long_path_is_cut_in_the_middle() {
+    let folder = folder();
+    // Noise that is fitted exactly: about as many knots as rows.
+    let mut csv = String::from("t,x,w,dx\n");
+    let mut state = 1u64;
+    for i in 0..160 {
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 40) as f64 / (1u64 << 24) as f64 - 0.5
+        };
+        csv.push_str(&format!("{i},{},{},{}\n", random(), random(), random()));
+    }
+    let data = write(folder.path(), "noise.csv", &csv);
+    let model = write(
+        folder.path(),
+        "noise.sid",
+        "state x\ninput w\ndx ~ poly(x, w, t; 12)\n",
+    );
+    let run = sidc(&["identify", &model, &data, "--path"]);
+    assert!(
+        run.stdout.contains(" knots more\n"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+    let table = paths(&run.stdout);
+    let numbers: Vec<usize> = table
+        .lines()
+        .filter_map(|l| l.split(' ').next()?.parse().ok())
+        .collect();
+    assert_eq!(numbers.len(), 100, "{table}");
+    assert_eq!(numbers[98], 99);
+    assert!(numbers[99] > 100);
+    let head = format!("path: {} knots", numbers[99]);
+    assert!(table.starts_with(&head), "{table}");
+    assert!(table.contains(&format!("… {} knots more", numbers[99] - 100)));
+}
+
 #[test]
 fn windows_have_ends_or_not() {
     for (window, rows) in [

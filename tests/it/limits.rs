@@ -131,6 +131,7 @@ fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
         samples: None,
         seed: 0,
         memory: MEMORY,
+        path: false,
     };
     let mut told = Vec::new();
     let found = pipeline::identify(&program, &measured, &options, &mut |step| {

@@ -15,6 +15,7 @@ mod gallery;
 mod hostile_results;
 mod joint;
 mod lang;
+mod lasso;
 mod library;
 mod limits;
 mod measured;

@@ -4,8 +4,8 @@
 //! is their linear interpolation in the penalty.
 
 use super::super::reduce::norm;
-use super::super::{Monitor, Problem, Status};
-use super::path::{End, Goal, Place};
+use super::super::{CONSISTENT, Monitor, Problem, Status};
+use super::path::{End, Goal, Place, Turn};
 use super::rounds::{Look, Rounds};
 
 /// The answer of `min ½‖Φa − y‖₂² + τ‖D a‖₁`, which also is that of `min ‖D a‖₁ s.t. ‖Φa − y‖₂ ≤ ε` at its own residual.
@@ -17,8 +17,12 @@ pub struct Knot {
     pub residual: f64,
     /// By rising column, in the units of the raw columns.
     pub coefficients: Vec<(usize, f64)>,
-    /// λ = (y − Φa)/τ, length M: |φ_jᵀλ| ≤ ‖φ_j‖ for every column.
+    /// λ = (y − Φa)/τ, length M: |φ_jᵀλ| ≤ ‖φ_j‖ for every column. At τ = 0 its limit.
     pub dual: Vec<f64>,
+    /// The column that comes in here: its coefficient is still zero.
+    pub enters: Option<usize>,
+    /// The column that leaves here: its coefficient is zero again.
+    pub leaves: Option<usize>,
 }
 
 /// The answer at one penalty τ > 0, in the units of y, over columns of length one; a = 0 where τ ≥ max |φ_jᵀy|/‖φ_j‖.
@@ -35,18 +39,15 @@ pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> 
     };
     let rounds = Rounds::new(problem.dictionary, &target, goal);
     let Some(mut rounds) = rounds.filter(|r| r.level() > goal.penalty) else {
-        return Some(Knot {
-            penalty,
-            residual: size,
-            coefficients: Vec::new(),
-            dual: problem.target.iter().map(|y| y / penalty).collect(),
-        });
+        return Some(nothing(problem, penalty, size));
     };
     let (place, status) = rounds.run(monitor);
     (status == Status::Solved).then(|| knot(&rounds, &place, size))
 }
 
-/// All knots down to the problem's ε, at most `most`. Shorter where the monitor stops it, or where rounding ends the path.
+/// All knots from a = 0 down to the problem's ε, at most `most`; the last is where ε is met, at τ = 0 if that leaves nothing of y.
+/// Empty where a = 0 meets ε. Shorter where the monitor stops it, where rounding ends the path, or where ε is out of reach: the
+/// path then ends in a least-squares fit at τ = 0, which is no knot. Every knot is priced over all columns.
 pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot> {
     let size = norm(problem.target);
     let mut knots: Vec<Knot> = Vec::new();
@@ -61,12 +62,18 @@ pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot>
     let Some(mut rounds) = Rounds::new(problem.dictionary, &target, goal) else {
         return knots;
     };
+    knots.push(Knot {
+        enters: rounds.column(0),
+        ..nothing(problem, rounds.level() * size, size)
+    });
     while knots.len() < most {
         let place = rounds.walk(1, monitor);
         match (place.end, rounds.look(&place)) {
             (End::Interrupted, _) | (_, Look::Fails) => break,
             // Knots at smaller penalties were met without the columns that joined.
             (_, Look::Changed) => knots.retain(|k| k.penalty >= rounds.level() * size),
+            (End::Lost, Look::Stays) => break,
+            (End::Stuck, Look::Stays) if place.residual > CONSISTENT => break,
             (end, Look::Stays) => {
                 knots.push(knot(&rounds, &place, size));
                 if end != End::Due {
@@ -75,7 +82,20 @@ pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot>
             }
         }
     }
+    knots.truncate(most);
     knots
+}
+
+/// a = 0
+fn nothing(problem: &Problem, penalty: f64, size: f64) -> Knot {
+    Knot {
+        penalty,
+        residual: size,
+        coefficients: Vec::new(),
+        dual: problem.target.iter().map(|y| y / penalty).collect(),
+        enters: None,
+        leaves: None,
+    }
 }
 
 fn unit(target: &[f64], size: f64) -> Vec<f64> {
@@ -88,5 +108,13 @@ fn knot(rounds: &Rounds, place: &Place, size: f64) -> Knot {
         residual: place.residual * size,
         coefficients: rounds.raw(&place.coefficients, size),
         dual: place.lambda.clone(),
+        enters: match place.turn {
+            Turn::Enters(k) => rounds.column(k),
+            _ => None,
+        },
+        leaves: match place.turn {
+            Turn::Leaves(k, _) => rounds.column(k),
+            _ => None,
+        },
     }
 }

@@ -60,6 +60,18 @@ pub(super) struct Place {
     pub residual: f64,
     /// d/‖d‖: what the active columns cannot explain.
     pub rest: Vec<f64>,
+    /// What changed at this τ.
+    pub turn: Turn,
+}
+
+/// What a knot changes, by place in the pool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Turn {
+    None,
+    /// The column comes in, with a coefficient of zero so far.
+    Enters(usize),
+    /// The column leaves: its coefficient is zero. It came with this sign.
+    Leaves(usize, f64),
 }
 
 /// The start of a segment.
@@ -68,6 +80,7 @@ struct Knot {
     signs: Vec<f64>,
     /// τ
     level: f64,
+    turn: Turn,
 }
 
 /// Where a path is to end.
@@ -90,6 +103,8 @@ pub(super) struct Path<'a> {
     signs: Vec<f64>,
     level: f64,
     factor: Factor,
+    /// What changed last, at τ.
+    turn: Turn,
     pub steps: usize,
 }
 
@@ -124,6 +139,7 @@ impl<'a> Path<'a> {
             signs: Vec::new(),
             level: c.abs(),
             factor: Factor::new(target.len()),
+            turn: Turn::Enters(0),
             steps: 0,
         };
         path.enter(pool, 0, c.signum());
@@ -140,37 +156,35 @@ impl<'a> Path<'a> {
     ) -> Place {
         let work = 2.0 * self.target.len() as f64 * pool.len() as f64;
         let most = ((WORK / work) as usize).max(STEPS);
-        let mut barred = None;
         for step in 0.. {
-            self.steps += 1;
             let segment = self.segment();
+            if step == stride {
+                return segment.place(self, self.level, End::Due);
+            }
+            self.steps += 1;
             if !watch(segment.gap(self), segment.residual(self.level)) {
                 return segment.place(self, self.level, End::Interrupted);
             }
-            if step == stride || self.steps > most {
-                let end = if self.steps > most {
-                    End::Lost
-                } else {
-                    End::Due
-                };
-                return segment.place(self, self.level, end);
+            if self.steps > most {
+                return segment.place(self, self.level, End::Lost);
             }
-            let Some((event, level)) = self.next(&segment, pool, barred) else {
+            let Some((event, level)) = self.next(&segment, pool) else {
                 self.mark(&segment, 0.0);
                 return segment.place(self, self.level, End::Stuck);
             };
             self.mark(&segment, level);
-            barred = None;
             match event {
                 Event::Goal => return segment.place(self, level, End::Reached),
                 Event::Leave { place } => {
-                    barred = Some((self.active.remove(place), self.signs.remove(place)));
+                    let (column, sign) = (self.active.remove(place), self.signs.remove(place));
+                    self.turn = Turn::Leaves(column, sign);
                     self.factor.remove(place);
                 }
                 Event::Enter { column, sign } => {
                     if !self.enter(pool, column, sign) {
                         return segment.place(self, level, End::Lost);
                     }
+                    self.turn = Turn::Enters(column);
                 }
             }
             self.level = level;
@@ -207,6 +221,7 @@ impl<'a> Path<'a> {
         self.ends.truncate(at * self.target.len());
         self.knots.truncate(at + 1);
         let Some(knot) = self.knots.pop() else { return };
+        self.turn = knot.turn;
         self.factor = Factor::new(self.target.len());
         (self.active, self.signs) = (Vec::new(), Vec::new());
         for (k, sign) in knot.active.into_iter().zip(knot.signs) {
@@ -246,6 +261,7 @@ impl<'a> Path<'a> {
             active: self.active.clone(),
             signs: self.signs.clone(),
             level: self.level,
+            turn: self.turn,
         });
         let end = if level > 0.0 { level } else { self.level };
         self.ends.extend(segment.lambda(end));
@@ -263,14 +279,14 @@ impl<'a> Path<'a> {
     }
 
     /// The event of largest τ below the present one.
-    fn next(&self, s: &Segment, pool: &Pool, barred: Option<(usize, f64)>) -> Option<(Event, f64)> {
+    fn next(&self, s: &Segment, pool: &Pool) -> Option<(Event, f64)> {
         let left = norm(&s.d);
         let leave = self.first_to_leave(s);
         let explained = left <= EXPLAINED;
         let enter = if explained {
             None
         } else {
-            self.first_to_enter(s, left, pool, barred)
+            self.first_to_enter(s, left, pool)
         };
         let goal = s.goal(left, self.goal, explained);
         let goal = goal.map(|level| (Event::Goal, level.min(self.level)));
@@ -296,13 +312,7 @@ impl<'a> Path<'a> {
     }
 
     /// The column whose bound λ = w + u d meets first as u = 1/τ grows.
-    fn first_to_enter(
-        &self,
-        s: &Segment,
-        left: f64,
-        pool: &Pool,
-        barred: Option<(usize, f64)>,
-    ) -> Option<(Event, f64)> {
+    fn first_to_enter(&self, s: &Segment, left: f64, pool: &Pool) -> Option<(Event, f64)> {
         let (cw, cd) = s.correlations(pool);
         let mut is_out = vec![true; pool.len()];
         self.active.iter().for_each(|&k| is_out[k] = false);
@@ -312,7 +322,7 @@ impl<'a> Path<'a> {
         for k in 0..pool.len() {
             let sign = cd[k].signum();
             // What has just left its bound moves away from it; only rounding says otherwise.
-            if !is_out[k] || cd[k].abs() <= flat || barred == Some((k, sign)) {
+            if !is_out[k] || cd[k].abs() <= flat || self.turn == Turn::Leaves(k, sign) {
                 continue;
             }
             let u = ((sign - cw[k]) / cd[k]).max(now);
@@ -366,10 +376,17 @@ impl Segment {
         let level = if end == End::Stuck { 0.0 } else { level };
         let a = self.least_squares.iter().zip(&self.shrinkage);
         let a = a.map(|(b, g)| b - level * g);
+        let turn = match end {
+            End::Due | End::Interrupted => path.turn,
+            _ => Turn::None,
+        };
+        // What has just come in is zero, up to rounding.
+        let active = path.active.iter().copied().zip(a);
+        let coefficients = active.filter(|(k, _)| turn != Turn::Enters(*k)).collect();
         let left = norm(&self.d);
         Place {
             end,
-            coefficients: path.active.iter().copied().zip(a).collect(),
+            coefficients,
             lambda: self.lambda(if level > 0.0 { level } else { path.level }),
             level,
             residual: self.residual(level),
@@ -378,6 +395,7 @@ impl Segment {
                 .iter()
                 .map(|d| d / left.max(f64::MIN_POSITIVE))
                 .collect(),
+            turn,
         }
     }
 }

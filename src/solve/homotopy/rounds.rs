@@ -72,6 +72,11 @@ impl<'a> Rounds<'a> {
         self.pool.raw(coefficients, size)
     }
 
+    /// Number of the column at a place of the pool.
+    pub fn column(&self, place: usize) -> Option<usize> {
+        self.pool.number(place)
+    }
+
     /// One round; a status if it was the last.
     fn play(&mut self, monitor: Monitor) -> (Place, Option<Status>) {
         let apart = self.dictionary.cols() / (2 * self.pool.len());
