@@ -25,7 +25,10 @@ const SIBLINGS: &[(&str, &[&str])] = &[
         "src/library/generators",
         &["mod", "poly", "powers", "fourier", "lags"],
     ),
-    ("src/solve", &["interior_point", "clarabel", "omp", "stlsq"]),
+    (
+        "src/solve",
+        &["homotopy", "interior_point", "clarabel", "omp", "stlsq"],
+    ),
     ("src/emit", &["text", "latex", "rust"]),
 ];
 
