@@ -35,9 +35,20 @@ pub(super) struct Case<'a> {
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 12] = [
-        stopped, refused, heuristic, solver, crowded, poor_fit, misfit, rough, held_out, few_rows,
-        dependent, tied,
+    let rules: [fn(&Case) -> Option<Reason>; 13] = [
+        stopped,
+        refused,
+        heuristic,
+        contradicted,
+        solver,
+        crowded,
+        poor_fit,
+        misfit,
+        rough,
+        held_out,
+        few_rows,
+        dependent,
+        tied,
     ];
     let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
     reasons.extend(uncertain(case));
@@ -69,6 +80,20 @@ fn heuristic(c: &Case) -> Option<Reason> {
             format!(
                 "`{}` is a heuristic: the equation fits as shown, which is not a proof of the sparsest answer",
                 c.evidence.solver
+            ),
+        )
+    })
+}
+
+/// Rows that contradict each other, more terms than rows or not.
+fn contradicted(c: &Case) -> Option<Reason> {
+    matches!(c.solved, Solved::Inconsistent { .. }).then(|| {
+        Reason::new(
+            "inconsistent-rows",
+            format!(
+                "no combination of all {} terms fits these rows: they are noisy, or a term is missing. Say how noisy, with `noise` \
+                 or --noise NAME=SIGMA: this equation leaves {:.1e} of the target",
+                c.evidence.candidates, c.evidence.residual
             ),
         )
     })

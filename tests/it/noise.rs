@@ -69,3 +69,33 @@ fn noise_of_a_signal_that_is_not_there_is_refused() {
         run.stderr
     );
 }
+
+#[test]
+fn rows_that_contradict_each_other_are_doubted_however_many_terms_there_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let (model, data) = (folder.path().join("m.sid"), folder.path().join("d.csv"));
+    fs::write(&model, "state x, z\ndx ~ poly(x, z; 8)\n").unwrap();
+    // The same states three times, with rates that differ by a thousandth: twelve different rows and 45 terms.
+    let row = |i: usize| {
+        let (x, z) = (
+            (i % 12) as f64 / 4.0 - 1.0,
+            ((i % 12) * (i % 12) % 7) as f64 / 5.0,
+        );
+        let rate = 2.0 * x - z + 1e-3 * (i / 12) as f64;
+        format!("{i},{x},{z},{rate}\n")
+    };
+    let rows: String = (0..36).map(row).collect();
+    fs::write(&data, format!("t,x,z,dx\n{rows}")).unwrap();
+    let run = sidc(&[
+        "identify",
+        "-q",
+        model.to_str().unwrap(),
+        data.to_str().unwrap(),
+    ]);
+    assert_eq!(run.status, 3, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("doubt[inconsistent-rows]"),
+        "{}",
+        run.stdout
+    );
+}

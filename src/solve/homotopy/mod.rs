@@ -69,7 +69,8 @@ impl Solver for Homotopy {
 /// A path that ends short of ε on nearly dependent columns cannot tell a contradiction from rounding; least squares can,
 /// where it is affordable.
 fn second_opinion(problem: &Problem, solution: Solution) -> Solution {
-    let entries = problem.dictionary.rows() * problem.dictionary.cols();
+    let (rows, cols) = (problem.dictionary.rows(), problem.dictionary.cols());
+    let entries = rows.saturating_mul(cols);
     match solution.status {
         Status::Inaccurate { .. } | Status::Inconsistent { .. } if entries <= AFFORDABLE => {
             inconsistent(problem, solution)

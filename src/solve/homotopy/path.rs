@@ -25,9 +25,11 @@ const ROUNDING: f64 = 2e-15;
 const NEGLIGIBLE: f64 = 1e-10;
 /// Excess over |φᵀλ| ≤ 1 that tells that a column would have come in.
 pub(super) const VIOLATION: f64 = 1e-10;
-/// Multiplications allowed, and steps allowed in any case. Exact data and honest ε take less than a hundred steps; thousands
-/// mean that noise is being fitted: an ill-posed problem, whose path is as long as it is meaningless.
+/// Multiplications allowed, and steps allowed in any case. Exact data and honest ε take tens to thousands; more
+/// means that noise is being fitted: an ill-posed problem, whose path is as long as it is meaningless.
 const WORK: f64 = 1e10;
+/// No path was seen that needs more; each step keeps M + k numbers.
+const STEPS_A_ROW: usize = 100;
 const STEPS: usize = 1500;
 /// Knots looked at together when columns join.
 const BATCH: usize = 64;
@@ -158,7 +160,8 @@ impl<'a> Path<'a> {
         watch: &mut dyn FnMut(f64, f64) -> bool,
     ) -> Place {
         let work = 2.0 * self.target.len() as f64 * pool.len() as f64;
-        let most = ((WORK / work) as usize).max(STEPS);
+        let most = ((WORK / work) as usize).min(STEPS_A_ROW * self.target.len());
+        let most = most.max(STEPS);
         for step in 0.. {
             let segment = self.segment();
             if step == stride {
