@@ -8,6 +8,9 @@ use super::super::{CONSISTENT, Monitor, Problem, Status};
 use super::path::{End, Goal, Place, Turn};
 use super::rounds::{Look, Rounds};
 
+/// Excess over |φ_jᵀλ| ≤ ‖φ_j‖ with which a place is no knot.
+const BROKEN: f64 = 1e-9;
+
 /// The answer of `min ½‖Φa − y‖₂² + τ‖D a‖₁`, which also is that of `min ‖D a‖₁ s.t. ‖Φa − y‖₂ ≤ ε` at its own residual.
 #[derive(Clone, Debug)]
 pub struct Knot {
@@ -73,6 +76,8 @@ pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot>
             // Knots at smaller penalties were met without the columns that joined.
             (_, Look::Changed) => knots.retain(|k| k.penalty >= rounds.level() * size),
             (End::Lost, Look::Stays) => break,
+            // A column at hand is beyond its bound: its step was lost in rounding.
+            (_, Look::Stays) if rounds.violation() > BROKEN => break,
             (End::Stuck, Look::Stays) if place.residual > CONSISTENT => break,
             (end, Look::Stays) => {
                 knots.push(knot(&rounds, &place, size));

@@ -60,6 +60,11 @@ impl<'a> Rounds<'a> {
         self.path.level()
     }
 
+    /// How far the worst of all columns exceeded its bound when last priced.
+    pub fn violation(&self) -> f64 {
+        self.violation
+    }
+
     /// Rounds until the last.
     pub fn run(&mut self, monitor: Monitor) -> (Place, Status) {
         loop {
