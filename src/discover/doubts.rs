@@ -32,6 +32,8 @@ pub(super) struct Case<'a> {
     pub stopped: Option<Stop>,
     /// Whether the solver can prove what it finds.
     pub exact: bool,
+    /// Terms of the solver's own answer.
+    pub proposed: usize,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
@@ -124,10 +126,25 @@ fn solver(c: &Case) -> Option<Reason> {
 /// As many terms as rows: any target can be fitted so.
 fn crowded(c: &Case) -> Option<Reason> {
     let (k, m) = (c.terms.len(), c.evidence.rows);
-    (3 * k > m && k > 1).then(|| {
+    if 3 * k > m && k > 1 {
+        return Some(Reason::new(
+            "not-sparse",
+            format!(
+                "{k} terms from {m} rows is no sparse law: more rows, or a library that contains the physics"
+            ),
+        ));
+    }
+    // An exact fit that takes as many terms as any target would: what the criterion kept of it explains a part by chance.
+    let p = &c.evidence.certificate;
+    let dense = p.tolerance == 0.0 && !p.of_answer && 3 * c.proposed > m && c.proposed > 1;
+    dense.then(|| {
         Reason::new(
             "not-sparse",
-            format!("{k} terms from {m} rows is no sparse law: more rows, or a library that contains the physics"),
+            format!(
+                "the smallest 1-norm that fits these {m} rows has {} terms, of which {k} were kept: too few rows, noise that \
+                 nobody declared, or a term that is missing",
+                c.proposed
+            ),
         )
     })
 }

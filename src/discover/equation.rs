@@ -70,6 +70,8 @@ pub(super) struct Answer {
     pub solver: &'static str,
     /// Whether that solver can prove what it finds.
     pub exact: bool,
+    /// Terms of the solver's own answer.
+    pub proposed: usize,
     pub iterations: usize,
     pub status: Solved,
     pub stopped: Option<Stop>,
@@ -207,6 +209,7 @@ impl Task<'_> {
             searched: choice.searched,
             solver: self.options.solver.name(),
             exact: self.options.solver.exact(),
+            proposed: solve::support(&prepared.problem(), &solution.coefficients).len(),
             iterations: solution.iterations,
             status: solution.status.clone(),
             stopped: proposed.stopped,
@@ -331,6 +334,7 @@ impl Task<'_> {
             solved: &answer.status,
             stopped: answer.stopped,
             exact: answer.exact,
+            proposed: answer.proposed,
         });
         let status = if reasons.is_empty() {
             Status::Pass

@@ -203,6 +203,7 @@ pub(super) fn answer(
         searched: chosen.searched[b],
         solver,
         exact,
+        proposed: support.len(),
         iterations: solution.iterations + iterations,
         stopped: watcher.stop(),
         status,
