@@ -169,7 +169,7 @@ impl Task<'_> {
     pub fn propose(&self, prepared: &mut Prepared, watcher: &mut Watcher) -> Proposed {
         let problem = prepared.problem();
         let solution = watcher.solving(|monitor| self.options.solver.solve(&problem, monitor));
-        let largest = largest_contribution(problem.dictionary, &solution);
+        let largest = largest_contribution(&problem, &solution);
         prepared.weights.seen_contribution(largest);
         let (phi, weights) = (prepared.phi.as_ref(), &prepared.weights);
         let criterion = Criterion::new(
@@ -247,7 +247,7 @@ impl Task<'_> {
     }
 
     /// The term of a column of Φ.
-    fn term(&self, column: usize) -> Term {
+    pub fn term(&self, column: usize) -> Term {
         self.library.term(column).unwrap_or_default()
     }
 
@@ -259,19 +259,20 @@ impl Task<'_> {
     }
 
     fn found_terms(&self, answer: &Answer) -> Vec<FoundTerm> {
-        let found = answer
-            .support
-            .iter()
-            .zip(&answer.coefficients)
-            .zip(&answer.standard_errors);
-        let mut found: Vec<FoundTerm> = found
-            .map(|((j, a), e)| FoundTerm {
-                term: self.term(*j),
-                coefficient: *a,
-                fixed: false,
-                standard_error: e.is_finite().then_some(*e),
-            })
-            .collect();
+        let pairs = answer.pairs().into_iter();
+        let errors = answer.standard_errors.iter();
+        self.found(pairs.zip(errors.map(|e| e.is_finite().then_some(*e))))
+    }
+
+    /// Terms of ((column, coefficient), standard error), in the order in which they are printed.
+    pub fn found(&self, all: impl Iterator<Item = ((usize, f64), Option<f64>)>) -> Vec<FoundTerm> {
+        let term = |((column, coefficient), standard_error)| FoundTerm {
+            term: self.term(column),
+            coefficient,
+            fixed: false,
+            standard_error,
+        };
+        let mut found: Vec<FoundTerm> = all.map(term).collect();
         // Products stand in the order of their lists.
         found.sort_by(|a, b| simpler(&a.term, &b.term));
         found
@@ -372,7 +373,7 @@ impl Task<'_> {
 }
 
 /// The order in which terms are printed.
-pub(super) fn simpler(a: &Term, b: &Term) -> Ordering {
+fn simpler(a: &Term, b: &Term) -> Ordering {
     a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
 }
 
@@ -395,7 +396,12 @@ fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> f64 {
     }
     let fit = solve::least_squares(phi, y);
     let size = norm(y);
-    weights.seen_residual(&residual(phi, y, &fit.coefficients));
+    let exact = Problem {
+        dictionary: phi,
+        target: y,
+        tolerance: 0.0,
+    };
+    weights.seen_residual(&exact.left(&fit.coefficients));
     let free = (m - fit.rank.min(m - 1)) as f64;
     let noise = fit.residual * (m as f64 / free).sqrt();
     if noise > VISIBLE * size {
@@ -404,21 +410,8 @@ fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> f64 {
     (ROOM * noise).max(weights.tolerance).max(EXACT * size)
 }
 
-/// y − Φ a.
-fn residual(phi: &dyn Dictionary, y: &[f64], coefficients: &[(usize, f64)]) -> Vec<f64> {
-    let mut left = y.to_vec();
-    let mut column = vec![0.0; y.len()];
-    for (j, a) in coefficients {
-        phi.column(*j, &mut column);
-        left.iter_mut().zip(&column).for_each(|(l, c)| *l -= a * c);
-    }
-    left
-}
-
 /// Root mean square of the largest coefficient · column.
-fn largest_contribution(phi: &dyn Dictionary, solution: &Solution) -> f64 {
-    let sizes = solution.coefficients.iter();
-    let sizes = sizes.map(|(j, a)| a.abs() * phi.norms()[*j]);
-    let largest = sizes.fold(0.0, f64::max);
-    largest / (phi.rows() as f64).sqrt()
+fn largest_contribution(problem: &Problem, solution: &Solution) -> f64 {
+    let largest = problem.shares(&solution.coefficients).fold(0.0, f64::max);
+    largest / (problem.target.len() as f64).sqrt()
 }

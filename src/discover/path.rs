@@ -2,12 +2,11 @@
 //!
 //! In: the problem of one equation. Out: its knots as terms, the first ones and the last; what lies between is counted, not kept.
 
-use super::discovery::{FoundTerm, PathKnot};
-use super::equation::{Prepared, Task, simpler};
+use super::discovery::PathKnot;
+use super::equation::{Prepared, Task};
 use super::watch::Watcher;
 use super::weights::norm;
 use crate::solve::{self, Knot, Problem};
-use crate::term::Term;
 
 /// Knots that are kept: all but one from the start, and the last.
 const KEPT: usize = 100;
@@ -34,28 +33,17 @@ impl Task<'_> {
 
     fn knot(&self, problem: &Problem, number: usize, knot: &Knot, largest: f64) -> PathKnot {
         let proof = solve::certify_lasso(problem, knot.penalty, &knot.coefficients, &knot.dual);
-        let term = |j: usize| -> Term { self.library.term(j).unwrap_or_default() };
-        let norms = problem.dictionary.norms();
-        let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
-        let shares = knot.coefficients.iter().map(share);
-        let least = ROUNDING * shares.fold(0.0, f64::max);
-        let present = knot.coefficients.iter().filter(|c| share(c) > least);
-        let mut terms: Vec<FoundTerm> = present
-            .map(|(j, a)| FoundTerm {
-                term: term(*j),
-                coefficient: *a,
-                fixed: false,
-                standard_error: None,
-            })
-            .collect();
-        terms.sort_by(|a, b| simpler(&a.term, &b.term));
+        let shares: Vec<f64> = problem.shares(&knot.coefficients).collect();
+        let least = ROUNDING * shares.iter().fold(0.0, |m: f64, s| m.max(*s));
+        let present = knot.coefficients.iter().zip(&shares);
+        let present = present.filter(|(_, share)| **share > least);
         PathKnot {
             number,
             penalty: knot.penalty / largest,
             residual: knot.residual / norm(problem.target),
-            terms,
-            enters: knot.enters.map(term),
-            leaves: knot.leaves.map(term),
+            terms: self.found(present.map(|(pair, _)| (*pair, None))),
+            enters: knot.enters.map(|j| self.term(j)),
+            leaves: knot.leaves.map(|j| self.term(j)),
             gap: proof.gap,
         }
     }

@@ -55,10 +55,10 @@ pub fn certify(problem: &Problem, coefficients: &[(usize, f64)], dual: &[f64]) -
 
 /// The columns that matter: |a_j|‖φ_j‖ > `SUPPORT` · max.
 pub fn support(problem: &Problem, coefficients: &[(usize, f64)]) -> Vec<usize> {
-    let largest = shares(problem, coefficients).fold(0.0_f64, f64::max);
+    let largest = problem.shares(coefficients).fold(0.0_f64, f64::max);
     let columns = coefficients.iter().map(|(j, _)| *j);
     columns
-        .zip(shares(problem, coefficients))
+        .zip(problem.shares(coefficients))
         .filter(|(_, share)| *share > SUPPORT * largest)
         .map(|(j, _)| j)
         .collect()
@@ -71,7 +71,7 @@ pub fn certify_support(
     dual: &[f64],
     support: Vec<usize>,
 ) -> Certificate {
-    let primal: f64 = shares(problem, coefficients).sum();
+    let primal: f64 = problem.shares(coefficients).sum();
     // One more than the support has columns: the strongest column off it is among them.
     let strongest = problem.dictionary.strongest(dual, support.len() + 1, 0.0);
     let largest_correlation = strongest.largest();
@@ -81,7 +81,7 @@ pub fn certify_support(
     let off = off.filter(|(j, _)| support.binary_search(j).is_err());
     let margin = 1.0 - off.map(|(_, c)| c.abs()).next().unwrap_or(0.0) / scale;
     let gap = (primal - dual) / nonzero(primal.max(dual));
-    let residual = residual(problem, coefficients);
+    let residual = norm(&problem.left(coefficients));
     let length = norm(problem.target);
     let (rank, condition) = rank_and_condition(problem, &support);
     let allowed = if problem.tolerance > 0.0 {
@@ -142,30 +142,9 @@ pub fn refine_dual(problem: &Problem, support: &[usize], signs: &[f64], dual: &[
     }
 }
 
-/// |a_j|‖φ_j‖ of the coefficients given.
-pub(super) fn shares<'a>(
-    problem: &'a Problem,
-    coefficients: &'a [(usize, f64)],
-) -> impl Iterator<Item = f64> + 'a {
-    let norms = problem.dictionary.norms();
-    let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
-    coefficients.iter().map(share)
-}
-
 /// yᵀλ − ε‖λ‖₂
 fn dual_value(problem: &Problem, lambda: &[f64]) -> f64 {
     dot(problem.target, lambda) - problem.tolerance * norm(lambda)
-}
-
-/// ‖Φa − y‖₂ column by column over the non-zero coefficients.
-pub(super) fn residual(problem: &Problem, coefficients: &[(usize, f64)]) -> f64 {
-    let mut rest = problem.target.to_vec();
-    let mut column = vec![0.0; rest.len()];
-    for (j, a) in coefficients {
-        problem.dictionary.column(*j, &mut column);
-        add_scaled(&mut rest, -a, &column);
-    }
-    norm(&rest)
 }
 
 fn rank_and_condition(problem: &Problem, support: &[usize]) -> (usize, f64) {

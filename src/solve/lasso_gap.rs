@@ -3,7 +3,6 @@
 //! Weak duality: with |φ_jᵀλ| ≤ ‖φ_j‖ every a has `½‖Φa − y‖² + τ‖Da‖₁ ≥ τ yᵀλ − ½τ²‖λ‖²` (Boyd & Vandenberghe, section 5.2; Kim,
 //! Koh, Lustig, Boyd & Gorinevsky 2007, section III). Any λ is scaled into that set. It knows no solver.
 
-use super::certificate::{residual, shares};
 use super::reduce::{dot, nonzero, norm};
 use super::{CONSISTENT, Problem};
 
@@ -31,9 +30,9 @@ pub fn certify_lasso(
     coefficients: &[(usize, f64)],
     dual: &[f64],
 ) -> LassoCertificate {
-    let residual = residual(problem, coefficients);
+    let residual = norm(&problem.left(coefficients));
     let largest_correlation = problem.dictionary.strongest(dual, 1, 0.0).largest();
-    let paid: f64 = shares(problem, coefficients).sum();
+    let paid: f64 = problem.shares(coefficients).sum();
     let primal = paid + misfit(residual, penalty, norm(problem.target));
     let (along, length) = (dot(problem.target, dual), norm(dual));
     let mut scale = 1.0 / largest_correlation.max(1.0);

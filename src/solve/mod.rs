@@ -51,6 +51,26 @@ pub struct Problem<'a> {
     pub tolerance: f64,
 }
 
+impl Problem<'_> {
+    /// y − Φ a, for the coefficients that are not zero, in raw units.
+    pub fn left(&self, coefficients: &[(usize, f64)]) -> Vec<f64> {
+        let mut left = self.target.to_vec();
+        let mut column = vec![0.0; left.len()];
+        for (j, a) in coefficients {
+            self.dictionary.column(*j, &mut column);
+            reduce::add_scaled(&mut left, -a, &column);
+        }
+        left
+    }
+
+    /// |a_j|‖φ_j‖ of the coefficients given, in their order; zero past the last column.
+    pub fn shares(&self, coefficients: &[(usize, f64)]) -> impl Iterator<Item = f64> {
+        let norms = self.dictionary.norms();
+        let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
+        coefficients.iter().map(share)
+    }
+}
+
 /// What a solver found. Always finite; `status` says how far to believe it.
 #[derive(Clone, Debug)]
 pub struct Solution {

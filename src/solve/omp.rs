@@ -3,6 +3,7 @@
 //! Pati, Rezaiifar & Krishnaprasad (1993); Tropp & Gilbert (2007) say when it finds the sparsest answer. It asks a dictionary for
 //! its strongest column and single columns only, so Φ may be of any size. In: a [`Problem`]. Out: a fit without a proof; the dual is zero.
 
+use super::frame::settle;
 use super::polish::polish;
 use super::reduce::{SHORTEST, add_scaled, dot, norm};
 use super::{CONSISTENT, Monitor, Problem, Progress, Solution, Solver, Status};
@@ -29,14 +30,10 @@ impl Solver for Omp {
     }
 
     fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
-        let size = norm(problem.target);
-        let finite = problem.dictionary.norms().iter().all(|n| n.is_finite());
-        if !finite || !size.is_finite() || !problem.tolerance.is_finite() {
-            return Solution::zero(problem, Status::broken());
-        }
-        if size <= problem.tolerance {
-            return Solution::zero(problem, Status::Solved);
-        }
+        let size = match settle(problem) {
+            Ok(size) => size,
+            Err(settled) => return settled,
+        };
         let mut pursuit = Pursuit::new(problem, size);
         let end = pursuit.run(monitor);
         pursuit.finish(end)

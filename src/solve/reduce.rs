@@ -38,14 +38,10 @@ pub(super) struct Reduced {
 }
 
 impl Reduced {
-    /// `None` if the dictionary, the target or the tolerance holds a value that is not finite.
-    pub fn new(problem: &Problem) -> Option<Reduced> {
+    /// The dictionary, the target and the tolerance must be finite.
+    pub fn new(problem: &Problem) -> Reduced {
         let dictionary = problem.dictionary;
         let size = norm(problem.target);
-        let finite = dictionary.norms().iter().all(|n| n.is_finite());
-        if !finite || !size.is_finite() || !problem.tolerance.is_finite() {
-            return None;
-        }
         let kept = usable(dictionary);
         let norms: Vec<f64> = kept.iter().map(|&j| dictionary.norms()[j]).collect();
         let unit = unit_columns(dictionary, &kept, &norms);
@@ -54,7 +50,7 @@ impl Reduced {
         let mut beyond = range.outside(&y);
         let leftover = norm(&beyond);
         beyond.iter_mut().for_each(|b| *b /= nonzero(leftover));
-        Some(Reduced {
+        Reduced {
             matrix: range.basis.transpose() * &unit,
             target: times_transposed(range.basis.as_ref(), &y),
             strengths: range.values,
@@ -65,7 +61,7 @@ impl Reduced {
             norms,
             basis: range.basis,
             beyond,
-        })
+        }
     }
 
     /// ε' of the reduced rows, `√(ε² − leftover²)`; `None` when the leftover alone exceeds ε.

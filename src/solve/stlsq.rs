@@ -10,6 +10,7 @@
 
 use faer::{Mat, MatRef};
 
+use super::frame::settle;
 use super::polish::Pivoted;
 use super::reduce::{
     Range, add_scaled, minus, nonzero, norm, times, times_transposed, unit_columns, usable,
@@ -45,14 +46,10 @@ impl Solver for Stlsq {
         if rows.saturating_mul(cols) > MOST_ENTRIES {
             return Solution::zero(problem, refusal(rows, cols));
         }
-        let size = norm(problem.target);
-        let finite = dictionary.norms().iter().all(|n| n.is_finite());
-        if !finite || !size.is_finite() || !problem.tolerance.is_finite() {
-            return Solution::zero(problem, Status::broken());
-        }
-        if size <= problem.tolerance {
-            return Solution::zero(problem, Status::Solved);
-        }
+        let size = match settle(problem) {
+            Ok(size) => size,
+            Err(settled) => return settled,
+        };
         let mut ladder = Ladder::new(problem, size);
         let finished = ladder.climb(monitor);
         ladder.finish(problem, finished)

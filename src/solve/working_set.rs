@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use super::reduce::{add_scaled, norm};
+use super::reduce::norm;
 use super::{Problem, Solution, Status};
 use crate::dictionary::{Dense, Dictionary, Strongest};
 
@@ -57,12 +57,7 @@ fn price(problem: &Problem, found: &Solution) -> Strongest {
             .dictionary
             .strongest(&found.dual, most, 1.0 + VIOLATION);
     }
-    let mut left = problem.target.to_vec();
-    let mut column = vec![0.0; left.len()];
-    for (j, a) in &found.coefficients {
-        problem.dictionary.column(*j, &mut column);
-        add_scaled(&mut left, -a, &column);
-    }
+    let mut left = problem.left(&found.coefficients);
     let length = norm(&left);
     left.iter_mut()
         .for_each(|x| *x /= length.max(f64::MIN_POSITIVE));

@@ -7,6 +7,7 @@ use sidc::dictionary::{Collector, Dense, Dictionary, Strongest};
 use sidc::solve::{Problem, SOLVERS, Solution, Solver, Status, certify, least_squares};
 
 use crate::pendulum::{Random, Target, draw, regression};
+use crate::solve::{combine, gaussian};
 
 fn heuristics() -> impl Iterator<Item = &'static dyn Solver> {
     SOLVERS.iter().copied().filter(|s| !s.exact())
@@ -24,22 +25,6 @@ fn run(
         tolerance,
     };
     solver.solve(&problem, &mut |_| ControlFlow::Continue(()))
-}
-
-fn gaussian(rows: usize, cols: usize, seed: u64, scale: impl Fn(usize) -> f64) -> Dense {
-    let mut random = Random::new(seed);
-    let values = (0..rows * cols).map(|k| scale(k / rows) * random.normal());
-    Dense::new(rows, values.collect())
-}
-
-fn combine(dictionary: &dyn Dictionary, terms: &[(usize, f64)]) -> Vec<f64> {
-    let mut out = vec![0.0; dictionary.rows()];
-    let mut column = vec![0.0; dictionary.rows()];
-    for (j, c) in terms {
-        dictionary.column(*j, &mut column);
-        out.iter_mut().zip(&column).for_each(|(o, x)| *o += c * x);
-    }
-    out
 }
 
 fn length(v: &[f64]) -> f64 {

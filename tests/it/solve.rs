@@ -45,7 +45,7 @@ fn errors(r: &Regression, s: &Solution) -> (f64, f64) {
 }
 
 /// Standard normal entries, column j scaled by `scale(j)`.
-fn gaussian(rows: usize, cols: usize, seed: u64, scale: impl Fn(usize) -> f64) -> Dense {
+pub fn gaussian(rows: usize, cols: usize, seed: u64, scale: impl Fn(usize) -> f64) -> Dense {
     let mut random = Random::new(seed);
     Dense::new(
         rows,
@@ -56,7 +56,7 @@ fn gaussian(rows: usize, cols: usize, seed: u64, scale: impl Fn(usize) -> f64) -
 }
 
 /// Φ a for a few (column, coefficient) pairs.
-fn combine(dictionary: &dyn Dictionary, terms: &[(usize, f64)]) -> Vec<f64> {
+pub fn combine(dictionary: &dyn Dictionary, terms: &[(usize, f64)]) -> Vec<f64> {
     let mut out = vec![0.0; dictionary.rows()];
     let mut column = vec![0.0; dictionary.rows()];
     for (j, c) in terms {

@@ -3,10 +3,12 @@
 //! In: a problem (its ε ends the path). Out: knots from a = 0 on, each optimal over all columns. Between two knots the answer
 //! is their linear interpolation in the penalty.
 
+use super::super::frame::{is_finite, settle};
 use super::super::reduce::norm;
 use super::super::{CONSISTENT, Monitor, Problem, Status};
 use super::path::{End, Goal, Place, Turn};
 use super::rounds::{Look, Rounds};
+use super::unit;
 
 /// Excess over |φ_jᵀλ| ≤ ‖φ_j‖ with which a place is no knot.
 const BROKEN: f64 = 1e-9;
@@ -32,7 +34,7 @@ pub struct Knot {
 /// The problem's own ε is not looked at. `None` if values are not finite, the monitor stops it, or rounding ends the path.
 pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> {
     let size = norm(problem.target);
-    if !super::is_finite(problem, size) || penalty.is_nan() || penalty <= 0.0 {
+    if !is_finite(problem, size) || penalty.is_nan() || penalty <= 0.0 {
         return None;
     }
     let target = unit(problem.target, size);
@@ -52,11 +54,10 @@ pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> 
 /// Empty where a = 0 meets ε. Shorter where the monitor stops it, where rounding ends the path, or where ε is out of reach: the
 /// path then ends in a least-squares fit at τ = 0, which is no knot. Every knot is priced over all columns.
 pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot> {
-    let size = norm(problem.target);
     let mut knots: Vec<Knot> = Vec::new();
-    if !super::is_finite(problem, size) || size <= problem.tolerance {
+    let Ok(size) = settle(problem) else {
         return knots;
-    }
+    };
     let target = unit(problem.target, size);
     let goal = Goal {
         tolerance: problem.tolerance / size,
@@ -101,10 +102,6 @@ fn nothing(problem: &Problem, penalty: f64, size: f64) -> Knot {
         enters: None,
         leaves: None,
     }
-}
-
-fn unit(target: &[f64], size: f64) -> Vec<f64> {
-    target.iter().map(|y| y / size).collect()
 }
 
 fn knot(rounds: &Rounds, place: &Place, size: f64) -> Knot {

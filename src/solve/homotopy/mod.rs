@@ -12,8 +12,8 @@ mod rounds;
 
 pub use lasso::{Knot, lasso, lasso_path};
 
+use super::frame::settle;
 use super::least_squares::inconsistent;
-use super::reduce::norm;
 use super::{Monitor, Problem, Solution, Solver, Status};
 use path::Goal;
 use rounds::Rounds;
@@ -35,14 +35,11 @@ impl Solver for Homotopy {
     }
 
     fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
-        let size = norm(problem.target);
-        if !is_finite(problem, size) {
-            return Solution::zero(problem, Status::broken());
-        }
-        if size <= problem.tolerance {
-            return Solution::zero(problem, Status::Solved);
-        }
-        let target: Vec<f64> = problem.target.iter().map(|y| y / size).collect();
+        let size = match settle(problem) {
+            Ok(size) => size,
+            Err(settled) => return settled,
+        };
+        let target = unit(problem.target, size);
         let goal = Goal {
             tolerance: problem.tolerance / size,
             penalty: 0.0,
@@ -79,7 +76,7 @@ fn second_opinion(problem: &Problem, solution: Solution) -> Solution {
     }
 }
 
-fn is_finite(problem: &Problem, size: f64) -> bool {
-    let norms = problem.dictionary.norms();
-    size.is_finite() && problem.tolerance.is_finite() && norms.iter().all(|n| n.is_finite())
+/// y/‖y‖
+fn unit(target: &[f64], size: f64) -> Vec<f64> {
+    target.iter().map(|y| y / size).collect()
 }

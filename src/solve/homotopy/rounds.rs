@@ -89,14 +89,14 @@ impl<'a> Rounds<'a> {
     fn play(&mut self, monitor: Monitor) -> (Place, Option<Status>) {
         let apart = self.dictionary.cols() / (2 * self.pool.len());
         let place = self.walk(apart.clamp(STRIDE.0, STRIDE.1), monitor);
-        let verdict = match place.end {
-            End::Interrupted => Some(Status::Interrupted),
-            End::Lost => Some(inaccurate(&place)),
-            _ => match self.look(&place) {
-                Look::Changed => None,
-                Look::Stays => verdict(&place),
-                Look::Fails => Some(inaccurate(&place)),
-            },
+        let look = match place.end {
+            End::Interrupted | End::Lost => Look::Stays,
+            _ => self.look(&place),
+        };
+        let verdict = match look {
+            Look::Changed => None,
+            Look::Stays => verdict(&place),
+            Look::Fails => Some(inaccurate(&place)),
         };
         match (&verdict, &self.proved) {
             // What was found last holds for the columns at hand; what was proved before, for all.
@@ -200,7 +200,8 @@ fn verdict(place: &Place) -> Option<Status> {
         End::Stuck => Some(Status::Inconsistent {
             residual: place.residual,
         }),
-        End::Lost | End::Interrupted => Some(inaccurate(place)),
+        End::Lost => Some(inaccurate(place)),
+        End::Interrupted => Some(Status::Interrupted),
     }
 }
 

@@ -4,7 +4,7 @@
 //! obeys the rows has Σ‖D a‖₁/‖y‖ ≥ Σ(yᵀλ − ε‖λ‖₂) + νᵀd (weak duality; Boyd & Vandenberghe, section 5.2). It alters nothing.
 
 use super::super::certificate::{FEASIBLE, OPTIMAL_GAP};
-use super::super::reduce::{add_scaled, dot, nonzero, norm};
+use super::super::reduce::{dot, nonzero, norm};
 use super::{Joint, Row, Sense, named};
 
 /// What can be said about coefficients and a dual point of a joint problem.
@@ -36,20 +36,12 @@ pub fn certify_joint(
     let mut primal = 0.0;
     let mut feasible = joint.rows.iter().all(|r| holds(r, coefficients));
     for (problem, a) in joint.blocks.iter().zip(coefficients) {
-        let norms = problem.dictionary.norms();
         let length = norm(problem.target);
-        let shares = a.iter().map(|(j, a)| a.abs() * norms[*j]);
-        primal += shares.sum::<f64>() / nonzero(length);
-        let mut rest = problem.target.to_vec();
-        let mut column = vec![0.0; rest.len()];
-        for (j, a) in a {
-            problem.dictionary.column(*j, &mut column);
-            add_scaled(&mut rest, -a, &column);
-        }
+        primal += problem.shares(a).sum::<f64>() / nonzero(length);
         let exact = problem.tolerance == 0.0;
         let allowed = if exact { length } else { problem.tolerance };
         let allowed = problem.tolerance + FEASIBLE * allowed;
-        feasible &= norm(&rest) <= allowed;
+        feasible &= norm(&problem.left(a)) <= allowed;
     }
     let signed: Vec<f64> = joint.rows.iter().zip(multipliers).map(sign).collect();
     let prices = joint.blocks.iter().zip(duals).zip(coefficients).enumerate();
