@@ -15,11 +15,14 @@ mod missing;
 mod piece;
 mod samples;
 mod sampling;
+mod smooth;
 mod window;
 
 pub use bind::bind;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
+pub use instants::pieces;
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, SignalMonitor, samples};
+pub use smooth::{Break, Smoothed, smooth};
 pub use window::keep_window;

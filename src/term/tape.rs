@@ -10,7 +10,7 @@ use super::{Expr, Func, Signal};
 const BLOCK: usize = 64;
 
 /// Straight-line code for a list of expressions, common subexpressions evaluated once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Tape {
     code: Vec<Instruction>,
     registers: usize,
