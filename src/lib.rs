@@ -14,3 +14,4 @@ pub mod pipeline;
 pub mod result;
 pub mod solve;
 pub mod term;
+pub mod weak;

@@ -20,6 +20,7 @@ mod window;
 pub use bind::bind;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
+pub use instants::{gaps, settled};
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, SignalMonitor, samples};
 pub use window::keep_window;
