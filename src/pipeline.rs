@@ -140,7 +140,7 @@ pub fn identify(
     discover::discover(
         &program.model,
         &program.libraries,
-        &measured.samples,
+        (&measured.dataset, &measured.samples),
         options,
         watch,
     )

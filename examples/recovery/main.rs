@@ -80,6 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut outcomes = Vec::new();
         for draw in 0..args.draws {
             let options = Options {
+                method: Default::default(),
                 solver,
                 samples: Some(rows),
                 seed: draw,

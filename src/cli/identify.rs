@@ -7,7 +7,7 @@ use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
 use super::progress::{Line, Work};
 use super::{Failure, hint, output, status};
-use crate::discover::{Discovery, Options, Reason};
+use crate::discover::{Discovery, METHODS, Method, Options, Reason};
 use crate::emit;
 use crate::lang::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::lang::model::{Model, VarKind};
@@ -38,6 +38,10 @@ pub struct Args {
     /// Use only times A to B, ends optional: --window=2..10, --window=..5
     #[arg(long, value_name = "A..B", value_parser = window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
+    /// What equations are found from: estimated derivatives (regression), integrals against test functions (weak), or what
+    /// suits the data (auto)
+    #[arg(long, value_parser = method, default_value = METHODS[0].0)]
+    method: Method,
     /// Sparse solver (`sidc list` shows them)
     #[arg(long, value_parser = solver, default_value = SOLVERS[0].name())]
     solver: &'static dyn Solver,
@@ -101,6 +105,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let measured = inputs::report(staged, &sources, notes)?;
 
     let options = Options {
+        method: args.method,
         solver: args.solver,
         samples: args.samples.map(|n| n as usize),
         seed: args.seed,
@@ -225,6 +230,18 @@ fn said(diagnostics: &[Diagnostic]) -> Vec<Reason> {
         .filter(|d| d.severity == Severity::Warning)
         .map(|d| Reason::new(d.code, &d.message))
         .collect()
+}
+
+fn method(name: &str) -> Result<Method, String> {
+    let names = METHODS.iter().map(|(n, _)| *n);
+    let found = METHODS.iter().find(|(n, _)| *n == name);
+    found.map(|(_, m)| *m).ok_or_else(|| {
+        let known: Vec<&str> = names.clone().collect();
+        match did_you_mean(name, names) {
+            Some(n) => format!("did you mean `{n}`? known: {}", known.join(", ")),
+            None => format!("known: {}", known.join(", ")),
+        }
+    })
 }
 
 fn solver(name: &str) -> Result<&'static dyn Solver, String> {

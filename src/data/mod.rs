@@ -21,7 +21,7 @@ mod window;
 pub use bind::bind;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
-pub use instants::pieces;
+pub use instants::{gaps, pieces, settled};
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, SignalMonitor, samples};
 pub use smooth::{Break, Smoothed, smooth};

@@ -112,6 +112,9 @@ pub struct Evidence {
     pub rows: usize,
     /// Candidate terms N.
     pub candidates: usize,
+    /// How the rows were made, if they are not samples.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub method: String,
     /// Solver that proposed the support.
     pub solver: String,
     pub iterations: usize,

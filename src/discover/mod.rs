@@ -21,9 +21,10 @@ mod tied_support;
 mod ties;
 mod together;
 mod watch;
+mod weak;
 mod weights;
 
-use crate::data::Samples;
+use crate::data::{Dataset, Samples};
 use crate::dictionary::BadValue;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Model, RightSide};
@@ -39,9 +40,29 @@ pub use form::{Form, NotRunnable, Rate, Row, Weighted};
 pub use ties::check_constraints;
 pub use watch::{Stage, Step, Stop, Watch};
 
+/// What an equation is found from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// The program's choice.
+    #[default]
+    Auto,
+    /// Estimated derivatives, instant by instant.
+    Regression,
+    /// Integrals against test functions, so that noise is never differentiated.
+    Weak,
+}
+
+/// What `--method` takes.
+pub const METHODS: &[(&str, Method)] = &[
+    ("auto", Method::Auto),
+    ("regression", Method::Regression),
+    ("weak", Method::Weak),
+];
+
 /// How to look.
 #[derive(Clone, Copy)]
 pub struct Options {
+    pub method: Method,
     pub solver: &'static dyn Solver,
     /// Rows to draw at random; the rest is held out.
     pub samples: Option<usize>,
@@ -73,7 +94,7 @@ pub enum Refusal {
 pub fn discover(
     model: &Model,
     libraries: &[Option<Library>],
-    samples: &Samples,
+    (dataset, samples): (&Dataset, &Samples),
     options: &Options,
     watch: Watch,
 ) -> Result<Discovery, Vec<Refusal>> {
@@ -89,6 +110,8 @@ pub fn discover(
             target: equation.target,
             known: fixed_terms(&equation.right),
             library: libraries.get(i)?.as_ref()?,
+            model,
+            dataset,
             samples,
             options,
         };

@@ -64,7 +64,11 @@ fn fit(e: &Evidence) -> String {
 }
 
 fn scope(e: &Evidence) -> String {
-    format!("{} terms tried on {} rows", e.candidates, e.rows)
+    let rows = match e.method.as_str() {
+        "" => "rows".into(),
+        method => format!("integrals ({method})"),
+    };
+    format!("{} terms tried on {} {rows}", e.candidates, e.rows)
 }
 
 /// One line that says what the certificate proves, and what it does not.

@@ -127,6 +127,7 @@ fn measure(
 fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
     let (program, measured) = lorenz();
     let options = Options {
+        method: Default::default(),
         solver: SOLVERS[0],
         samples: None,
         seed: 0,
