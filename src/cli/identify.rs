@@ -38,8 +38,8 @@ pub struct Args {
     /// Use only times A to B, ends optional: --window=2..10, --window=..5
     #[arg(long, value_name = "A..B", value_parser = window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
-    /// What equations are found from: estimated derivatives (regression), integrals against test functions (weak), or what
-    /// suits the data (auto)
+    /// What equations are found from: the likelihood of the readings, trajectory and equations together (joint), estimated
+    /// derivatives (regression), integrals against test functions (weak), or what suits the data (auto)
     #[arg(long, value_parser = method, default_value = METHODS[0].0)]
     method: Method,
     /// Sparse solver (`sidc list` shows them)
@@ -89,11 +89,19 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let window = args.window.unwrap_or_default();
     limits.listen();
     let line = Line::start(!args.quiet, &program.model, &limits);
+    let options = Options {
+        method: args.method,
+        solver: args.solver,
+        samples: args.samples.map(|n| n as usize),
+        seed: args.seed,
+        memory: args.memory_limit,
+        path: args.path,
+    };
     let staged = pipeline::measure(
         &program,
         &tables,
         &args.params,
-        window,
+        (window, &options),
         &mut sources,
         &mut |signal| {
             line.show(Work::Preparing(program.model.name(signal)));
@@ -104,14 +112,6 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     warnings.extend(said(&staged.1));
     let measured = inputs::report(staged, &sources, notes)?;
 
-    let options = Options {
-        method: args.method,
-        solver: args.solver,
-        samples: args.samples.map(|n| n as usize),
-        seed: args.seed,
-        memory: args.memory_limit,
-        path: args.path,
-    };
     let found = pipeline::identify(&program, &measured, &options, &mut |step| {
         line.show(Work::Equation(step));
         limits.check()
@@ -144,13 +144,14 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
 
 fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) -> String {
     let mut text = String::new();
-    let rows = measured.samples.len();
+    let rows = measured.rows();
     let drawn = match args.samples {
         Some(n) if (n as usize) < rows => format!(" ({n} drawn, seed {})", args.seed),
         _ => String::new(),
     };
     let rows = match rows {
         0 => "no rows were ready".into(),
+        n if measured.joint.is_some() => format!("{n} samples"),
         n => format!("{n} rows{drawn}"),
     };
     text.push_str(&format!(

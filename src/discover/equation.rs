@@ -285,6 +285,7 @@ impl Task<'_> {
             held_out,
             searched: answer.searched,
             certificate: answer.proof.clone(),
+            together: None,
             ties: self.named(&answer.ties, names),
         };
         self.equation(names, terms, evidence, answer)
@@ -426,7 +427,7 @@ impl Task<'_> {
 }
 
 /// The order in which terms are printed.
-fn simpler(a: &Term, b: &Term) -> Ordering {
+pub(super) fn simpler(a: &Term, b: &Term) -> Ordering {
     a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
 }
 

@@ -66,7 +66,7 @@ impl Fit {
 
 /// Fits the support of `from`, whose coefficients, path and noise are the start.
 pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge) -> Option<Fit> {
-    let code = Code::new(problem.system, &from.support);
+    let code = Code::new(&problem.system, &from.support);
     let k = from.support.len();
     let mut point = from;
     let mut value = f64::INFINITY;

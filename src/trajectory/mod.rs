@@ -10,6 +10,7 @@
 
 mod beam;
 mod chain;
+mod channel;
 mod code;
 mod dense;
 mod fit;
@@ -23,6 +24,7 @@ mod sweep;
 mod system;
 mod triangle;
 
+pub use channel::{Channel, channels};
 pub use fit::Fit;
 pub use problem::Problem;
 pub use record::Record;

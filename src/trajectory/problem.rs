@@ -4,6 +4,7 @@
 
 use std::ops::Range;
 
+use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
 use super::quadratic::Quadratic;
@@ -13,11 +14,11 @@ use super::sweep::{Eliminated, Link, Reading, Sweep};
 use super::system::System;
 use super::triangle::Triangle;
 use crate::data::Dataset;
-use crate::term::{Expr, Signal, Tape};
+use crate::term::{Expr, Signal, Tape, Term};
 
 /// The estimation problem of one system on its data.
-pub struct Problem<'a> {
-    pub system: &'a System,
+pub struct Problem {
+    pub system: System,
     pub records: Vec<Record>,
     pub(super) curves: Vec<Curve>,
     /// Standard deviation of each state over the data; that of its estimate where it is not measured.
@@ -49,16 +50,16 @@ const LOOSE: f64 = 30.0;
 const ACCURACY: f64 = 0.01;
 const FINEST: f64 = 1e-11;
 
-impl<'a> Problem<'a> {
+impl Problem {
     /// # Errors
     /// A signal that the data do not have.
     pub fn new(
-        system: &'a System,
+        system: System,
         dataset: &Dataset,
         declared: &dyn Fn(Signal) -> Option<f64>,
-    ) -> Result<Problem<'a>, Signal> {
-        let records = records(system, dataset)?;
-        let curves = curves(system, &records, declared);
+    ) -> Result<Problem, Signal> {
+        let records = records(&system, dataset)?;
+        let curves = curves(&system, &records, declared);
         let n = system.states.len();
         let readings = (0..n).map(|i| readings(&records, i)).collect();
         let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
@@ -100,6 +101,64 @@ impl<'a> Problem<'a> {
                 own[i].unwrap_or(part * self.spread[i])
             })
             .collect()
+    }
+
+    /// A column that is not finite somewhere along the smooth curves.
+    pub fn undefined(&self) -> Option<&Term> {
+        let p = self.all.outputs();
+        let mut bad = None;
+        for (record, curve) in self.records.iter().zip(&self.curves) {
+            let points = self.points(record, &curve.states, &curve.rates);
+            let mut values = vec![0.0; p * record.len()];
+            self.all
+                .eval(&points, record.len(), &mut values, &mut Vec::new());
+            let finite = |row: &[f64]| row.iter().all(|x| x.is_finite());
+            let row = values.chunks_exact(record.len()).position(|r| !finite(r));
+            bad = bad.or(row);
+        }
+        self.system.columns.get(bad?)
+    }
+
+    /// Every channel as smoothing sees it.
+    pub fn channels(&self) -> Vec<Channel> {
+        super::channel::first(self)
+    }
+
+    /// Values of all signals (states, rates, outside) along the trajectory of a fit, one row a signal, all records.
+    pub fn values(&self, fit: &super::Fit) -> Vec<Vec<f64>> {
+        let signals = self.system.inputs().len();
+        let mut out = vec![Vec::new(); signals];
+        let code = Code::new(&self.system, fit.support());
+        for ((record, path), curve) in self.records.iter().zip(fit.paths()).zip(&self.curves) {
+            let mut points = self.points(record, path, &curve.rates);
+            // Rates that have no solution somewhere stay those of the curve.
+            let _ = code.rates(
+                fit.coefficients(),
+                &mut points,
+                record.len(),
+                &mut Default::default(),
+            );
+            for (out, row) in out.iter_mut().zip(points.chunks_exact(record.len())) {
+                out.extend_from_slice(row);
+            }
+        }
+        out
+    }
+
+    /// Signals at the samples of a record: row by row, as evaluation takes them.
+    fn points(&self, record: &Record, states: &[f64], rates: &[f64]) -> Vec<f64> {
+        let (n, m, count) = (self.states(), self.system.laws.len(), record.len());
+        let mut out = Vec::with_capacity(self.system.inputs().len() * count);
+        for i in 0..n {
+            out.extend((0..count).map(|k| states[k * n + i]));
+        }
+        for l in 0..m {
+            out.extend((0..count).map(|k| rates[k * m + l]));
+        }
+        for o in &record.outside {
+            out.extend_from_slice(&o.values);
+        }
+        out
     }
 
     pub fn states(&self) -> usize {
@@ -149,7 +208,7 @@ impl<'a> Problem<'a> {
     /// # Errors
     /// Laws that lead nowhere from there.
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
-        let code = Code::new(self.system, &at.support);
+        let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
         let mut triangle = Triangle::new(self.all.outputs());
         self.eliminate(&code, all, at, &mut triangle, false)?;

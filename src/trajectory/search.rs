@@ -53,8 +53,8 @@ pub struct Found {
 }
 
 /// Supports tried at one level.
-struct Level<'a, 'b> {
-    problem: &'a Problem<'b>,
+struct Level<'a> {
+    problem: &'a Problem,
     judge: Judge,
     /// Criterion of each support tried; ∞ where the fit failed.
     tried: BTreeMap<Vec<usize>, f64>,
@@ -62,7 +62,7 @@ struct Level<'a, 'b> {
     best: Vec<Fit>,
 }
 
-impl Level<'_, '_> {
+impl Level<'_> {
     /// Fits a support, unless it was; true if it became the best.
     fn fit(&mut self, point: Point) -> bool {
         if point.support.is_empty() || self.tried.contains_key(&point.support) {
