@@ -146,7 +146,7 @@ dx ~ poly(x; 3) + dx * <x, x^2>
         truth: || {
             let (inflow, fastest, half) = REACTION;
             let [a, b, c] = [inflow, (inflow - fastest) / half, -1.0 / half];
-            vec![("dx", vec![("1", a), ("x", b), ("dx*x", c)])]
+            vec![("dx", vec![("1", a), ("x", b), ("x*dx", c)])]
         },
         motion: michaelis_menten,
     },
@@ -390,8 +390,9 @@ fn lorenz(draw: &Draw) -> Table {
         |_: f64, &[x, y, z]: &[f64; 3]| [10.0 * (y - x), x * (28.0 - z) - y, x * y - 8.0 / 3.0 * z];
     let mut random = draw.random();
     let far = [random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), 25.0];
-    // A few seconds bring the state to the attractor.
-    let x0 = integrate(&f, 0.0, 3.0, far);
+    // Three seconds bring the state to the attractor.
+    let arrival = free(&f, &grid(301, 0.01), far);
+    let x0 = arrival.last().copied().unwrap_or(far);
     let times = draw.times();
     let states = free(&f, &times, x0);
     tabulate(&["t", "x", "y", "z"], &times, states, |x| *x, None)

@@ -236,14 +236,19 @@ fn title(case: &Case, record: &Record, counts: &[usize], defects: &str) -> Strin
         .map(|t| t.rows.len().to_string())
         .collect();
     let terms: Vec<String> = counts.iter().map(usize::to_string).collect();
+    let sizes = case.sensors.iter().zip(&record.sizes);
+    let sizes: Vec<String> = sizes
+        .map(|(s, size)| format!("{} {size:.2}", s.column))
+        .collect();
     let mut text = format!(
-        "{}: {} rows, {} terms",
+        "{}: {} rows, {} terms; standard deviations of the first motion: {}",
         case.name,
         rows.join(" + "),
-        terms.join(" + ")
+        terms.join(" + "),
+        sizes.join(", ")
     );
     if !defects.is_empty() {
-        text += &format!(", {defects}");
+        text += &format!("; {defects}");
     }
     text
 }

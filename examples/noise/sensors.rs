@@ -89,6 +89,8 @@ pub struct Record {
     pub tables: Vec<Table>,
     /// Standard deviation of the noise of each sensor, in the column's unit, before any spread over files.
     pub noise: Vec<(&'static str, f64)>,
+    /// Standard deviation of each sensor's undisturbed column, in the same order.
+    pub sizes: Vec<f64>,
 }
 
 /// Noise of an ideal table that outliers are measured by.
@@ -97,6 +99,8 @@ const IDEAL: f64 = 0.01;
 /// The record of `clean` at one noise level, with `defects`. The same seed gives the same draws at every level.
 pub fn record(case: &Case, clean: Vec<Table>, level: f64, defects: &[Defect], seed: u64) -> Record {
     let scales: Vec<f64> = case.sensors.iter().map(|s| scale(s, &clean)).collect();
+    let sizes = case.sensors.iter().map(|s| deviation(&clean, s.column));
+    let sizes = sizes.collect();
     let noise = case.sensors.iter().zip(&scales);
     let noise = noise.map(|(s, scale)| (s.column, level * scale)).collect();
     let files = clean.len();
@@ -120,30 +124,33 @@ pub fn record(case: &Case, clean: Vec<Table>, level: f64, defects: &[Defect], se
             delay(table, column, defects);
         }
     }
-    Record { tables, noise }
+    Record {
+        tables,
+        noise,
+        sizes,
+    }
 }
 
 fn scale(sensor: &Sensor, tables: &[Table]) -> f64 {
     match sensor.scale {
         Scale::Unit(size) => size,
-        Scale::Spread => {
-            let values: Vec<f64> = tables
-                .iter()
-                .flat_map(|t| column(t, sensor.column))
-                .collect();
-            let count = values.len().max(1) as f64;
-            let mean = values.iter().sum::<f64>() / count;
-            let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-            (square / count).sqrt()
-        }
+        Scale::Spread => deviation(tables, sensor.column),
     }
 }
 
-fn column(table: &Table, name: &str) -> Vec<f64> {
-    let at = table.names.iter().position(|n| *n == name);
-    let rows = table.rows.iter();
-    rows.filter_map(|row| at.and_then(|i| row.get(i)).copied())
-        .collect()
+/// Standard deviation of a column over all files.
+fn deviation(tables: &[Table], name: &str) -> f64 {
+    let cells = |t: &Table| {
+        let at = t.names.iter().position(|n| *n == name);
+        let rows = t.rows.iter();
+        rows.filter_map(|row| at.and_then(|i| row.get(i)).copied())
+            .collect::<Vec<f64>>()
+    };
+    let values: Vec<f64> = tables.iter().flat_map(cells).collect();
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+    (square / count).sqrt()
 }
 
 /// How much noisier than usual this file is.
