@@ -29,6 +29,7 @@ mod table;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use cases::{CASES, Case, Draw};
 use clap::Parser;
@@ -65,7 +66,7 @@ struct Args {
     force: force::Kind,
     /// Spoils the sensors further: quantise=STEP, wrap, missing=SHARE, offset=SIZE, delay=SAMPLES (of commands),
     /// outliers=SHARE:SIGMAS, spread=RATIO (over files); STEP and SIZE in units of the sensor's scale; @COLUMN restricts it
-    #[arg(long, num_args = 1.., allow_hyphen_values = true)]
+    #[arg(long, num_args = 1..)]
     defect: Vec<Defect>,
     /// Passed to sidc identify
     #[arg(long)]
@@ -99,25 +100,35 @@ struct Args {
     list: bool,
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let args = Args::parse();
+fn main() -> ExitCode {
+    match go(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            // As the program under study wrote it, lines and all.
+            eprintln!("{e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn go(args: &Args) -> Result<(), Box<dyn Error>> {
     if args.list {
         CASES
             .iter()
             .for_each(|c| println!("{:20} {}", c.name, c.about));
         return Ok(());
     }
-    let cases = chosen(&args)?;
+    let cases = chosen(args)?;
     if let Some(folder) = &args.write {
-        return cases.iter().try_for_each(|case| write(&args, case, folder));
+        return cases.iter().try_for_each(|case| write(args, case, folder));
     }
     if args.svg.is_some() && cases.len() > 1 {
         return Err("--svg draws one case at a time".into());
     }
-    let program = program(&args)?;
+    let program = program(args)?;
     let mut csv = table::CSV_HEAD.to_string();
     for case in cases {
-        study(&args, case, &program, &mut csv)?;
+        study(args, case, &program, &mut csv)?;
     }
     if let Some(path) = &args.csv {
         std::fs::write(path, csv)?;

@@ -79,6 +79,9 @@ pub fn write(
 }
 
 /// Runs the program on what [`write`] wrote.
+///
+/// # Errors
+/// A program that does not start, or refuses its options (exit status 2). Every other end is an outcome.
 pub fn run(
     program: &Program,
     case: &Case,
@@ -100,6 +103,10 @@ pub fn run(
         .map_err(|e| format!("cannot start {}: {e}", program.binary.display()))?;
     let seconds = start.elapsed().as_secs_f64();
     let errors = String::from_utf8_lossy(&output.stderr);
+    // The program does not know an option: no run of the study would mean anything.
+    if output.status.code() == Some(2) {
+        return Err(errors.trim_end().into());
+    }
     let mut said = codes_in(&errors);
     let document: Option<Document> = serde_json::from_slice(&output.stdout).ok();
     if document.is_none() && said.is_empty() {

@@ -247,3 +247,63 @@ pub fn model(case: &Case, defects: &[Defect]) -> String {
     }
     format!("{}data {{\n{}}}\n", case.model, entries.concat())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::CASES;
+
+    fn clean() -> Table {
+        let mut table = Table::new(&["t", "y", "theta", "F"]);
+        (0..200).for_each(|k| table.push(&[k as f64, 0.5, 7.0, k as f64]));
+        table
+    }
+
+    fn recorded(level: f64, defects: &[&str]) -> Record {
+        let defects: Result<Vec<Defect>, _> = defects.iter().map(|d| d.parse()).collect();
+        let defects = defects.unwrap_or_default();
+        assert!(!defects.is_empty() || level > 0.0);
+        record(&CASES[0], vec![clean(), clean()], level, &defects, 3)
+    }
+
+    #[test]
+    fn a_delayed_command_is_recorded_before_it_acts() {
+        let rows = &recorded(0.0, &["delay=5"]).tables[0].rows;
+        assert_eq!((rows.len(), &rows[0][..]), (195, &[0.0, 0.5, 7.0, 5.0][..]));
+        let rows = &recorded(0.0, &["delay=-5"]).tables[0].rows;
+        assert_eq!((rows.len(), &rows[0][..]), (195, &[5.0, 0.5, 7.0, 0.0][..]));
+    }
+
+    #[test]
+    fn steps_are_in_units_of_the_scale_and_only_angles_wrap() {
+        let row = &recorded(0.0, &["quantise=1", "wrap"]).tables[0].rows[0];
+        assert!((row[1] - 0.6).abs() < 1e-12);
+        assert!((row[2] - (7.0 - TAU)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn lost_cells_are_empty_in_their_column_only() {
+        let table = &recorded(0.0, &["missing=0.5@y"]).tables[0];
+        let lost = |at: usize| table.rows.iter().filter(|r| r[at].is_nan()).count();
+        assert!((70..130).contains(&lost(1)));
+        assert_eq!((lost(0), lost(2), lost(3)), (0, 0, 0));
+        assert!(table.csv().contains(",,"));
+    }
+
+    #[test]
+    fn noise_has_its_size_and_spreads_over_files() {
+        let deviation_of = |r: &Record, i: usize| deviation(&r.tables[i..=i], "y");
+        let even = recorded(0.1, &[]);
+        assert!((deviation_of(&even, 0) / 0.03 - 1.0).abs() < 0.15);
+        assert_ne!(even.tables[0].rows[0][1], even.tables[1].rows[0][1]);
+        let spread = recorded(0.1, &["spread=10"]);
+        let ratio = deviation_of(&spread, 1) / deviation_of(&spread, 0);
+        assert!((ratio / 100.0 - 1.0).abs() < 0.3);
+    }
+
+    #[test]
+    fn what_is_no_defect_is_refused_with_those_there_are() {
+        let refused = |text: &str| text.parse::<Defect>().is_err_and(|e| e.contains(USAGE));
+        assert!(refused("delay=x") && refused("drift=1") && refused("outliers=0.1"));
+    }
+}
