@@ -20,6 +20,8 @@ use crate::trajectory::{self, Channel, Found, Law, Problem, System};
 const CLEAN: f64 = 1e-6;
 /// Criterion within which data do not tell supports apart: odds of e³ to 1.
 const TIE: f64 = 6.0;
+/// The same where the rival has more terms: simplicity decides.
+const LARGER: f64 = 2.0;
 
 /// The problem of finding all equations together, where that is asked for or, by default, of use.
 ///
@@ -212,7 +214,12 @@ impl Report<'_> {
         let best = self.found.best.support();
         let mut seen = vec![part(best)];
         for (support, value) in &self.found.rivals {
-            let near = *value < self.found.best.value + TIE && support.len() <= best.len();
+            let within = if support.len() <= best.len() {
+                TIE
+            } else {
+                LARGER
+            };
+            let near = *value < self.found.best.value + within;
             let own = part(support);
             if near && !seen.contains(&own) {
                 seen.push(own);

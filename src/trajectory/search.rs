@@ -29,6 +29,10 @@ const MOST: usize = 7;
 const FITS: usize = 40;
 /// A proposal whose predicted criterion is worse than this is not fitted.
 const WORSE: f64 = 3.0;
+/// Nor, when all else is done, one worse than this, which the data would tell from the best.
+const APART: f64 = 6.0;
+/// Rivals fitted at the end.
+const RIVALS: usize = 12;
 /// Fits carried over to the next level.
 const CARRIED: usize = 3;
 /// Best subsets a law that are proposed.
@@ -148,6 +152,13 @@ impl Level<'_> {
                 better = self.fit(moved(&form, &current.point, support));
                 if better {
                     break;
+                }
+            }
+            if !better && last {
+                let rivals = self.proposals(&form, &current.point.support);
+                let near = rivals.into_iter().take_while(|(change, _)| *change < APART);
+                for (_, support) in near.take(RIVALS) {
+                    better |= self.fit(moved(&form, &current.point, support));
                 }
             }
             if !better && last && current.support().len() <= PRUNED {
