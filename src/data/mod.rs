@@ -15,6 +15,7 @@ mod missing;
 mod piece;
 mod samples;
 mod sampling;
+mod smooth;
 mod window;
 
 pub use bind::bind;
@@ -22,4 +23,5 @@ pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, SignalMonitor, samples};
+pub use smooth::{Break, Smoothed, smooth};
 pub use window::keep_window;
