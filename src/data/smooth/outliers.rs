@@ -7,7 +7,7 @@
 
 use super::posterior::Sweep;
 use super::record::Record;
-use super::settle::{Settled, median};
+use super::settle::{Settled, quantile};
 
 /// Standard deviations beyond which a value is none.
 const FAR: f64 = 5.0;
@@ -93,7 +93,7 @@ fn has_weight(weights: &[f64], row: usize) -> bool {
 fn relative(far: &[f64], weights: &[f64], sigma: f64) -> Vec<f64> {
     let accepted = far.iter().zip(weights).filter(|(_, w)| **w > 0.0);
     let mut accepted: Vec<f64> = accepted.map(|(d, _)| *d).collect();
-    let common = (median(&mut accepted) / 0.6745).max(0.3 * sigma);
+    let common = (quantile(&mut accepted, 0.5) / 0.6745).max(0.3 * sigma);
     let judge = |(row, d): (usize, &f64)| {
         if *d <= FAR * common {
             return d / common;
@@ -103,7 +103,8 @@ fn relative(far: &[f64], weights: &[f64], sigma: f64) -> Vec<f64> {
             .filter(|r| *r != row && has_weight(weights, *r))
             .filter_map(|r| far.get(r).copied())
             .collect();
-        d / common.max(median(&mut near) / 0.6745)
+        // The lower quartile, since outliers close together spoil half of the rows between them.
+        d / common.max(quantile(&mut near, 0.25) / 0.3186)
     };
     far.iter().enumerate().map(judge).collect()
 }

@@ -144,15 +144,16 @@ impl Record {
                 left.push((self.values.get(row).unwrap_or(&0.0) - mean).abs() / free);
             },
         );
-        median(&mut left) / 0.6745
+        quantile(&mut left, 0.5) / 0.6745
     }
 }
 
-pub(super) fn median(values: &mut [f64]) -> f64 {
+/// The value below which the part `q` of the values lies; 0 if there are none.
+pub(super) fn quantile(values: &mut [f64], q: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
-    let middle = values.len() / 2;
-    let (_, m, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    *m
+    let at = ((values.len() as f64 * q) as usize).min(values.len() - 1);
+    let (_, value, _) = values.select_nth_unstable_by(at, f64::total_cmp);
+    *value
 }
