@@ -4,9 +4,9 @@
 
 use super::Smoothed;
 use super::posterior::{STATES, State, Sweep};
-use super::record::{Record, stretches};
+use super::record::Record;
 use super::settle::Settled;
-use crate::data::derivatives::{self, Stretch};
+use crate::data::derivatives;
 
 /// A spline that takes more of the values than this only interpolates.
 const SATURATED: f64 = 0.7;
@@ -14,7 +14,7 @@ const SATURATED: f64 = 0.7;
 /// that was let through, the rest what a signal as rough as the spline's prior would hide. Motion is smoother than that: half.
 const SHARE: [f64; STATES] = [11.0 / 12.0, 9.0 / 12.0, 7.0 / 12.0];
 
-impl Record {
+impl Record<'_> {
     pub(super) fn finish(
         &self,
         outliers: Vec<usize>,
@@ -105,12 +105,10 @@ impl Record {
 
     /// Nothing to smooth: the values are the data, and local polynomials of many samples know the derivatives better.
     fn keep_data(&self, weights: &[f64], out: &mut Smoothed) {
-        let without: Vec<bool> = weights.iter().map(|w| *w == 0.0).collect();
         let mut kept = 0;
-        for (row, _) in without.iter().enumerate().filter(|(_, w)| !**w) {
-            let value = self.values.get(row).unwrap_or(&0.0);
-            if let Some(v) = out.values.get_mut(row) {
-                *v = self.centre + value * self.spread;
+        for (row, _) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+            if let Some((v, raw)) = out.values.get_mut(row).zip(self.raw.get(row)) {
+                *v = *raw;
             }
             if let Some(e) = out.error.first_mut().and_then(|e| e.get_mut(row)) {
                 *e = out.sigma;
@@ -118,7 +116,7 @@ impl Record {
             kept += 1;
         }
         (out.freedom, out.lambda) = (kept as f64, 0.0);
-        let pieces = self.cut(&without);
+        let pieces = self.cut(weights);
         let sigma = Some(out.sigma / self.spread);
         let [_, slope_error, curvature_error] = &mut out.error;
         let derivatives = [
@@ -137,19 +135,5 @@ impl Record {
                 }
             }
         }
-    }
-
-    /// Stretches of values that are there, cut at every break of the record as well.
-    fn cut(&self, without: &[bool]) -> Vec<Stretch> {
-        let mut out = Vec::new();
-        for s in stretches(without, &[]) {
-            let inner = self.stretches.iter().map(|c| Stretch {
-                start: s.start.max(c.start),
-                end: s.end.min(c.end),
-                rows_end: s.rows_end.min(c.rows_end),
-            });
-            out.extend(inner.filter(|c| c.start < c.end && c.start < c.rows_end));
-        }
-        out
     }
 }

@@ -67,7 +67,7 @@ pub fn smooth(
     if !rising || present < FEWEST || time.len() != values.len() {
         return None;
     }
-    let record = Record::new(time, values, breaks)?;
+    let record = Record::new(time, values, breaks);
     let sigma = sigma
         .filter(|s| *s > 0.0 && s.is_finite())
         .map(|s| s / record.spread);

@@ -11,29 +11,34 @@ use crate::data::derivatives::{Grid, Stretch};
 const SMALL: f64 = 1e-280;
 
 /// A channel in its own units: values less their mean over their spread, time in median steps.
-pub(super) struct Record {
+pub(super) struct Record<'a> {
     pub grid: Grid,
     pub step: f64,
     pub centre: f64,
     pub spread: f64,
     /// 0 where missing.
     pub values: Vec<f64>,
+    /// As they came.
+    pub raw: &'a [f64],
     pub missing: Vec<bool>,
     /// With every break, and with those of order 0 alone if there are others.
     pub chains: Vec<Vec<Node>>,
     pub stretches: Vec<Stretch>,
+    /// Rows that begin after a break of order 0, rising.
+    pub torn: Vec<usize>,
 }
 
-impl Record {
-    pub(super) fn new(time: &[f64], values: &[f64], breaks: &[Break]) -> Option<Record> {
+impl<'a> Record<'a> {
+    pub(super) fn new(time: &[f64], values: &'a [f64], breaks: &[Break]) -> Record<'a> {
         let grid = Grid::new(time);
         let mut steps: Vec<f64> = grid.time().windows(2).map(|w| w[1] - w[0]).collect();
         let middle = steps.len() / 2;
         let (_, step, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
         let step = *step;
         let missing: Vec<bool> = values.iter().map(|v| !v.is_finite()).collect();
-        let (centre, spread) = scale(values);
-        let scaled = values.iter().map(|v| match v.is_finite() {
+        let raw = values;
+        let (centre, spread) = scale(raw);
+        let scaled = raw.iter().map(|v| match v.is_finite() {
             true => v / spread - centre / spread,
             false => 0.0,
         });
@@ -43,7 +48,10 @@ impl Record {
             let gaps: Vec<Break> = breaks.iter().filter(|b| b.order == 0).copied().collect();
             chains.push(chain(grid.time(), step, &gaps));
         }
-        Some(Record {
+        let torn = breaks.iter().filter(|b| b.order == 0);
+        Record {
+            torn: torn.map(|b| b.row).collect(),
+            raw,
             stretches: stretches(&missing, breaks),
             grid,
             step,
@@ -52,7 +60,7 @@ impl Record {
             values,
             missing,
             chains,
-        })
+        }
     }
 
     pub(super) fn present(&self) -> Vec<f64> {
@@ -60,12 +68,26 @@ impl Record {
         self.missing.iter().map(weight).collect()
     }
 
-    pub(super) fn channel<'a>(&'a self, chain: usize, weights: &'a [f64]) -> Channel<'a> {
+    pub(super) fn channel<'c>(&'c self, chain: usize, weights: &'c [f64]) -> Channel<'c> {
         Channel {
             chain: self.chains.get(chain).map_or(&[], Vec::as_slice),
             values: &self.values,
             weights,
         }
+    }
+
+    /// Stretches of rows with weight, cut at every break of the record as well.
+    pub(super) fn cut(&self, weights: &[f64]) -> Vec<Stretch> {
+        let mut out = Vec::new();
+        for s in uninterrupted(weights) {
+            let inner = self.stretches.iter().map(|c| Stretch {
+                start: s.start.max(c.start),
+                end: s.end.min(c.end),
+                rows_end: s.rows_end.min(c.rows_end),
+            });
+            out.extend(inner.filter(|c| c.start < c.end && c.start < c.rows_end));
+        }
+        out
     }
 }
 

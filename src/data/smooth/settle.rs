@@ -5,7 +5,7 @@
 use super::choose::{self, Channel, Fit, Rule};
 use super::posterior::Sweep;
 use super::record::{Record, uninterrupted};
-use crate::data::derivatives::noise;
+use crate::data::derivatives::{Stretch, noise};
 
 /// Widths of the spline's memory that are tried: below the first it interpolates.
 const NARROWEST: f64 = 0.25;
@@ -15,6 +15,9 @@ const NARROW: f64 = 0.6;
 const DOUBTFUL: f64 = 0.4;
 /// Values below which high differences tell nothing of the noise, and below which they tell little.
 const FEW: (f64, f64) = (12.0, 60.0);
+
+/// Rows that differences of every order fit into.
+const LONG: usize = 16;
 
 /// A stiffness and the noise it was chosen for.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +29,14 @@ pub(super) struct Settled {
     pub repeats: f64,
 }
 
-impl Record {
+impl Settled {
+    /// The spline follows so closely that what it leaves is not noise alone.
+    pub(super) fn is_doubtful(&self) -> bool {
+        self.fit.freedom > DOUBTFUL * self.fit.count
+    }
+}
+
+impl Record<'_> {
     /// Chooses chain and stiffness. `near`: a width that was right for nearly the same weights.
     pub(super) fn settle(
         &self,
@@ -51,7 +61,7 @@ impl Record {
         // The chain with all breaks comes first and wins ties.
         let best = tried.min_by(|(_, a), (_, b)| a.score(rule).total_cmp(&b.score(rule)));
         let (chain, fit) =
-            best.unwrap_or((0, choose::whole(&self.channel(0, weights), 1.0, sweep)));
+            best.unwrap_or_else(|| (0, choose::whole(&self.channel(0, weights), 1.0, sweep)));
         let settled = Settled {
             chain,
             fit,
@@ -82,7 +92,7 @@ impl Record {
         }
         let (few, several) = FEW;
         let count = settled.fit.count;
-        if settled.fit.freedom < DOUBTFUL * count || count < few {
+        if !settled.is_doubtful() || count < few {
             return settled;
         }
         let seen = self.seen(weights);
@@ -107,7 +117,13 @@ impl Record {
 
     /// Noise in high differences, never less than rounding in memory.
     fn seen(&self, weights: &[f64]) -> f64 {
-        let seen = noise::estimate(&self.grid, &self.values, &uninterrupted(weights));
+        let mut pieces = self.cut(weights);
+        // Pieces shorter than the differences show none.
+        let rows: usize = pieces.iter().map(Stretch::len).sum();
+        if rows < LONG * pieces.len() {
+            pieces = uninterrupted(weights);
+        }
+        let seen = noise::estimate(&self.grid, &self.values, &pieces);
         seen.max(self.rounding())
     }
 
