@@ -74,6 +74,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             args.window.unwrap_or_default(),
         ));
     }
+    // Here missing values are bridged; the note on their signal counts them.
+    said.retain(|d| d.code != "missing-values");
     let whole = !said.iter().any(Diagnostic::is_error);
     inputs::report((whole.then_some(()), said), &sources, notes)?;
 
@@ -246,7 +248,8 @@ fn table(model: &Model, dataset: &Dataset, curves: &[Vec<Curve>]) -> String {
                 text.push_str(&number(part.values.and_then(|v| v.get(row))));
                 if column.smooth {
                     text.push(',');
-                    text.push_str(&number(part.error.and_then(|v| v.get(row))));
+                    let error = part.error.and_then(|v| v.get(row));
+                    text.push_str(&error.map_or_else(String::new, |e| significant(*e, 4)));
                 }
             }
             text.push('\n');

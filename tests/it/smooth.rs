@@ -1,6 +1,10 @@
 //! The smoother against truths: noise found, curves found, errors honest.
 
+use std::path::Path;
+
 use sidc::data::{Break, Smoothed, smooth};
+
+use super::program::sidc;
 
 /// Normal deviates by summing twelve uniform ones of a small generator.
 fn noise(seed: u64, n: usize) -> Vec<f64> {
@@ -285,4 +289,121 @@ fn odd_records_have_answers_or_none() {
             .chain(&s.error[2])
             .all(|v| v.is_finite())
     );
+}
+
+/// A driven oscillator's position with noise, a hole, missing cells and two outliers, as a model and a table.
+fn oscillator(folder: &Path) -> [String; 2] {
+    let truth = sine(even(400, 0.02), 3.0);
+    let y = truth.noisy(0.01, 4);
+    let mut table = "t,x,u\n".to_string();
+    for (k, (t, y)) in truth.time.iter().zip(y).enumerate() {
+        let cell = match k {
+            50 | 51 => String::new(),
+            120 => format!("{}", y + 0.4),
+            300 => format!("{}", y - 0.1),
+            _ => format!("{y}"),
+        };
+        table.push_str(&format!("{t},{cell},{}\n", (2.0 * t).cos()));
+    }
+    let path = |name: &str| folder.join(name).display().to_string();
+    let [model, data] = [path("oscillator.sid"), path("oscillator.csv")];
+    let text = "sidc 1\nstate x : order 2\ninput u : linear\nddx ~ <x, dx, u>\n";
+    std::fs::write(&model, text).unwrap();
+    std::fs::write(&data, table).unwrap();
+    [model, data]
+}
+
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let mut lines = table.lines();
+    let header = lines.next().unwrap();
+    let at = header.split(',').position(|h| h == name).unwrap();
+    let cell = |l: &str| l.split(',').nth(at).and_then(|c| c.parse().ok());
+    lines.map(|l| cell(l).unwrap_or(f64::NAN)).collect()
+}
+
+#[test]
+fn the_command_writes_curves_and_says_what_it_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let [model, data] = oscillator(folder.path());
+    let run = sidc(&["smooth", &model, &data]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    insta::assert_snapshot!("smooth_stderr", run.stderr);
+    let header = "t,x,x_error,dx,dx_error,ddx,ddx_error,u";
+    assert_eq!(run.stdout.lines().next(), Some(header));
+    let truth = sine(column(&run.stdout, "t"), 3.0);
+    for (of, name) in truth.of.iter().zip(["x", "dx", "ddx"]) {
+        let (got, error) = (
+            column(&run.stdout, name),
+            column(&run.stdout, &format!("{name}_error")),
+        );
+        let within = got
+            .iter()
+            .zip(of)
+            .zip(error)
+            .filter(|((a, b), e)| (*a - *b).abs() < 3.0 * e);
+        assert!(within.count() > 380, "{name}");
+    }
+
+    let kept = sidc(&["smooth", &model, &data, "--keep-outliers"]);
+    assert!(!kept.stderr.contains("outlier"), "{}", kept.stderr);
+    let out = folder.path().join("out.csv").display().to_string();
+    let declared = sidc(&["smooth", &model, &data, "-o", &out, "--noise", "x=0.01"]);
+    assert!(
+        declared
+            .stderr
+            .contains("noise 0.01 (1.4 % of its spread, as declared)"),
+        "{}",
+        declared.stderr
+    );
+    assert_eq!(declared.stdout, "");
+    let written = std::fs::read_to_string(&out).unwrap();
+    assert_eq!(written.lines().count(), 401);
+
+    // The table is data for the same model.
+    let again = sidc(&["check", &model, &out]);
+    assert_eq!(again.status, 0, "{}", again.stderr);
+    assert!(
+        again.stdout.contains("measured: x, dx, ddx, u"),
+        "{}",
+        again.stdout
+    );
+}
+
+#[test]
+fn the_command_tells_runs_apart_and_refuses_what_is_not_smooth() {
+    let two = [
+        "smooth",
+        "models/sir.sid",
+        "models/data/sir_a.csv",
+        "models/data/sir_b.csv",
+        "-q",
+    ];
+    let run = sidc(&two);
+    assert_eq!((run.status, run.stderr.as_str()), (0, ""));
+    assert!(
+        run.stdout.starts_with("run,t,S,S_error,dS,dS_error,I,"),
+        "{}",
+        run.stdout
+    );
+    let of = |name: &str| {
+        run.stdout
+            .lines()
+            .filter(|l| l.starts_with(&format!("\"{name}\",")))
+            .count()
+    };
+    assert_eq!((of("sir_a.csv"), of("sir_b.csv")), (200, 200));
+
+    let discrete = sidc(&[
+        "smooth",
+        "models/logistic_map.sid",
+        "models/data/logistic_map.csv",
+    ]);
+    assert_eq!((discrete.status, discrete.stdout.as_str()), (1, ""));
+    assert!(
+        discrete.stderr.contains("error[not-smooth]"),
+        "{}",
+        discrete.stderr
+    );
+    let alone = sidc(&["smooth", "models/lorenz.sid"]);
+    assert!(alone.stderr.contains("error[no-data]"), "{}", alone.stderr);
 }
