@@ -261,7 +261,7 @@ fn solver(name: &str) -> Result<&'static dyn Solver, String> {
 }
 
 /// `2..10`, `..5`, `3..`
-fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
+pub(super) fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
     let (from, to) = text
         .split_once("..")
         .ok_or("write a stretch of time as A..B")?;
@@ -282,7 +282,7 @@ fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
 }
 
 /// `theta=0.01`
-fn noise(text: &str) -> Result<(String, f64), String> {
+pub(super) fn noise(text: &str) -> Result<(String, f64), String> {
     match parameter(text)? {
         (name, values) if values.len() == 1 && values.iter().all(|x| *x > 0.0) => {
             Ok((name, values.iter().sum()))
@@ -292,7 +292,7 @@ fn noise(text: &str) -> Result<(String, f64), String> {
 }
 
 /// What the command line says of the sensors holds over the model.
-fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
+pub(super) fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
     let signals = sensors(&program.model);
     for (name, sigma) in noise {
         if let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) {
