@@ -14,6 +14,7 @@ mod code;
 mod dense;
 mod fit;
 mod flow;
+mod moments;
 mod problem;
 mod quadratic;
 mod record;
@@ -21,7 +22,11 @@ mod search;
 mod smooth;
 mod sweep;
 mod system;
+mod transition;
 mod triangle;
+
+#[cfg(test)]
+mod tests;
 
 pub use fit::Fit;
 pub use problem::Problem;

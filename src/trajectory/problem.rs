@@ -6,12 +6,12 @@ use std::ops::Range;
 
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
+use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, records};
 use super::smooth::{Curve, curves};
-use super::sweep::{Eliminated, Link, Reading, Sweep};
+use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
-use super::triangle::Triangle;
 use crate::data::Dataset;
 use crate::term::{Expr, Signal, Tape};
 
@@ -129,10 +129,10 @@ impl<'a> Problem<'a> {
     /// The quadratic form of all columns about the smooth curves, laws taken to answer to nothing but their chains; `slack` is
     /// their noise a sample in units of the sensors'.
     pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
-        let mut triangle = Triangle::new(self.all.outputs());
+        let mut moments = Moments::new(self.all.outputs());
         let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
         for (record, curve) in self.records.iter().zip(&self.curves) {
-            let mut sweep = Sweep::new(&stiffness, self.all.outputs(), &mut triangle, false);
+            let mut sweep = Sweep::new(&stiffness, &mut moments, false);
             super::chain::links(self, record, curve, &mut |k, link| {
                 sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
                 if let Some(link) = link {
@@ -141,7 +141,7 @@ impl<'a> Problem<'a> {
             });
             sweep.end();
         }
-        Quadratic::new(&mut triangle)
+        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
     }
 
     /// The quadratic form of all columns about a point.
@@ -151,16 +151,16 @@ impl<'a> Problem<'a> {
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
         let code = Code::new(self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
-        let mut triangle = Triangle::new(self.all.outputs());
-        self.eliminate(&code, all, at, &mut triangle, false)?;
+        let mut moments = Moments::new(self.all.outputs());
+        self.eliminate(&code, all, at, &mut moments, false)?;
         // Corrections of active coefficients become the coefficients themselves.
         let active = at
             .support
             .iter()
             .copied()
             .zip(at.coefficients.iter().copied());
-        triangle.shift(&active.collect::<Vec<_>>());
-        Ok(Quadratic::new(&mut triangle))
+        let products = moments.shifted(&active.collect::<Vec<_>>());
+        Ok(Quadratic::new(&products, self.all.outputs()))
     }
 
     /// Eliminates all states about a point; what is left measures the coefficients.
@@ -169,7 +169,7 @@ impl<'a> Problem<'a> {
         code: &Code,
         all: Option<(&Tape, &[Range<usize>])>,
         at: &Point,
-        triangle: &mut Triangle,
+        gather: &mut impl Gather,
         keep: bool,
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
@@ -185,7 +185,7 @@ impl<'a> Problem<'a> {
         records
             .map(|(record, path)| {
                 let stiffness = stiffness(&at.sigma, record.len());
-                let mut sweep = Sweep::new(&stiffness, flow.width(), triangle, keep);
+                let mut sweep = Sweep::new(&stiffness, gather, keep);
                 let last = record.len() - 1;
                 for from in (0..last).step_by(BLOCK) {
                     let intervals = from..(from + BLOCK).min(last);
@@ -203,7 +203,7 @@ impl<'a> Problem<'a> {
 
     fn advance(
         &self,
-        sweep: &mut Sweep,
+        sweep: &mut Sweep<impl Gather>,
         block: &Block,
         b: usize,
         path: &[f64],
