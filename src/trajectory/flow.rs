@@ -9,6 +9,7 @@
 use std::ops::Range;
 
 use super::code::{Code, Diverged, Local, Scratch};
+use super::columns::{Columns, follow, lay_out};
 use super::record::Record;
 use super::transition::{Transition, unit};
 use crate::term::Tape;
@@ -19,8 +20,6 @@ pub(super) const BLOCK: usize = 64;
 const STEPS: usize = 64;
 /// Error of a step of size s, relative to the state, is about s⁵/120.
 const ERROR: f64 = 1.0 / 120.0;
-/// Columns of U handed out at once.
-const TILE: usize = 8;
 
 /// What the flow needs besides a record.
 pub(super) struct Flow<'a> {
@@ -62,7 +61,7 @@ pub(super) struct Work {
     stage: Vec<f64>,
     rates: [Vec<f64>; 4],
     tape: Vec<f64>,
-    /// Rates that the block before began with.
+    /// Rates that the block before began with, laws × BLOCK.
     guess: Vec<f64>,
     transition: Transition,
     /// T so far.
@@ -70,15 +69,31 @@ pub(super) struct Work {
     moved: Vec<f64>,
 }
 
-/// Intervals of a record and the size of a step in each.
+/// Intervals of a record that take equally many steps.
 struct Piece<'a> {
     record: &'a Record,
-    intervals: Range<usize>,
+    /// Samples that they start at.
+    intervals: Vec<usize>,
+    /// Their places in the block.
+    slots: Vec<usize>,
+    /// Size of a step in each.
     h: Vec<f64>,
     steps: usize,
 }
 
-impl Piece<'_> {
+impl<'a> Piece<'a> {
+    fn new(record: &'a Record, first: usize, slots: Vec<usize>, steps: usize) -> Self {
+        let intervals: Vec<usize> = slots.iter().map(|b| first + b).collect();
+        let length = |k: &usize| (record.time[k + 1] - record.time[*k]) / steps as f64;
+        Piece {
+            record,
+            h: intervals.iter().map(length).collect(),
+            intervals,
+            slots,
+            steps,
+        }
+    }
+
     fn count(&self) -> usize {
         self.h.len()
     }
@@ -108,31 +123,44 @@ impl Flow<'_> {
         out: &mut Block,
     ) -> Result<(), Diverged> {
         let (n, p, count) = (self.code.states, self.width(), intervals.len());
-        let time = intervals
-            .clone()
-            .map(|k| [record.time[k], record.time[k + 1]]);
-        let mut piece = Piece {
-            record,
-            intervals,
-            h: time.map(|[from, to]| to - from).collect(),
-            steps: 1,
-        };
-        self.begin(&piece, states, work)?;
-        piece.steps = self.steps(&work.local[0], &piece.h);
-        piece.h.iter_mut().for_each(|h| *h /= piece.steps as f64);
-        out.steps = piece.steps;
         out.columns.resize(count * n * p, 0.0);
+        out.transition.resize(count * n * n, 0.0);
+        out.end.resize(count * n, 0.0);
+        let all = Piece::new(record, intervals.start, (0..count).collect(), 1);
+        self.begin(&all, states, work)?;
+        let steps = self.steps(&work.local[0], &all.h);
+        out.steps = steps.iter().copied().max().unwrap_or(1);
+        if out.steps == 1 {
+            return self.run(&all, work, out);
+        }
+        let mut number = 1;
+        while number <= out.steps {
+            let slots: Vec<usize> = (0..count).filter(|b| steps[*b] == number).collect();
+            if !slots.is_empty() {
+                let piece = Piece::new(record, intervals.start, slots, number);
+                self.begin(&piece, states, work)?;
+                self.run(&piece, work, out)?;
+            }
+            number *= 2;
+        }
+        Ok(())
+    }
+
+    /// All steps of intervals that were begun.
+    fn run(&self, piece: &Piece, work: &mut Work, out: &mut Block) -> Result<(), Diverged> {
+        let (n, count) = (self.code.states, piece.count());
         work.reached.resize(n * n * count, 0.0);
         unit(&mut work.reached, n, count);
         for s in 0..piece.steps {
-            self.step(&piece, s, work)?;
-            self.accumulate(&piece, s, work, out);
+            self.step(piece, s, work)?;
+            self.accumulate(piece, s, work, out);
             work.points.swap(0, 2);
             work.local.swap(0, 2);
             work.values.swap(0, 2);
         }
-        lay_out(&work.points[0][..n * count], count, &mut out.end);
-        lay_out(&work.reached, count, &mut out.transition);
+        let ends = &work.points[0][..n * count];
+        lay_out(ends, &piece.slots, &mut out.end);
+        lay_out(&work.reached, &piece.slots, &mut out.transition);
         Ok(())
     }
 
@@ -144,23 +172,19 @@ impl Flow<'_> {
             points.resize(self.code.inputs * count, 0.0);
         }
         work.rates.iter_mut().for_each(|r| r.resize(n * count, 0.0));
-        if work.guess.len() != m * count {
-            work.guess = vec![0.0; m * count];
-        }
+        work.guess.resize(m * BLOCK, 0.0);
         let here = &mut work.points[0];
-        let first = piece.intervals.start * n;
-        for (b, state) in states[first..].chunks_exact(n).take(count).enumerate() {
-            for (i, x) in state.iter().enumerate() {
-                here[i * count + b] = *x;
-            }
+        for (b, (k, slot)) in piece.intervals.iter().zip(&piece.slots).enumerate() {
+            (0..n).for_each(|i| here[i * count + b] = states[k * n + i]);
+            (0..m).for_each(|l| here[(n + l) * count + b] = work.guess[l * BLOCK + slot]);
         }
-        here[n * count..(n + m) * count].copy_from_slice(&work.guess);
         self.place(piece, 0.0, here);
         let (scratch, local) = (&mut work.scratch, &mut work.local[0]);
         self.code
             .evaluate(self.coefficients, here, count, scratch, local)?;
-        work.guess
-            .copy_from_slice(&here[n * count..(n + m) * count]);
+        for (b, slot) in piece.slots.iter().enumerate() {
+            (0..m).for_each(|l| work.guess[l * BLOCK + slot] = here[(n + l) * count + b]);
+        }
         if let Some((tape, _)) = self.all {
             values(tape, here, count, &mut work.values[0], &mut work.tape);
         }
@@ -172,18 +196,17 @@ impl Flow<'_> {
         let first = self.code.states + self.code.laws;
         let rows = points.chunks_exact_mut(piece.count()).skip(first);
         for (x, row) in rows.enumerate() {
-            for (out, k) in row.iter_mut().zip(piece.intervals.clone()) {
-                *out = piece.record.outside_at(x, k, part);
+            for (out, k) in row.iter_mut().zip(&piece.intervals) {
+                *out = piece.record.outside_at(x, *k, part);
             }
         }
     }
 
-    /// Steps an interval, for the quickest of the block.
-    fn steps(&self, local: &Local, h: &[f64]) -> usize {
+    /// Steps of each interval of length `h`, a power of two.
+    fn steps(&self, local: &Local, h: &[f64]) -> Vec<usize> {
         let (n, count) = (self.code.states, h.len());
         let largest = (self.accuracy / ERROR).powf(0.2);
-        let mut most = 1.0f64;
-        for (b, h) in h.iter().enumerate() {
+        let steps = |(b, h): (usize, &f64)| {
             let mut norm = 0.0f64;
             for (l, i) in self.code.moved.iter().enumerate() {
                 let row: f64 = (0..n)
@@ -191,9 +214,10 @@ impl Flow<'_> {
                     .sum();
                 norm = norm.max(row / self.spread[*i]);
             }
-            most = most.max(h * norm / largest);
-        }
-        (most.min(STEPS as f64).ceil() as usize).next_power_of_two()
+            let wanted = (h * norm / largest).clamp(1.0, STEPS as f64);
+            (wanted.ceil() as usize).next_power_of_two()
+        };
+        h.iter().enumerate().map(steps).collect()
     }
 
     /// One step of Runge–Kutta from where the rates are known already, and everything in its middle and at its end.
@@ -264,10 +288,10 @@ impl Flow<'_> {
         if s > 0 {
             follow(
                 &work.transition.whole,
+                &piece.slots,
+                (n, self.width()),
                 &mut out.columns,
                 &mut work.moved,
-                n,
-                count,
             );
         }
         work.transition.follow(&mut work.reached, n, count);
@@ -297,13 +321,11 @@ impl Flow<'_> {
             gains: work.gains.each_ref().map(Vec::as_slice),
             values,
             laws: self.code.laws,
-            count,
+            slots: &piece.slots,
             n,
             p: self.width(),
         };
-        for (l, range) in ranges.iter().enumerate() {
-            columns.add(l, range.clone(), s > 0, &mut out.columns);
-        }
+        columns.add(ranges, s > 0, &mut out.columns);
     }
 
     /// ∂z'/∂z, n × n × intervals.
@@ -357,76 +379,8 @@ impl Flow<'_> {
     }
 }
 
-/// U of one step: gains at three nodes times columns there.
-struct Columns<'a> {
-    gains: [&'a [f64]; 3],
-    values: [&'a [f64]; 3],
-    laws: usize,
-    count: usize,
-    n: usize,
-    p: usize,
-}
-
-impl Columns<'_> {
-    /// The columns of one law, onto what is there or in its place.
-    fn add(&self, law: usize, range: Range<usize>, onto: bool, out: &mut [f64]) {
-        let (count, n, p) = (self.count, self.n, self.p);
-        let mut tile = [[0.0; BLOCK]; TILE];
-        for i in 0..n {
-            let at = (i * self.laws + law) * count;
-            let [g0, g1, g2] = self.gains.map(|g| &g[at..at + count]);
-            for first in range.clone().step_by(TILE) {
-                let wide = TILE.min(range.end - first);
-                for (j, line) in tile[..wide].iter_mut().enumerate() {
-                    let at = (first + j) * count;
-                    let [v0, v1, v2] = self.values.map(|v| &v[at..at + count]);
-                    for (b, x) in line[..count].iter_mut().enumerate() {
-                        *x = g0[b] * v0[b] + g1[b] * v1[b] + g2[b] * v2[b];
-                    }
-                }
-                for b in 0..count {
-                    let at = (b * n + i) * p + first;
-                    for (x, line) in out[at..at + wide].iter_mut().zip(&tile) {
-                        *x = if onto { *x + line[b] } else { line[b] };
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// U ← T U, interval by interval.
-fn follow(whole: &[f64], columns: &mut [f64], moved: &mut Vec<f64>, n: usize, count: usize) {
-    let size = columns.len() / count;
-    let p = size / n;
-    for (b, u) in columns.chunks_exact_mut(size.max(1)).enumerate() {
-        moved.clear();
-        moved.extend_from_slice(u);
-        u.fill(0.0);
-        for (i, to) in u.chunks_exact_mut(p).enumerate() {
-            for (k, from) in moved.chunks_exact(p).enumerate() {
-                let weight = whole[(i * n + k) * count + b];
-                if weight != 0.0 {
-                    to.iter_mut().zip(from).for_each(|(y, x)| *y += weight * x);
-                }
-            }
-        }
-    }
-}
-
 /// All columns at some points.
 fn values(tape: &Tape, points: &[f64], count: usize, out: &mut Vec<f64>, work: &mut Vec<f64>) {
     out.resize(tape.outputs() * count, 0.0);
     tape.eval(points, count, out, work);
-}
-
-/// Rows of all intervals → intervals one after another.
-fn lay_out(rows: &[f64], count: usize, out: &mut Vec<f64>) {
-    let size = rows.len() / count;
-    out.resize(rows.len(), 0.0);
-    for (k, row) in rows.chunks_exact(count).enumerate() {
-        for (b, x) in row.iter().enumerate() {
-            out[b * size + k] = *x;
-        }
-    }
 }

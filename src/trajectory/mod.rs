@@ -11,9 +11,11 @@
 mod beam;
 mod chain;
 mod code;
+mod columns;
 mod dense;
 mod fit;
 mod flow;
+mod lanes;
 mod moments;
 mod problem;
 mod quadratic;

@@ -10,6 +10,8 @@
 //! those, together with what they do to the rest, and that is then applied to the P columns at once. Cost of an interval: about
 //! 10 n³ operations and 6 n² P, 10 n² P where states are kept.
 
+use super::lanes::wide;
+
 /// One linearised interval: δz₁ − T δz₀ − U δa = defect, each row with its slack.
 pub(super) struct Link<'a> {
     /// T, n × n by rows.
@@ -82,6 +84,11 @@ impl<'a, G: Gather> Sweep<'a, G> {
 
     /// Takes in what measures the present state, by rising component; what is left over measures the coefficients.
     pub fn measure(&mut self, readings: &[Reading]) {
+        wide(|| self.wide_measure(readings));
+    }
+
+    #[inline(always)]
+    fn wide_measure(&mut self, readings: &[Reading]) {
         let (n, p, width) = (self.n, self.p, 2 * self.n + 1);
         self.present.resize((n + readings.len()) * width, 0.0);
         let rows = self.present[n * width..].chunks_exact_mut(width);
@@ -107,6 +114,11 @@ impl<'a, G: Gather> Sweep<'a, G> {
 
     /// Moves on to the next state.
     pub fn advance(&mut self, link: &Link) {
+        wide(|| self.wide_advance(link));
+    }
+
+    #[inline(always)]
+    fn wide_advance(&mut self, link: &Link) {
         let (n, p, width) = (self.n, self.p, 4 * self.n + 1);
         // The stiff rows stand on top: reflections then keep the digits of the soft ones.
         let (stiff, known) = self.step.split_at_mut(n * width);
@@ -221,6 +233,7 @@ impl Eliminated {
 
 /// Upper-triangular in the first `n` columns, by Householder reflections of the rows. Below the first n rows, only as many as `end`
 /// says are not yet zero in a column. `product` is scratch of one row.
+#[inline(always)]
 fn reduce(
     rows: &mut [f64],
     width: usize,
@@ -264,6 +277,7 @@ fn reduce(
 }
 
 /// out = Σ weight · row over the rows (of length `p`) of all parts, in the order of the parts.
+#[inline(always)]
 fn combine<const PARTS: usize>(out: &mut [f64], parts: [(&[f64], &[f64]); PARTS], p: usize) {
     let mut at = 0;
     while at + 8 <= p {

@@ -3,6 +3,8 @@
 //! In: the jacobian of the flow at the start, the middle and the end of a step. Out: how a state at each of the three moves the
 //! state at the end. Matrices lie beside each other: every entry is a row of all intervals (lanes). Never sees a law.
 
+use super::lanes::wide;
+
 /// Scratch and results, each n × n × lanes.
 #[derive(Default)]
 pub(super) struct Transition {
@@ -18,6 +20,11 @@ pub(super) struct Transition {
 impl Transition {
     /// `jacobians` at the start, the middle and the end of a step of `h`, which has a number a lane.
     pub fn step(&mut self, jacobians: [&[f64]; 3], h: &[f64], n: usize) {
+        wide(|| self.wide_step(jacobians, h, n));
+    }
+
+    #[inline(always)]
+    fn wide_step(&mut self, jacobians: [&[f64]; 3], h: &[f64], n: usize) {
         let [j0, j1, j2] = jacobians;
         let size = n * n * h.len();
         for matrix in [&mut self.whole, &mut self.half, &mut self.temp] {
@@ -58,7 +65,7 @@ impl Transition {
 
     /// old ← whole · old
     pub fn follow(&mut self, old: &mut Vec<f64>, n: usize, lanes: usize) {
-        multiply(&self.whole, old, &mut self.temp, n, lanes);
+        wide(|| multiply(&self.whole, old, &mut self.temp, n, lanes));
         std::mem::swap(old, &mut self.temp);
     }
 }
@@ -69,16 +76,19 @@ pub(super) fn unit(matrix: &mut [f64], n: usize, lanes: usize) {
     add_unit(matrix, n, lanes);
 }
 
+#[inline(always)]
 fn add_unit(matrix: &mut [f64], n: usize, lanes: usize) {
     for diagonal in matrix.chunks_exact_mut(lanes).step_by(n + 1) {
         diagonal.iter_mut().for_each(|x| *x += 1.0);
     }
 }
 
+#[inline(always)]
 fn add(to: &mut [f64], by: f64, what: &[f64]) {
     to.iter_mut().zip(what).for_each(|(t, x)| *t += by * x);
 }
 
+#[inline(always)]
 fn add_scaled(to: &mut [f64], by: f64, h: &[f64], what: &[f64]) {
     let rows = to.chunks_exact_mut(h.len()).zip(what.chunks_exact(h.len()));
     for (to, what) in rows {
@@ -89,6 +99,7 @@ fn add_scaled(to: &mut [f64], by: f64, h: &[f64], what: &[f64]) {
 }
 
 /// C = A B in every lane.
+#[inline(always)]
 fn multiply(a: &[f64], b: &[f64], c: &mut [f64], n: usize, lanes: usize) {
     c.fill(0.0);
     for i in 0..n {

@@ -3,6 +3,7 @@
 //! In: rows [a | right]. Out: coefficients, the least residual, variances. Rows wait in a buffer and are reduced many at once, by
 //! Householder reflections of columns.
 
+use super::lanes::wide;
 use super::sweep::Gather;
 
 /// R of [A | b], (P + 1) × (P + 1), upper triangular; the last diagonal entry is the norm of what no combination explains.
@@ -54,6 +55,11 @@ impl Triangle {
     /// Takes in what waits. Column j touches row j of the triangle and all
     /// waiting rows.
     fn reduce(&mut self) {
+        wide(|| self.wide_reduce());
+    }
+
+    #[inline(always)]
+    fn wide_reduce(&mut self) {
         let (w, count) = (self.width, self.rows.len() / self.width);
         if count == 0 {
             return;
@@ -140,11 +146,13 @@ pub(super) struct Solved {
     pub variances: Vec<f64>,
 }
 
+#[inline(always)]
 fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }
 
 /// In eight sums side by side, always the same ones.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
     let rest = a.remainder().iter().zip(b.remainder());
