@@ -118,7 +118,13 @@ impl Prepared {
         phi: Box<dyn Dictionary>,
         aim: Vec<f64>,
     ) -> Prepared {
+        let whitened = matches!(basis, Basis::Integrals { .. });
+        let correlation = weights.correlation;
         let tolerance = tolerance(phi.as_ref(), &aim, &mut weights);
+        if whitened {
+            // Errors are independent as far as is known; what else is left is no noise.
+            weights.correlation = correlation;
+        }
         Prepared {
             basis,
             weights,

@@ -3,12 +3,15 @@
 //! In: a task. Out: the same as from regression: rows, Φ, and what errors allow. What noise does to the library is known only as
 //! soon as the equation is, nearly: so a few rounds are run from cautious beginnings, and judged by their likelihood.
 
-use super::equation::{Basis, Prepared, Proposed, Task};
+use super::equation::{Basis, Prepared, Task};
+use super::subset::Criterion;
+use super::support;
 use super::watch::{Stage, Watcher};
 use super::weights::{Weights, rms};
 use super::{Discovery, Equation, Failed};
 use crate::data::Samples;
-use crate::dictionary::BadValue;
+use crate::dictionary::{BadValue, Dictionary};
+use crate::solve::{self, Problem};
 use crate::term::Term;
 use crate::weak::{Asked, Weak, Whitened};
 
@@ -23,10 +26,20 @@ const ROUNDS: usize = 4;
 /// Rows are known to have errors of size one, to a factor.
 const KNOWN: f64 = 0.3;
 
-/// What was found in one round, and how likely it makes the data.
+/// Terms dearer than their due find what is large first: a guess with terms too many misleads more than one with too few.
+const DEAR: [f64; 3] = [1.0, 4.0, 16.0];
+
+/// Terms of one round.
+struct Found {
+    support: Vec<usize>,
+    pairs: Vec<(usize, f64)>,
+    /// Squared residual, and the cost of the terms.
+    value: f64,
+}
+
+/// One guess, and how likely it makes the data.
 struct Round {
-    prepared: Prepared,
-    proposed: Proposed,
+    whitened: Whitened,
     /// −2 ln likelihood, and the cost of the terms.
     value: f64,
 }
@@ -52,67 +65,130 @@ impl Task<'_> {
     }
 
     /// Finds the equation from its integrals.
+    ///
+    /// # Errors
+    /// A term that the data cannot evaluate; inside, an equation that was not found.
     pub fn run_weak(
         &self,
         weak: &Weak,
         names: &Discovery,
         watcher: &mut Watcher,
     ) -> Result<Equation, Failed> {
+        let beginnings = self.beginnings(weak, watcher);
         let mut best: Option<Round> = None;
-        for slack in SLACKS {
-            let mut belief: Vec<(f64, Term)> = Vec::new();
-            let mut support = Vec::new();
-            for round in 0..ROUNDS {
-                if let Some(stop) = watcher.at(Stage::Evaluating) {
-                    if best.is_none() {
-                        return Err(self.failed(stop.failure()));
-                    }
-                    break;
-                }
-                let slack = if round == 0 { slack } else { LATER * slack };
-                let Some(whitened) = weak.whitened(&belief, slack) else {
-                    break;
-                };
-                let Some(mut found) = self.round(weak, whitened, watcher) else {
-                    return Err(self.motionless(names));
-                };
-                let pairs = found.proposed.pairs();
-                belief = pairs.iter().map(|(j, a)| (*a, self.term(*j))).collect();
-                let settled = round > 1 && support == found.proposed.choice.support;
-                support = found.proposed.choice.support.clone();
-                if round == 0 {
-                    // Without a guess the rows' errors are not those of the library: no likelihood to compare.
-                    found.value = f64::MAX;
-                }
-                if best.as_ref().is_none_or(|b| found.value < b.value) {
-                    best = Some(found);
-                }
-                if settled {
-                    break;
+        for (slack, found) in beginnings {
+            for round in self.rounds(weak, slack, found, watcher) {
+                if best.as_ref().is_none_or(|b| round.value < b.value) {
+                    best = Some(round);
                 }
             }
         }
-        let Some(best) = best else {
+        if let (None, Some(stop)) = (&best, watcher.stop()) {
+            return Err(self.failed(stop.failure()));
+        }
+        let best = best.and_then(|b| self.prepare_weak(weak, b.whitened));
+        let Some(mut prepared) = best else {
             return Err(self.motionless(names));
         };
-        let answer = self.answer(&best.prepared, &best.proposed);
-        let mut equation = self.conclude(names, &best.prepared, &answer);
-        equation.path = self.path(&best.prepared, watcher);
+        let proposed = self.propose(&mut prepared, watcher);
+        let answer = self.answer(&prepared, &proposed);
+        let mut equation = self.conclude(names, &prepared, &answer);
+        equation.path = self.path(&prepared, watcher);
         Ok(equation)
     }
 
-    fn round(&self, weak: &Weak, whitened: Whitened, watcher: &mut Watcher) -> Option<Round> {
-        let log_det = whitened.log_det;
-        let mut prepared = self.prepare_weak(weak, whitened)?;
-        let proposed = self.propose(&mut prepared, watcher);
-        let rss = proposed.polished.residual.powi(2);
-        let terms = proposed.choice.support.len() as f64;
-        let value = log_det + rss + proposed.criterion.per_term * terms;
-        Some(Round {
-            prepared,
-            proposed,
-            value,
-        })
+    /// Distinct supports, each with the caution that it was found under: from dear terms and from cheap ones.
+    fn beginnings(&self, weak: &Weak, watcher: &mut Watcher) -> Vec<(f64, Found)> {
+        let mut out: Vec<(f64, Found)> = Vec::new();
+        for slack in SLACKS {
+            let Some(whitened) = weak.whitened(&[], slack) else {
+                continue;
+            };
+            for dear in DEAR {
+                let found = self.choose(&whitened, dear, watcher);
+                let known = |(s, f): &(f64, Found)| *s == slack && f.support == found.support;
+                if !out.iter().any(known) {
+                    out.push((slack, found));
+                }
+            }
+        }
+        out
+    }
+
+    /// Guess after guess, until the terms stay.
+    fn rounds(
+        &self,
+        weak: &Weak,
+        slack: f64,
+        mut found: Found,
+        watcher: &mut Watcher,
+    ) -> Vec<Round> {
+        let mut own = weak.clone();
+        let mut out = Vec::new();
+        let slack = std::env::var("SL").map_or(0.01, |v| v.parse().unwrap());
+        for round in 0..ROUNDS {
+            if watcher.at(Stage::Evaluating).is_some() {
+                break;
+            }
+            let belief: Vec<(f64, Term)> = found
+                .pairs
+                .iter()
+                .map(|(j, a)| (*a, self.term(*j)))
+                .collect();
+            if std::env::var("NOREF").is_err() && own.refine(&belief, slack, self.library).is_err()
+            {
+                break;
+            }
+            let Some(whitened) = own.whitened(&belief, slack) else {
+                break;
+            };
+            let next = self.choose(&whitened, 1.0, watcher);
+            let settled = round > 0 && next.support == found.support;
+            found = next;
+            let value = found.value;
+            if std::env::var("WDBG").is_ok() {
+                eprintln!(
+                    "{slack} {round} {value} {} {:?}",
+                    whitened.log_det,
+                    found.pairs.iter().map(|p| (p.0, p.1)).collect::<Vec<_>>()
+                );
+            }
+            out.push(Round { whitened, value });
+            if settled {
+                break;
+            }
+        }
+        out
+    }
+
+    /// The best terms where each costs `dear` times its due.
+    fn choose(&self, whitened: &Whitened, dear: f64, watcher: &mut Watcher) -> Found {
+        let phi = &whitened.columns;
+        let mut criterion = Criterion::new(phi.rows(), 1.0, self.library.len(), KNOWN * KNOWN);
+        criterion.per_term *= dear;
+        let proposals = if phi.cols() > support::SEARCHABLE {
+            let problem = Problem {
+                dictionary: phi,
+                target: &whitened.target,
+                tolerance: (phi.rows() as f64).sqrt(),
+            };
+            watcher
+                .solving(|monitor| self.options.solver.solve(&problem, monitor))
+                .coefficients
+        } else {
+            Vec::new()
+        };
+        let choice = support::choose(phi, &whitened.target, &proposals, criterion, &mut || {
+            watcher.at(Stage::Choosing).is_none()
+        });
+        let polished = solve::polish(phi, &whitened.target, &choice.support);
+        let terms = choice.support.len() as f64;
+        let columns = choice.support.iter().copied();
+        Found {
+            value: polished.residual.powi(2) + criterion.per_term * terms,
+            pairs: columns.zip(polished.coefficients).collect(),
+            support: choice.support,
+        }
     }
 
     /// `None` where the target is zero.

@@ -27,6 +27,7 @@ pub struct Asked<'a> {
     pub entries: usize,
 }
 
+#[derive(Clone)]
 /// An equation's integrals: R rows, N columns, the slots of its library.
 pub struct Weak {
     routes: Routes,
@@ -39,8 +40,8 @@ pub struct Weak {
     rows: usize,
     /// ∫ψ φ dt, column after column.
     columns: Vec<f64>,
-    /// ∫ψ (target − known) dt.
-    target: Vec<f64>,
+    /// ∫ψ known dt, for each stretch.
+    given: Vec<Vec<f64>>,
     /// Root mean square of the target on windows of one spline.
     size: f64,
 }
@@ -86,7 +87,7 @@ impl Weak {
             width: 1,
             rows: 0,
             columns: Vec::new(),
-            target: Vec::new(),
+            given: Vec::new(),
             size: 0.0,
         };
         weak.choose_windows(asked.entries / asked.library.len().max(1));
@@ -120,7 +121,10 @@ impl Weak {
     /// (χ² with as many degrees of freedom as rows are lost, within three standard deviations).
     fn choose_windows(&mut self, most: usize) {
         let mut finest: Option<(f64, f64)> = None;
-        for width in WIDTHS {
+        for width in WIDTHS
+            .into_iter()
+            .take(std::env::var("WW").map_or(10, |v| v.parse().unwrap()))
+        {
             let all: Vec<Vec<Window>> = (self.stretches.iter())
                 .map(|s| windows(&s.time, self.order(), width))
                 .collect();
@@ -163,7 +167,7 @@ impl Weak {
         let (record, _) = self.routes.target;
         let slots = library.slots();
         self.columns = vec![0.0; self.rows * slots];
-        self.target = Vec::with_capacity(self.rows);
+        self.given.clear();
         let mut from = 0;
         let (mut squares, mut count) = (0.0, 0usize);
         for (stretch, windows) in self.stretches.iter().zip(&self.windows) {
@@ -179,25 +183,98 @@ impl Weak {
                 let column = &mut self.columns[j * self.rows + from..];
                 project(windows, &measure, &mut values, column);
             }
-            let mut target: Vec<f64> = (windows.iter())
-                .map(|w| dot(&w.differences, &stretch.raw[record][w.first..]))
-                .collect();
+            let mut given = vec![0.0; windows.len()];
             for (a, term) in &self.known {
                 let mut values = evaluate(term, &stretch.nodes);
                 let mut part = vec![0.0; windows.len()];
                 project(windows, &measure, &mut values, &mut part);
-                target.iter_mut().zip(part).for_each(|(t, p)| *t -= a * p);
+                given.iter_mut().zip(part).for_each(|(g, p)| *g += a * p);
             }
-            for (t, w) in target.iter().zip(windows) {
+            for (w, given) in windows.iter().zip(&given) {
                 let splines: f64 = w.splines.iter().map(|s| s * s).sum();
-                squares += t * t / splines;
+                let target = dot(&w.differences, &stretch.raw[record][w.first..]) - given;
+                squares += target * target / splines;
                 count += 1;
             }
-            self.target.extend(target);
+            self.given.push(given);
             from += windows.len();
         }
         self.size = (squares / count.max(1) as f64).sqrt();
         Ok(())
+    }
+
+    /// Moves the first guess of the target's record to where the equation and the measured values together put it (the mean of
+    /// the motion given both), and integrates anew. Nothing moves where the windows are wider than the samples are apart.
+    ///
+    /// # Errors
+    /// A term without a finite value on the new guess, and where.
+    pub fn refine(
+        &mut self,
+        belief: &[(f64, Term)],
+        slack: f64,
+        library: &Library,
+    ) -> Result<(), (Box<BadValue>, Place)> {
+        if self.width > 1 {
+            return Ok(());
+        }
+        let record = self.routes.target.0;
+        let all = self.with_known(belief);
+        let mut moved = Vec::new();
+        for (k, (stretch, windows)) in self.stretches.iter().zip(&self.windows).enumerate() {
+            let (rows, mut left) = self.rows_of(k, &all);
+            let measure = measure(&stretch.time);
+            for (a, term) in &all {
+                let mut values = evaluate(term, &stretch.nodes);
+                let mut part = vec![0.0; windows.len()];
+                project(windows, &measure, &mut values, &mut part);
+                left.iter_mut().zip(part).for_each(|(l, p)| *l -= a * p);
+            }
+            let Some(factor) = self.factor(k, &rows, slack) else {
+                return Ok(());
+            };
+            factor.solve(&mut left);
+            let mut guess = stretch.raw[record].clone();
+            for (row, l) in rows.iter().zip(&left) {
+                let own = &row.weights[record];
+                let part = l * self.noise[record].powi(2);
+                let room = guess.iter_mut().skip(row.first);
+                room.zip(own).for_each(|(g, w)| *g -= part * w);
+            }
+            moved.push(guess);
+        }
+        for (stretch, guess) in self.stretches.iter_mut().zip(moved) {
+            stretch.guess[record] = guess;
+            stretch.interpolate(&self.routes);
+        }
+        self.integrate(library)
+    }
+
+    fn with_known(&self, belief: &[(f64, Term)]) -> Vec<(f64, Term)> {
+        let mut all = belief.to_vec();
+        all.extend(self.known.iter().cloned());
+        all
+    }
+
+    /// What noise does to the rows of a stretch, and the integrals of the target corrected for the guess, known terms still in.
+    fn rows_of(&self, k: usize, all: &[(f64, Term)]) -> (Vec<Influence>, Vec<f64>) {
+        let (stretch, record) = (&self.stretches[k], self.routes.target.0);
+        let sensitivities = sensitivities(stretch, &self.routes, all);
+        let row = |w: &Window| {
+            let influence = Influence::of_terms(w, stretch, &sensitivities);
+            let whole = dot(&w.differences, &stretch.raw[record][w.first..]);
+            let corrected = whole + influence.of_corrections(stretch);
+            (influence.with_target(w, record), corrected)
+        };
+        self.windows[k].iter().map(row).unzip()
+    }
+
+    fn factor(&self, k: usize, rows: &[Influence], slack: f64) -> Option<Factor> {
+        let (record, order) = self.routes.target;
+        let time = &self.stretches[k].time;
+        let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        let own = slack.powi(order as i32) * self.noise[record] / step.powi(order as i32 - 1);
+        let own = own.hypot(ROUNDING * self.size);
+        covariance(rows, &self.windows[k], &self.noise, own).cholesky()
     }
 
     /// The problem as it is if `belief` (known terms left out) is nearly the equation: its share of the rows' errors goes into
@@ -207,37 +284,25 @@ impl Weak {
     /// and above: without it, an equation that is not known yet would have to hold over the whole record at once. `None` where the
     /// covariance is singular.
     pub fn whitened(&self, belief: &[(f64, Term)], slack: f64) -> Option<Whitened> {
-        let (record, order) = self.routes.target;
-        let mut all: Vec<(f64, Term)> = belief.to_vec();
-        all.extend(self.known.iter().cloned());
-        let mut out = Whitened {
-            columns: Dense::new(1, Vec::new()),
-            target: self.target.clone(),
-            log_det: 0.0,
-        };
+        let all = self.with_known(belief);
+        let mut target = Vec::with_capacity(self.rows);
         let mut columns = self.columns.clone();
-        let mut from = 0;
-        for (stretch, windows) in self.stretches.iter().zip(&self.windows) {
-            let sensitivities = sensitivities(stretch, &self.routes, &all);
-            let mut rows = Vec::with_capacity(windows.len());
-            let to = from + windows.len();
-            for (w, target) in windows.iter().zip(&mut out.target[from..to]) {
-                let influence = Influence::of_terms(w, stretch, &sensitivities);
-                *target += influence.of_corrections(stretch);
-                rows.push(influence.with_target(w, record));
-            }
-            let step = (stretch.time[stretch.time.len() - 1] - stretch.time[0])
-                / (stretch.time.len() - 1) as f64;
-            let own = slack.powi(order as i32) * self.noise[record] / step.powi(order as i32 - 1);
-            let own = own.hypot(ROUNDING * self.size);
-            let factor = covariance(&rows, windows, &self.noise, own).cholesky()?;
-            out.log_det += factor.log_det();
-            factor.whiten(&mut out.target[from..to]);
-            whiten_columns(&factor, &mut columns, self.rows, from..to);
-            from = to;
+        let mut log_det = 0.0;
+        for (k, given) in self.given.iter().enumerate() {
+            let (rows, mut part) = self.rows_of(k, &all);
+            part.iter_mut().zip(given).for_each(|(t, g)| *t -= g);
+            let factor = self.factor(k, &rows, slack)?;
+            log_det += factor.log_det();
+            factor.whiten(&mut part);
+            let from = target.len();
+            target.extend(part);
+            whiten_columns(&factor, &mut columns, self.rows, from..target.len());
         }
-        out.columns = Dense::new(self.rows, columns);
-        Some(out)
+        Some(Whitened {
+            columns: Dense::new(self.rows, columns),
+            target,
+            log_det,
+        })
     }
 }
 
