@@ -207,6 +207,20 @@ impl Expr {
         }
     }
 
+    /// In order, equal terms added up.
+    fn merged(mut self) -> Expr {
+        self.0.sort_by(|a, b| a.term.cmp(&b.term));
+        self.0.dedup_by(|b, a| {
+            let same = a.term == b.term;
+            if same {
+                a.weight += b.weight;
+            }
+            same
+        });
+        self.0.retain(|w| w.weight != 0.0);
+        self
+    }
+
     pub fn scale(mut self, k: f64) -> Expr {
         self.0.iter_mut().for_each(|w| w.weight *= k);
         self.0.retain(|w| w.weight != 0.0);
@@ -254,16 +268,14 @@ impl std::ops::Add for Expr {
 
     fn add(mut self, other: Expr) -> Expr {
         self.0.extend(other.0);
-        self.0.sort_by(|a, b| a.term.cmp(&b.term));
-        self.0.dedup_by(|b, a| {
-            let same = a.term == b.term;
-            if same {
-                a.weight += b.weight;
-            }
-            same
-        });
-        self.0.retain(|w| w.weight != 0.0);
-        self
+        self.merged()
+    }
+}
+
+impl std::iter::Sum for Expr {
+    /// Sorted once, whatever the number of summands.
+    fn sum<I: Iterator<Item = Expr>>(all: I) -> Expr {
+        Expr(all.flat_map(|e| e.0).collect()).merged()
     }
 }
 

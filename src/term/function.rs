@@ -2,6 +2,8 @@
 
 use num_traits::Float;
 
+use super::Expr;
+
 /// An elementary function of the language.
 #[derive(Debug)]
 pub struct Function {
@@ -11,6 +13,9 @@ pub struct Function {
     pub arity: (usize, usize),
     /// Value; NaN or ±∞ outside the domain.
     pub eval: fn(&[f64]) -> f64,
+    /// Partial derivative by the argument of that number, as an expression of the arguments. At a kink it is the mean of
+    /// both sides; of `sign` it is 0, at the jump too.
+    pub slope: fn(&[Expr], usize) -> Expr,
     /// Where it is real and finite, in words; empty if everywhere.
     pub domain: &'static str,
     /// LaTeX operator.
@@ -46,6 +51,7 @@ impl Function {
 const fn one(
     name: &'static str,
     eval: fn(&[f64]) -> f64,
+    slope: fn(&[Expr], usize) -> Expr,
     domain: &'static str,
     latex: &'static str,
     rust: &'static str,
@@ -54,6 +60,7 @@ const fn one(
         name,
         arity: (1, 1),
         eval,
+        slope,
         domain,
         latex,
         rust,
@@ -66,25 +73,61 @@ fn sign<T: Float>(x: T) -> T {
     if x == T::zero() { x } else { x.signum() }
 }
 
+/// The function of that name of one argument, for slopes. A name that is not in the table makes every number NaN.
+fn of(name: &str, x: &Expr) -> Expr {
+    match Func::named(name) {
+        Some(f) => Expr::call(f, vec![x.clone()]),
+        None => Expr::number(f64::NAN),
+    }
+}
+
+/// 1 + k·x²
+fn one_plus(k: f64, x: Expr) -> Expr {
+    Expr::number(1.0) + x.pow(2.0).scale(k)
+}
+
+/// Where `min` or `max` (`f`) takes its argument `i`: 1 there, 0 elsewhere. `toward` is 1 for max, −1 for min.
+///
+/// From left to right, the winner so far against the next. A tie gives each side half, so the slopes of all arguments add
+/// up to 1 however many are tied.
+fn picks(f: &str, toward: f64, x: &[Expr], i: usize) -> Expr {
+    let best = |n: usize| match (Func::named(f), x.get(..n)) {
+        (Some(f), Some(first)) if n > 1 => Expr::call(f, first.to_vec()),
+        _ => x.first().cloned().unwrap_or_default(),
+    };
+    let beats = |a: Expr, b: Expr| {
+        let ahead = of("sign", &(a - b).scale(toward));
+        (Expr::number(1.0) + ahead).scale(0.5)
+    };
+    let arrives = match x.get(i) {
+        Some(own) if i > 0 => beats(own.clone(), best(i)),
+        _ => Expr::number(1.0),
+    };
+    let later = x.iter().enumerate().skip(i + 1);
+    later.fold(arrives, |stays, (j, next)| {
+        stays * beats(best(j), next.clone())
+    })
+}
+
 /// Every function; the order is also the order of factors in a printed term.
 #[rustfmt::skip]
 pub static FUNCTIONS: &[Function] = &[
-    one("sin",  |x| x[0].sin(),  "", r"\sin", "sin").odd(),
-    one("cos",  |x| x[0].cos(),  "", r"\cos", "cos").even(),
-    one("tan",  |x| x[0].tan(),  "", r"\tan", "tan").odd(),
-    one("asin", |x| x[0].asin(), "arguments in [-1, 1]", r"\arcsin", "asin").odd(),
-    one("acos", |x| x[0].acos(), "arguments in [-1, 1]", r"\arccos", "acos"),
-    one("atan", |x| x[0].atan(), "", r"\arctan", "atan").odd(),
-    one("sinh", |x| x[0].sinh(), "arguments below 710", r"\sinh", "sinh").odd(),
-    one("cosh", |x| x[0].cosh(), "arguments below 710", r"\cosh", "cosh").even(),
-    one("tanh", |x| x[0].tanh(), "", r"\tanh", "tanh").odd(),
-    one("exp",  |x| x[0].exp(),  "arguments below 709", r"\exp", "exp"),
-    one("log",  |x| x[0].ln(),   "positive arguments", r"\ln", "ln"),
-    one("sqrt", |x| x[0].sqrt(), "arguments of zero or more", r"\sqrt", "sqrt"),
-    one("abs",  |x| x[0].abs(),  "", r"\operatorname{abs}", "abs").even(),
-    one("sign", |x| sign(x[0]),  "", r"\operatorname{sign}", "sign").odd(),
-    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::INFINITY, f64::min), domain: "", latex: r"\min", rust: "min", symmetry: Symmetry::None },
-    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NEG_INFINITY, f64::max), domain: "", latex: r"\max", rust: "max", symmetry: Symmetry::None },
+    one("sin",  |x| x[0].sin(),  |x, _| of("cos", &x[0]), "", r"\sin", "sin").odd(),
+    one("cos",  |x| x[0].cos(),  |x, _| of("sin", &x[0]).scale(-1.0), "", r"\cos", "cos").even(),
+    one("tan",  |x| x[0].tan(),  |x, _| one_plus(1.0, of("tan", &x[0])), "", r"\tan", "tan").odd(),
+    one("asin", |x| x[0].asin(), |x, _| one_plus(-1.0, x[0].clone()).pow(-0.5), "arguments in [-1, 1]", r"\arcsin", "asin").odd(),
+    one("acos", |x| x[0].acos(), |x, _| one_plus(-1.0, x[0].clone()).pow(-0.5).scale(-1.0), "arguments in [-1, 1]", r"\arccos", "acos"),
+    one("atan", |x| x[0].atan(), |x, _| one_plus(1.0, x[0].clone()).pow(-1.0), "", r"\arctan", "atan").odd(),
+    one("sinh", |x| x[0].sinh(), |x, _| of("cosh", &x[0]), "arguments below 710", r"\sinh", "sinh").odd(),
+    one("cosh", |x| x[0].cosh(), |x, _| of("sinh", &x[0]), "arguments below 710", r"\cosh", "cosh").even(),
+    one("tanh", |x| x[0].tanh(), |x, _| one_plus(-1.0, of("tanh", &x[0])), "", r"\tanh", "tanh").odd(),
+    one("exp",  |x| x[0].exp(),  |x, _| of("exp", &x[0]), "arguments below 709", r"\exp", "exp"),
+    one("log",  |x| x[0].ln(),   |x, _| x[0].clone().pow(-1.0), "positive arguments", r"\ln", "ln"),
+    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", "sqrt"),
+    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", "abs").even(),
+    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", "sign").odd(),
+    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::INFINITY, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", rust: "min", symmetry: Symmetry::None },
+    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NEG_INFINITY, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", rust: "max", symmetry: Symmetry::None },
 ];
 
 /// A function by its place in [`FUNCTIONS`].

@@ -5,6 +5,7 @@
 mod agreement;
 mod architecture;
 mod baselines;
+mod calculus;
 mod cli;
 mod constrained;
 mod data;

@@ -1,0 +1,164 @@
+//! Expressions as one graph in which equal subexpressions are one node.
+//!
+//! In: expressions and the signals that will be given. Out: nodes, each after those that it uses. Works in the order of
+//! `Expr::eval`, so that the numbers agree to the last bits; never reorders a sum or a product.
+
+use std::collections::HashMap;
+
+use super::{Atom, Expr, Func, Signal, Term};
+
+/// An operation on earlier nodes; numbers by their bits, so that equal means the same f64.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Node {
+    Input(usize),
+    Number(u64),
+    Product(usize, usize),
+    Reciprocal(usize),
+    Root(usize),
+    Power(usize, u64),
+    Call(Func, Vec<usize>),
+    /// start + Σ weight·node, from left to right.
+    Sum(u64, Vec<(u64, usize)>),
+}
+
+impl Node {
+    /// Calls `visit` for every node that this one uses.
+    pub(super) fn for_each_use(&self, mut visit: impl FnMut(usize)) {
+        match self {
+            Node::Input(_) | Node::Number(_) => {}
+            Node::Product(a, b) => {
+                visit(*a);
+                visit(*b);
+            }
+            Node::Reciprocal(a) | Node::Root(a) | Node::Power(a, _) => visit(*a),
+            Node::Call(_, args) => args.iter().copied().for_each(visit),
+            Node::Sum(_, parts) => parts.iter().for_each(|(_, a)| visit(*a)),
+        }
+    }
+}
+
+/// Nodes in an order in which they can be evaluated.
+#[derive(Default)]
+pub(super) struct Graph {
+    pub(super) nodes: Vec<Node>,
+    known: HashMap<Node, usize>,
+    inputs: HashMap<Signal, usize>,
+}
+
+impl Graph {
+    /// `inputs`: the signals that can be mentioned, by the number of their row. The first of two equal ones counts.
+    pub(super) fn new(inputs: &[Signal]) -> Graph {
+        let mut graph = Graph::default();
+        for (row, s) in inputs.iter().enumerate() {
+            graph.inputs.entry(*s).or_insert(row);
+        }
+        graph
+    }
+
+    /// The node of an expression; `Err` is a signal that is not among the inputs.
+    pub(super) fn expr(&mut self, e: &Expr) -> Result<usize, Signal> {
+        // Adding to −0 changes nothing, whatever the sign of a zero.
+        let (mut start, mut parts) = (-0.0, Vec::with_capacity(e.terms().len()));
+        for (weight, term) in e.terms() {
+            let node = self.term(term)?;
+            match self.number(node) {
+                Some(value) => start += weight * value,
+                None => parts.push((weight, node)),
+            }
+        }
+        Ok(match parts.as_slice() {
+            // No −0 for an empty sum.
+            [] => self.add(Node::Number((start + 0.0).to_bits())),
+            [(1.0, node)] if start == 0.0 => *node,
+            _ => {
+                let bits = |(weight, node): (f64, usize)| (weight.to_bits(), node);
+                self.add(Node::Sum(
+                    start.to_bits(),
+                    parts.into_iter().map(bits).collect(),
+                ))
+            }
+        })
+    }
+
+    /// From left to right: terms that begin alike share that product.
+    fn term(&mut self, t: &Term) -> Result<usize, Signal> {
+        let mut product = None;
+        for (atom, power) in t.factors() {
+            let base = self.atom(atom)?;
+            let factor = self.power(base, power);
+            product = Some(match product {
+                None => factor,
+                Some(before) => self.product(before, factor),
+            });
+        }
+        Ok(product.unwrap_or_else(|| self.add(Node::Number(1f64.to_bits()))))
+    }
+
+    fn atom(&mut self, atom: &Atom) -> Result<usize, Signal> {
+        match atom {
+            Atom::Signal(s) => match self.inputs.get(s) {
+                Some(row) => Ok(self.add(Node::Input(*row))),
+                None => Err(*s),
+            },
+            Atom::Call(f, args) => {
+                let args: Result<Vec<usize>, Signal> = args.iter().map(|a| self.expr(a)).collect();
+                Ok(self.add(Node::Call(*f, args?)))
+            }
+            Atom::Sum(e) => self.expr(e),
+        }
+    }
+
+    fn power(&mut self, base: usize, p: f64) -> usize {
+        let size = p.abs();
+        if p.fract() == 0.0 && (1.0..=1024.0).contains(&size) {
+            let whole = self.whole_power(base, size as u32);
+            self.inverse_if(p < 0.0, whole)
+        } else if size == 0.5 {
+            let root = self.add(Node::Root(base));
+            self.inverse_if(p < 0.0, root)
+        } else {
+            self.add(Node::Power(base, p.to_bits()))
+        }
+    }
+
+    /// By squaring, as `powi` does it; all powers up to n take n − 1 products.
+    fn whole_power(&mut self, base: usize, n: u32) -> usize {
+        if n <= 1 {
+            return base;
+        }
+        let top = 1 << n.ilog2();
+        let (a, b) = match n - top {
+            0 => (n / 2, n / 2),
+            rest => (rest, top),
+        };
+        let (a, b) = (self.whole_power(base, a), self.whole_power(base, b));
+        self.product(a, b)
+    }
+
+    fn inverse_if(&mut self, inverse: bool, a: usize) -> usize {
+        match inverse {
+            true => self.add(Node::Reciprocal(a)),
+            false => a,
+        }
+    }
+
+    fn product(&mut self, a: usize, b: usize) -> usize {
+        self.add(Node::Product(a.min(b), a.max(b)))
+    }
+
+    fn number(&self, node: usize) -> Option<f64> {
+        match self.nodes.get(node) {
+            Some(Node::Number(bits)) => Some(f64::from_bits(*bits)),
+            _ => None,
+        }
+    }
+
+    fn add(&mut self, node: Node) -> usize {
+        if let Some(known) = self.known.get(&node) {
+            return *known;
+        }
+        self.nodes.push(node.clone());
+        self.known.insert(node, self.nodes.len() - 1);
+        self.nodes.len() - 1
+    }
+}
