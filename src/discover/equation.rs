@@ -151,11 +151,6 @@ impl Task<'_> {
         names: &Discovery,
         watcher: &mut Watcher,
     ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
-        if self.options.method == Method::Weak
-            && let Some(weak) = self.weak()?
-        {
-            return Ok(self.run_weak(&weak, names, watcher));
-        }
         let mut prepared = match self.prepare(names, watcher)? {
             Ok(prepared) => prepared,
             Err(failed) => return Ok(Err(failed)),

@@ -117,7 +117,21 @@ pub fn discover(
         };
         Some((i, task))
     };
+    if options.method == Method::Weak {
+        let alone = (0..model.equations.len()).filter(|i| !groups.iter().any(|g| g.contains(i)));
+        match weak::Together::new(alone.filter_map(task)) {
+            Ok(together) => {
+                for (i, found) in together.run(&discovery, &mut watcher) {
+                    done[i] = Some(found);
+                }
+            }
+            Err(values) => bad.extend(values.into_iter().map(Refusal::Unevaluable)),
+        }
+    }
     for (i, equation) in model.equations.iter().enumerate() {
+        if done.get(i).is_some_and(Option::is_some) {
+            continue;
+        }
         let Some((_, alone)) = task(i) else {
             let known = fixed_terms(&equation.right);
             done[i] = Some(Ok(stated(equation.target, known)));

@@ -12,6 +12,7 @@
 mod banded;
 mod curve;
 mod influence;
+mod lower;
 mod problem;
 mod route;
 mod smooth;

@@ -10,6 +10,7 @@ use crate::term::{Signal, Term};
 
 use super::banded::Factor;
 use super::influence::{Influence, covariance, sensitivities};
+use super::lower::lower;
 use super::route::{Routes, routes};
 use super::splines::{self, NODES, Window, windows};
 use super::stretch::{Stretch, stretches};
@@ -38,6 +39,9 @@ pub struct Weak {
     known: Vec<(f64, Term)>,
     width: usize,
     rows: usize,
+    /// Slots of terms whose derivatives can be lowered, rising.
+    lowered: Vec<usize>,
+    moved: bool,
     /// ∫ψ φ dt, column after column.
     columns: Vec<f64>,
     /// ∫ψ known dt, for each stretch.
@@ -59,7 +63,11 @@ pub struct Whitened {
 pub type Place = (u32, f64);
 
 /// Widths of windows that are tried, samples from one to the next.
-const WIDTHS: [usize; 10] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32];
+const WIDTHS: [usize; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48];
+/// Longest piece of a record whose library is evaluated at once, samples.
+const PIECE: usize = 4000;
+/// Shortest.
+const SHORT_PIECE: usize = 250;
 /// Relative size of errors that no noise explains: quadrature and rounding.
 const ROUNDING: f64 = 1e-7;
 
@@ -74,10 +82,14 @@ impl Weak {
         for (_, term) in asked.known {
             term.for_each_signal(&mut |s| signals.push(s));
         }
-        let Some(routes) = routes(asked.model, asked.dataset, asked.target, &signals) else {
+        let more = below(&signals);
+        let asked_for = (asked.target, signals.as_slice(), more.as_slice());
+        let Some(routes) = routes(asked.model, asked.dataset, asked_for) else {
             return Ok(None);
         };
-        let (stretches, noise) = stretches(asked.model, asked.dataset, &routes);
+        let terms = asked.library.slots().max(1);
+        let longest = (asked.entries / (NODES.len() * terms)).clamp(SHORT_PIECE, PIECE);
+        let (stretches, noise) = stretches(asked.model, asked.dataset, &routes, longest);
         let mut weak = Weak {
             routes,
             stretches,
@@ -86,16 +98,32 @@ impl Weak {
             known: asked.known.to_vec(),
             width: 1,
             rows: 0,
+            lowered: Vec::new(),
+            moved: false,
             columns: Vec::new(),
             given: Vec::new(),
             size: 0.0,
         };
-        weak.choose_windows(asked.entries / asked.library.len().max(1));
+        weak.choose_windows(asked.entries / terms);
         if weak.rows == 0 {
             return Ok(None);
         }
+        if weak.order() > 1 {
+            let gains = |(_, t): &(usize, Term)| lower(t, &weak.routes).is_some();
+            weak.lowered = asked
+                .library
+                .terms()
+                .filter(gains)
+                .map(|(j, _)| j)
+                .collect();
+        }
         weak.integrate(asked.library)?;
         Ok(Some(weak))
+    }
+
+    /// True if the equation has moved the guess of its target's record.
+    pub fn moved(&self) -> bool {
+        self.moved
     }
 
     /// R
@@ -117,50 +145,21 @@ impl Weak {
         self.stretches.iter().map(|s| s.time.len()).sum()
     }
 
-    /// The widest windows that lose nothing but noise: what the narrower ones have more, whitened, is no more than chance gives
-    /// (χ² with as many degrees of freedom as rows are lost, within three standard deviations).
+    /// The narrowest windows of which there are no more than `most`.
+    ///
+    /// Rows are whitened, so wider windows tell nothing that narrow ones do not; they only are fewer. On the benchmark of
+    /// docs/method.md, windows as wide as lost nothing but noise in the target found fewer equations, never more.
     fn choose_windows(&mut self, most: usize) {
-        let mut finest: Option<(f64, f64)> = None;
-        for width in WIDTHS
-            .into_iter()
-            .take(std::env::var("WW").map_or(10, |v| v.parse().unwrap()))
-        {
-            let all: Vec<Vec<Window>> = (self.stretches.iter())
-                .map(|s| windows(&s.time, self.order(), width))
-                .collect();
-            let rows: usize = all.iter().map(Vec::len).sum();
-            if rows > most.max(1) && width != WIDTHS[WIDTHS.len() - 1] {
-                continue;
-            }
-            let energy = self.energy(&all);
-            let (rows_most, energy_most) = *finest.get_or_insert((rows as f64, energy));
-            let lost = rows_most - rows as f64;
-            if energy_most - energy > lost + 3.0 * (2.0 * lost).sqrt() {
-                break;
-            }
-            if self.rows > 0 && rows < 100 {
-                break;
-            }
-            (self.width, self.rows, self.windows) = (width, rows, all);
-        }
-    }
-
-    /// ‖L⁻¹ ∫ψ x⁽ᵖ⁾‖² with the noise of the target's record alone.
-    fn energy(&self, all: &[Vec<Window>]) -> f64 {
-        let (record, _) = self.routes.target;
-        let mut sum = 0.0;
-        for (stretch, windows) in self.stretches.iter().zip(all) {
-            let bare = |w: &Window| Influence::of_terms(w, stretch, &[]).with_target(w, record);
-            let rows: Vec<Influence> = windows.iter().map(bare).collect();
-            let mut z: Vec<f64> = (windows.iter())
-                .map(|w| dot(&w.differences, &stretch.raw[record][w.first..]))
-                .collect();
-            if let Some(factor) = covariance(&rows, windows, &self.noise, 0.0).cholesky() {
-                factor.whiten(&mut z);
-                sum += z.iter().map(|z| z * z).sum::<f64>();
+        for width in WIDTHS {
+            let stretches = self.stretches.iter();
+            let all = stretches.map(|s| windows(&s.time, self.order(), width));
+            self.windows = all.collect();
+            self.rows = self.windows.iter().map(Vec::len).sum();
+            self.width = width;
+            if self.rows <= most {
+                return;
             }
         }
-        sum
     }
 
     fn integrate(&mut self, library: &Library) -> Result<(), (Box<BadValue>, Place)> {
@@ -181,13 +180,17 @@ impl Weak {
                 }
                 dictionary.column(j, &mut values);
                 let column = &mut self.columns[j * self.rows + from..];
-                project(windows, &measure, &mut values, column);
+                if self.lowered.binary_search(&j).is_ok() {
+                    let term = library.term(j).unwrap_or_default();
+                    let part = integral(&term, &self.routes, stretch, windows);
+                    column[..part.len()].copy_from_slice(&part);
+                } else {
+                    project(windows, &measure, &mut values, column);
+                }
             }
             let mut given = vec![0.0; windows.len()];
             for (a, term) in &self.known {
-                let mut values = evaluate(term, &stretch.nodes);
-                let mut part = vec![0.0; windows.len()];
-                project(windows, &measure, &mut values, &mut part);
+                let part = integral(term, &self.routes, stretch, windows);
                 given.iter_mut().zip(part).for_each(|(g, p)| *g += a * p);
             }
             for (w, given) in windows.iter().zip(&given) {
@@ -204,7 +207,8 @@ impl Weak {
     }
 
     /// Moves the first guess of the target's record to where the equation and the measured values together put it (the mean of
-    /// the motion given both), and integrates anew. Nothing moves where the windows are wider than the samples are apart.
+    /// the motion given both), and integrates anew. Nothing moves where the windows are wider than the samples are apart, nor where
+    /// the target is a higher derivative: there other records' derivatives are in the equation, whose guesses would have to move too.
     ///
     /// # Errors
     /// A term without a finite value on the new guess, and where.
@@ -214,7 +218,7 @@ impl Weak {
         slack: f64,
         library: &Library,
     ) -> Result<(), (Box<BadValue>, Place)> {
-        if self.width > 1 {
+        if self.width > 1 || self.order() > 1 {
             return Ok(());
         }
         let record = self.routes.target.0;
@@ -222,11 +226,8 @@ impl Weak {
         let mut moved = Vec::new();
         for (k, (stretch, windows)) in self.stretches.iter().zip(&self.windows).enumerate() {
             let (rows, mut left) = self.rows_of(k, &all);
-            let measure = measure(&stretch.time);
             for (a, term) in &all {
-                let mut values = evaluate(term, &stretch.nodes);
-                let mut part = vec![0.0; windows.len()];
-                project(windows, &measure, &mut values, &mut part);
+                let part = integral(term, &self.routes, stretch, windows);
                 left.iter_mut().zip(part).for_each(|(l, p)| *l -= a * p);
             }
             let Some(factor) = self.factor(k, &rows, slack) else {
@@ -244,6 +245,40 @@ impl Weak {
         }
         for (stretch, guess) in self.stretches.iter_mut().zip(moved) {
             stretch.guess[record] = guess;
+            stretch.interpolate(&self.routes);
+        }
+        self.moved = true;
+        self.integrate(library)
+    }
+
+    /// Takes another equation's guess of the motion of its target's record, where both are on the same stretches.
+    ///
+    /// # Errors
+    /// A term without a finite value on the new guess, and where.
+    pub fn adopt(
+        &mut self,
+        other: &[&Weak],
+        library: &Library,
+    ) -> Result<(), (Box<BadValue>, Place)> {
+        let mut changed = false;
+        for other in other {
+            let theirs = other.routes.target.0;
+            let signal = other.routes.records.get(theirs);
+            let ours = self.routes.records.iter().position(|r| Some(r) == signal);
+            let Some(ours) = ours.filter(|_| self.stretches.len() == other.stretches.len()) else {
+                continue;
+            };
+            for (own, given) in self.stretches.iter_mut().zip(&other.stretches) {
+                if own.time == given.time {
+                    own.guess[ours].clone_from(&given.guess[theirs]);
+                    changed = true;
+                }
+            }
+        }
+        if !changed {
+            return Ok(());
+        }
+        for stretch in &mut self.stretches {
             stretch.interpolate(&self.routes);
         }
         self.integrate(library)
@@ -322,6 +357,45 @@ fn whiten_columns(
     for column in columns.chunks_exact_mut(rows) {
         factor.whiten(&mut column[range.clone()]);
     }
+}
+
+/// Signals with all their lower derivatives: terms may be lowered to them.
+fn below(signals: &[Signal]) -> Vec<Signal> {
+    let lower = |s: &Signal| {
+        let s = *s;
+        (0..=s.der).map(move |der| Signal { der, ..s })
+    };
+    let mut out: Vec<Signal> = signals.iter().flat_map(lower).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// ∫ψ φ dt of one term for every window, its derivatives lowered where they can be.
+fn integral(term: &Term, routes: &Routes, stretch: &Stretch, windows: &[Window]) -> Vec<f64> {
+    let measure = measure(&stretch.time);
+    let mut out = vec![0.0; windows.len()];
+    let lowered = lower(term, routes).filter(|_| routes.target.1 > 1);
+    let Some(lowered) = lowered else {
+        let mut values = evaluate(term, &stretch.nodes);
+        project(windows, &measure, &mut values, &mut out);
+        return out;
+    };
+    let mut values = vec![0.0; stretch.nodes.len()];
+    for (weight, term) in lowered.rest.terms() {
+        let part = evaluate(term, &stretch.nodes);
+        values
+            .iter_mut()
+            .zip(part)
+            .for_each(|(v, p)| *v -= weight * p);
+    }
+    project(windows, &measure, &mut values, &mut out);
+    let moved = evaluate(&lowered.moved, &stretch.nodes);
+    let moved: Vec<f64> = moved.iter().zip(&measure).map(|(v, m)| v * m).collect();
+    for (o, w) in out.iter_mut().zip(windows) {
+        *o -= dot(&w.slopes, &moved[NODES.len() * w.first..]);
+    }
+    out
 }
 
 /// Weights of the nodes: ∫ f dt = Σ weight · f.

@@ -28,11 +28,12 @@ pub(super) struct Stretch {
 /// Shortest stretch that is used, samples.
 const SHORTEST: usize = POINTS + 4;
 
-/// The stretches, and the standard deviation of each record's noise.
+/// The stretches, each of at most `longest` samples, and the standard deviation of each record's noise.
 pub(super) fn stretches(
     model: &Model,
     dataset: &Dataset,
     routes: &Routes,
+    longest: usize,
 ) -> (Vec<Stretch>, Vec<f64>) {
     let mut out = Vec::new();
     let mut squares = vec![(0.0, 0usize); routes.records.len()];
@@ -49,14 +50,22 @@ pub(super) fn stretches(
                 raw.push(y);
                 guess.push(smoothed.values);
             }
-            let mut stretch = Stretch {
-                time: time.to_vec(),
-                raw,
-                guess,
-                nodes: at_nodes(trajectory, index, from, time, routes),
-            };
-            stretch.interpolate(routes);
-            out.push(stretch);
+            // Pieces of much the same length, smoothed as one.
+            let pieces = time.len().div_ceil(longest.max(SHORTEST));
+            for k in 0..pieces {
+                let cut = |k: usize| k * time.len() / pieces;
+                let part = cut(k)..cut(k + 1);
+                let of = |all: &[Vec<f64>]| all.iter().map(|v| v[part.clone()].to_vec()).collect();
+                let time = &time[part.clone()];
+                let mut stretch = Stretch {
+                    time: time.to_vec(),
+                    raw: of(&raw),
+                    guess: of(&guess),
+                    nodes: at_nodes(trajectory, index, from + part.start, time, routes),
+                };
+                stretch.interpolate(routes);
+                out.push(stretch);
+            }
         }
     }
     let seen = |(sum, count): &(f64, usize)| (sum / (*count).max(1) as f64).sqrt();
