@@ -21,7 +21,7 @@ use std::time::Instant;
 use cart_pendulum::{Plant, State};
 use clap::Parser;
 use plot::Curve;
-use sidc::data::{Column, Origin, Samples};
+use sidc::data::{Column, Dataset, Origin, Samples};
 use sidc::discover::{Discovery, Options, Status, discover};
 use sidc::lang::source::Sources;
 use sidc::pipeline::{self, Program};
@@ -135,7 +135,7 @@ fn one(program: &Program, draw: u64, options: &Options) -> Result<Outcome, Box<d
     let found = discover(
         &program.model,
         &program.libraries,
-        &samples,
+        (&Dataset::default(), &samples),
         options,
         &mut |_| ControlFlow::Continue(()),
     )

@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let window = args.window.unwrap_or_default();
     limits.listen();
     let line = Line::start(!args.quiet, &program.model, &limits);
-    let staged = pipeline::measure(
+    let mut staged = pipeline::measure(
         &program,
         &tables,
         &args.params,
@@ -101,6 +101,11 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         },
     );
     line.rest();
+    if args.method == Method::Weak {
+        // Estimated derivatives are not what equations are found from then.
+        let about_them = ["noisy-derivative", "input-changes-often"];
+        staged.1.retain(|d| !about_them.contains(&d.code));
+    }
     warnings.extend(said(&staged.1));
     let measured = inputs::report(staged, &sources, notes)?;
 
@@ -216,6 +221,7 @@ fn settings(args: &Args, files: &Inputs, measured: &Measured) -> Settings {
             .iter()
             .map(|t| t.name.clone())
             .collect(),
+        method: args.method.chosen().into(),
         solver: args.solver.name().into(),
         samples: args.samples.map(|n| n as usize),
         seed: args.seed,

@@ -11,6 +11,7 @@ mod form;
 mod mass;
 mod memory;
 mod path;
+mod prepared;
 mod proof;
 mod rows;
 mod strain;
@@ -58,6 +59,17 @@ pub const METHODS: &[(&str, Method)] = &[
     ("regression", Method::Regression),
     ("weak", Method::Weak),
 ];
+
+impl Method {
+    /// Its name; empty if the choice was left to the program.
+    pub fn chosen(self) -> &'static str {
+        let chosen = METHODS.iter().filter(|_| self != Method::Auto);
+        chosen
+            .into_iter()
+            .find(|(_, m)| *m == self)
+            .map_or("", |(n, _)| n)
+    }
+}
 
 /// How to look.
 #[derive(Clone, Copy)]

@@ -3,7 +3,8 @@
 //! In: a task. Out: the same as from regression: rows, Φ, and what errors allow. What noise does to the library is known only as
 //! soon as the equation is, nearly: so a few rounds are run from cautious beginnings, and judged by their likelihood.
 
-use super::equation::{Basis, Prepared, Task};
+use super::equation::Task;
+use super::prepared::{Basis, Prepared};
 use super::subset::Criterion;
 use super::support;
 use super::watch::{Stage, Watcher};
@@ -128,7 +129,7 @@ impl<'a> Together<'a> {
                 break;
             }
         }
-        let conclude = |m: Member| (m.place, m.task.from_integrals(m.best, names, watcher));
+        let conclude = |m: Member| (m.place, m.task.integrated(m.best, names, watcher));
         self.members.into_iter().map(conclude).collect()
     }
 }
@@ -165,7 +166,7 @@ impl Task<'_> {
     }
 
     /// The equation of the best guess, with its evidence.
-    fn from_integrals(
+    fn integrated(
         &self,
         best: Option<Round>,
         names: &Discovery,

@@ -17,6 +17,8 @@ mod problem;
 mod route;
 mod smooth;
 mod splines;
+mod start;
 mod stretch;
 
-pub use problem::{Asked, Weak, Whitened};
+pub use problem::{Asked, Motion, Place, Weak, Whitened};
+pub use start::problems;

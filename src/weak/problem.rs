@@ -62,6 +62,13 @@ pub struct Whitened {
 /// A trajectory's number, and an instant in it, seconds.
 pub type Place = (u32, f64);
 
+/// One stretch of n samples: seconds, and for each record of [`Weak::records`] its values and the guess behind them.
+pub struct Motion<'a> {
+    pub time: &'a [f64],
+    pub raw: &'a [Vec<f64>],
+    pub guess: &'a [Vec<f64>],
+}
+
 /// Widths of windows that are tried, samples from one to the next.
 const WIDTHS: [usize; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48];
 /// Longest piece of a record whose library is evaluated at once, samples.
@@ -119,6 +126,21 @@ impl Weak {
         }
         weak.integrate(asked.library)?;
         Ok(Some(weak))
+    }
+
+    /// The noisy records: signal, standard deviation of its noise.
+    pub fn records(&self) -> impl Iterator<Item = (Signal, f64)> {
+        let noise = self.noise.iter().copied();
+        self.routes.records.iter().copied().zip(noise)
+    }
+
+    /// The stretches that the equation is integrated over, as measured and as guessed.
+    pub fn motion(&self) -> impl Iterator<Item = Motion<'_>> {
+        self.stretches.iter().map(|s| Motion {
+            time: &s.time,
+            raw: &s.raw,
+            guess: &s.guess,
+        })
     }
 
     /// True if the equation has moved the guess of its target's record.

@@ -24,3 +24,4 @@ mod noise;
 mod pendulum;
 mod program;
 mod solve;
+mod weak;
