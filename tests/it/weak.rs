@@ -135,9 +135,9 @@ fn a_cart_pendulum_is_found_from_noisy_positions() {
     );
 }
 
-/// Predators and prey with noise of 5 %: the derivative of the smoothed record hides the products.
+/// Predators and prey with noise of 20 %: smoothing draws the coefficients of a regression towards zero.
 #[test]
-fn first_order_systems_are_found_in_noise_that_regression_is_lost_in() {
+fn first_order_systems_keep_their_coefficients_in_noise_that_biases_a_regression() {
     let mut random = Random::new(2);
     let time = even(600, 0.05);
     let states = motion(
@@ -147,7 +147,7 @@ fn first_order_systems_are_found_in_noise_that_regression_is_lost_in() {
     );
     let mut table = String::from("t,x,y\n");
     for (t, [x, y]) in time.iter().zip(states) {
-        let (x, y) = (x + 0.06 * random.normal(), y + 0.06 * random.normal());
+        let (x, y) = (x + 0.2 * random.normal(), y + 0.2 * random.normal());
         table.push_str(&format!("{t},{x},{y}\n"));
     }
     let model = "state x, y\ndx, dy ~ poly(x, y; 3)\n";
@@ -157,12 +157,12 @@ fn first_order_systems_are_found_in_noise_that_regression_is_lost_in() {
     let method = found["equations"][0]["evidence"]["method"].as_str();
     assert_eq!(method, Some("weak form, windows of ±1 samples"));
     assert_eq!(found["settings"]["method"], "weak");
-    let lost = identify(model, &table, &["--method", "regression"]);
-    let count = terms(&lost, "dx").len() + terms(&lost, "dy").len();
-    assert_ne!(count, 4, "regression would do as well");
+    let biased = identify(model, &table, &["--method", "regression"]);
+    let prey = terms(&biased, "dx")[0].1;
+    assert!(prey < 0.96, "a regression would do as well: {prey}");
 }
 
-/// The force jumps every other sample, times are uneven, a tenth of the record is missing: clean data keep their digits.
+/// The force jumps every other sample, times are uneven, and seconds of the record are missing.
 #[test]
 fn jumps_of_inputs_are_crossed_and_gaps_are_not() {
     let mut random = Random::new(9);
