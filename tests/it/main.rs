@@ -25,3 +25,4 @@ mod pendulum;
 mod program;
 mod smooth;
 mod solve;
+mod weak;
