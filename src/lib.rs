@@ -15,3 +15,4 @@ pub mod result;
 pub mod solve;
 pub mod term;
 pub mod trajectory;
+pub mod weak;

@@ -98,8 +98,17 @@ fn last_significant(values: &[f64]) -> Option<f64> {
     })
 }
 
+/// Times as they were meant: on an even grid if they are on one but for their printed digits, and those matter to 1e-4 of a step at
+/// most; else as they stand.
+pub fn settled(time: &[f64]) -> Vec<f64> {
+    match even_grid(time) {
+        Some((grid, worst)) if worst <= 1e-4 * (grid[1] - grid[0]) => grid,
+        _ => time.to_vec(),
+    }
+}
+
 /// Rows before which a gap in time lies.
-pub(super) fn gaps(time: &[f64]) -> Vec<usize> {
+pub fn gaps(time: &[f64]) -> Vec<usize> {
     let Some(s) = steps(time) else {
         return Vec::new();
     };

@@ -11,10 +11,12 @@ use super::support::{self, Choice};
 use super::watch::{Stage, Stop, Watcher};
 use super::weights::{Weights, norm, rms};
 use super::{
-    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Options, Proof, Reason, Status,
+    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Method, Options, Proof, Reason,
+    Status,
 };
-use crate::data::Samples;
+use crate::data::{Dataset, Samples};
 use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
+use crate::lang::model::Model;
 use crate::library::Library;
 use crate::solve::{self, Polished, Problem, Progress, Solution, Status as Solved};
 use crate::term::{Language, Signal, SignalNames, Term};
@@ -24,6 +26,8 @@ pub(super) struct Task<'a> {
     pub target: Signal,
     pub known: Vec<(f64, Term)>,
     pub library: &'a Library,
+    pub model: &'a Model,
+    pub dataset: &'a Dataset,
     pub samples: &'a Samples,
     pub options: &'a Options,
 }
@@ -34,13 +38,24 @@ const EXACT: f64 = 1e-9;
 const ROOM: f64 = 1.001;
 /// Relative residual of the whole library above which noise is plain to see.
 const VISIBLE: f64 = 1e-2;
+/// Caution of a weak form that has no guess of its equation yet.
+const TIED_SLACK: f64 = 0.1;
+
+/// What the rows are.
+pub(super) enum Basis {
+    /// Instants, with the target there, known parts taken off, unweighted.
+    Samples {
+        split: Split,
+        used: Samples,
+        y: Vec<f64>,
+    },
+    /// Integrals against windows that reach so many samples to each side, whitened.
+    Integrals { rows: usize, reach: usize },
+}
 
 /// Rows, Φ and what the data's errors allow: all that is there before a solver starts.
 pub(super) struct Prepared {
-    split: Split,
-    used: Samples,
-    /// The target without known parts, unweighted.
-    y: Vec<f64>,
+    basis: Basis,
     pub weights: Weights,
     pub phi: Box<dyn Dictionary>,
     /// y, rows weighted.
@@ -96,6 +111,23 @@ impl Answer {
 }
 
 impl Prepared {
+    /// Φ and y, rows weighted; the tolerance is what errors, or the whole library's residual, allow.
+    pub fn new(
+        basis: Basis,
+        mut weights: Weights,
+        phi: Box<dyn Dictionary>,
+        aim: Vec<f64>,
+    ) -> Prepared {
+        let tolerance = tolerance(phi.as_ref(), &aim, &mut weights);
+        Prepared {
+            basis,
+            weights,
+            phi,
+            aim,
+            tolerance,
+        }
+    }
+
     pub fn problem(&self) -> Problem<'_> {
         Problem {
             dictionary: self.phi.as_ref(),
@@ -113,6 +145,11 @@ impl Task<'_> {
         names: &Discovery,
         watcher: &mut Watcher,
     ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
+        if self.options.method == Method::Weak
+            && let Some(weak) = self.weak()?
+        {
+            return Ok(self.run_weak(&weak, names, watcher));
+        }
         let mut prepared = match self.prepare(names, watcher)? {
             Ok(prepared) => prepared,
             Err(failed) => return Ok(Err(failed)),
@@ -133,6 +170,13 @@ impl Task<'_> {
         if let Some(stop) = watcher.at(Stage::Evaluating) {
             return Ok(Err(self.failed(stop.failure())));
         }
+        if self.options.method == Method::Weak
+            && let Some(weak) = self.weak()?
+            && let Some(whitened) = weak.whitened(&[], TIED_SLACK)
+        {
+            let prepared = self.prepare_weak(&weak, whitened);
+            return Ok(prepared.ok_or_else(|| self.motionless(names)));
+        }
         let split = rows::split(
             self.samples.len(),
             self.library.len(),
@@ -147,22 +191,14 @@ impl Task<'_> {
         if rms(&y) == 0.0 {
             return Ok(Err(self.motionless(names)));
         }
-        let mut weights = Weights::new(&used, self.target, self.library, &y);
+        let weights = Weights::new(&used, self.target, self.library, &y);
         let phi = compile(self.library, &used, Some(&weights.row))?;
         let aim = product(&y, &weights.row);
-        let tolerance = tolerance(phi.as_ref(), &aim, &mut weights);
+        let prepared = Prepared::new(Basis::Samples { split, used, y }, weights, phi, aim);
         if let Some(stop) = watcher.at(Stage::Solving(Progress::default())) {
             return Ok(Err(self.failed(stop.failure())));
         }
-        Ok(Ok(Prepared {
-            split,
-            used,
-            y,
-            weights,
-            phi,
-            aim,
-            tolerance,
-        }))
+        Ok(Ok(prepared))
     }
 
     /// The solver's terms, the criterion's choice among them, and the fit of that choice.
@@ -221,17 +257,35 @@ impl Task<'_> {
         let weights = &prepared.weights;
         let size = rms(&prepared.aim);
         let terms = self.found_terms(answer);
-        let left = self.residual(&terms, &prepared.used, &prepared.y);
+        let (rows, left, held_out, method) = match &prepared.basis {
+            Basis::Samples { split, used, y } => {
+                let left = self.residual(&terms, used, y);
+                let left = rms(&product(&left, &weights.row));
+                (
+                    used.len(),
+                    left,
+                    self.held_out(&terms, split),
+                    String::new(),
+                )
+            }
+            Basis::Integrals { rows, reach } => {
+                let left = rms(&prepared.problem().left(&answer.pairs()));
+                let method = format!("weak form, windows of ±{reach} samples");
+                (*rows, left, None, method)
+            }
+        };
         let evidence = Evidence {
-            rows: prepared.used.len(),
+            rows,
             candidates: self.library.len(),
+            method,
             solver: answer.solver.into(),
             iterations: answer.iterations,
-            residual: rms(&product(&left, &weights.row)) / size,
+            residual: left / size,
             target_error: weights.target_error / size,
-            held_out: self.held_out(&terms, &prepared.split),
+            held_out,
             searched: answer.searched,
             certificate: answer.proof.clone(),
+            together: None,
             ties: self.named(&answer.ties, names),
         };
         self.equation(names, terms, evidence, answer)
@@ -354,7 +408,7 @@ impl Task<'_> {
         }
     }
 
-    fn motionless(&self, names: &Discovery) -> Failed {
+    pub fn motionless(&self, names: &Discovery) -> Failed {
         self.failed(Reason::new(
             "no-motion",
             format!(
@@ -364,7 +418,7 @@ impl Task<'_> {
         ))
     }
 
-    fn failed(&self, reason: Reason) -> Failed {
+    pub fn failed(&self, reason: Reason) -> Failed {
         Failed {
             target: self.target,
             reasons: vec![reason],
@@ -373,7 +427,7 @@ impl Task<'_> {
 }
 
 /// The order in which terms are printed.
-fn simpler(a: &Term, b: &Term) -> Ordering {
+pub(super) fn simpler(a: &Term, b: &Term) -> Ordering {
     a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
 }
 

@@ -67,6 +67,17 @@ impl Weights {
         }
     }
 
+    /// Rows whose errors are independent and of size one; residuals below `floor` are no evidence.
+    pub fn known(rows: usize, floor: f64) -> Weights {
+        Weights {
+            row: vec![1.0; rows],
+            tolerance: (rows as f64).sqrt(),
+            floor: floor * floor,
+            correlation: 1.0,
+            target_error: 1.0,
+        }
+    }
+
     /// What the whole library leaves, row by row: errors that follow each other count as one.
     pub fn seen_residual(&mut self, residual: &[f64]) {
         self.correlation = self.correlation.max(correlation_time(residual));

@@ -6,8 +6,11 @@
 use super::graph::{Graph, Node};
 use super::{Expr, Func, Signal};
 
-/// Points at a time: the registers of a large library still fit the first cache.
-const BLOCK: usize = 64;
+/// Values in all registers together: they fit the first cache (32 KB).
+const CACHED: usize = 4096;
+
+/// Fewest and most points at a time: what an instruction costs beside its points is spread over them.
+const BLOCK: (usize, usize) = (32, 256);
 
 /// Straight-line code for a list of expressions, common subexpressions evaluated once.
 #[derive(Clone, Debug, Default)]
@@ -76,12 +79,13 @@ impl Tape {
     /// lies behind is neither read nor written; slices that are too short panic. `work` is scratch of any content, grown
     /// as needed.
     pub fn eval(&self, inputs: &[f64], points: usize, out: &mut [f64], work: &mut Vec<f64>) {
-        let width = points.min(BLOCK);
+        let block = (CACHED / self.registers.max(1)).clamp(BLOCK.0, BLOCK.1);
+        let width = points.min(block);
         if work.len() < self.registers * width {
             work.resize(self.registers * width, 0.0);
         }
-        for start in (0..points).step_by(BLOCK) {
-            let count = (points - start).min(BLOCK);
+        for start in (0..points).step_by(block) {
+            let count = (points - start).min(block);
             for Instruction { op, to } in &self.code {
                 let (target, operands) = match *to {
                     Place::Register(r) => {

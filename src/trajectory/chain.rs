@@ -15,7 +15,7 @@ pub(super) fn links(
     curve: &Curve,
     take: &mut dyn FnMut(usize, Option<Link>),
 ) {
-    let system = problem.system;
+    let system = &problem.system;
     let (n, m, p) = (
         system.states.len(),
         system.laws.len(),
@@ -81,7 +81,7 @@ fn power(x: f64, e: usize) -> f64 {
 
 /// Values of all columns and known parts at the start, the middle and the end of an interval, along the curve.
 fn evaluate(problem: &Problem, record: &Record, curve: &Curve, k: usize, h: f64) -> Vec<f64> {
-    let system = problem.system;
+    let system = &problem.system;
     let (n, m, p) = (
         system.states.len(),
         system.laws.len(),

@@ -10,6 +10,7 @@
 
 mod beam;
 mod chain;
+mod channel;
 mod code;
 mod columns;
 mod dense;
@@ -22,6 +23,7 @@ mod quadratic;
 mod record;
 mod search;
 mod smooth;
+mod stretch;
 mod sweep;
 mod system;
 mod transition;
@@ -30,6 +32,7 @@ mod triangle;
 #[cfg(test)]
 mod tests;
 
+pub use channel::{Channel, channels};
 pub use fit::Fit;
 pub use problem::Problem;
 pub use record::Record;

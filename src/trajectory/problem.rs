@@ -4,20 +4,22 @@
 
 use std::ops::Range;
 
+use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
 use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, records};
 use super::smooth::{Curve, curves};
+use super::stretch::stretches;
 use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
 use crate::data::Dataset;
-use crate::term::{Expr, Signal, Tape};
+use crate::term::{Expr, Signal, Tape, Term};
 
 /// The estimation problem of one system on its data.
-pub struct Problem<'a> {
-    pub system: &'a System,
+pub struct Problem {
+    pub system: System,
     pub records: Vec<Record>,
     pub(super) curves: Vec<Curve>,
     /// Standard deviation of each state over the data; that of its estimate where it is not measured.
@@ -49,16 +51,16 @@ const LOOSE: f64 = 30.0;
 const ACCURACY: f64 = 0.01;
 const FINEST: f64 = 1e-11;
 
-impl<'a> Problem<'a> {
+impl Problem {
     /// # Errors
     /// A signal that the data do not have.
     pub fn new(
-        system: &'a System,
+        system: System,
         dataset: &Dataset,
         declared: &dyn Fn(Signal) -> Option<f64>,
-    ) -> Result<Problem<'a>, Signal> {
-        let records = records(system, dataset)?;
-        let curves = curves(system, &records, declared);
+    ) -> Result<Problem, Signal> {
+        let records = records(&system, dataset)?;
+        let curves = curves(&system, &records, declared);
         let n = system.states.len();
         let readings = (0..n).map(|i| readings(&records, i)).collect();
         let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
@@ -74,6 +76,20 @@ impl<'a> Problem<'a> {
         };
         problem.noise = problem.first_noise();
         Ok(problem)
+    }
+
+    /// The same system, noise and spread on parts of its records.
+    pub(super) fn on(&self, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
+        Problem {
+            system: self.system.clone(),
+            spread: self.spread.clone(),
+            noise: self.noise.clone(),
+            ranges: self.ranges.clone(),
+            all: self.all.clone(),
+            readings: (0..self.states()).map(|i| readings(&records, i)).collect(),
+            records,
+            curves,
+        }
     }
 
     /// Root mean square over records of the noise seen there; unmeasured states take the largest relative one of their variable.
@@ -100,6 +116,64 @@ impl<'a> Problem<'a> {
                 own[i].unwrap_or(part * self.spread[i])
             })
             .collect()
+    }
+
+    /// A column that is not finite somewhere along the smooth curves.
+    pub fn undefined(&self) -> Option<&Term> {
+        let p = self.all.outputs();
+        let mut bad = None;
+        for (record, curve) in self.records.iter().zip(&self.curves) {
+            let points = self.points(record, &curve.states, &curve.rates);
+            let mut values = vec![0.0; p * record.len()];
+            self.all
+                .eval(&points, record.len(), &mut values, &mut Vec::new());
+            let finite = |row: &[f64]| row.iter().all(|x| x.is_finite());
+            let row = values.chunks_exact(record.len()).position(|r| !finite(r));
+            bad = bad.or(row);
+        }
+        self.system.columns.get(bad?)
+    }
+
+    /// Every channel as smoothing sees it.
+    pub fn channels(&self) -> Vec<Channel> {
+        super::channel::first(self)
+    }
+
+    /// Values of all signals (states, rates, outside) along the trajectory of a fit, one row a signal, all records.
+    pub fn values(&self, fit: &super::Fit) -> Vec<Vec<f64>> {
+        let signals = self.system.inputs().len();
+        let mut out = vec![Vec::new(); signals];
+        let code = Code::new(&self.system, fit.support());
+        for ((record, path), curve) in self.records.iter().zip(fit.paths()).zip(&self.curves) {
+            let mut points = self.points(record, path, &curve.rates);
+            // Rates that have no solution somewhere stay those of the curve.
+            let _ = code.rates(
+                fit.coefficients(),
+                &mut points,
+                record.len(),
+                &mut Default::default(),
+            );
+            for (out, row) in out.iter_mut().zip(points.chunks_exact(record.len())) {
+                out.extend_from_slice(row);
+            }
+        }
+        out
+    }
+
+    /// Signals at the samples of a record: row by row, as evaluation takes them.
+    fn points(&self, record: &Record, states: &[f64], rates: &[f64]) -> Vec<f64> {
+        let (n, m, count) = (self.states(), self.system.laws.len(), record.len());
+        let mut out = Vec::with_capacity(self.system.inputs().len() * count);
+        for i in 0..n {
+            out.extend((0..count).map(|k| states[k * n + i]));
+        }
+        for l in 0..m {
+            out.extend((0..count).map(|k| rates[k * m + l]));
+        }
+        for o in &record.outside {
+            out.extend_from_slice(&o.values);
+        }
+        out
     }
 
     pub fn states(&self) -> usize {
@@ -144,33 +218,52 @@ impl<'a> Problem<'a> {
         Quadratic::new(&moments.shifted(&[]), self.all.outputs())
     }
 
-    /// The quadratic form of all columns about a point.
+    /// The quadratic form of all columns about a point, on stretches of long records.
     ///
     /// # Errors
     /// Laws that lead nowhere from there.
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
-        let code = Code::new(self.system, &at.support);
+        let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
         let mut moments = Moments::new(self.all.outputs());
-        self.eliminate(&code, all, at, &mut moments, false)?;
+        let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
+        let parts = stretches(&lengths);
+        self.eliminate(&code, all, at, &mut moments, false, &parts)?;
+        let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
+        let share = self.samples() as f64 / used as f64;
         // Corrections of active coefficients become the coefficients themselves.
         let active = at
             .support
             .iter()
             .copied()
             .zip(at.coefficients.iter().copied());
-        let products = moments.shifted(&active.collect::<Vec<_>>());
+        let mut products = moments.shifted(&active.collect::<Vec<_>>());
+        // Stretches stand for all samples.
+        products.iter_mut().for_each(|x| *x *= share);
         Ok(Quadratic::new(&products, self.all.outputs()))
     }
 
-    /// Eliminates all states about a point; what is left measures the coefficients.
-    pub(super) fn eliminate(
+    /// Eliminates all states of all records about a point; what is left measures the coefficients.
+    pub(super) fn eliminate_all(
+        &self,
+        code: &Code,
+        at: &Point,
+        gather: &mut impl Gather,
+    ) -> Result<Vec<Eliminated>, Diverged> {
+        let whole = self.records.iter().map(|r| 0..r.len());
+        let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
+        self.eliminate(code, None, at, gather, true, &whole)
+    }
+
+    /// Likewise of parts of records, of U of all columns if `all` is given. `keep` says that states will be asked for.
+    fn eliminate(
         &self,
         code: &Code,
         all: Option<(&Tape, &[Range<usize>])>,
         at: &Point,
         gather: &mut impl Gather,
         keep: bool,
+        parts: &[(usize, Range<usize>)],
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
             code,
@@ -181,24 +274,23 @@ impl<'a> Problem<'a> {
         };
         let mut work = Work::default();
         let mut block = Block::default();
-        let records = self.records.iter().zip(&at.paths);
-        records
-            .map(|(record, path)| {
-                let stiffness = stiffness(&at.sigma, record.len());
-                let mut sweep = Sweep::new(&stiffness, gather, keep);
-                let last = record.len() - 1;
-                for from in (0..last).step_by(BLOCK) {
-                    let intervals = from..(from + BLOCK).min(last);
-                    flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
-                    for (b, k) in intervals.enumerate() {
-                        sweep.measure(&self.readings_at(record, path, &at.sigma, k));
-                        self.advance(&mut sweep, &block, b, path, k, flow.width());
-                    }
+        let parts = parts.iter().map(|(r, samples)| {
+            let (record, path) = (&self.records[*r], &at.paths[*r]);
+            let stiffness = stiffness(&at.sigma, record.len());
+            let mut sweep = Sweep::new(&stiffness, gather, keep);
+            let last = samples.end - 1;
+            for from in (samples.start..last).step_by(BLOCK) {
+                let intervals = from..(from + BLOCK).min(last);
+                flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
+                for (b, k) in intervals.enumerate() {
+                    sweep.measure(&self.readings_at(record, path, &at.sigma, k));
+                    self.advance(&mut sweep, &block, b, path, k, flow.width());
                 }
-                sweep.measure(&self.readings_at(record, path, &at.sigma, last));
-                Ok(sweep.end())
-            })
-            .collect()
+            }
+            sweep.measure(&self.readings_at(record, path, &at.sigma, last));
+            Ok(sweep.end())
+        });
+        parts.collect()
     }
 
     fn advance(

@@ -3,6 +3,8 @@
 //! In: the products of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
 //! length, so that pivots say how dependent they are.
 
+use super::lanes::wide;
+
 /// Unit columns shorter than the root of this after projection are dependent on those chosen.
 pub(super) const DEPENDENT: f64 = 1e-7;
 /// What keeps an inverse of dependent columns finite.
@@ -263,6 +265,11 @@ impl Move {
 
 /// Symmetric positive definite inverse in place, by Gauss–Jordan without pivoting.
 fn invert(a: &mut [f64], n: usize) -> bool {
+    wide(|| wide_invert(a, n))
+}
+
+#[inline(always)]
+fn wide_invert(a: &mut [f64], n: usize) -> bool {
     for k in 0..n {
         let pivot = a[k * n + k];
         if pivot <= 0.0 || pivot.is_nan() {
@@ -284,6 +291,7 @@ fn invert(a: &mut [f64], n: usize) -> bool {
     true
 }
 
+#[inline(always)]
 fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }

@@ -2,9 +2,10 @@
 //!
 //! In: a checked model and the libraries of its searched equations. Out: a [`System`], or why the model is none. Never sees data.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
-use crate::lang::model::{Model, RightSide};
+use crate::lang::model::{LibExpr, LibKind, Model, RightSide};
 use crate::library::{Library, known_terms};
 use crate::term::{Expr, Signal, Term, VarId};
 
@@ -35,10 +36,37 @@ pub struct Law {
     pub columns: Range<usize>,
     /// Slots of its library that the columns stand for.
     pub slots: Vec<usize>,
+    /// Whether each column was written out in the model, not made by a generator.
+    pub written: Vec<bool>,
 }
 
 /// Why a model is no system of this kind, in words that follow "because".
 pub type NoSystem = String;
+
+/// Terms that stand in a library one by one.
+fn written(right: &RightSide) -> BTreeSet<Term> {
+    fn walk(library: &LibExpr, found: &mut BTreeSet<Term>) {
+        match &library.kind {
+            LibKind::Term(e) => {
+                found.insert(e.clone().into_term().1);
+            }
+            LibKind::List(items) => items.iter().for_each(|i| walk(i, found)),
+            LibKind::Union(a, b) => [a, b].into_iter().for_each(|l| walk(l, found)),
+            LibKind::Difference(a, _) => walk(a, found),
+            LibKind::Named { body, .. } => walk(body, found),
+            _ => {}
+        }
+    }
+    let mut found = BTreeSet::new();
+    if let RightSide::Search {
+        library: Some(library),
+        ..
+    } = right
+    {
+        walk(library, &mut found);
+    }
+    found
+}
 
 impl System {
     /// The system of all equations of the model that move a state; `pools` restricts the columns of an equation to slots of
@@ -82,9 +110,9 @@ impl System {
                     .filter(|s| !library.is_empty_slot(*s))
                     .collect(),
             };
-            let terms = slots.iter().filter_map(|s| library?.term(*s));
+            let terms: Vec<Term> = slots.iter().filter_map(|s| library?.term(*s)).collect();
+            let by_hand = written(&equation.right);
             let from = system.columns.len();
-            system.columns.extend(terms);
             let state = system.states.len() + usize::from(target.der) - 1;
             let chain = (0..target.der).map(|der| Signal::derivative(target.var, der));
             system.states.extend(chain);
@@ -93,9 +121,11 @@ impl System {
                 target,
                 state,
                 known: known.fold(Expr::zero(), |sum, e| sum + e),
-                columns: from..system.columns.len(),
+                columns: from..from + terms.len(),
                 slots,
+                written: terms.iter().map(|t| by_hand.contains(t)).collect(),
             });
+            system.columns.extend(terms);
         }
         if system.columns.is_empty() {
             return Err("no equation of a state is searched".into());

@@ -1,0 +1,200 @@
+//! Test functions: B-splines between samples, whose integral with a derivative is an exact combination of samples, and smooth
+//! sums of them.
+//!
+//! In: instants of a stretch, an order of derivative, a width. Out: for each window its values at the nodes of a quadrature and its weights
+//! of samples. Sees no values.
+
+/// Nodes of each interval between samples (Gauss–Legendre), in −1 … 1, and their weights.
+pub(super) const NODES: [(f64, f64); 3] = [
+    (-0.774_596_669_241_483_4, 5.0 / 9.0),
+    (0.0, 8.0 / 9.0),
+    (0.774_596_669_241_483_4, 5.0 / 9.0),
+];
+/// Node at the middle of an interval.
+pub(super) const MIDDLE: usize = 1;
+/// Times that a window is averaged: it is as smooth as a cubic spline.
+const AVERAGES: usize = 4;
+
+/// One test function ψ.
+#[derive(Clone, Debug)]
+pub(super) struct Window {
+    /// First interval between samples on which ψ is not zero; as well the first sample of `differences`.
+    pub first: usize,
+    /// ψ at the nodes of its intervals.
+    pub values: Vec<f64>,
+    /// dψ/dt there; empty for order 1, where ψ is a step from interval to interval.
+    pub slopes: Vec<f64>,
+    /// ∫ψ x⁽ᵖ⁾ dt = Σ weight · sample, from sample `first` on.
+    pub differences: Vec<f64>,
+    /// Coefficients of B-splines, from spline `first` on.
+    pub splines: Vec<f64>,
+}
+
+/// Samples to each side of a window's middle.
+pub(super) fn reach(order: usize, width: usize) -> usize {
+    (AVERAGES * (width - 1) + order).div_ceil(2)
+}
+
+/// The windows of one stretch, one every `width` samples.
+///
+/// With width 1 they are the B-splines of degree `order` − 1 on the samples themselves, N with
+/// ∫N x⁽ᵖ⁾ dt = (t_{i+p} − t_i) (p − 1)! x[t_i … t_{i+p}] (de Boor, A practical guide to splines, chapter IX): exact for every
+/// motion whose p-th derivative can be integrated, jumps of it included. Wider windows are smooth sums of these.
+pub(super) fn windows(time: &[f64], order: usize, width: usize) -> Vec<Window> {
+    let count = time.len().saturating_sub(order);
+    let bump = bump(width);
+    let half = bump.len() / 2;
+    let fine: Vec<Fine> = (0..count).map(|i| Fine::new(time, i, order)).collect();
+    (0..count.div_ceil(width))
+        .map(|k| {
+            let centre = k * width;
+            let from = centre.saturating_sub(half);
+            let to = (centre + bump.len() - half).min(count);
+            let skipped = (from + half) - centre;
+            let coefficients = &bump[skipped..skipped + (to - from)];
+            assemble(&fine[from..to], coefficients, from, order)
+        })
+        .collect()
+}
+
+/// A discrete B-spline: a step of `width` samples averaged with itself. Its sum is `width`.
+fn bump(width: usize) -> Vec<f64> {
+    let mut out = vec![1.0];
+    for _ in 0..AVERAGES {
+        let mut next = vec![0.0; out.len() + width - 1];
+        for (i, x) in out.iter().enumerate() {
+            next[i..i + width]
+                .iter_mut()
+                .for_each(|y| *y += x / width as f64);
+        }
+        out = next;
+    }
+    out.iter_mut().for_each(|x| *x *= width as f64);
+    out
+}
+
+/// One B-spline on the samples i … i + p.
+struct Fine {
+    values: Vec<f64>,
+    slopes: Vec<f64>,
+    differences: Vec<f64>,
+}
+
+impl Fine {
+    fn new(time: &[f64], i: usize, order: usize) -> Fine {
+        let knots = &time[i..=i + order];
+        let degree = order - 1;
+        let (mut values, mut slopes) = (Vec::new(), Vec::new());
+        for pair in knots.windows(2) {
+            for (node, _) in NODES {
+                let t = 0.5 * (pair[0] + pair[1]) + 0.5 * node * (pair[1] - pair[0]);
+                values.push(spline(knots, t));
+                if degree > 0 {
+                    slopes.push(slope(knots, t));
+                }
+            }
+        }
+        let factorial: f64 = (1..=degree).map(|k| k as f64).product();
+        let scale = (knots[order] - knots[0]) * factorial;
+        let divided = |j: usize| {
+            let others = knots.iter().enumerate().filter(|(k, _)| *k != j);
+            scale / others.map(|(_, t)| knots[j] - t).product::<f64>()
+        };
+        Fine {
+            values,
+            slopes,
+            differences: (0..=order).map(divided).collect(),
+        }
+    }
+}
+
+/// The normalised B-spline on its knots at t (Cox & de Boor).
+fn spline(knots: &[f64], t: f64) -> f64 {
+    let degree = knots.len() - 2;
+    if degree == 0 {
+        return f64::from(u8::from(knots[0] <= t && t < knots[1]));
+    }
+    let (a, b) = (&knots[..=degree], &knots[1..]);
+    let rising = (t - a[0]) / (a[degree] - a[0]) * spline(a, t);
+    rising + (b[degree] - t) / (b[degree] - b[0]) * spline(b, t)
+}
+
+fn slope(knots: &[f64], t: f64) -> f64 {
+    let degree = knots.len() - 2;
+    let (a, b) = (&knots[..=degree], &knots[1..]);
+    degree as f64 * (spline(a, t) / (a[degree] - a[0]) - spline(b, t) / (b[degree] - b[0]))
+}
+
+fn assemble(fine: &[Fine], coefficients: &[f64], first: usize, order: usize) -> Window {
+    let intervals = fine.len() + order - 1;
+    let nodes = NODES.len();
+    let steps = order == 1;
+    let mut window = Window {
+        first,
+        values: vec![0.0; nodes * intervals],
+        slopes: vec![0.0; if steps { 0 } else { nodes * intervals }],
+        differences: vec![0.0; fine.len() + order],
+        splines: coefficients.to_vec(),
+    };
+    for (at, (spline, c)) in fine.iter().zip(coefficients).enumerate() {
+        add(&mut window.values, nodes * at, c, &spline.values);
+        add(&mut window.slopes, nodes * at, c, &spline.slopes);
+        add(&mut window.differences, at, c, &spline.differences);
+    }
+    window
+}
+
+fn add(into: &mut [f64], from: usize, factor: &f64, values: &[f64]) {
+    let room = into.iter_mut().skip(from);
+    room.zip(values).for_each(|(o, v)| *o += factor * v);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integrals_with_derivatives_are_combinations_of_samples_whatever_the_times() {
+        let time: Vec<f64> = (0..40).map(|i| 0.1 * f64::from(i).powf(1.05)).collect();
+        // x = t⁴: derivatives 4t³, 12t², 24t.
+        let derivative = [
+            |t: f64| 4.0 * t.powi(3),
+            |t: f64| 12.0 * t * t,
+            |t: f64| 24.0 * t,
+        ];
+        for (order, derivative) in (1..).zip(derivative) {
+            for width in [1, 2, 5] {
+                for w in windows(&time, order, width) {
+                    let samples: f64 = (w.first..)
+                        .zip(&w.differences)
+                        .map(|(i, d)| d * time[i].powi(4))
+                        .sum();
+                    let mut integral = 0.0;
+                    for (k, value) in w.values.iter().enumerate() {
+                        let i = w.first + k / NODES.len();
+                        let (node, weight) = NODES[k % NODES.len()];
+                        let h = time[i + 1] - time[i];
+                        let t = time[i] + 0.5 * (node + 1.0) * h;
+                        integral += 0.5 * h * weight * value * derivative(t);
+                    }
+                    assert!((samples - integral).abs() < 1e-9 * integral.abs().max(1e-3));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_integrate_by_parts() {
+        let time: Vec<f64> = (0..30).map(|i| 0.1 * f64::from(i)).collect();
+        for w in windows(&time, 2, 3) {
+            // ∫ψ' dt = 0 for a function that ends at zero.
+            let sum: f64 = w
+                .slopes
+                .iter()
+                .enumerate()
+                .map(|(k, s)| s * NODES[k % NODES.len()].1)
+                .sum();
+            assert!(sum.abs() < 1e-12);
+        }
+    }
+}
