@@ -23,6 +23,7 @@ mod quadratic;
 mod record;
 mod search;
 mod smooth;
+mod stretch;
 mod sweep;
 mod system;
 mod transition;

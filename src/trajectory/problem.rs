@@ -11,6 +11,7 @@ use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, records};
 use super::smooth::{Curve, curves};
+use super::stretch::stretches;
 use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
 use crate::data::Dataset;
@@ -75,6 +76,20 @@ impl Problem {
         };
         problem.noise = problem.first_noise();
         Ok(problem)
+    }
+
+    /// The same system, noise and spread on parts of its records.
+    pub(super) fn on(&self, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
+        Problem {
+            system: self.system.clone(),
+            spread: self.spread.clone(),
+            noise: self.noise.clone(),
+            ranges: self.ranges.clone(),
+            all: self.all.clone(),
+            readings: (0..self.states()).map(|i| readings(&records, i)).collect(),
+            records,
+            curves,
+        }
     }
 
     /// Root mean square over records of the noise seen there; unmeasured states take the largest relative one of their variable.
@@ -203,7 +218,7 @@ impl Problem {
         Quadratic::new(&moments.shifted(&[]), self.all.outputs())
     }
 
-    /// The quadratic form of all columns about a point.
+    /// The quadratic form of all columns about a point, on stretches of long records.
     ///
     /// # Errors
     /// Laws that lead nowhere from there.
@@ -211,25 +226,44 @@ impl Problem {
         let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
         let mut moments = Moments::new(self.all.outputs());
-        self.eliminate(&code, all, at, &mut moments, false)?;
+        let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
+        let parts = stretches(&lengths);
+        self.eliminate(&code, all, at, &mut moments, false, &parts)?;
+        let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
+        let share = self.samples() as f64 / used as f64;
         // Corrections of active coefficients become the coefficients themselves.
         let active = at
             .support
             .iter()
             .copied()
             .zip(at.coefficients.iter().copied());
-        let products = moments.shifted(&active.collect::<Vec<_>>());
+        let mut products = moments.shifted(&active.collect::<Vec<_>>());
+        // Stretches stand for all samples.
+        products.iter_mut().for_each(|x| *x *= share);
         Ok(Quadratic::new(&products, self.all.outputs()))
     }
 
-    /// Eliminates all states about a point; what is left measures the coefficients.
-    pub(super) fn eliminate(
+    /// Eliminates all states of all records about a point; what is left measures the coefficients.
+    pub(super) fn eliminate_all(
+        &self,
+        code: &Code,
+        at: &Point,
+        gather: &mut impl Gather,
+    ) -> Result<Vec<Eliminated>, Diverged> {
+        let whole = self.records.iter().map(|r| 0..r.len());
+        let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
+        self.eliminate(code, None, at, gather, true, &whole)
+    }
+
+    /// Likewise of parts of records, of U of all columns if `all` is given. `keep` says that states will be asked for.
+    fn eliminate(
         &self,
         code: &Code,
         all: Option<(&Tape, &[Range<usize>])>,
         at: &Point,
         gather: &mut impl Gather,
         keep: bool,
+        parts: &[(usize, Range<usize>)],
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
             code,
@@ -240,24 +274,23 @@ impl Problem {
         };
         let mut work = Work::default();
         let mut block = Block::default();
-        let records = self.records.iter().zip(&at.paths);
-        records
-            .map(|(record, path)| {
-                let stiffness = stiffness(&at.sigma, record.len());
-                let mut sweep = Sweep::new(&stiffness, gather, keep);
-                let last = record.len() - 1;
-                for from in (0..last).step_by(BLOCK) {
-                    let intervals = from..(from + BLOCK).min(last);
-                    flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
-                    for (b, k) in intervals.enumerate() {
-                        sweep.measure(&self.readings_at(record, path, &at.sigma, k));
-                        self.advance(&mut sweep, &block, b, path, k, flow.width());
-                    }
+        let parts = parts.iter().map(|(r, samples)| {
+            let (record, path) = (&self.records[*r], &at.paths[*r]);
+            let stiffness = stiffness(&at.sigma, record.len());
+            let mut sweep = Sweep::new(&stiffness, gather, keep);
+            let last = samples.end - 1;
+            for from in (samples.start..last).step_by(BLOCK) {
+                let intervals = from..(from + BLOCK).min(last);
+                flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
+                for (b, k) in intervals.enumerate() {
+                    sweep.measure(&self.readings_at(record, path, &at.sigma, k));
+                    self.advance(&mut sweep, &block, b, path, k, flow.width());
                 }
-                sweep.measure(&self.readings_at(record, path, &at.sigma, last));
-                Ok(sweep.end())
-            })
-            .collect()
+            }
+            sweep.measure(&self.readings_at(record, path, &at.sigma, last));
+            Ok(sweep.end())
+        });
+        parts.collect()
     }
 
     fn advance(
