@@ -14,4 +14,5 @@ pub mod pipeline;
 pub mod result;
 pub mod solve;
 pub mod term;
+pub mod trajectory;
 pub mod weak;

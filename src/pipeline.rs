@@ -3,7 +3,7 @@
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
 use crate::data::{self, Dataset, Provenance, Samples, SignalMonitor, Table};
-use crate::discover::{self, Discovery, Options, Refusal, Watch};
+use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
@@ -11,6 +11,7 @@ use crate::lang::{self, GeneratorSignature, Vocabulary};
 pub use crate::library::MEMORY;
 use crate::library::{self, GENERATORS, Library};
 use crate::term::Signal;
+use crate::trajectory::Problem;
 
 mod unevaluable;
 
@@ -24,7 +25,10 @@ pub struct Program {
 /// A program's signals on common rows.
 pub struct Measured {
     pub dataset: Dataset,
+    /// No rows where all equations are found together.
     pub samples: Samples,
+    /// The problem of finding all equations together with the trajectory, where that is the way.
+    pub joint: Option<Problem>,
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
@@ -100,12 +104,16 @@ fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnosti
     })
 }
 
-/// Program + tables → samples of every signal that its equations mention; no rows if `monitor` ended the work.
+/// A stretch of time, ends optional.
+pub type Window = (Option<f64>, Option<f64>);
+
+/// Program + tables → the problem of all equations together, or samples of every signal that they mention; no rows if
+/// `monitor` ended the work.
 pub fn measure(
     program: &Program,
     tables: &[Table],
     params: &[(String, Vec<f64>)],
-    window: (Option<f64>, Option<f64>),
+    (window, options): (Window, &Options),
     sources: &mut Sources,
     monitor: SignalMonitor,
 ) -> Staged<Measured> {
@@ -117,17 +125,46 @@ pub fn measure(
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
     }
-    let (samples, found, report) =
-        data::samples(&program.model, &dataset, &needed(program), monitor);
+    let joint = match discover::joint(&program.model, &program.libraries, &dataset, options) {
+        Ok(problem) => Some(problem),
+        Err(why) => {
+            if options.method == Method::Joint {
+                diagnostics.push(not_joint(&why));
+            }
+            None
+        }
+    };
+    let (samples, found, report) = match &joint {
+        Some(_) => Default::default(),
+        None => data::samples(&program.model, &dataset, &needed(program), monitor),
+    };
     diagnostics.extend(found);
     finish(
         Measured {
             dataset,
             samples,
+            joint,
             report,
         },
         diagnostics,
     )
+}
+
+fn not_joint(why: &str) -> Diagnostic {
+    Diagnostic::error(
+        "no-joint-estimate",
+        format!("the equations cannot be estimated together with their trajectory: {why}"),
+    )
+    .help("leave --method to the program, or take --method regression")
+}
+
+impl Measured {
+    /// Rows or samples that equations are found from.
+    pub fn rows(&self) -> usize {
+        self.joint
+            .as_ref()
+            .map_or(self.samples.len(), Problem::samples)
+    }
 }
 
 /// Program + samples → equations with evidence.
@@ -137,6 +174,10 @@ pub fn identify(
     options: &Options,
     watch: Watch,
 ) -> Result<Discovery, Vec<Diagnostic>> {
+    if let Some(problem) = &measured.joint {
+        let found = discover::discover_jointly(&program.model, problem, watch);
+        return Ok(found.unwrap_or_else(|| discover::nothing_fits(&program.model, problem)));
+    }
     discover::discover(
         &program.model,
         &program.libraries,

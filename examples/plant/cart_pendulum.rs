@@ -5,31 +5,47 @@
 
 use clap::Args;
 
+/// A target and the terms that make it up, each with its coefficient.
+pub type Law = (&'static str, Vec<(&'static str, f64)>);
+
 /// Masses, length and frictions; the defaults are the plant of the benchmark.
 #[derive(Args, Clone, Debug)]
 pub struct Plant {
     /// Mass of the cart, kg
-    #[arg(long, default_value_t = 0.5)]
+    #[arg(long, default_value_t = Plant::default().cart)]
     pub cart: f64,
     /// Mass of the bob, kg
-    #[arg(long, default_value_t = 0.275)]
+    #[arg(long, default_value_t = Plant::default().bob)]
     pub bob: f64,
     /// Length of the rod, m
-    #[arg(long, default_value_t = 0.5)]
+    #[arg(long, default_value_t = Plant::default().rod)]
     pub rod: f64,
     /// Friction of the pivot, N m s
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(long, default_value_t = Plant::default().pivot_friction)]
     pub pivot_friction: f64,
     /// Friction of the track, N s/m
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = Plant::default().cart_friction)]
     pub cart_friction: f64,
     /// Acceleration of gravity, m/s²
-    #[arg(long, default_value_t = 9.8)]
+    #[arg(long, default_value_t = Plant::default().gravity)]
     pub gravity: f64,
 }
 
 /// Position of the cart, its speed, angle of the rod, its speed.
 pub type State = [f64; 4];
+
+impl Default for Plant {
+    fn default() -> Self {
+        Plant {
+            cart: 0.5,
+            bob: 0.275,
+            rod: 0.5,
+            pivot_friction: 0.01,
+            cart_friction: 0.05,
+            gravity: 9.8,
+        }
+    }
+}
 
 impl Plant {
     /// (ÿ, θ̈): both equations at once, a linear 2 × 2 system.
@@ -66,24 +82,38 @@ impl Plant {
             - ml * dtheta * dtheta * sin
     }
 
-    /// The equations in the form they are to be found in.
-    pub fn equations(&self) -> [String; 2] {
+    /// The equations in the form they are to be found in; terms are spelled as sidc prints them.
+    pub fn laws(&self) -> [Law; 2] {
         let total = self.bob + self.cart;
         let ml = self.bob * self.rod;
-        [
-            format!(
-                "ddy = {}*F - {}*dy - {}*ddtheta*cos(theta) + {}*dtheta^2*sin(theta)",
-                1.0 / total,
-                self.cart_friction / total,
-                ml / total,
-                ml / total
-            ),
-            format!(
-                "ddtheta = -{}*dtheta - {}*sin(theta) - {}*ddy*cos(theta)",
-                self.pivot_friction / (ml * self.rod),
-                self.gravity / self.rod,
-                1.0 / self.rod
-            ),
-        ]
+        let cart = vec![
+            ("F", 1.0 / total),
+            ("dy", -self.cart_friction / total),
+            ("ddtheta*cos(theta)", -ml / total),
+            ("dtheta^2*sin(theta)", ml / total),
+        ];
+        let rod = vec![
+            ("dtheta", -self.pivot_friction / (ml * self.rod)),
+            ("sin(theta)", -self.gravity / self.rod),
+            ("ddy*cos(theta)", -1.0 / self.rod),
+        ];
+        [("ddy", cart), ("ddtheta", rod)]
+    }
+
+    /// The laws as text.
+    pub fn equations(&self) -> [String; 2] {
+        self.laws().map(|(target, terms)| {
+            let mut text = format!("{target} =");
+            for (i, (term, c)) in terms.iter().enumerate() {
+                text += match (i, *c < 0.0) {
+                    (0, true) => " -",
+                    (0, false) => " ",
+                    (_, true) => " - ",
+                    (_, false) => " + ",
+                };
+                text += &format!("{}*{term}", c.abs());
+            }
+            text
+        })
     }
 }

@@ -13,6 +13,8 @@ pub enum Kind {
     Experiment,
     /// Levels uniform in ±8 N, each held 0.1 to 0.6 s
     RandomSquare,
+    /// Levels uniform in ±6 N, each held 0.05 to 0.5 s, reversed where the cart would leave its track
+    Track,
     /// Gaussian, one draw a sample, scaled so that the largest is ±5 N
     Gaussian,
     /// None: the pendulum swings freely
@@ -29,7 +31,7 @@ const TRACK: f64 = 0.6;
 /// Force of every sample of a run.
 pub struct Force {
     kind: Kind,
-    /// Drawn forces; those of the experiment are the levels of its square phase.
+    /// Drawn forces; those of the experiment are the levels of its square phase, before any reversal.
     drawn: Vec<f64>,
     /// Sign of the level in force; it may change only with the level.
     sign: f64,
@@ -41,7 +43,9 @@ impl Force {
         let drawn = match kind {
             Kind::Zero => vec![0.0; rows],
             Kind::RandomSquare => random.square(rows, (samples(0.1), samples(0.6)), 8.0),
-            Kind::Experiment => random.square(rows, (samples(0.05), samples(0.5)), 6.0),
+            Kind::Experiment | Kind::Track => {
+                random.square(rows, (samples(0.05), samples(0.5)), 6.0)
+            }
             Kind::Gaussian => {
                 let draws: Vec<f64> = (0..rows).map(|_| random.normal()).collect();
                 let largest = draws.iter().fold(f64::MIN_POSITIVE, |m, z| m.max(z.abs()));
@@ -68,23 +72,30 @@ impl Force {
     /// Force of sample `k` in state `x`.
     pub fn at(&mut self, k: usize, plant: &Plant, x: &State) -> f64 {
         let drawn = self.drawn.get(k).copied().unwrap_or(0.0);
-        if self.kind != Kind::Experiment {
-            return drawn;
+        match self.kind {
+            Kind::Experiment => {}
+            Kind::Track => return self.on_track(k, drawn, x),
+            _ => return drawn,
         }
         let share = k as f64 / self.drawn.len() as f64;
         if share < BALANCE {
             controller::stabilise(plant, x)
         } else if share < SQUARE {
-            if k == 0 || self.drawn.get(k - 1) != Some(&drawn) {
-                let ahead = x[0] + x[1];
-                let outward = ahead.abs() > TRACK && drawn * ahead > 0.0;
-                self.sign = if outward { -1.0 } else { 1.0 };
-            }
-            self.sign * drawn
+            self.on_track(k, drawn, x)
         } else if share < SWING_UP {
             controller::swing_up(plant, x)
         } else {
             0.0
         }
+    }
+
+    /// The level of sample `k`, reversed if it was new and drove the cart off its track.
+    fn on_track(&mut self, k: usize, drawn: f64, x: &State) -> f64 {
+        if k == 0 || self.drawn.get(k - 1) != Some(&drawn) {
+            let ahead = x[0] + x[1];
+            let outward = ahead.abs() > TRACK && drawn * ahead > 0.0;
+            self.sign = if outward { -1.0 } else { 1.0 };
+        }
+        self.sign * drawn
     }
 }

@@ -141,7 +141,9 @@ fn one(program: &Program, draw: u64, options: &Options) -> Result<Outcome, Box<d
     )
     .map_err(|_| "a term is not finite")?;
     let seconds = start.elapsed().as_secs_f64();
-    let errors = truth(&plant).map(|(target, terms)| error(&found, target, &terms));
+    let errors = plant
+        .laws()
+        .map(|(target, terms)| error(&found, target, &terms));
     let exact = errors.map(|e| e <= EXACT);
     let passed = |target: &str| {
         found
@@ -169,32 +171,6 @@ fn plant(random: &mut Random) -> Plant {
         cart_friction: random.uniform(0.02, 0.3),
         gravity: 9.81,
     }
-}
-
-type Truth = (&'static str, Vec<(&'static str, f64)>);
-
-fn truth(p: &Plant) -> [Truth; 2] {
-    let total = p.bob + p.cart;
-    let ml = p.bob * p.rod;
-    [
-        (
-            "ddy",
-            vec![
-                ("F", 1.0 / total),
-                ("dy", -p.cart_friction / total),
-                ("ddtheta*cos(theta)", -ml / total),
-                ("dtheta^2*sin(theta)", ml / total),
-            ],
-        ),
-        (
-            "ddtheta",
-            vec![
-                ("dtheta", -p.pivot_friction / (ml * p.rod)),
-                ("sin(theta)", -p.gravity / p.rod),
-                ("ddy*cos(theta)", -1.0 / p.rod),
-            ],
-        ),
-    ]
 }
 
 /// Largest relative error of a coefficient; infinite for any other support.

@@ -17,7 +17,8 @@ const RIGHT: f64 = 610.0;
 const TOP: f64 = 56.0;
 const BOTTOM: f64 = 330.0;
 
-const STYLE: &str = "text{font:14px 'Helvetica Neue',Arial,sans-serif;fill:#24292f}.small{font-size:12px}.axis{stroke:#57606a}\
+/// Colours and strokes for light and dark ground.
+pub const STYLE: &str = "text{font:14px 'Helvetica Neue',Arial,sans-serif;fill:#24292f}.small{font-size:12px}.axis{stroke:#57606a}\
 .grid{stroke:#d0d7de;stroke-width:.7}.line{fill:none;stroke-width:2.2}.band{opacity:.16}\
 .a{stroke:#0969da}.b{stroke:#bc4c00}.fa{fill:#0969da}.fb{fill:#bc4c00}\
 @media(prefers-color-scheme:dark){text{fill:#e6edf3}.axis{stroke:#9198a1}.grid{stroke:#3d444d}\
@@ -103,7 +104,8 @@ pub fn svg(title: &str, rows: &[usize], draws: usize, curves: &[Curve]) -> Strin
     out + "</svg>\n"
 }
 
-fn listed(points: &[(f64, f64)]) -> String {
+/// Points as the attribute of a polygon or polyline.
+pub fn listed(points: &[(f64, f64)]) -> String {
     let each: Vec<String> = points
         .iter()
         .map(|(x, y)| format!("{x:.1},{y:.1}"))
@@ -112,7 +114,7 @@ fn listed(points: &[(f64, f64)]) -> String {
 }
 
 /// An end of Wilson's interval of 95 % for k successes in n trials.
-fn wilson(k: usize, n: usize, upper: bool) -> f64 {
+pub fn wilson(k: usize, n: usize, upper: bool) -> f64 {
     let (n, z) = (n as f64, 1.96);
     let p = k as f64 / n;
     let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();

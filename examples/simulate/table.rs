@@ -52,7 +52,10 @@ fn number(value: f64, digits: Option<usize>) -> String {
         None => value,
     };
     let size = value.abs();
-    if value == 0.0 {
+    if value.is_nan() {
+        // A sample that was not taken.
+        String::new()
+    } else if value == 0.0 {
         "0".to_string()
     } else if (1e-5..1e15).contains(&size) {
         format!("{value}")

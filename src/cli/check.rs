@@ -7,6 +7,7 @@ use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
 use super::progress::{Line, Work};
 use super::{Failure, output, status};
+use crate::discover::Options;
 use crate::lang::source::Sources;
 use crate::library::{self, Block, Library, readable, readable_bytes};
 use crate::pipeline::{self, Program};
@@ -46,7 +47,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             &program,
             &tables,
             &args.params,
-            (None, None),
+            ((None, None), &Options::default()),
             &mut sources,
             &mut |signal| {
                 line.show(Work::Preparing(program.model.name(signal)));
@@ -57,7 +58,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         let measured = inputs::report(staged, &sources, Notes::Full)?;
         text.push_str(&format!(
             "{} from {}\n",
-            counted(measured.samples.len(), "row", "rows"),
+            counted(measured.rows(), "row", "rows"),
             super::identify::trajectories(&measured)
         ));
         text.push_str(&super::identify::signals_text(&program, &measured));

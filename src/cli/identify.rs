@@ -38,8 +38,8 @@ pub struct Args {
     /// Use only times A to B, ends optional: --window=2..10, --window=..5
     #[arg(long, value_name = "A..B", value_parser = window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
-    /// What equations are found from: estimated derivatives (regression), integrals against test functions (weak), or what
-    /// suits the data (auto)
+    /// What equations are found from: the likelihood of the readings, trajectory and equations together (joint), estimated
+    /// derivatives (regression), integrals against test functions (weak), or what suits the data (auto)
     #[arg(long, value_parser = method, default_value = METHODS[0].0)]
     method: Method,
     /// Sparse solver (`sidc list` shows them)
@@ -89,11 +89,19 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let window = args.window.unwrap_or_default();
     limits.listen();
     let line = Line::start(!args.quiet, &program.model, &limits);
+    let options = Options {
+        method: args.method,
+        solver: args.solver,
+        samples: args.samples.map(|n| n as usize),
+        seed: args.seed,
+        memory: args.memory_limit,
+        path: args.path,
+    };
     let mut staged = pipeline::measure(
         &program,
         &tables,
         &args.params,
-        window,
+        (window, &options),
         &mut sources,
         &mut |signal| {
             line.show(Work::Preparing(program.model.name(signal)));
@@ -109,14 +117,6 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     warnings.extend(said(&staged.1));
     let measured = inputs::report(staged, &sources, notes)?;
 
-    let options = Options {
-        method: args.method,
-        solver: args.solver,
-        samples: args.samples.map(|n| n as usize),
-        seed: args.seed,
-        memory: args.memory_limit,
-        path: args.path,
-    };
     let found = pipeline::identify(&program, &measured, &options, &mut |step| {
         line.show(Work::Equation(step));
         limits.check()
@@ -149,13 +149,14 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
 
 fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) -> String {
     let mut text = String::new();
-    let rows = measured.samples.len();
+    let rows = measured.rows();
     let drawn = match args.samples {
         Some(n) if (n as usize) < rows => format!(" ({n} drawn, seed {})", args.seed),
         _ => String::new(),
     };
     let rows = match rows {
         0 => "no rows were ready".into(),
+        n if measured.joint.is_some() => format!("{n} samples"),
         n => format!("{n} rows{drawn}"),
     };
     text.push_str(&format!(
@@ -266,7 +267,7 @@ fn solver(name: &str) -> Result<&'static dyn Solver, String> {
 }
 
 /// `2..10`, `..5`, `3..`
-fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
+pub(super) fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
     let (from, to) = text
         .split_once("..")
         .ok_or("write a stretch of time as A..B")?;
@@ -287,7 +288,7 @@ fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
 }
 
 /// `theta=0.01`
-fn noise(text: &str) -> Result<(String, f64), String> {
+pub(super) fn noise(text: &str) -> Result<(String, f64), String> {
     match parameter(text)? {
         (name, values) if values.len() == 1 && values.iter().all(|x| *x > 0.0) => {
             Ok((name, values.iter().sum()))
@@ -297,7 +298,7 @@ fn noise(text: &str) -> Result<(String, f64), String> {
 }
 
 /// What the command line says of the sensors holds over the model.
-fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
+pub(super) fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
     let signals = sensors(&program.model);
     for (name, sigma) in noise {
         if let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) {

@@ -161,6 +161,7 @@ fn text(work: &Work, targets: &[String], elapsed: Duration, limit: Option<Durati
 fn stage(stage: Stage) -> String {
     match stage {
         Stage::Evaluating => "evaluating the library".into(),
+        Stage::Refitting(n) => format!("trajectory and terms together, {n} sets of terms"),
         Stage::Choosing => "choosing the terms".into(),
         Stage::Solving(p) => format!("solving{}", figures(p)),
     }

@@ -119,6 +119,17 @@ pub fn gaps(time: &[f64]) -> Vec<usize> {
         .collect()
 }
 
+/// Uninterrupted ranges of rows.
+pub fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
+    let mut ends = gaps(time);
+    ends.push(time.len());
+    let mut from = 0;
+    let cut = ends
+        .into_iter()
+        .map(|to| std::mem::replace(&mut from, to)..to);
+    cut.collect()
+}
+
 #[cfg(test)]
 #[allow(clippy::expect_used)]
 mod tests {

@@ -4,6 +4,7 @@
 //! equations need, measured or estimated. Only `cli` opens files.
 
 mod bind;
+mod breaks;
 mod checks;
 mod columns;
 mod csv;
@@ -15,12 +16,15 @@ mod missing;
 mod piece;
 mod samples;
 mod sampling;
+mod smooth;
 mod window;
 
 pub use bind::bind;
+pub use breaks::breaks;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
-pub use instants::{gaps, settled};
+pub use instants::{gaps, pieces, settled};
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, SignalMonitor, samples};
+pub use smooth::{Break, Smoothed, smooth};
 pub use window::keep_window;

@@ -129,9 +129,40 @@ pub struct Evidence {
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub held_out: Option<HeldOut>,
     pub certificate: Proof,
+    /// What the equations of a system did together, if they were estimated with their trajectory.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub together: Option<Together>,
     /// Other supports that these data cannot tell from the answer.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub ties: Vec<Vec<String>>,
+}
+
+/// Figures of a system estimated with its trajectory, as far as they concern one variable.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Together {
+    /// Every measured derivative of the variable.
+    pub channels: Vec<ChannelFit>,
+    /// The term that is missed least, and what the criterion loses with it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub weakest: Option<(String, f64)>,
+    /// What a term has to earn.
+    pub price: f64,
+    /// Sets of terms that were fitted.
+    pub tried: usize,
+}
+
+/// What the trajectory leaves of one channel's readings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChannelFit {
+    pub signal: String,
+    /// Root mean square of the residuals, in the signal's units, and relative to its spread.
+    pub left: f64,
+    pub relative: f64,
+    /// The sensor's noise, declared or seen by smoothing.
+    pub noise: f64,
+    /// Autocorrelation of the residuals over the first lags, and what chance allows it to be.
+    pub memory: f64,
+    pub chance: f64,
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

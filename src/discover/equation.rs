@@ -225,6 +225,7 @@ impl Task<'_> {
             held_out,
             searched: answer.searched,
             certificate: answer.proof.clone(),
+            together: None,
             ties: self.named(&answer.ties, names),
         };
         self.equation(names, terms, evidence, answer)
@@ -366,7 +367,7 @@ impl Task<'_> {
 }
 
 /// The order in which terms are printed.
-fn simpler(a: &Term, b: &Term) -> Ordering {
+pub(super) fn simpler(a: &Term, b: &Term) -> Ordering {
     a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b))
 }
 

@@ -8,6 +8,8 @@ mod discovery;
 mod doubts;
 mod equation;
 mod form;
+mod joint;
+mod joint_doubts;
 mod mass;
 mod memory;
 mod path;
@@ -29,15 +31,16 @@ use crate::data::{Dataset, Samples};
 use crate::dictionary::BadValue;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Model, RightSide};
-use crate::library::{Library, known_terms};
-use crate::solve::Solver;
+use crate::library::{self, Library, known_terms};
+use crate::solve::{SOLVERS, Solver};
 use crate::term::Term;
 
 pub use discovery::{
-    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, PathKnot, Proof, Reason, Status,
-    Variable,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, PathKnot, Proof, Reason,
+    Status, Together, Variable,
 };
 pub use form::{Form, NotRunnable, Rate, Row, Weighted};
+pub use joint::{discover_jointly, joint, nothing_fits};
 pub use ties::check_constraints;
 pub use watch::{Stage, Step, Stop, Watch};
 
@@ -47,6 +50,8 @@ pub enum Method {
     /// The program's choice.
     #[default]
     Auto,
+    /// Trajectory and all equations together, by their likelihood.
+    Joint,
     /// Estimated derivatives, instant by instant.
     Regression,
     /// Integrals against test functions, so that noise is never differentiated.
@@ -56,6 +61,7 @@ pub enum Method {
 /// What `--method` takes.
 pub const METHODS: &[(&str, Method)] = &[
     ("auto", Method::Auto),
+    ("joint", Method::Joint),
     ("regression", Method::Regression),
     ("weak", Method::Weak),
 ];
@@ -84,6 +90,19 @@ pub struct Options {
     pub memory: u64,
     /// Whether the whole path of each equation is wanted.
     pub path: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            method: Method::Auto,
+            solver: SOLVERS[0],
+            samples: None,
+            seed: 0,
+            memory: library::MEMORY,
+            path: false,
+        }
+    }
 }
 
 /// A term that the data cannot evaluate: which equation asked for it, and where it fails.

@@ -17,6 +17,8 @@ pub enum Stage {
     Solving(Progress),
     /// The criterion chooses among the terms proposed.
     Choosing,
+    /// So many sets of terms were fitted with their trajectory.
+    Refitting(usize),
 }
 
 /// A stage of the equation with this place in the model, from 0.

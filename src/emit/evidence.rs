@@ -1,6 +1,8 @@
 //! Evidence in words: what was proved, what was only measured, and every doubt.
 
-use crate::discover::{Discovery, Equation, Evidence, Proof, Reason, Status};
+use crate::discover::{
+    ChannelFit, Discovery, Equation, Evidence, FoundTerm, Proof, Reason, Status, Together,
+};
 use crate::term::SignalNames;
 
 use super::number::significant;
@@ -27,8 +29,13 @@ fn remarks(e: &Equation) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
-    let mut lines = vec![format!("{}; {}", fit(evidence), scope(evidence))];
-    lines.push(proof(evidence));
+    let mut lines = match &evidence.together {
+        Some(together) => jointly(e, evidence, together),
+        None => vec![
+            format!("{}; {}", fit(evidence), scope(evidence)),
+            proof(evidence),
+        ],
+    };
     if e.status == Status::Doubt {
         lines.extend(
             e.reasons
@@ -37,6 +44,52 @@ fn remarks(e: &Equation) -> Vec<String> {
         );
     }
     lines
+}
+
+/// What the trajectory leaves of the readings, what the terms are worth, and how well they are known.
+fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
+    let mut lines: Vec<String> = t.channels.iter().map(channel).collect();
+    let mut search = format!(
+        "{} terms; {} sets of terms of all equations fitted with the trajectory",
+        evidence.candidates, t.tried
+    );
+    if let Some((term, earned)) = &t.weakest {
+        search.push_str(&format!(
+            "; least missed: {term}, which earns {earned:.0} (a term costs {:.0})",
+            t.price
+        ));
+    }
+    lines.push(search);
+    let errors: Vec<String> = e.terms.iter().filter_map(error).collect();
+    if !errors.is_empty() {
+        lines.push(format!("standard errors: {}", errors.join(", ")));
+    }
+    lines
+}
+
+fn channel(c: &ChannelFit) -> String {
+    let white = if c.memory.abs() <= c.chance {
+        "white".into()
+    } else {
+        format!("autocorrelation {:.2}", c.memory)
+    };
+    format!(
+        "fit: {} to {} ({} of its spread), residuals {white}; its sensor's noise is {}",
+        c.signal,
+        power(c.left),
+        percent(c.relative),
+        power(c.noise)
+    )
+}
+
+/// Relative, in the order of the terms.
+fn error(t: &FoundTerm) -> Option<String> {
+    Some(percent(t.standard_error? / t.coefficient.abs()))
+}
+
+/// Two digits: `0.33 %`.
+fn percent(x: f64) -> String {
+    format!("{} %", significant(100.0 * x, 2))
 }
 
 fn reasons(kind: &str, all: &[Reason]) -> String {

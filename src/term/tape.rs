@@ -13,7 +13,7 @@ const CACHED: usize = 4096;
 const BLOCK: (usize, usize) = (32, 256);
 
 /// Straight-line code for a list of expressions, common subexpressions evaluated once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Tape {
     code: Vec<Instruction>,
     registers: usize,

@@ -116,7 +116,8 @@ fn measure(
     let text = file(LORENZ[1]);
     let table = data::read("lorenz.csv", text.as_bytes(), &Limits::default(), sources).unwrap();
     let mut told = 0;
-    let staged = pipeline::measure(program, &[table], &[], (None, None), sources, &mut |_| {
+    let how = ((None, None), &Options::default());
+    let staged = pipeline::measure(program, &[table], &[], how, sources, &mut |_| {
         told += 1;
         monitor(told)
     });
@@ -175,7 +176,7 @@ fn stage(s: Stage) -> u8 {
     match s {
         Stage::Evaluating => 0,
         Stage::Solving(_) => 1,
-        Stage::Choosing => 2,
+        Stage::Choosing | Stage::Refitting(_) => 2,
     }
 }
 

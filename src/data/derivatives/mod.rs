@@ -5,7 +5,7 @@
 //! included, take the one of least estimated mean squared error, σ²‖w‖² + bias². Never sees names or trajectories.
 
 mod choose;
-mod noise;
+pub(super) mod noise;
 mod stencil;
 
 use super::instants;
@@ -48,6 +48,11 @@ impl Grid {
             time: time.to_vec(),
             step: None,
         }
+    }
+
+    /// The instants, repaired where only their printed digits were uneven.
+    pub(super) fn time(&self) -> &[f64] {
+        &self.time
     }
 }
 

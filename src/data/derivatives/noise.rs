@@ -10,10 +10,13 @@ const DEGREES: std::ops::RangeInclusive<usize> = 2..=10;
 /// Places at which they are taken, at most.
 const PLACES: usize = 20_000;
 
+/// Levels that a relay does not have.
+const LEVELS: f64 = 4.5;
+
 /// Standard deviation of white noise on `values`, never below their rounding in memory.
 ///
 /// The median absolute k-th difference, as a unit contrast, over 0.6745 (the normal distribution's), least over k.
-pub(super) fn estimate(grid: &Grid, values: &[f64], stretches: &[Stretch]) -> f64 {
+pub(in crate::data) fn estimate(grid: &Grid, values: &[f64], stretches: &[Stretch]) -> f64 {
     let largest = values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let floor = largest * f64::EPSILON;
     let mut least: Option<f64> = None;
@@ -29,6 +32,12 @@ pub(super) fn estimate(grid: &Grid, values: &[f64], stretches: &[Stretch]) -> f6
     }
     let seen = least.unwrap_or(0.0);
     seen.max(rounding(values, stretches)).max(floor)
+}
+
+fn range(values: &[f64]) -> f64 {
+    let finite = || values.iter().filter(|x| x.is_finite());
+    let most = finite().fold(f64::NEG_INFINITY, |m, x| m.max(*x));
+    most - finite().fold(f64::INFINITY, |m, x| m.min(*x))
 }
 
 fn contrasts(grid: &Grid, values: &[f64], stretches: &[Stretch], k: usize) -> Vec<f64> {
@@ -59,7 +68,7 @@ fn contrasts(grid: &Grid, values: &[f64], stretches: &[Stretch], k: usize) -> Ve
 }
 
 /// Coarse digits: a record that repeats values and moves only by multiples of one quantum q has noise q/√12.
-fn rounding(values: &[f64], stretches: &[Stretch]) -> f64 {
+pub(in crate::data) fn rounding(values: &[f64], stretches: &[Stretch]) -> f64 {
     let steps = || {
         stretches.iter().flat_map(|s| {
             let v = values.get(s.start..s.end).unwrap_or(&[]);
@@ -84,9 +93,9 @@ fn rounding(values: &[f64], stretches: &[Stretch]) -> f64 {
         (k - k.round()).abs() < 1e-3 * k.max(1.0)
     };
     let fits = steps().filter(|d| multiple(*d)).count();
-    // Steps that all are the quantum say nothing: a relay, or a ramp.
-    let larger = steps().filter(|d| *d > 1.5 * quantum).count();
-    if fits * 20 >= (still + moving) * 19 && larger > 0 {
+    // Steps that all are the quantum say nothing between few levels, as those of a relay: they do on a slow coder's stairs.
+    let larger = steps().any(|d| d > 1.5 * quantum);
+    if fits * 20 >= (still + moving) * 19 && (larger || range(values) > LEVELS * quantum) {
         quantum / 12f64.sqrt()
     } else {
         0.0

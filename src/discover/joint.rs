@@ -1,0 +1,295 @@
+//! All equations of a system from one likelihood: when that is the way to go, and what it came to.
+//!
+//! In: a model, its libraries, a dataset. Out: the estimation problem, or why there is none; then its [`Equation`]s with evidence.
+//! The estimation itself is the room `trajectory`; here its figures are weighed.
+
+use super::equation::simpler;
+use super::joint_doubts::{self, Case};
+use super::watch::{Stage, Watcher};
+use super::{
+    Discovery, Equation, Evidence, Failed, FoundTerm, Method, Options, Reason, Status, Together,
+    fixed, fixed_terms,
+};
+use crate::data::{Column, Dataset, Origin, Samples};
+use crate::lang::model::Model;
+use crate::library::Library;
+use crate::term::{Language, SignalNames, Term};
+use crate::trajectory::{self, Channel, Found, Law, Problem, System};
+
+/// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
+const CLEAN: f64 = 1e-6;
+/// Criterion within which data do not tell supports apart: odds of e³ to 1.
+const TIE: f64 = 6.0;
+/// The same where the rival has more terms: simplicity decides.
+const LARGER: f64 = 2.0;
+
+/// The problem of finding all equations together, where that is asked for or, by default, of use.
+///
+/// # Errors
+/// Why there is none: words that follow "because".
+pub fn joint(
+    model: &Model,
+    libraries: &[Option<Library>],
+    dataset: &Dataset,
+    options: &Options,
+) -> Result<Problem, String> {
+    let asked = options.method == Method::Joint;
+    if !asked {
+        if options.method != Method::Auto {
+            return Err("another method was asked for".into());
+        }
+        if options.samples.is_some() || options.path {
+            return Err("rows are to be drawn, or a path is to be shown".into());
+        }
+    }
+    if !model.constraints.is_empty() {
+        return Err("coefficients are constrained".into());
+    }
+    let pools: Vec<Option<Vec<usize>>> = vec![None; libraries.len()];
+    let system = System::new(model, libraries, &pools)?;
+    if !asked && let Some(law) = measured(&system, dataset) {
+        return Err(format!("{} is measured", model.name(law.target)));
+    }
+    let problem = Problem::new(system, dataset, &|s| model.noise(s))
+        .map_err(|missing| format!("the data have no {}", model.name(missing)))?;
+    if let Some(term) = problem.undefined() {
+        return Err(format!(
+            "{} has no finite value",
+            Language(model).term(term)
+        ));
+    }
+    let noisy = |c: &Channel| c.noise > CLEAN * c.spread;
+    if !asked && !problem.channels().iter().any(noisy) {
+        return Err("the data are clean".into());
+    }
+    Ok(problem)
+}
+
+/// A law whose target the data hold.
+fn measured<'a>(system: &'a System, dataset: &Dataset) -> Option<&'a Law> {
+    let held = |l: &&Law| {
+        dataset
+            .trajectories
+            .iter()
+            .any(|t| t.column(l.target).is_some())
+    };
+    system.laws.iter().find(held)
+}
+
+/// Finds every equation of the problem's system together. `None` if no support could be fitted at all.
+pub fn discover_jointly(
+    model: &Model,
+    problem: &Problem,
+    watch: super::Watch,
+) -> Option<Discovery> {
+    let mut watcher = Watcher::new(watch);
+    let mut discovery = Discovery::of(model);
+    let mut at = 0;
+    let found = trajectory::search(problem, &mut || {
+        // The work is for all of them: each in turn is named.
+        watcher.turn_to(problem.system.laws[at % problem.system.laws.len()].equation);
+        at += 1;
+        watcher.at(Stage::Refitting(at)).is_none()
+    });
+    let stopped = watcher.stop();
+    let Some(found) = found else {
+        let stop = stopped?;
+        for law in &problem.system.laws {
+            discovery.failed.push(Failed {
+                target: law.target,
+                reasons: vec![stop.failure()],
+            });
+        }
+        return Some(discovery);
+    };
+    let report = Report {
+        problem,
+        found: &found,
+        channels: trajectory::channels(problem, &found.best),
+    };
+    for law in &problem.system.laws {
+        let known = fixed_terms(&model.equations[law.equation].right);
+        if law.columns.is_empty() {
+            discovery.equations.push(super::stated(law.target, known));
+            continue;
+        }
+        let mut equation = report.equation(&discovery, law, known);
+        equation.reasons.extend(stopped.map(super::Stop::doubt));
+        if !equation.reasons.is_empty() {
+            equation.status = Status::Doubt;
+        }
+        discovery.equations.push(equation);
+    }
+    super::mass::judge_together(&mut discovery, &samples(problem, &found));
+    Some(discovery)
+}
+
+struct Report<'a> {
+    problem: &'a Problem,
+    found: &'a Found,
+    channels: Vec<Channel>,
+}
+
+impl Report<'_> {
+    fn equation(&self, names: &Discovery, law: &Law, known: Vec<(f64, Term)>) -> Equation {
+        let terms = self.terms(law);
+        let language = Language(names);
+        let written: Vec<String> = terms.iter().map(|t| language.term(&t.term)).collect();
+        let own = |c: &&Channel| c.signal.var == law.target.var;
+        let channels: Vec<Channel> = self.channels.iter().filter(own).cloned().collect();
+        let worst = |f: &dyn Fn(&Channel) -> f64| channels.iter().map(f).fold(0.0, f64::max);
+        let evidence = Evidence {
+            rows: self.problem.samples(),
+            candidates: law.slots.len(),
+            searched: law.slots.len(),
+            iterations: self.found.tried,
+            residual: worst(&|c| c.left / c.spread),
+            target_error: worst(&|c| c.noise / c.spread),
+            ties: self.ties(names, law),
+            together: Some(Together {
+                channels: channels
+                    .iter()
+                    .map(|c| super::ChannelFit {
+                        signal: names.name(c.signal),
+                        left: c.left,
+                        noise: c.noise,
+                        relative: c.left / c.spread,
+                        memory: c.memory,
+                        chance: c.chance,
+                    })
+                    .collect(),
+                weakest: self.weakest(names, law),
+                price: self.found.penalty,
+                tried: self.found.tried,
+            }),
+            ..Evidence::default()
+        };
+        let reasons = joint_doubts::weigh(&Case {
+            names,
+            channels: &channels,
+            terms: &terms,
+            written: &written,
+            evidence: &evidence,
+            readings: self.problem.measurements(),
+            all_terms: self.found.best.support().len(),
+            arrived: self.found.best.arrived,
+        });
+        let mut all: Vec<FoundTerm> = known.into_iter().map(fixed).collect();
+        all.extend(terms);
+        Equation {
+            target: law.target,
+            terms: all,
+            status: Status::Pass,
+            reasons,
+            evidence: Some(evidence),
+            path: Vec::new(),
+        }
+    }
+
+    fn terms(&self, law: &Law) -> Vec<FoundTerm> {
+        let best = &self.found.best;
+        let pairs = best.support().iter().zip(best.coefficients());
+        let mut terms: Vec<FoundTerm> = pairs
+            .zip(&best.variances)
+            .filter(|((j, _), _)| law.columns.contains(j))
+            .map(|((j, a), variance)| FoundTerm {
+                term: self.problem.system.columns[*j].clone(),
+                coefficient: *a,
+                fixed: false,
+                standard_error: Some(variance.sqrt()).filter(|e| e.is_finite()),
+            })
+            .collect();
+        terms.sort_by(|a, b| simpler(&a.term, &b.term));
+        terms
+    }
+
+    /// Other supports of this law that do as well with no more terms, each once, the simplest first.
+    fn ties(&self, names: &Discovery, law: &Law) -> Vec<Vec<String>> {
+        let part = |s: &[usize]| -> Vec<usize> {
+            s.iter()
+                .copied()
+                .filter(|j| law.columns.contains(j))
+                .collect()
+        };
+        let best = self.found.best.support();
+        let mut seen = vec![part(best)];
+        for (support, value) in &self.found.rivals {
+            let within = if support.len() <= best.len() {
+                TIE
+            } else {
+                LARGER
+            };
+            let near = *value < self.found.best.value + within;
+            let own = part(support);
+            if near && !seen.contains(&own) {
+                seen.push(own);
+            }
+        }
+        seen.remove(0);
+        seen.sort_by_key(Vec::len);
+        let name = |s: &Vec<usize>| {
+            let mut terms: Vec<&Term> =
+                s.iter().map(|j| &self.problem.system.columns[*j]).collect();
+            terms.sort_by(|a, b| simpler(a, b));
+            terms.iter().map(|t| Language(names).term(t)).collect()
+        };
+        seen.iter().map(name).collect()
+    }
+
+    /// The term that is missed least, and what its loss costs.
+    fn weakest(&self, names: &Discovery, law: &Law) -> Option<(String, f64)> {
+        let best = &self.found.best;
+        let without = |j: usize| {
+            let rest: Vec<usize> = best.support().iter().copied().filter(|i| *i != j).collect();
+            let rival = self.found.rivals.iter().find(|(s, _)| *s == rest)?;
+            Some(rival.1 - best.value + self.found.penalty)
+        };
+        let own = best.support().iter().filter(|j| law.columns.contains(j));
+        own.filter_map(|j| Some((*j, without(*j)?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(j, loss)| (Language(names).term(&self.problem.system.columns[j]), loss))
+    }
+}
+
+/// Every signal along the fitted trajectory.
+fn samples(problem: &Problem, found: &Found) -> Samples {
+    let signals = problem.system.inputs();
+    let rows = problem.values(&found.best);
+    let mut columns: Vec<Column> = signals
+        .iter()
+        .zip(rows)
+        .map(|(signal, values)| Column {
+            signal: *signal,
+            values,
+            origin: Origin::Measured { noise: None },
+        })
+        .collect();
+    columns.sort_by_key(|c| c.signal);
+    Samples {
+        trajectory: (problem.records.iter())
+            .flat_map(|r| r.time.iter().map(|_| r.trajectory as u32))
+            .collect(),
+        time: problem
+            .records
+            .iter()
+            .flat_map(|r| r.time.clone())
+            .collect(),
+        columns,
+    }
+}
+
+/// Equations of a system that could not be fitted together.
+pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
+    let mut discovery = Discovery::of(model);
+    for law in &problem.system.laws {
+        discovery.failed.push(Failed {
+            target: law.target,
+            reasons: vec![Reason::new(
+                "no-trajectory",
+                "no equations from these libraries lead along the data: hidden states, a library without the physics, or \
+                 samples too far apart; `--method regression` shows what each equation fits alone",
+            )],
+        });
+    }
+    discovery
+}

@@ -1,0 +1,215 @@
+//! The likelihood of a support: trajectory, coefficients and noise fitted together.
+//!
+//! In: a problem, a point to start from, a support. Out: a [`Fit`], or nothing where the laws lead nowhere. Gauss–Newton: linearise,
+//! eliminate the states, solve for the coefficients, put the states back; the noise of each channel is what it leaves.
+
+use super::code::Code;
+use super::problem::{Point, Problem};
+use super::triangle::Triangle;
+
+/// A fitted support.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    pub(super) point: Point,
+    /// Variances of the coefficients.
+    pub variances: Vec<f64>,
+    /// The criterion: smaller is better.
+    pub value: f64,
+    /// Sum of squared residuals of each state's readings.
+    pub squares: Vec<f64>,
+    /// What the laws had to be bent by, in units of the criterion.
+    pub bent: f64,
+    pub arrived: bool,
+}
+
+/// How supports are judged.
+#[derive(Clone, Debug)]
+pub(super) struct Judge {
+    /// Noise below which a better fit is no evidence, by state.
+    pub floor: Vec<f64>,
+    /// Cost of a term.
+    pub penalty: f64,
+}
+
+/// What a term costs less that the model's author wrote out: odds of e^¼ to 1 against one that a generator made. It decides
+/// between terms that are the same on the data.
+const WRITTEN: f64 = 0.5;
+
+impl Judge {
+    /// Cost of a support. Every coefficient and first state that is fitted leaves fewer readings to judge by, which few readings
+    /// feel (Hurvich & Tsai, Biometrika 1989).
+    fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {
+        let written = |j: &&usize| {
+            let law = &problem.system.laws[problem.system.law_of(**j)];
+            law.written[**j - law.columns.start]
+        };
+        let readings = problem.measurements() as f64;
+        let fitted = support.len() + problem.states() * problem.records.len() + 1;
+        let scarce = readings / (readings - fitted as f64).max(1.0);
+        let discount = WRITTEN * support.iter().filter(written).count() as f64;
+        self.penalty * support.len() as f64 * scarce - discount
+    }
+}
+
+/// Gauss–Newton steps.
+const STEPS: usize = 8;
+/// Step of a state in units of noise, and of log noise, at which a fit has arrived.
+const STILL: f64 = 0.02;
+const STILL_NOISE: f64 = 1e-3;
+/// Change of the criterion that decides nothing.
+const LEVEL: f64 = 0.02;
+/// A path this many spreads from the readings is lost, and as many noises more.
+const LOST: f64 = 2.0;
+const LOST_NOISE: f64 = 10.0;
+/// Likewise for states that nobody reads, from the smooth curve.
+const LOST_UNREAD: f64 = 6.0;
+
+impl Fit {
+    pub fn support(&self) -> &[usize] {
+        &self.point.support
+    }
+
+    pub fn coefficients(&self) -> &[f64] {
+        &self.point.coefficients
+    }
+
+    /// Noise of each state's readings.
+    pub fn sigma(&self) -> &[f64] {
+        &self.point.sigma
+    }
+
+    /// States along each record, samples × n.
+    pub fn paths(&self) -> &[Vec<f64>] {
+        &self.point.paths
+    }
+}
+
+/// Fits the support of `from`, whose coefficients, path and noise are the start.
+pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge) -> Option<Fit> {
+    let code = Code::new(&problem.system, &from.support);
+    let k = from.support.len();
+    let cost = judge.cost(problem, &from.support);
+    let mut point = from;
+    let mut value = f64::INFINITY;
+    let mut found = None;
+    for _ in 0..STEPS {
+        let mut triangle = Triangle::new(k);
+        let eliminated = problem
+            .eliminate(&code, None, &point, &mut triangle, true)
+            .ok()?;
+        let solved = triangle.solve();
+        let step = &solved.coefficients;
+        let mut farthest = 0.0f64;
+        let n = problem.states();
+        for (path, record) in point.paths.iter_mut().zip(&eliminated) {
+            for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
+                *x += d;
+                if problem.readings[at % n] > 0 {
+                    farthest = farthest.max((d / point.sigma[at % n]).abs());
+                }
+            }
+        }
+        point
+            .coefficients
+            .iter_mut()
+            .zip(step)
+            .for_each(|(a, d)| *a += d);
+        if !farthest.is_finite() || lost(problem, &point) {
+            return None;
+        }
+        let squares = squares(problem, &point);
+        let explained: f64 = (0..n).map(|i| squares[i] / point.sigma[i].powi(2)).sum();
+        let bent = (solved.residual - explained).max(0.0);
+        let new = criterion(problem, judge, &squares) + bent + cost;
+        let sigma: Vec<f64> = (0..n)
+            .map(|i| noise(problem, judge, &squares, i, &point.sigma))
+            .collect();
+        let moved = sigma
+            .iter()
+            .zip(&point.sigma)
+            .map(|(a, b)| (a / b).ln().abs());
+        let moved = moved.fold(0.0, f64::max);
+        point.sigma = sigma;
+        let still = farthest < STILL && moved < STILL_NOISE;
+        let level = (new - value).abs() < LEVEL;
+        value = new;
+        let arrived = still || level;
+        found = Some((solved.variances, squares, bent, arrived));
+        if arrived {
+            break;
+        }
+    }
+    let (variances, squares, bent, arrived) = found?;
+    value.is_finite().then_some(Fit {
+        point,
+        variances,
+        value,
+        squares,
+        bent,
+        arrived,
+    })
+}
+
+/// −2 log likelihood with the noise profiled out, floored: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²).
+fn criterion(problem: &Problem, judge: &Judge, squares: &[f64]) -> f64 {
+    let channel = |i: usize| {
+        let m = problem.readings[i] as f64;
+        let mean = squares[i] / m.max(1.0) + judge.floor[i].powi(2);
+        m * (mean / problem.spread[i].powi(2)).ln()
+    };
+    (0..squares.len()).map(channel).sum()
+}
+
+fn noise(problem: &Problem, judge: &Judge, squares: &[f64], i: usize, before: &[f64]) -> f64 {
+    if problem.readings[i] == 0 {
+        return before[i];
+    }
+    let mean = squares[i] / problem.readings[i] as f64;
+    mean.sqrt().max(judge.floor[i])
+}
+
+/// Sum of squared residuals of each state's readings.
+fn squares(problem: &Problem, point: &Point) -> Vec<f64> {
+    let n = problem.states();
+    let mut out = vec![0.0; n];
+    for (record, path) in problem.records.iter().zip(&point.paths) {
+        for (i, out) in out.iter_mut().enumerate() {
+            for (k, read) in record.measured[i]
+                .iter()
+                .enumerate()
+                .filter(|(_, x)| x.is_finite())
+            {
+                *out += (read - path[k * n + i]).powi(2);
+            }
+        }
+    }
+    out
+}
+
+/// True if a path left the data.
+fn lost(problem: &Problem, point: &Point) -> bool {
+    let n = problem.states();
+    let relative = (0..n).map(|i| point.sigma[i] / problem.spread[i]);
+    let limit = LOST + LOST_NOISE * relative.fold(0.0, f64::max);
+    let records = problem
+        .records
+        .iter()
+        .zip(&problem.curves)
+        .zip(&point.paths);
+    for ((record, curve), path) in records {
+        for (at, x) in path.iter().enumerate() {
+            let (k, i) = (at / n, at % n);
+            let read = record.measured[i][k];
+            let (from, limit) = match read.is_finite() {
+                true => (read, limit),
+                false => (curve.states[at], LOST_UNREAD.max(limit)),
+            };
+            // A path of NaN is lost too.
+            let near = (x - from).abs() <= limit * problem.spread[i];
+            if !near {
+                return true;
+            }
+        }
+    }
+    false
+}

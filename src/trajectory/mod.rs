@@ -1,0 +1,39 @@
+//! Trajectory and equations estimated together from noisy measurements of some states.
+//!
+//! In: a checked model, its libraries, a dataset. Out: the support and coefficients of the largest penalised likelihood, with
+//! the trajectory, the noise of every channel, standard errors and rivals. Nothing is differentiated: laws are followed from
+//! sample to sample, and compared with what was read, where it was read.
+//!
+//! The picture: [`System`] (what moves) + [`record`]s (what was read) → [`Problem`] → `search` proposes supports on linearised
+//! likelihoods (`quadratic`, `beam`), `fit` decides on refitted ones; `flow` leads from sample to sample, `sweep` eliminates the
+//! states. Never knows whether an answer is trusted, and prints nothing.
+
+mod beam;
+mod chain;
+mod channel;
+mod code;
+mod columns;
+mod dense;
+mod fit;
+mod flow;
+mod lanes;
+mod moments;
+mod problem;
+mod quadratic;
+mod record;
+mod search;
+mod smooth;
+mod sweep;
+mod system;
+mod transition;
+mod triangle;
+
+#[cfg(test)]
+mod tests;
+
+pub use channel::{Channel, channels};
+pub use fit::Fit;
+pub use problem::Problem;
+pub use record::Record;
+pub use search::{Found, search};
+pub use system::{Law, NoSystem, System};

@@ -1,0 +1,332 @@
+//! Everything that stays the same while supports are tried: records, the smooth curves through them, noise to start with.
+//!
+//! In: a system, a dataset, declared noise. Out: a [`Problem`]; from it linearised triangles of all columns, for choices.
+
+use std::ops::Range;
+
+use super::channel::Channel;
+use super::code::{Code, Diverged};
+use super::flow::{BLOCK, Block, Flow, Work};
+use super::moments::Moments;
+use super::quadratic::Quadratic;
+use super::record::{Record, records};
+use super::smooth::{Curve, curves};
+use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
+use super::system::System;
+use crate::data::Dataset;
+use crate::term::{Expr, Signal, Tape, Term};
+
+/// The estimation problem of one system on its data.
+pub struct Problem {
+    pub system: System,
+    pub records: Vec<Record>,
+    pub(super) curves: Vec<Curve>,
+    /// Standard deviation of each state over the data; that of its estimate where it is not measured.
+    pub spread: Vec<f64>,
+    /// Noise of each state's sensor as smoothing sees it; in proportion to the measured ones' where there is none.
+    pub noise: Vec<f64>,
+    /// Number of readings of each state.
+    pub readings: Vec<usize>,
+    pub(super) ranges: Vec<Range<usize>>,
+    pub(super) all: Tape,
+}
+
+/// States along every record (samples × n), coefficients, noise: a point of linearisation.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    pub support: Vec<usize>,
+    pub coefficients: Vec<f64>,
+    pub paths: Vec<Vec<f64>>,
+    pub sigma: Vec<f64>,
+}
+
+/// Noise of the laws from sample to sample, relative to the sensors': enough to forgive rounding and chaos, too little to add up
+/// to anything over a record.
+const SLACK: f64 = 3e-3;
+const SLACK_OVERALL: f64 = 0.1;
+/// Spread of a state that no reading holds, in its own size, per sample.
+const LOOSE: f64 = 30.0;
+/// Error of the flow over one interval, relative to the noise.
+const ACCURACY: f64 = 0.01;
+const FINEST: f64 = 1e-11;
+
+impl Problem {
+    /// # Errors
+    /// A signal that the data do not have.
+    pub fn new(
+        system: System,
+        dataset: &Dataset,
+        declared: &dyn Fn(Signal) -> Option<f64>,
+    ) -> Result<Problem, Signal> {
+        let records = records(&system, dataset)?;
+        let curves = curves(&system, &records, declared);
+        let n = system.states.len();
+        let readings = (0..n).map(|i| readings(&records, i)).collect();
+        let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
+        let mut problem = Problem {
+            spread: (0..n).map(|i| spread(&curves, i, n)).collect(),
+            noise: Vec::new(),
+            ranges: system.laws.iter().map(|l| l.columns.clone()).collect(),
+            all: Tape::new(&all, &system.inputs()).unwrap_or_default(),
+            system,
+            records,
+            curves,
+            readings,
+        };
+        problem.noise = problem.first_noise();
+        Ok(problem)
+    }
+
+    /// Root mean square over records of the noise seen there; unmeasured states take the largest relative one of their variable.
+    fn first_noise(&self) -> Vec<f64> {
+        let n = self.system.states.len();
+        let seen = |i: usize| -> Option<f64> {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (record, curve) in self.records.iter().zip(&self.curves) {
+                let m = record.len() as f64;
+                if let Some(sigma) = curve.noise.get(i).copied().flatten() {
+                    sum += m * sigma * sigma;
+                    count += m;
+                }
+            }
+            (count > 0.0).then(|| (sum / count).sqrt())
+        };
+        let own: Vec<Option<f64>> = (0..n).map(seen).collect();
+        let relative = |i: usize| own[i].map(|s| s / self.spread[i]);
+        (0..n)
+            .map(|i| {
+                let var = self.system.states[i].var;
+                let same = (0..n).filter(|j| self.system.states[*j].var == var);
+                let part = same.filter_map(relative).fold(0.0, f64::max);
+                own[i].unwrap_or(part * self.spread[i])
+            })
+            .collect()
+    }
+
+    /// A column that is not finite somewhere along the smooth curves.
+    pub fn undefined(&self) -> Option<&Term> {
+        let p = self.all.outputs();
+        let mut bad = None;
+        for (record, curve) in self.records.iter().zip(&self.curves) {
+            let points = self.points(record, &curve.states, &curve.rates);
+            let mut values = vec![0.0; p * record.len()];
+            self.all
+                .eval(&points, record.len(), &mut values, &mut Vec::new());
+            let finite = |row: &[f64]| row.iter().all(|x| x.is_finite());
+            let row = values.chunks_exact(record.len()).position(|r| !finite(r));
+            bad = bad.or(row);
+        }
+        self.system.columns.get(bad?)
+    }
+
+    /// Every channel as smoothing sees it.
+    pub fn channels(&self) -> Vec<Channel> {
+        super::channel::first(self)
+    }
+
+    /// Values of all signals (states, rates, outside) along the trajectory of a fit, one row a signal, all records.
+    pub fn values(&self, fit: &super::Fit) -> Vec<Vec<f64>> {
+        let signals = self.system.inputs().len();
+        let mut out = vec![Vec::new(); signals];
+        let code = Code::new(&self.system, fit.support());
+        for ((record, path), curve) in self.records.iter().zip(fit.paths()).zip(&self.curves) {
+            let mut points = self.points(record, path, &curve.rates);
+            // Rates that have no solution somewhere stay those of the curve.
+            let _ = code.rates(
+                fit.coefficients(),
+                &mut points,
+                record.len(),
+                &mut Default::default(),
+            );
+            for (out, row) in out.iter_mut().zip(points.chunks_exact(record.len())) {
+                out.extend_from_slice(row);
+            }
+        }
+        out
+    }
+
+    /// Signals at the samples of a record: row by row, as evaluation takes them.
+    fn points(&self, record: &Record, states: &[f64], rates: &[f64]) -> Vec<f64> {
+        let (n, m, count) = (self.states(), self.system.laws.len(), record.len());
+        let mut out = Vec::with_capacity(self.system.inputs().len() * count);
+        for i in 0..n {
+            out.extend((0..count).map(|k| states[k * n + i]));
+        }
+        for l in 0..m {
+            out.extend((0..count).map(|k| rates[k * m + l]));
+        }
+        for o in &record.outside {
+            out.extend_from_slice(&o.values);
+        }
+        out
+    }
+
+    pub fn states(&self) -> usize {
+        self.system.states.len()
+    }
+
+    /// Number of samples of all records.
+    pub fn samples(&self) -> usize {
+        self.records.iter().map(Record::len).sum()
+    }
+
+    /// Number of readings of all channels.
+    pub fn measurements(&self) -> usize {
+        self.readings.iter().sum()
+    }
+
+    /// The smooth curves as a point without terms.
+    pub(super) fn start(&self, sigma: &[f64]) -> Point {
+        Point {
+            support: Vec::new(),
+            coefficients: Vec::new(),
+            paths: self.curves.iter().map(|c| c.states.clone()).collect(),
+            sigma: sigma.to_vec(),
+        }
+    }
+
+    /// The quadratic form of all columns about the smooth curves, laws taken to answer to nothing but their chains; `slack` is
+    /// their noise a sample in units of the sensors'.
+    pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
+        let mut moments = Moments::new(self.all.outputs());
+        let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
+        for (record, curve) in self.records.iter().zip(&self.curves) {
+            let mut sweep = Sweep::new(&stiffness, &mut moments, false);
+            super::chain::links(self, record, curve, &mut |k, link| {
+                sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
+                if let Some(link) = link {
+                    sweep.advance(&link);
+                }
+            });
+            sweep.end();
+        }
+        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
+    }
+
+    /// The quadratic form of all columns about a point.
+    ///
+    /// # Errors
+    /// Laws that lead nowhere from there.
+    pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
+        let code = Code::new(&self.system, &at.support);
+        let all = Some((&self.all, &self.ranges[..]));
+        let mut moments = Moments::new(self.all.outputs());
+        self.eliminate(&code, all, at, &mut moments, false)?;
+        // Corrections of active coefficients become the coefficients themselves.
+        let active = at
+            .support
+            .iter()
+            .copied()
+            .zip(at.coefficients.iter().copied());
+        let products = moments.shifted(&active.collect::<Vec<_>>());
+        Ok(Quadratic::new(&products, self.all.outputs()))
+    }
+
+    /// Eliminates all states about a point; what is left measures the coefficients.
+    pub(super) fn eliminate(
+        &self,
+        code: &Code,
+        all: Option<(&Tape, &[Range<usize>])>,
+        at: &Point,
+        gather: &mut impl Gather,
+        keep: bool,
+    ) -> Result<Vec<Eliminated>, Diverged> {
+        let flow = Flow {
+            code,
+            all,
+            coefficients: &at.coefficients,
+            spread: &self.spread,
+            accuracy: self.accuracy(&at.sigma),
+        };
+        let mut work = Work::default();
+        let mut block = Block::default();
+        let records = self.records.iter().zip(&at.paths);
+        records
+            .map(|(record, path)| {
+                let stiffness = stiffness(&at.sigma, record.len());
+                let mut sweep = Sweep::new(&stiffness, gather, keep);
+                let last = record.len() - 1;
+                for from in (0..last).step_by(BLOCK) {
+                    let intervals = from..(from + BLOCK).min(last);
+                    flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
+                    for (b, k) in intervals.enumerate() {
+                        sweep.measure(&self.readings_at(record, path, &at.sigma, k));
+                        self.advance(&mut sweep, &block, b, path, k, flow.width());
+                    }
+                }
+                sweep.measure(&self.readings_at(record, path, &at.sigma, last));
+                Ok(sweep.end())
+            })
+            .collect()
+    }
+
+    fn advance(
+        &self,
+        sweep: &mut Sweep<impl Gather>,
+        block: &Block,
+        b: usize,
+        path: &[f64],
+        k: usize,
+        p: usize,
+    ) {
+        let n = self.states();
+        let next = &path[(k + 1) * n..(k + 2) * n];
+        let end = &block.end[b * n..(b + 1) * n];
+        let defect: Vec<f64> = end.iter().zip(next).map(|(e, x)| e - x).collect();
+        sweep.advance(&Link {
+            transition: &block.transition[b * n * n..(b + 1) * n * n],
+            columns: &block.columns[b * n * p..(b + 1) * n * p],
+            defect: &defect,
+        });
+    }
+
+    /// What was read at sample `k`, against a path; states without a reading are held loosely where they are.
+    fn readings_at(&self, record: &Record, path: &[f64], sigma: &[f64], k: usize) -> Vec<Reading> {
+        let n = self.states();
+        (0..n)
+            .map(|i| {
+                let read = record.measured[i][k];
+                if read.is_finite() {
+                    return Reading {
+                        component: i,
+                        weight: 1.0 / sigma[i],
+                        value: read - path[k * n + i],
+                    };
+                }
+                Reading {
+                    component: i,
+                    weight: 1.0 / (LOOSE * self.spread[i]),
+                    value: 0.0,
+                }
+            })
+            .collect()
+    }
+
+    fn accuracy(&self, sigma: &[f64]) -> f64 {
+        let relative = sigma.iter().zip(&self.spread).map(|(s, d)| s / d);
+        (ACCURACY * relative.fold(f64::INFINITY, f64::min)).max(FINEST)
+    }
+}
+
+fn stiffness(sigma: &[f64], samples: usize) -> Vec<f64> {
+    let slack = SLACK.min(SLACK_OVERALL / (samples as f64).sqrt());
+    sigma.iter().map(|s| 1.0 / (slack * s)).collect()
+}
+
+fn readings(records: &[Record], state: usize) -> usize {
+    let finite = |r: &Record| r.measured[state].iter().filter(|x| x.is_finite()).count();
+    records.iter().map(finite).sum()
+}
+
+fn spread(curves: &[Curve], state: usize, n: usize) -> f64 {
+    let all = || {
+        curves
+            .iter()
+            .flat_map(|c| c.states.iter().skip(state).step_by(n))
+    };
+    let count = all().count().max(1) as f64;
+    let mean = all().sum::<f64>() / count;
+    let square = all().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+    // A state at rest has the size of one.
+    if square > 0.0 { square.sqrt() } else { 1.0 }
+}

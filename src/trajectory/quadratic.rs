@@ -1,0 +1,293 @@
+//! The linearised likelihood as a quadratic form in all coefficients: what any choice of terms would cost, without refitting it.
+//!
+//! In: the products of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
+//! length, so that pivots say how dependent they are.
+
+/// Unit columns shorter than the root of this after projection are dependent on those chosen.
+pub(super) const DEPENDENT: f64 = 1e-7;
+/// What keeps an inverse of dependent columns finite.
+const RIDGE: f64 = 1e-12;
+/// Rounds of single changes.
+const ROUNDS: usize = 60;
+
+/// χ²(a) = total − 2 cᵀa + aᵀR a, on unit columns.
+pub(super) struct Quadratic {
+    /// Number of columns.
+    pub p: usize,
+    /// R by rows, unit diagonal.
+    pub gram: Vec<f64>,
+    /// c
+    pub right: Vec<f64>,
+    pub total: f64,
+    /// Norms of the columns.
+    pub norms: Vec<f64>,
+}
+
+/// A support's least squares.
+pub(super) struct Least {
+    /// Of the columns as they are, in the order of the support.
+    pub coefficients: Vec<f64>,
+    /// χ²
+    pub square: f64,
+}
+
+/// A change of a support: what comes, what goes, and the predicted change of the criterion.
+#[derive(Clone, Copy)]
+pub(super) struct Move {
+    pub comes: Option<usize>,
+    pub goes: Option<usize>,
+    pub change: f64,
+}
+
+impl Quadratic {
+    /// From the products of p columns, and of the right side as the last, by rows.
+    pub fn new(all: &[f64], p: usize) -> Quadratic {
+        let w = p + 1;
+        let norms: Vec<f64> = (0..p)
+            .map(|j| all[j * w + j].max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        let entry = |i: usize, j: usize| all[i * w + j] / (norms[i] * norms[j]);
+        Quadratic {
+            p,
+            gram: (0..p * p).map(|k| entry(k / p, k % p)).collect(),
+            right: (0..p).map(|i| all[i * w + p] / norms[i]).collect(),
+            total: all[p * w + p],
+            norms,
+        }
+    }
+
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.gram[i * self.p..(i + 1) * self.p]
+    }
+
+    /// Least squares on a support.
+    pub fn least(&self, support: &[usize]) -> Least {
+        let Some(inverse) = self.inverse(support) else {
+            return Least {
+                coefficients: vec![0.0; support.len()],
+                square: self.total,
+            };
+        };
+        let x = self.times_right(&inverse, support);
+        let gain: f64 = support
+            .iter()
+            .zip(&x)
+            .map(|(j, x)| self.right[*j] * x)
+            .sum();
+        Least {
+            coefficients: support
+                .iter()
+                .zip(&x)
+                .map(|(j, x)| x / self.norms[*j])
+                .collect(),
+            square: self.total - gain,
+        }
+    }
+
+    fn times_right(&self, inverse: &[f64], support: &[usize]) -> Vec<f64> {
+        let k = support.len();
+        (0..k)
+            .map(|i| {
+                let row = inverse[i * k..(i + 1) * k].iter();
+                row.zip(support).map(|(x, j)| x * self.right[*j]).sum()
+            })
+            .collect()
+    }
+
+    /// (R_SS)⁻¹ by rows; `None` if it is singular beyond the ridge.
+    fn inverse(&self, support: &[usize]) -> Option<Vec<f64>> {
+        let k = support.len();
+        let mut a = vec![0.0; k * k];
+        for (i, r) in support.iter().enumerate() {
+            for (j, c) in support.iter().enumerate() {
+                a[i * k + j] = self.gram[r * self.p + c] + if i == j { RIDGE } else { 0.0 };
+            }
+        }
+        invert(&mut a, k).then_some(a)
+    }
+
+    /// Backward elimination from all columns: for each penalty the best support on the way.
+    ///
+    /// Where columns outnumber the data's rank the ridge decides what goes first.
+    pub fn backward(&self, penalties: &[f64]) -> Vec<Vec<usize>> {
+        let p = self.p;
+        let mut a = self.gram.clone();
+        (0..p).for_each(|j| a[j * p + j] += 10.0 * RIDGE);
+        if !invert(&mut a, p) {
+            return Vec::new();
+        }
+        let mut x: Vec<f64> = (0..p)
+            .map(|i| dot(&a[i * p..(i + 1) * p], &self.right))
+            .collect();
+        let mut square = self.total - dot(&self.right, &x);
+        let mut active: Vec<usize> = (0..p).collect();
+        let mut best: Vec<(f64, Vec<usize>)> = vec![(f64::INFINITY, Vec::new()); penalties.len()];
+        while active.len() > 1 {
+            for (best, penalty) in best.iter_mut().zip(penalties) {
+                let value = square + penalty * active.len() as f64;
+                if value < best.0 {
+                    *best = (value, active.clone());
+                }
+            }
+            let cost = |j: &usize| x[*j] * x[*j] / a[j * p + j].max(f64::MIN_POSITIVE);
+            let Some(at) =
+                (0..active.len()).min_by(|i, j| cost(&active[*i]).total_cmp(&cost(&active[*j])))
+            else {
+                break;
+            };
+            let j = active[at];
+            square += cost(&j);
+            let (pivot, xj) = (a[j * p + j], x[j]);
+            let column: Vec<f64> = (0..p).map(|i| a[i * p + j]).collect();
+            active.remove(at);
+            for i in &active {
+                x[*i] -= column[*i] * (xj / pivot);
+                let factor = column[*i] / pivot;
+                for k in &active {
+                    a[i * p + k] -= factor * column[*k];
+                }
+            }
+        }
+        best.into_iter().map(|(_, s)| s).collect()
+    }
+
+    /// Follows the best single addition, removal or exchange until none helps.
+    pub fn improve(&self, start: &[usize], penalty: f64) -> Vec<usize> {
+        let mut support = start.to_vec();
+        let mut value = self.least(&support).square + penalty * support.len() as f64;
+        for _ in 0..ROUNDS {
+            let Some(best) = self.moves(&support, penalty, 1).into_iter().next() else {
+                break;
+            };
+            if best.change >= -1e-6 * penalty.max(1.0) {
+                break;
+            }
+            let next = best.applied(&support);
+            let after = self.least(&next).square + penalty * next.len() as f64;
+            let better = after < value - 1e-9 * value.abs().max(1.0);
+            if next.is_empty() || !better {
+                break;
+            }
+            (support, value) = (next, after);
+        }
+        support
+    }
+
+    /// The best single changes by predicted criterion, best first.
+    pub fn moves(&self, support: &[usize], penalty: f64, most: usize) -> Vec<Move> {
+        let (k, p) = (support.len(), self.p);
+        let Some(inverse) = self.inverse(support) else {
+            return Vec::new();
+        };
+        let x = self.times_right(&inverse, support);
+        let square = self.total
+            - support
+                .iter()
+                .zip(&x)
+                .map(|(j, x)| self.right[*j] * x)
+                .sum::<f64>();
+        let square = square.max(0.0);
+        // Rows of R_SS⁻¹ R_S·, length p each.
+        let mut rows = vec![0.0; k * p];
+        for i in 0..k {
+            for (j, s) in support.iter().enumerate() {
+                axpy(
+                    inverse[i * k + j],
+                    self.row(*s),
+                    &mut rows[i * p..(i + 1) * p],
+                );
+            }
+        }
+        let mut free = vec![1.0; p];
+        let mut along = self.right.clone();
+        for (i, s) in support.iter().enumerate() {
+            for j in 0..p {
+                free[j] -= self.row(*s)[j] * rows[i * p + j];
+                along[j] -= self.row(*s)[j] * x[i];
+            }
+        }
+        let loss: Vec<f64> = (0..k).map(|i| x[i] * x[i] / inverse[i * k + i]).collect();
+        let gain = |along: f64, free: f64, most: f64| match free > DEPENDENT {
+            true => (along * along / free).min(most),
+            false => 0.0,
+        };
+        let mut found: Vec<Move> = Vec::new();
+        let outside: Vec<usize> = (0..p).filter(|j| !support.contains(j)).collect();
+        for j in &outside {
+            found.push(Move {
+                comes: Some(*j),
+                goes: None,
+                change: penalty - gain(along[*j], free[*j], square),
+            });
+        }
+        for (i, s) in support.iter().enumerate() {
+            found.push(Move {
+                comes: None,
+                goes: Some(*s),
+                change: loss[i] - penalty,
+            });
+            let own = inverse[i * k + i];
+            for j in &outside {
+                let row = rows[i * p + j];
+                let gained = gain(
+                    along[*j] + x[i] / own * row,
+                    free[*j] + row * row / own,
+                    square + loss[i],
+                );
+                found.push(Move {
+                    comes: Some(*j),
+                    goes: Some(*s),
+                    change: loss[i] - gained,
+                });
+            }
+        }
+        let order = |a: &Move, b: &Move| a.change.total_cmp(&b.change);
+        if found.len() > most {
+            found.select_nth_unstable_by(most, order);
+            found.truncate(most);
+        }
+        found.sort_by(order);
+        found
+    }
+}
+
+impl Move {
+    /// The support after the change, rising.
+    pub fn applied(&self, support: &[usize]) -> Vec<usize> {
+        let kept = support.iter().copied().filter(|j| Some(*j) != self.goes);
+        let mut next: Vec<usize> = kept.chain(self.comes).collect();
+        next.sort_unstable();
+        next
+    }
+}
+
+/// Symmetric positive definite inverse in place, by Gauss–Jordan without pivoting.
+fn invert(a: &mut [f64], n: usize) -> bool {
+    for k in 0..n {
+        let pivot = a[k * n + k];
+        if pivot <= 0.0 || pivot.is_nan() {
+            return false;
+        }
+        let row: Vec<f64> = (0..n)
+            .map(|j| if j == k { 1.0 } else { a[k * n + j] } / pivot)
+            .collect();
+        for i in (0..n).filter(|i| *i != k) {
+            let factor = a[i * n + k];
+            if factor == 0.0 {
+                continue;
+            }
+            a[i * n + k] = 0.0;
+            axpy(-factor, &row, &mut a[i * n..(i + 1) * n]);
+        }
+        a[k * n..(k + 1) * n].copy_from_slice(&row);
+    }
+    true
+}
+
+fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
