@@ -10,6 +10,7 @@ use super::flow::{BLOCK, Block, Flow, Work};
 use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, records};
+use super::sketch::{Sketch, Sketched};
 use super::smooth::{Curve, curves};
 use super::stretch::stretches;
 use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
@@ -61,6 +62,19 @@ impl Problem {
     ) -> Result<Problem, Signal> {
         let records = records(&system, dataset)?;
         let curves = curves(&system, &records, declared);
+        Ok(Problem::made(system, records, curves))
+    }
+
+    /// The same data with other columns of the same laws.
+    ///
+    /// # Errors
+    /// A signal that the data do not have.
+    pub fn with(&self, system: System, dataset: &Dataset) -> Result<Problem, Signal> {
+        let records = records(&system, dataset)?;
+        Ok(Problem::made(system, records, self.curves.clone()))
+    }
+
+    fn made(system: System, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
         let n = system.states.len();
         let readings = (0..n).map(|i| readings(&records, i)).collect();
         let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
@@ -75,7 +89,7 @@ impl Problem {
             readings,
         };
         problem.noise = problem.first_noise();
-        Ok(problem)
+        problem
     }
 
     /// The same system, noise and spread on parts of its records.
@@ -204,9 +218,14 @@ impl Problem {
     /// their noise a sample in units of the sensors'.
     pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
         let mut moments = Moments::new(self.all.outputs());
+        self.first_rows(sigma, slack, &mut moments);
+        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
+    }
+
+    fn first_rows(&self, sigma: &[f64], slack: f64, gather: &mut impl Gather) {
         let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
         for (record, curve) in self.records.iter().zip(&self.curves) {
-            let mut sweep = Sweep::new(&stiffness, &mut moments, false);
+            let mut sweep = Sweep::new(&stiffness, gather, false);
             super::chain::links(self, record, curve, &mut |k, link| {
                 sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
                 if let Some(link) = link {
@@ -215,7 +234,13 @@ impl Problem {
             });
             sweep.end();
         }
-        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
+    }
+
+    /// A sketch of the first linearisation: `rows` rows on all columns, whitened, for libraries too large for a form.
+    pub fn sketch(&self, slack: f64, rows: usize) -> Sketched {
+        let mut sketch = Sketch::new(self.all.outputs(), rows);
+        self.first_rows(&self.noise, slack, &mut sketch);
+        sketch.end()
     }
 
     /// The quadratic form of all columns about a point, on stretches of long records.
