@@ -9,7 +9,7 @@ use super::record::{Outside, Record};
 use super::smooth::Curve;
 
 /// Samples in all stretches; records that have no more are taken whole.
-pub(super) const MOST: usize = 10_000;
+const MOST: usize = 10_000;
 /// Samples of a stretch.
 const LENGTH: usize = 1_000;
 /// A rest shorter than this is left out.
@@ -72,5 +72,40 @@ impl Problem {
             });
         }
         Some(self.on(records, curves))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MOST, stretches};
+
+    #[test]
+    fn stretches_are_spread_evenly_and_never_overlap() {
+        // Short records are taken whole.
+        assert_eq!(stretches(&[30, 4000]), [(0, 0..30), (1, 0..4000)]);
+        for lengths in [
+            vec![100_000],
+            vec![300, 40_000, 900, 20_000],
+            vec![100; 1000],
+        ] {
+            let found = stretches(&lengths);
+            let used: usize = found.iter().map(|(_, s)| s.len()).sum();
+            assert!(used <= MOST && used > MOST / 2, "{used} of {lengths:?}");
+            for pair in found.windows(2) {
+                let [(a, left), (b, right)] = pair else {
+                    continue;
+                };
+                assert!(a < b || left.end <= right.start, "{pair:?}");
+            }
+            assert!(
+                found
+                    .iter()
+                    .all(|(r, s)| s.end <= lengths[*r] && !s.is_empty())
+            );
+        }
+        let found = stretches(&[100_000]);
+        assert_eq!(found.len(), 10);
+        assert_eq!(found[0], (0, 4_500..5_500));
+        assert_eq!(found[9], (0, 94_500..95_500));
     }
 }

@@ -6,7 +6,6 @@ use super::flow::{Block, Flow, Work};
 use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Outside, Record};
-use super::stretch::{MOST, stretches};
 use super::sweep::{Gather, Link, Reading, Sweep};
 use super::system::System;
 use super::transition::Transition;
@@ -256,36 +255,6 @@ fn the_beam_finds_the_best_subsets_of_few_columns() {
         assert_eq!(first.columns, columns(best).collect::<Vec<_>>());
         assert!(close(first.square, square(best), 1e-8));
     }
-}
-
-#[test]
-fn stretches_are_spread_evenly_and_never_overlap() {
-    // Short records are taken whole.
-    assert_eq!(stretches(&[30, 4000]), [(0, 0..30), (1, 0..4000)]);
-    for lengths in [
-        vec![100_000],
-        vec![300, 40_000, 900, 20_000],
-        vec![100; 1000],
-    ] {
-        let found = stretches(&lengths);
-        let used: usize = found.iter().map(|(_, s)| s.len()).sum();
-        assert!(used <= MOST && used > MOST / 2, "{used} of {lengths:?}");
-        for pair in found.windows(2) {
-            let [(a, left), (b, right)] = pair else {
-                continue;
-            };
-            assert!(a < b || left.end <= right.start, "{pair:?}");
-        }
-        assert!(
-            found
-                .iter()
-                .all(|(r, s)| s.end <= lengths[*r] && !s.is_empty())
-        );
-    }
-    let found = stretches(&[100_000]);
-    assert_eq!(found.len(), 10);
-    assert_eq!(found[0], (0, 4_500..5_500));
-    assert_eq!(found[9], (0, 94_500..95_500));
 }
 
 fn system(text: &str) -> System {
