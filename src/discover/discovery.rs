@@ -163,6 +163,16 @@ pub struct ChannelFit {
     /// Autocorrelation of the residuals over the first lags, and what chance allows it to be.
     pub memory: f64,
     pub chance: f64,
+    /// What it is in each file, by name, where sensors differ from file to file.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub files: Vec<(String, f64)>,
+    /// Readings that were given no weight.
+    #[serde(skip_serializing_if = "is_zero", default)]
+    pub left_out: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -5,16 +5,17 @@
 
 use super::equation::simpler;
 use super::joint_doubts::{self, Case};
-use super::watch::{Stage, Watcher};
+use super::joint_search::{self, Settled};
+use super::watch::Watcher;
 use super::{
-    Discovery, Equation, Evidence, Failed, FoundTerm, Method, Options, Reason, Status, Together,
-    fixed, fixed_terms,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, Method, Options, Reason, Status,
+    Together, fixed, fixed_terms,
 };
 use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
 use crate::library::Library;
 use crate::term::{Language, SignalNames, Term};
-use crate::trajectory::{self, Channel, Found, Law, Problem, System};
+use crate::trajectory::{self, Channel, File, Found, Law, Problem, System};
 
 /// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
 const CLEAN: f64 = 1e-6;
@@ -50,7 +51,8 @@ pub fn joint(
     if !asked && let Some(law) = measured(&system, dataset) {
         return Err(format!("{} is measured", model.name(law.target)));
     }
-    let problem = Problem::new(system, dataset, &|s| model.noise(s))
+    let noise = |s| model.noise(s);
+    let problem = Problem::new(system, dataset, &noise, options.robust)
         .map_err(|missing| format!("the data have no {}", model.name(missing)))?;
     if let Some(term) = problem.undefined() {
         return Err(format!(
@@ -59,7 +61,8 @@ pub fn joint(
         ));
     }
     let noisy = |c: &Channel| c.noise > CLEAN * c.spread;
-    if !asked && !problem.channels().iter().any(noisy) {
+    let noisy = problem.channels().iter().any(noisy) || !problem.left_out.is_empty();
+    if !asked && !noisy {
         return Err("the data are clean".into());
     }
     Ok(problem)
@@ -80,19 +83,14 @@ fn measured<'a>(system: &'a System, dataset: &Dataset) -> Option<&'a Law> {
 pub fn discover_jointly(
     model: &Model,
     problem: &Problem,
+    options: &Options,
     watch: super::Watch,
 ) -> Option<Discovery> {
     let mut watcher = Watcher::new(watch);
     let mut discovery = Discovery::of(model);
-    let mut at = 0;
-    let found = trajectory::search(problem, &mut || {
-        // The work is for all of them: each in turn is named.
-        watcher.turn_to(problem.system.laws[at % problem.system.laws.len()].equation);
-        at += 1;
-        watcher.at(Stage::Refitting(at)).is_none()
-    });
+    let settled = joint_search::settle(problem, options, &mut watcher);
     let stopped = watcher.stop();
-    let Some(found) = found else {
+    let Some(Settled { problem, found }) = settled else {
         let stop = stopped?;
         for law in &problem.system.laws {
             discovery.failed.push(Failed {
@@ -102,6 +100,7 @@ pub fn discover_jointly(
         }
         return Some(discovery);
     };
+    let problem = problem.as_ref();
     let report = Report {
         problem,
         found: &found,
@@ -147,17 +146,7 @@ impl Report<'_> {
             target_error: worst(&|c| c.noise / c.spread),
             ties: self.ties(names, law),
             together: Some(Together {
-                channels: channels
-                    .iter()
-                    .map(|c| super::ChannelFit {
-                        signal: names.name(c.signal),
-                        left: c.left,
-                        noise: c.noise,
-                        relative: c.left / c.spread,
-                        memory: c.memory,
-                        chance: c.chance,
-                    })
-                    .collect(),
+                channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
                 price: self.found.penalty,
                 tried: self.found.tried,
@@ -167,6 +156,7 @@ impl Report<'_> {
         let reasons = joint_doubts::weigh(&Case {
             names,
             channels: &channels,
+            files: &self.problem.names,
             terms: &terms,
             written: &written,
             evidence: &evidence,
@@ -183,6 +173,21 @@ impl Report<'_> {
             reasons,
             evidence: Some(evidence),
             path: Vec::new(),
+        }
+    }
+
+    fn channel(&self, names: &Discovery, c: &Channel) -> ChannelFit {
+        let name = |f: &File| self.problem.names.get(f.trajectory).cloned();
+        let files = c.files.iter();
+        ChannelFit {
+            signal: names.name(c.signal),
+            left: c.left,
+            noise: c.noise,
+            relative: c.left / c.spread,
+            memory: c.memory,
+            chance: c.chance,
+            files: files.filter_map(|f| Some((name(f)?, f.left))).collect(),
+            left_out: c.left_out,
         }
     }
 

@@ -22,6 +22,8 @@ const READINGS_A_TERM: usize = 15;
 pub(super) struct Case<'a> {
     pub names: &'a Discovery,
     pub channels: &'a [Channel],
+    /// Names of the trajectories.
+    pub files: &'a [String],
     pub terms: &'a [FoundTerm],
     pub written: &'a [String],
     pub evidence: &'a Evidence,
@@ -37,6 +39,7 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         reasons.extend(poor(case, c));
         reasons.extend(large(case, c));
         reasons.extend(memory(case, c));
+        reasons.extend(outliers(case, c));
     }
     reasons.extend(few(case));
     reasons.extend(unsettled(case));
@@ -61,13 +64,13 @@ fn poor(case: &Case, c: &Channel) -> Option<Reason> {
 }
 
 fn large(case: &Case, c: &Channel) -> Option<Reason> {
-    (c.left > LARGE * c.noise).then(|| {
+    (c.excess > LARGE).then(|| {
         Reason::new(
             "misfit",
             format!(
                 "the residuals of {} are {:.1} times its sensor's noise: a term or a state is missing, or an input acts otherwise",
                 case.names.name(c.signal),
-                c.left / c.noise
+                c.excess
             ),
         )
     })
@@ -86,6 +89,30 @@ fn memory(case: &Case, c: &Channel) -> Option<Reason> {
             ),
         )
     })
+}
+
+fn outliers(case: &Case, c: &Channel) -> Option<Reason> {
+    let s = c.strays?;
+    let file = case.files.get(s.trajectory).map_or("?", String::as_str);
+    let lie = match s.count {
+        1 => "1 reading lies".to_string(),
+        n => format!("{n} of {} readings lie", c.readings),
+    };
+    Some(Reason::new(
+        "outliers",
+        format!(
+            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst {:.0}, in {file} at {} s: `--robust` gives \
+             them no weight",
+            case.names.name(c.signal),
+            s.worst,
+            short(s.time)
+        ),
+    ))
+}
+
+/// At most six decimals.
+fn short(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
 }
 
 fn few(case: &Case) -> Option<Reason> {

@@ -10,6 +10,7 @@ mod equation;
 mod form;
 mod joint;
 mod joint_doubts;
+mod joint_search;
 mod mass;
 mod memory;
 mod path;
@@ -78,6 +79,8 @@ pub struct Options {
     pub memory: u64,
     /// Whether the whole path of each equation is wanted.
     pub path: bool,
+    /// Whether readings far from what the laws say have no weight.
+    pub robust: bool,
 }
 
 impl Default for Options {
@@ -89,6 +92,7 @@ impl Default for Options {
             seed: 0,
             memory: library::MEMORY,
             path: false,
+            robust: false,
         }
     }
 }

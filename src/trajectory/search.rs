@@ -251,8 +251,8 @@ impl Level<'_> {
 /// Searches the support of all laws together. `None` if nothing could be fitted.
 pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
     let penalty = TERM * (problem.measurements() as f64).ln();
-    let relative = |i: usize| problem.noise[i] / problem.spread[i];
-    let noisiest = (0..problem.states())
+    let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
+    let noisiest = (0..problem.noise.len())
         .filter(|i| problem.readings[*i] > 0)
         .map(relative)
         .fold(0.0, f64::max);
@@ -266,7 +266,7 @@ pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Foun
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let floor = problem.spread.iter().zip(&problem.noise);
+        let floor = problem.spread.iter().cycle().zip(&problem.noise);
         let floor = floor
             .map(|(d, s)| (floors[place] * d).max(TRUSTED * s))
             .collect();

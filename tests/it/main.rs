@@ -23,4 +23,5 @@ mod measured;
 mod noise;
 mod pendulum;
 mod program;
+mod sensors;
 mod solve;

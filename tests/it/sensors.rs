@@ -1,0 +1,174 @@
+//! Sensors as they are: readings that are none, files of different noise, inputs that act late.
+
+use std::fs;
+use std::path::Path;
+
+use super::pendulum::Random;
+use super::program::{Run, sidc};
+
+const STEP: f64 = 0.05;
+const MODEL: &str = "state x : order 2\nddx ~ poly(x, dx; 2)\n";
+
+/// ddx = −4x − 0.4dx + u(t) from x = 1, by Runge–Kutta: positions at `rows` samples.
+fn motion(rows: usize, push: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    let rate = |[x, v]: [f64; 2], u: f64| [v, -4.0 * x - 0.4 * v + u];
+    let mut z = [1.0, 0.0];
+    let ahead = |z: [f64; 2], k: [f64; 2], h: f64| [z[0] + h * k[0], z[1] + h * k[1]];
+    (0..rows)
+        .map(|k| {
+            let (here, u, h) = (z[0], push(k), STEP);
+            let a = rate(z, u);
+            let b = rate(ahead(z, a, 0.5 * h), u);
+            let c = rate(ahead(z, b, 0.5 * h), u);
+            let d = rate(ahead(z, c, h), u);
+            let sum = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
+            z = ahead(z, [sum(0), sum(1)], h);
+            here
+        })
+        .collect()
+}
+
+fn noisy(x: &[f64], sigma: f64, seed: u64) -> Vec<f64> {
+    let mut random = Random::new(seed);
+    x.iter().map(|x| x + sigma * random.normal()).collect()
+}
+
+fn table(columns: &[(&str, &[f64])]) -> String {
+    let names: Vec<&str> = columns.iter().map(|(n, _)| *n).collect();
+    let mut text = format!("t,{}\n", names.join(","));
+    for k in 0..columns[0].1.len() {
+        let cells: Vec<String> = columns.iter().map(|(_, c)| c[k].to_string()).collect();
+        text.push_str(&format!("{},{}\n", k as f64 * STEP, cells.join(",")));
+    }
+    text
+}
+
+fn identify(folder: &Path, model: &str, tables: &[String], more: &[&str]) -> Run {
+    let write = |name: String, text: &str| {
+        let path = folder.join(name);
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_string()
+    };
+    let mut args = vec![write("m.sid".into(), model)];
+    args.extend(
+        (1..)
+            .zip(tables)
+            .map(|(i, t)| write(format!("run{i}.csv"), t)),
+    );
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    sidc(&[&["identify", "-q"], &args[..], more].concat())
+}
+
+/// The coefficient before a term of the one equation.
+fn coefficient(run: &Run, term: &str) -> f64 {
+    let line = run.stdout.lines().find(|l| l.starts_with("ddx = "));
+    let line = line.unwrap_or_else(|| panic!("{}", run.stdout));
+    let words: Vec<&str> = line["ddx = ".len()..].split(' ').collect();
+    let mut sign = 1.0;
+    for word in words {
+        match word.strip_suffix(&format!("*{term}")) {
+            Some(number) => return sign * number.parse::<f64>().unwrap(),
+            None => sign = if word == "-" { -1.0 } else { 1.0 },
+        }
+    }
+    panic!("no {term}: {}", run.stdout)
+}
+
+#[test]
+fn outliers_are_named_and_lose_their_weight_when_that_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut x = noisy(&motion(300, &|_| 0.0), 0.005, 1);
+    for (k, by) in [(40, 0.3), (150, -0.5), (222, 0.2)] {
+        x[k] += by;
+    }
+    let tables = [table(&[("x", &x)])];
+    let plain = identify(folder.path(), MODEL, &tables, &[]);
+    assert_eq!(plain.status, 3, "{}", plain.stdout);
+    assert!(
+        plain
+            .stdout
+            .contains("doubt[outliers]: x: 3 of 300 readings lie alone"),
+        "{}",
+        plain.stdout
+    );
+    assert!(
+        plain.stdout.contains("in run1.csv at 7.5 s"),
+        "{}",
+        plain.stdout
+    );
+    let robust = identify(folder.path(), MODEL, &tables, &["--robust"]);
+    assert_eq!(robust.status, 0, "{}", robust.stdout);
+    assert!(
+        robust
+            .stdout
+            .contains("robust: 3 readings of x had no weight"),
+        "{}",
+        robust.stdout
+    );
+    assert!(
+        (coefficient(&robust, "x") + 4.0).abs() < 0.02,
+        "{}",
+        robust.stdout
+    );
+    assert!(
+        (coefficient(&robust, "dx") + 0.4).abs() < 0.02,
+        "{}",
+        robust.stdout
+    );
+}
+
+#[test]
+fn gaussian_noise_has_no_outliers() {
+    let folder = tempfile::tempdir().unwrap();
+    let x = noisy(&motion(300, &|_| 0.0), 0.02, 2);
+    let run = identify(folder.path(), MODEL, &[table(&[("x", &x)])], &["--robust"]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    assert!(!run.stdout.contains("robust:"), "{}", run.stdout);
+}
+
+#[test]
+fn robust_says_where_it_has_no_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let x = motion(120, &|_| 0.0);
+    let tables = [table(&[("x", &x)])];
+    let run = identify(
+        folder.path(),
+        MODEL,
+        &tables,
+        &["--robust", "--method", "regression"],
+    );
+    assert!(
+        run.stderr.contains("warning[robust-unused]"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn every_file_has_its_own_noise() {
+    let folder = tempfile::tempdir().unwrap();
+    let clean = motion(200, &|_| 0.0);
+    let tables = [0.002, 0.05].map(|sigma| table(&[("x", &noisy(&clean, sigma, 5))]));
+    let run = identify(folder.path(), MODEL, &tables, &[]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let line = run
+        .stdout
+        .lines()
+        .find(|l| l.contains("noise of x by file: "));
+    let line = line.unwrap_or_else(|| panic!("{}", run.stdout));
+    assert!(
+        line.contains("in run1.csv") && line.contains("in run2.csv"),
+        "{line}"
+    );
+    // With one noise for both, the noisy file would drown the quiet one: 0.035 instead of 0.002 for all.
+    assert!(
+        (coefficient(&run, "x") + 4.0).abs() < 0.003,
+        "{}",
+        run.stdout
+    );
+    assert!(
+        (coefficient(&run, "dx") + 0.4).abs() < 0.002,
+        "{}",
+        run.stdout
+    );
+}
