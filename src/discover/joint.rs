@@ -8,14 +8,14 @@ use super::joint_doubts::{self, Case};
 use super::joint_search::{self, Settled};
 use super::watch::Watcher;
 use super::{
-    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, Method, Options, Reason, Status,
-    Together, fixed, fixed_terms,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, InputDelay, Method, Options,
+    Reason, Status, Together, fixed, fixed_terms,
 };
 use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
 use crate::library::Library;
-use crate::term::{Language, SignalNames, Term};
-use crate::trajectory::{self, Channel, File, Found, Law, Problem, System};
+use crate::term::{Language, Signal, SignalNames, Term, VarId};
+use crate::trajectory::{self, Channel, File, Found, Late, Law, Problem, System};
 
 /// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
 const CLEAN: f64 = 1e-6;
@@ -88,9 +88,14 @@ pub fn discover_jointly(
 ) -> Option<Discovery> {
     let mut watcher = Watcher::new(watch);
     let mut discovery = Discovery::of(model);
-    let settled = joint_search::settle(problem, options, &mut watcher);
+    let settled = joint_search::settle(model, problem, options, &mut watcher);
     let stopped = watcher.stop();
-    let Some(Settled { problem, found }) = settled else {
+    let Some(Settled {
+        problem,
+        found,
+        late,
+    }) = settled
+    else {
         let stop = stopped?;
         for law in &problem.system.laws {
             discovery.failed.push(Failed {
@@ -104,6 +109,7 @@ pub fn discover_jointly(
     let report = Report {
         problem,
         found: &found,
+        late: late.as_ref(),
         channels: trajectory::channels(problem, &found.best),
     };
     for law in &problem.system.laws {
@@ -126,6 +132,7 @@ pub fn discover_jointly(
 struct Report<'a> {
     problem: &'a Problem,
     found: &'a Found,
+    late: Option<&'a Late>,
     channels: Vec<Channel>,
 }
 
@@ -148,12 +155,13 @@ impl Report<'_> {
             together: Some(Together {
                 channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
+                delays: self.delays(names),
                 price: self.found.penalty,
                 tried: self.found.tried,
             }),
             ..Evidence::default()
         };
-        let reasons = joint_doubts::weigh(&Case {
+        let mut reasons = joint_doubts::weigh(&Case {
             names,
             channels: &channels,
             files: &self.problem.names,
@@ -164,6 +172,9 @@ impl Report<'_> {
             all_terms: self.found.best.support().len(),
             arrived: self.found.best.arrived,
         });
+        if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
+            reasons.push(joint_doubts::late(names, late));
+        }
         let mut all: Vec<FoundTerm> = known.into_iter().map(fixed).collect();
         all.extend(terms);
         Equation {
@@ -174,6 +185,33 @@ impl Report<'_> {
             evidence: Some(evidence),
             path: Vec::new(),
         }
+    }
+
+    fn delays(&self, names: &Discovery) -> Vec<InputDelay> {
+        let of = |late: &Late| -> Vec<InputDelay> {
+            let inputs = late.inputs.iter();
+            let delay = |v: &VarId| InputDelay {
+                input: names.variable(*v).to_string(),
+                seconds: late.seconds,
+                samples: late.samples,
+            };
+            inputs.map(delay).collect()
+        };
+        self.late.map(of).unwrap_or_default()
+    }
+
+    /// Whether a law that was found contains an input that is late; all do if none does.
+    fn concerns(&self, late: &Late, law: &Law) -> bool {
+        let contains = |law: &Law| {
+            let mut found = false;
+            let mut see = |s: Signal| found |= late.inputs.contains(&s.var);
+            let support = self.found.best.support().iter();
+            for j in support.filter(|j| law.columns.contains(j)) {
+                self.problem.system.columns[*j].for_each_signal(&mut see);
+            }
+            found
+        };
+        contains(law) || !self.problem.system.laws.iter().any(contains)
     }
 
     fn channel(&self, names: &Discovery, c: &Channel) -> ChannelFit {

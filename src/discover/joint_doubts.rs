@@ -5,7 +5,7 @@
 
 use super::{Discovery, Evidence, FoundTerm, Reason};
 use crate::term::SignalNames;
-use crate::trajectory::Channel;
+use crate::trajectory::{Channel, Late};
 
 /// Residual over the sensor's noise above which something is missing.
 const LARGE: f64 = 1.25;
@@ -46,6 +46,36 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
     reasons.extend(tied(case));
     reasons.extend(uncertain(case));
     reasons
+}
+
+/// Whether a channel's residuals are more than its sensor's noise.
+pub(super) fn unexplained(c: &Channel) -> bool {
+    c.excess > LARGE || c.memory.abs() > c.chance.max(MEMORY)
+}
+
+/// Inputs that were moved in time.
+pub(super) fn late(names: &Discovery, late: &Late) -> Reason {
+    let inputs: Vec<&str> = late.inputs.iter().map(|v| names.variable(*v)).collect();
+    let (act, record) = match inputs.len() {
+        1 => ("acts", "its record"),
+        _ => ("act", "their records"),
+    };
+    let when = if late.samples > 0.0 {
+        "later"
+    } else {
+        "earlier"
+    };
+    Reason::new(
+        "input-delay",
+        format!(
+            "{} {act} {} s ({} samples) {when} than {record}, which the criterion prefers by {:.0}; the equations are those with \
+             the delay",
+            inputs.join(", "),
+            short(late.seconds.abs()),
+            late.samples.abs(),
+            late.gain
+        ),
+    )
 }
 
 fn poor(case: &Case, c: &Channel) -> Option<Reason> {

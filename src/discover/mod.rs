@@ -36,8 +36,8 @@ use crate::solve::{SOLVERS, Solver};
 use crate::term::Term;
 
 pub use discovery::{
-    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, PathKnot, Proof, Reason,
-    Status, Together, Variable,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, PathKnot,
+    Proof, Reason, Status, Together, Variable,
 };
 pub use form::{Form, NotRunnable, Rate, Row, Weighted};
 pub use joint::{discover_jointly, joint, nothing_fits};

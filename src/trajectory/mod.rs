@@ -12,6 +12,7 @@ mod beam;
 mod chain;
 mod channel;
 mod code;
+mod delay;
 mod dense;
 mod fit;
 mod flow;
@@ -27,6 +28,7 @@ mod system;
 mod triangle;
 
 pub use channel::{Channel, File, channels};
+pub use delay::{Late, delay, delayed};
 pub use fit::Fit;
 pub use problem::Problem;
 pub use record::Record;

@@ -8,7 +8,7 @@ use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
 use super::quadratic::Quadratic;
-use super::record::{Record, records};
+use super::record::{Record, Sensor, records};
 use super::sensors::{Sensors, groups};
 use super::smooth::{Curve, curves};
 use super::strays::{self, LeftOut};
@@ -73,7 +73,7 @@ impl Problem {
         declared: &dyn Fn(Signal) -> Option<f64>,
         robust: bool,
     ) -> Result<Problem, Signal> {
-        let mut records = records(&system, dataset)?;
+        let mut records = records(&system, dataset, &Sensor { declared, robust })?;
         let declared: Vec<Option<f64>> = system.states.iter().map(|s| declared(*s)).collect();
         let left_out = match robust {
             true => strays::leave_out_first(&mut records, &declared),

@@ -320,3 +320,13 @@ fn joined(a: &[usize], b: &[usize]) -> Vec<usize> {
     all.sort_unstable();
     all
 }
+
+/// The judge of the last level.
+pub(super) fn last_judge(problem: &Problem) -> Judge {
+    let lowest = FLOORS[FLOORS.len() - 1];
+    let floor = problem.spread.iter().cycle().zip(&problem.noise);
+    Judge {
+        floor: floor.map(|(d, s)| (lowest * d).max(TRUSTED * s)).collect(),
+        penalty: TERM * (problem.measurements() as f64).ln(),
+    }
+}

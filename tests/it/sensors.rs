@@ -9,18 +9,19 @@ use super::program::{Run, sidc};
 const STEP: f64 = 0.05;
 const MODEL: &str = "state x : order 2\nddx ~ poly(x, dx; 2)\n";
 
-/// ddx = −4x − 0.4dx + u(t) from x = 1, by Runge–Kutta: positions at `rows` samples.
-fn motion(rows: usize, push: &dyn Fn(usize) -> f64) -> Vec<f64> {
+/// ddx = −4x − 0.4dx + u from x = 1, by Runge–Kutta: positions at `rows` samples; `push` is u at a sample and a part of the step on.
+fn motion(rows: usize, push: &dyn Fn(usize, f64) -> f64) -> Vec<f64> {
     let rate = |[x, v]: [f64; 2], u: f64| [v, -4.0 * x - 0.4 * v + u];
     let mut z = [1.0, 0.0];
     let ahead = |z: [f64; 2], k: [f64; 2], h: f64| [z[0] + h * k[0], z[1] + h * k[1]];
     (0..rows)
         .map(|k| {
-            let (here, u, h) = (z[0], push(k), STEP);
-            let a = rate(z, u);
-            let b = rate(ahead(z, a, 0.5 * h), u);
-            let c = rate(ahead(z, b, 0.5 * h), u);
-            let d = rate(ahead(z, c, h), u);
+            let (here, h) = (z[0], STEP);
+            let u = [0.0, 0.5, 1.0].map(|part| push(k, part));
+            let a = rate(z, u[0]);
+            let b = rate(ahead(z, a, 0.5 * h), u[1]);
+            let c = rate(ahead(z, b, 0.5 * h), u[1]);
+            let d = rate(ahead(z, c, h), u[2]);
             let sum = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
             z = ahead(z, [sum(0), sum(1)], h);
             here
@@ -77,7 +78,7 @@ fn coefficient(run: &Run, term: &str) -> f64 {
 #[test]
 fn outliers_are_named_and_lose_their_weight_when_that_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let mut x = noisy(&motion(300, &|_| 0.0), 0.005, 1);
+    let mut x = noisy(&motion(300, &|_, _| 0.0), 0.005, 1);
     for (k, by) in [(40, 0.3), (150, -0.5), (222, 0.2)] {
         x[k] += by;
     }
@@ -120,7 +121,7 @@ fn outliers_are_named_and_lose_their_weight_when_that_is_asked_for() {
 #[test]
 fn gaussian_noise_has_no_outliers() {
     let folder = tempfile::tempdir().unwrap();
-    let x = noisy(&motion(300, &|_| 0.0), 0.02, 2);
+    let x = noisy(&motion(300, &|_, _| 0.0), 0.02, 2);
     let run = identify(folder.path(), MODEL, &[table(&[("x", &x)])], &["--robust"]);
     assert_eq!(run.status, 0, "{}", run.stdout);
     assert!(!run.stdout.contains("robust:"), "{}", run.stdout);
@@ -129,7 +130,7 @@ fn gaussian_noise_has_no_outliers() {
 #[test]
 fn robust_says_where_it_has_no_effect() {
     let folder = tempfile::tempdir().unwrap();
-    let x = motion(120, &|_| 0.0);
+    let x = motion(120, &|_, _| 0.0);
     let tables = [table(&[("x", &x)])];
     let run = identify(
         folder.path(),
@@ -147,7 +148,7 @@ fn robust_says_where_it_has_no_effect() {
 #[test]
 fn every_file_has_its_own_noise() {
     let folder = tempfile::tempdir().unwrap();
-    let clean = motion(200, &|_| 0.0);
+    let clean = motion(200, &|_, _| 0.0);
     let tables = [0.002, 0.05].map(|sigma| table(&[("x", &noisy(&clean, sigma, 5))]));
     let run = identify(folder.path(), MODEL, &tables, &[]);
     assert_eq!(run.status, 0, "{}", run.stdout);
@@ -168,6 +169,86 @@ fn every_file_has_its_own_noise() {
     );
     assert!(
         (coefficient(&run, "dx") + 0.4).abs() < 0.002,
+        "{}",
+        run.stdout
+    );
+}
+
+/// A command that changes every few samples.
+fn levels(rows: usize) -> Vec<f64> {
+    let mut random = Random::new(9);
+    let mut level = 0.0;
+    let mut next = |k: usize| {
+        if k.is_multiple_of(6) {
+            level = random.normal();
+        }
+        level
+    };
+    (0..rows).map(&mut next).collect()
+}
+
+#[test]
+fn a_command_that_acts_late_is_named_and_moved() {
+    let folder = tempfile::tempdir().unwrap();
+    let u = levels(300);
+    for (late, said) in [
+        (3, "u acts 0.15 s (3 samples) later than its record"),
+        (0, ""),
+    ] {
+        let x = motion(300, &|k, _| u[k.saturating_sub(late)]);
+        let x = noisy(&x, 0.005, 4);
+        let model = "state x : order 2\ninput u : hold\nddx ~ poly(x, dx, u; 2)\n";
+        let run = identify(folder.path(), model, &[table(&[("x", &x), ("u", &u)])], &[]);
+        assert_eq!(
+            run.stdout.contains("doubt[input-delay]"),
+            late > 0,
+            "{}",
+            run.stdout
+        );
+        assert!(run.stdout.contains(said), "{}", run.stdout);
+        assert_eq!(
+            run.stdout.matches("doubt[").count(),
+            late.min(1),
+            "{}",
+            run.stdout
+        );
+        for (term, wanted) in [("x", -4.0), ("dx", -0.4), ("u", 1.0)] {
+            let found = coefficient(&run, term);
+            assert!((found - wanted).abs() < 0.03, "{term}: {}", run.stdout);
+        }
+    }
+}
+
+#[test]
+fn a_smooth_input_may_be_early_by_part_of_a_sample() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = |k: f64| (0.11 * k).sin() + (0.037 * k * k / (k.abs() + 9.0)).cos();
+    let u: Vec<f64> = (0..300).map(|k| input(k as f64)).collect();
+    let x = motion(300, &|k, part| input(k as f64 + part + 1.5));
+    let model = "state x : order 2\ninput u : linear\nddx ~ poly(x, dx, u; 2)\n";
+    let tables = [table(&[("x", &noisy(&x, 0.0005, 4)), ("u", &u)])];
+    let run = identify(folder.path(), model, &tables, &[]);
+    let said = "u acts 0.075 s (1.5 samples) earlier than its record";
+    assert!(run.stdout.contains(said), "{}", run.stdout);
+}
+
+#[test]
+fn a_state_without_an_equation_is_smoothed_before_it_acts() {
+    let folder = tempfile::tempdir().unwrap();
+    let u: Vec<f64> = (0..400).map(|k| (0.11 * k as f64).sin()).collect();
+    let between = |k: usize, part: f64| (0.11 * (k as f64 + part)).sin();
+    let x = noisy(&motion(400, &between), 0.002, 7);
+    let z = noisy(&u, 0.2, 8);
+    // Noise of a fifth would draw the coefficient to zero by 8 %.
+    let model = "state x : order 2\nstate z\nddx ~ <1, x, dx, z>\n";
+    let run = identify(folder.path(), model, &[table(&[("x", &x), ("z", &z)])], &[]);
+    assert!(
+        (coefficient(&run, "z") - 1.0).abs() < 0.02,
+        "{}",
+        run.stdout
+    );
+    assert!(
+        (coefficient(&run, "x") + 4.0).abs() < 0.05,
         "{}",
         run.stdout
     );
