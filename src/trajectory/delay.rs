@@ -96,7 +96,7 @@ impl<'a> Trial<'a> {
                 .collect(),
             ..found.point.clone()
         };
-        let base = fit(&base, start, &judge)?;
+        let base = fit(&base, start, &judge, f64::INFINITY)?;
         let own = |s: &crate::term::Signal| inputs.contains(&s.var);
         let signals = problem.system.outside.iter().enumerate();
         let held = signals.filter(|(_, s)| own(s)).any(|(x, _)| {
@@ -117,7 +117,7 @@ impl<'a> Trial<'a> {
     fn value(&self, samples: f64) -> f64 {
         let problem = shifted(self.problem, self.inputs, samples);
         let problem = cut(&problem, self.reach, self.reach);
-        let fitted = fit(&problem, self.start.clone(), &self.judge);
+        let fitted = fit(&problem, self.start.clone(), &self.judge, f64::INFINITY);
         fitted.map_or(f64::INFINITY, |f| f.value)
     }
 
@@ -207,7 +207,7 @@ fn cut(problem: &Problem, front: usize, back: usize) -> Problem {
         l.sample = l.sample.saturating_sub(from);
         stays
     });
-    out.count();
+    out.look();
     out
 }
 

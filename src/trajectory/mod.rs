@@ -12,10 +12,13 @@ mod beam;
 mod chain;
 mod channel;
 mod code;
+mod columns;
 mod delay;
 mod dense;
 mod fit;
 mod flow;
+mod lanes;
+mod moments;
 mod problem;
 mod quadratic;
 mod record;
@@ -23,9 +26,14 @@ mod search;
 mod sensors;
 mod smooth;
 mod strays;
+mod stretch;
 mod sweep;
 mod system;
+mod transition;
 mod triangle;
+
+#[cfg(test)]
+mod tests;
 
 pub use channel::{Channel, File, channels};
 pub use delay::{Late, delay, delayed};

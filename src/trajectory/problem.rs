@@ -7,14 +7,15 @@ use std::ops::Range;
 use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
+use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, Sensor, records};
 use super::sensors::{Sensors, groups};
 use super::smooth::{Curve, curves};
 use super::strays::{self, LeftOut};
-use super::sweep::{Eliminated, Link, Reading, Sweep};
+use super::stretch::stretches;
+use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
-use super::triangle::Triangle;
 use crate::data::Dataset;
 use crate::term::{Expr, Signal, Tape, Term};
 
@@ -100,23 +101,42 @@ impl Problem {
             left_out,
             declared,
         };
-        problem.count();
+        problem.look();
         Ok(problem)
     }
 
-    /// The same problem on other records, smoothed anew.
-    pub(super) fn on(&self, records: Vec<Record>, left_out: Vec<LeftOut>) -> Problem {
-        let mut problem = self.clone();
-        problem.curves = curves(&self.system, &records, &self.declared);
-        problem.records = records;
-        problem.left_out = left_out;
+    /// The same system, noise and spread on parts of its records; `origin` says of which.
+    pub(super) fn on(&self, records: Vec<Record>, curves: Vec<Curve>, origin: &[usize]) -> Problem {
+        let mut problem = Problem {
+            system: self.system.clone(),
+            names: self.names.clone(),
+            spread: self.spread.clone(),
+            sensors: self.sensors.on(origin),
+            noise: self.noise.clone(),
+            declared: self.declared.clone(),
+            ranges: self.ranges.clone(),
+            all: self.all.clone(),
+            readings: Vec::new(),
+            left_out: Vec::new(),
+            records,
+            curves,
+        };
         problem.count();
         problem
     }
 
-    /// Counts the readings of every sensor, and what smoothing sees of their noise.
-    pub(super) fn count(&mut self) {
-        let n = self.states();
+    /// The same problem on other records, smoothed anew.
+    pub(super) fn anew(&self, records: Vec<Record>, left_out: Vec<LeftOut>) -> Problem {
+        let mut problem = self.clone();
+        problem.curves = curves(&self.system, &records, &self.declared);
+        problem.records = records;
+        problem.left_out = left_out;
+        problem.look();
+        problem
+    }
+
+    /// Counts the readings of every sensor.
+    fn count(&mut self) {
         self.readings = vec![0; self.sensors.count()];
         for (r, record) in self.records.iter().enumerate() {
             for (of, column) in self.readings[self.sensors.of(r)]
@@ -126,6 +146,12 @@ impl Problem {
                 *of += column.iter().filter(|x| x.is_finite()).count();
             }
         }
+    }
+
+    /// Counts readings, and finds what smoothing sees of their noise.
+    pub(super) fn look(&mut self) {
+        let n = self.states();
+        self.count();
         self.noise = (0..self.sensors.count() / n.max(1))
             .flat_map(|group| self.first_noise(group))
             .collect();
@@ -246,11 +272,11 @@ impl Problem {
     /// The quadratic form of all columns about the smooth curves, laws taken to answer to nothing but their chains; `slack` is
     /// their noise a sample in units of the sensors'.
     pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
-        let mut triangle = Triangle::new(self.all.outputs());
+        let mut moments = Moments::new(self.all.outputs());
         for (r, (record, curve)) in self.records.iter().zip(&self.curves).enumerate() {
             let sigma = &sigma[self.sensors.of(r)];
             let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
-            let mut sweep = Sweep::new(&stiffness, self.all.outputs(), &mut triangle, false);
+            let mut sweep = Sweep::new(&stiffness, &mut moments, false);
             super::chain::links(self, record, curve, &mut |k, link| {
                 sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
                 if let Some(link) = link {
@@ -259,36 +285,55 @@ impl Problem {
             });
             sweep.end();
         }
-        Quadratic::new(&mut triangle)
+        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
     }
 
-    /// The quadratic form of all columns about a point.
+    /// The quadratic form of all columns about a point, on stretches of long records.
     ///
     /// # Errors
     /// Laws that lead nowhere from there.
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
         let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
-        let mut triangle = Triangle::new(self.all.outputs());
-        self.eliminate(&code, all, at, &mut triangle, false)?;
+        let mut moments = Moments::new(self.all.outputs());
+        let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
+        let parts = stretches(&lengths);
+        self.eliminate(&code, all, at, &mut moments, false, &parts)?;
+        let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
+        let share = self.samples() as f64 / used as f64;
         // Corrections of active coefficients become the coefficients themselves.
         let active = at
             .support
             .iter()
             .copied()
             .zip(at.coefficients.iter().copied());
-        triangle.shift(&active.collect::<Vec<_>>());
-        Ok(Quadratic::new(&mut triangle))
+        let mut products = moments.shifted(&active.collect::<Vec<_>>());
+        // Stretches stand for all samples.
+        products.iter_mut().for_each(|x| *x *= share);
+        Ok(Quadratic::new(&products, self.all.outputs()))
     }
 
-    /// Eliminates all states about a point; what is left measures the coefficients.
-    pub(super) fn eliminate(
+    /// Eliminates all states of all records about a point; what is left measures the coefficients.
+    pub(super) fn eliminate_all(
+        &self,
+        code: &Code,
+        at: &Point,
+        gather: &mut impl Gather,
+    ) -> Result<Vec<Eliminated>, Diverged> {
+        let whole = self.records.iter().map(|r| 0..r.len());
+        let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
+        self.eliminate(code, None, at, gather, true, &whole)
+    }
+
+    /// Likewise of parts of records, of U of all columns if `all` is given. `keep` says that states will be asked for.
+    fn eliminate(
         &self,
         code: &Code,
         all: Option<(&Tape, &[Range<usize>])>,
         at: &Point,
-        triangle: &mut Triangle,
+        gather: &mut impl Gather,
         keep: bool,
+        parts: &[(usize, Range<usize>)],
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
             code,
@@ -299,31 +344,29 @@ impl Problem {
         };
         let mut work = Work::default();
         let mut block = Block::default();
-        let records = self.records.iter().zip(&at.paths);
-        records
-            .enumerate()
-            .map(|(r, (record, path))| {
-                let sigma = &at.sigma[self.sensors.of(r)];
-                let stiffness = stiffness(sigma, record.len());
-                let mut sweep = Sweep::new(&stiffness, flow.width(), triangle, keep);
-                let last = record.len() - 1;
-                for from in (0..last).step_by(BLOCK) {
-                    let intervals = from..(from + BLOCK).min(last);
-                    flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
-                    for (b, k) in intervals.enumerate() {
-                        sweep.measure(&self.readings_at(record, path, sigma, k));
-                        self.advance(&mut sweep, &block, b, path, k, flow.width());
-                    }
+        let parts = parts.iter().map(|(r, samples)| {
+            let (record, path) = (&self.records[*r], &at.paths[*r]);
+            let sigma = &at.sigma[self.sensors.of(*r)];
+            let stiffness = stiffness(sigma, record.len());
+            let mut sweep = Sweep::new(&stiffness, gather, keep);
+            let last = samples.end - 1;
+            for from in (samples.start..last).step_by(BLOCK) {
+                let intervals = from..(from + BLOCK).min(last);
+                flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
+                for (b, k) in intervals.enumerate() {
+                    sweep.measure(&self.readings_at(record, path, sigma, k));
+                    self.advance(&mut sweep, &block, b, path, k, flow.width());
                 }
-                sweep.measure(&self.readings_at(record, path, sigma, last));
-                Ok(sweep.end())
-            })
-            .collect()
+            }
+            sweep.measure(&self.readings_at(record, path, sigma, last));
+            Ok(sweep.end())
+        });
+        parts.collect()
     }
 
     fn advance(
         &self,
-        sweep: &mut Sweep,
+        sweep: &mut Sweep<impl Gather>,
         block: &Block,
         b: usize,
         path: &[f64],

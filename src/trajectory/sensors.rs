@@ -30,6 +30,14 @@ impl Sensors {
         start..start + self.states
     }
 
+    /// The same sensors for parts of records, given where each is from.
+    pub(super) fn on(&self, origin: &[usize]) -> Sensors {
+        Sensors {
+            group: origin.iter().map(|r| self.group(*r)).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Number of groups times states.
     pub fn count(&self) -> usize {
         self.groups * self.states

@@ -132,7 +132,7 @@ pub fn leave_out(problem: &Problem, fit: &Fit) -> Option<Problem> {
     for l in &out {
         records[l.record].measured[l.state][l.sample] = f64::NAN;
     }
-    Some(problem.on(records, out))
+    Some(problem.anew(records, out))
 }
 
 fn count(problem: &Problem, state: usize) -> usize {

@@ -24,4 +24,6 @@ mod noise;
 mod pendulum;
 mod program;
 mod sensors;
+mod smooth;
 mod solve;
+mod weak;
