@@ -15,7 +15,7 @@ use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
 use crate::library::Library;
 use crate::term::{Language, Signal, SignalNames, Term, VarId};
-use crate::trajectory::{self, Channel, File, Found, Late, Law, Problem, System};
+use crate::trajectory::{self, Channel, File, Found, Late, Law, Offset, Problem, System};
 
 /// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
 const CLEAN: f64 = 1e-6;
@@ -94,6 +94,7 @@ pub fn discover_jointly(
         problem,
         found,
         late,
+        offset,
     }) = settled
     else {
         let stop = stopped?;
@@ -110,6 +111,7 @@ pub fn discover_jointly(
         problem,
         found: &found,
         late: late.as_ref(),
+        offset: offset.as_ref(),
         channels: trajectory::channels(problem, &found.best),
     };
     for law in &problem.system.laws {
@@ -133,6 +135,7 @@ struct Report<'a> {
     problem: &'a Problem,
     found: &'a Found,
     late: Option<&'a Late>,
+    offset: Option<&'a Offset>,
     channels: Vec<Channel>,
 }
 
@@ -174,6 +177,15 @@ impl Report<'_> {
         });
         if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
             reasons.push(joint_doubts::late(names, late));
+        }
+        if let Some(offset) = self.offset {
+            let own = offset.terms.iter().filter(|j| law.columns.contains(j));
+            let terms: Vec<String> = own
+                .map(|j| language.term(&self.problem.system.columns[*j]))
+                .collect();
+            if !terms.is_empty() {
+                reasons.push(joint_doubts::offset(names, offset, &terms));
+            }
         }
         let mut all: Vec<FoundTerm> = known.into_iter().map(fixed).collect();
         all.extend(terms);

@@ -5,7 +5,7 @@
 
 use super::{Discovery, Evidence, FoundTerm, Reason};
 use crate::term::SignalNames;
-use crate::trajectory::{Channel, Late};
+use crate::trajectory::{Channel, Late, Offset};
 
 /// Residual over the sensor's noise above which something is missing.
 const LARGE: f64 = 1.25;
@@ -74,6 +74,24 @@ pub(super) fn late(names: &Discovery, late: &Late) -> Reason {
             short(late.seconds.abs()),
             late.samples.abs(),
             late.gain
+        ),
+    )
+}
+
+/// A rival with fewer terms: the sensor reads a constant too much.
+pub(super) fn offset(names: &Discovery, offset: &Offset, terms: &[String]) -> Reason {
+    Reason::new(
+        "sensor-offset",
+        format!(
+            "if the sensor of {} reads {:.4} too much, {} not needed ({} fewer in all, which the criterion prefers by {:.0}): check its zero",
+            names.name(offset.signal),
+            offset.value,
+            match terms {
+                [one] => format!("{one} is"),
+                many => format!("{} are", many.join(", ")),
+            },
+            offset.terms.len(),
+            offset.gain
         ),
     )
 }

@@ -9,12 +9,14 @@ use super::joint_doubts;
 use super::watch::{Stage, Watcher};
 use crate::lang::model::{Model, VarKind};
 use crate::term::VarId;
-use crate::trajectory::{self, Found, Late, Problem};
+use crate::trajectory::{self, Found, Late, Offset, Problem};
 
 /// Searches until the readings left out no longer change, at most.
 const ROUNDS: usize = 3;
 /// Searches for a delay: the first answer, found without it, may not tell it exactly.
 const DELAYS: usize = 2;
+/// Terms up to which offsets are looked for: each costs fits.
+const MOST: usize = 24;
 
 /// The problem in the end, and the answer to it.
 pub(super) struct Settled<'a> {
@@ -22,6 +24,8 @@ pub(super) struct Settled<'a> {
     pub found: Found,
     /// Inputs that act at other times than recorded; the problem has them moved.
     pub late: Option<Late>,
+    /// A sensor's offset that would explain terms.
+    pub offset: Option<Offset>,
 }
 
 /// `None` if no support could be fitted at all.
@@ -37,6 +41,7 @@ pub(super) fn settle<'a>(
         problem: Cow::Borrowed(problem),
         found,
         late: None,
+        offset: None,
     };
     if options.robust {
         search.without_strays(&mut settled);
@@ -45,6 +50,7 @@ pub(super) fn settle<'a>(
     if options.robust && settled.late.is_some() {
         search.without_strays(&mut settled);
     }
+    settled.offset = search.offset(&settled);
     Some(settled)
 }
 
@@ -81,6 +87,17 @@ impl Search<'_, '_> {
         }
     }
 
+    /// An offset is a rival of laws that explain everything; of others nothing is known.
+    fn offset(&mut self, settled: &Settled) -> Option<Offset> {
+        let best = &settled.found.best;
+        let channels = trajectory::channels(&settled.problem, best);
+        if best.support().len() > MOST || channels.iter().any(joint_doubts::unexplained) {
+            return None;
+        }
+        let mut go_on = || self.watcher.at(Stage::Refitting(self.at)).is_none();
+        trajectory::offset(&settled.problem, best, &mut go_on)
+    }
+
     /// Moves inputs in time where that explains what is left, and searches again.
     fn with_delay(&mut self, model: &Model, settled: &mut Settled) {
         let inputs = inputs(model, &settled.problem);
@@ -113,6 +130,7 @@ impl Search<'_, '_> {
                 problem: Cow::Owned(next),
                 found,
                 late: Some(late),
+                offset: None,
             };
         }
     }

@@ -23,7 +23,7 @@ pub struct Channel {
     pub readings: usize,
     /// Σ over lags 1 … 8 of the squared autocorrelation, its root, signed by the first: 0 for white residuals.
     pub memory: f64,
-    /// What chance allows `memory` to be.
+    /// What chance allows `memory` to be, and the rounding of an encoder.
     pub chance: f64,
     /// Residuals file by file, where they differ.
     pub files: Vec<File>,
@@ -94,7 +94,8 @@ fn noise(problem: &Problem, state: usize) -> f64 {
 fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let n = problem.states();
     let (mut sums, mut total) = ([0.0; LAGS], 0.0);
-    let (mut square, mut excess) = (0.0, 0.0);
+    let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; LAGS]);
+    let coarse = problem.lattices[state].filter(|l| l.matters(noise(problem, state)));
     for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
         let sensor = problem.sensors.of(r).start + state;
         let (sigma, noise) = (fit.sigma()[sensor], problem.noise[sensor]);
@@ -108,15 +109,19 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         total += own;
         square += own * sigma * sigma;
         excess += own * (sigma / noise.max(f64::MIN_POSITIVE)).powi(2);
-        for (lag, sum) in (1..).zip(&mut sums) {
-            let pairs = left.iter().zip(left.iter().skip(lag));
-            *sum += pairs.map(|(a, b)| a * b).sum::<f64>();
+        lagged(&left, &mut sums);
+        if let Some(lattice) = coarse {
+            let way = (0..record.len()).map(|k| path[k * n + state]);
+            let error: Vec<f64> = way.map(|x| (lattice.nearest(x) - x) / sigma).collect();
+            lagged(&error, &mut rounded);
         }
     }
     let readings = readings(problem, state);
     let m = readings as f64;
     let correlation = sums.map(|s| s / total.max(f64::MIN_POSITIVE));
-    let memory: f64 = correlation.iter().map(|r| r * r).sum();
+    let length = |r: [f64; LAGS]| r.iter().map(|r| r * r).sum::<f64>().sqrt();
+    let memory = length(correlation);
+    let rounded = length(rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
     // M Σ r² is about χ² of as many degrees of freedom as lags, less what the fit took.
     let lags = LAGS as f64;
     Channel {
@@ -126,11 +131,19 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         excess: (excess / m).sqrt(),
         spread: problem.spread[state],
         readings,
-        memory: memory.sqrt().copysign(correlation[0]),
-        chance: ((lags + ALLOWED * (2.0 * lags).sqrt()) / m).sqrt(),
+        memory: memory.copysign(correlation[0]),
+        chance: ((lags + ALLOWED * (2.0 * lags).sqrt()) / m).sqrt() + rounded,
         files: files(problem, fit, state),
         strays: strays(problem, fit, state),
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
+    }
+}
+
+/// Adds the products of all values with those some samples on.
+fn lagged(values: &[f64], sums: &mut [f64; LAGS]) {
+    for (lag, sum) in (1..).zip(sums) {
+        let pairs = values.iter().zip(values.iter().skip(lag));
+        *sum += pairs.map(|(a, b)| a * b).sum::<f64>();
     }
 }
 

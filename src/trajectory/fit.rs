@@ -156,11 +156,13 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
     })
 }
 
-/// −2 log likelihood with the noise profiled out, floored: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²).
+/// −2 log likelihood with the noise profiled out, floored: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²). Readings that are no news do not
+/// count, here and in the weight that a sensor has (its noise).
 fn criterion(problem: &Problem, judge: &Judge, squares: &[f64]) -> f64 {
     let channel = |i: usize| {
         let m = problem.readings[i] as f64;
         let mean = squares[i] / m.max(1.0) + judge.floor[i].powi(2);
+        let m = m * problem.news[i];
         m * (mean / problem.spread[i % problem.states()].powi(2)).ln()
     };
     (0..squares.len()).map(channel).sum()
@@ -171,7 +173,7 @@ fn noise(problem: &Problem, judge: &Judge, squares: &[f64], i: usize, before: &[
         return before[i];
     }
     let mean = squares[i] / problem.readings[i] as f64;
-    mean.sqrt().max(judge.floor[i])
+    mean.sqrt().max(judge.floor[i]) / problem.news[i].sqrt()
 }
 
 /// Sum of squared residuals of each sensor's readings.

@@ -7,6 +7,7 @@ use std::ops::Range;
 use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
+use super::lattice::{Lattice, lattice, news};
 use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, Sensor, records};
@@ -35,6 +36,10 @@ pub struct Problem {
     pub noise: Vec<f64>,
     /// Number of readings of each sensor, groups × states.
     pub readings: Vec<usize>,
+    /// Share of each sensor's readings that is news, groups × states: 1 but for coarse encoders.
+    pub(super) news: Vec<f64>,
+    /// Values that each state's readings take, where those are coarse.
+    pub(super) lattices: Vec<Option<Lattice>>,
     /// Readings that have no weight.
     pub left_out: Vec<LeftOut>,
     /// Noise as the model states it, by state.
@@ -98,6 +103,8 @@ impl Problem {
             records,
             curves,
             readings: Vec::new(),
+            news: Vec::new(),
+            lattices: Vec::new(),
             left_out,
             declared,
         };
@@ -117,6 +124,8 @@ impl Problem {
             ranges: self.ranges.clone(),
             all: self.all.clone(),
             readings: Vec::new(),
+            news: self.news.clone(),
+            lattices: self.lattices.clone(),
             left_out: Vec::new(),
             records,
             curves,
@@ -155,6 +164,8 @@ impl Problem {
         self.noise = (0..self.sensors.count() / n.max(1))
             .flat_map(|group| self.first_noise(group))
             .collect();
+        self.lattices = (0..n).map(|i| lattice(&self.records, i)).collect();
+        self.news = news(&self.records, &self.sensors, &self.noise, &self.lattices);
     }
 
     /// Root mean square over a group's records of the noise seen there; unmeasured states take the largest relative one of their

@@ -126,7 +126,8 @@ impl Level<'_> {
     fn sigma(&self, at: &[f64]) -> Vec<f64> {
         at.iter()
             .zip(&self.judge.floor)
-            .map(|(s, f)| s.max(*f))
+            .zip(&self.problem.news)
+            .map(|((s, f), news)| s.max(*f) / news.sqrt())
             .collect()
     }
 

@@ -253,3 +253,65 @@ fn a_state_without_an_equation_is_smoothed_before_it_acts() {
         run.stdout
     );
 }
+
+#[test]
+fn an_offset_that_makes_terms_is_named_with_its_size() {
+    let folder = tempfile::tempdir().unwrap();
+    // A pendulum from its angle: the offset of 0.2 makes a cosine of gravity, and one of the push that turns with it.
+    let rate = |[x, v]: [f64; 2]| [v, -9.0 * x.sin() - 0.3 * v + 2.0 * (2.0 * x).sin()];
+    let mut z = [2.5, 0.0];
+    let h = STEP / 8.0;
+    let angle: Vec<f64> = (0..400)
+        .map(|_| {
+            let here = z[0];
+            for _ in 0..8 {
+                let a = rate(z);
+                let b = rate([z[0] + 0.5 * h * a[0], z[1] + 0.5 * h * a[1]]);
+                z = [z[0] + h * b[0], z[1] + h * b[1]];
+            }
+            here
+        })
+        .collect();
+    let model = "state x : order 2\nddx ~ <1, x, dx, dx^2, sin(x), cos(x), sin(2*x), cos(2*x)>\n";
+    for (by, named) in [(0.2, true), (0.0, false)] {
+        let x: Vec<f64> = noisy(&angle, 0.003, 3).iter().map(|x| x + by).collect();
+        let run = identify(folder.path(), model, &[table(&[("x", &x)])], &[]);
+        assert_eq!(
+            run.stdout.contains("doubt[sensor-offset]"),
+            named,
+            "{}",
+            run.stdout
+        );
+        if named {
+            let said = "if the sensor of x reads 0.2";
+            let near = run.stdout.contains(said) || run.stdout.contains("reads 0.19");
+            assert!(near, "{}", run.stdout);
+            assert!(
+                run.stdout.contains("cos(x), cos(2*x) are not needed"),
+                "{}",
+                run.stdout
+            );
+        }
+    }
+}
+
+#[test]
+fn a_coarse_encoder_is_not_taken_for_a_missing_law() {
+    let folder = tempfile::tempdir().unwrap();
+    let u = levels(400);
+    let x = motion(400, &|k, _| u[k]);
+    // Steps of 0.1 on motion of a third: the errors of rounding follow each other.
+    let read: Vec<f64> = x.iter().map(|x| (x / 0.1).round() * 0.1).collect();
+    let model = "state x : order 2\ninput u : hold\nddx ~ poly(x, dx, u; 3)\n";
+    let run = identify(
+        folder.path(),
+        model,
+        &[table(&[("x", &read), ("u", &u)])],
+        &[],
+    );
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    for (term, wanted) in [("x", -4.0), ("dx", -0.4), ("u", 1.0)] {
+        let found = coefficient(&run, term);
+        assert!((found - wanted).abs() < 0.1, "{term}: {}", run.stdout);
+    }
+}
