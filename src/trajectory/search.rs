@@ -126,7 +126,8 @@ impl Level<'_> {
     fn sigma(&self, at: &[f64]) -> Vec<f64> {
         at.iter()
             .zip(&self.judge.floor)
-            .map(|(s, f)| s.max(*f))
+            .zip(&self.problem.news)
+            .map(|((s, f), news)| s.max(*f) / news.sqrt())
             .collect()
     }
 
@@ -292,8 +293,8 @@ pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Foun
 /// Level after level, lower and lower floors under the noise; the last one alone if there are points to start from.
 fn levels(problem: &Problem, start: Vec<Point>, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
     let penalty = TERM * (problem.measurements() as f64).ln();
-    let relative = |i: usize| problem.noise[i] / problem.spread[i];
-    let noisiest = (0..problem.states())
+    let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
+    let noisiest = (0..problem.noise.len())
         .filter(|i| problem.readings[*i] > 0)
         .map(relative)
         .fold(0.0, f64::max);
@@ -311,7 +312,7 @@ fn levels(problem: &Problem, start: Vec<Point>, go_on: &mut dyn FnMut() -> bool)
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let floor = problem.spread.iter().zip(&problem.noise);
+        let floor = problem.spread.iter().cycle().zip(&problem.noise);
         let floor = floor
             .map(|(d, s)| (floors[place] * d).max(TRUSTED * s))
             .collect();
@@ -379,4 +380,14 @@ fn joined(a: &[usize], b: &[usize]) -> Vec<usize> {
     let mut all: Vec<usize> = a.iter().chain(b).copied().collect();
     all.sort_unstable();
     all
+}
+
+/// The judge of the last level.
+pub(super) fn last_judge(problem: &Problem) -> Judge {
+    let lowest = FLOORS[FLOORS.len() - 1];
+    let floor = problem.spread.iter().cycle().zip(&problem.noise);
+    Judge {
+        floor: floor.map(|(d, s)| (lowest * d).max(TRUSTED * s)).collect(),
+        penalty: TERM * (problem.measurements() as f64).ln(),
+    }
 }
