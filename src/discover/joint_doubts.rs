@@ -29,6 +29,8 @@ pub(super) struct Case<'a> {
     /// Terms of all equations.
     pub all_terms: usize,
     pub arrived: bool,
+    /// Candidates of this equation that a generator made.
+    pub made: usize,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
@@ -39,6 +41,11 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         reasons.extend(memory(case, c));
     }
     reasons.extend(few(case));
+    reasons.extend(super::doubts::exhausted(
+        case.terms.len(),
+        case.evidence.candidates,
+        case.made,
+    ));
     reasons.extend(unsettled(case));
     reasons.extend(tied(case));
     reasons.extend(uncertain(case));

@@ -23,6 +23,7 @@ mod smooth;
 mod sweep;
 mod system;
 mod triangle;
+mod worth;
 
 pub use channel::{Channel, channels};
 pub use fit::Fit;

@@ -9,6 +9,7 @@ use super::beam::{Subset, subsets};
 use super::fit::{Fit, Judge, fit};
 use super::problem::{Point, Problem};
 use super::quadratic::Quadratic;
+use super::worth::readings_as_one;
 
 /// Floors under the noise, relative to the spread, largest first.
 const FLOORS: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5];
@@ -43,17 +44,23 @@ const CHANGES: usize = 6;
 const BETTER: f64 = 1e-3;
 /// Terms up to which every one is tried without at the end.
 const PRUNED: usize = 30;
+/// Readings that count as one above which the choice is made anew.
+const REPEATED: f64 = 1.5;
+/// Readings that a record is worth at least.
+const FEW: f64 = 4.0;
 
 /// What the search came to.
 #[derive(Debug)]
 pub struct Found {
     pub best: Fit,
     /// Every support fitted at the last level with its criterion, best first; the best fit's own is the first.
-    pub rivals: Vec<(Vec<usize>, f64)>,
+    pub rivals: Rivals,
     /// Fits in all.
     pub tried: usize,
     /// Cost of a term.
     pub penalty: f64,
+    /// Readings that count as one: 1 where the residuals are white.
+    pub as_one: f64,
 }
 
 /// Supports tried at one level.
@@ -66,7 +73,32 @@ struct Level<'a> {
     best: Vec<Fit>,
 }
 
-impl Level<'_> {
+type Rivals = Vec<(Vec<usize>, f64)>;
+
+impl<'a> Level<'a> {
+    /// A level with the fits carried over from the one before.
+    fn new(problem: &'a Problem, judge: Judge, carried: &mut Vec<Fit>) -> Level<'a> {
+        let mut level = Level {
+            problem,
+            judge,
+            tried: BTreeMap::new(),
+            best: Vec::new(),
+        };
+        for f in carried.drain(..) {
+            let sigma = level.sigma(&problem.noise);
+            level.fit(Point { sigma, ..f.point });
+        }
+        level
+    }
+
+    /// The best fits, and every support that could be fitted, best first.
+    fn end(self) -> (Vec<Fit>, Rivals) {
+        let fitted = self.tried.into_iter().filter(|(_, v)| v.is_finite());
+        let mut rivals: Rivals = fitted.collect();
+        rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
+        (self.best, rivals)
+    }
+
     /// Fits a support, unless it was; true if it became the best.
     fn fit(&mut self, point: Point) -> bool {
         if point.support.is_empty() || self.tried.contains_key(&point.support) {
@@ -263,23 +295,16 @@ pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Foun
     let floors: Vec<f64> = floors.collect();
     let mut carried: Vec<Fit> = Vec::new();
     let mut tried = 0;
-    let mut result = None;
-    for place in 0..floors.len() {
+    let mut found: Option<Found> = None;
+    let judge = |floor: f64, penalty: f64| Judge {
+        floor: (problem.spread.iter().zip(&problem.noise))
+            .map(|(d, s)| (floor * d).max(TRUSTED * s))
+            .collect(),
+        penalty,
+    };
+    for (place, floor) in floors.iter().enumerate() {
         let last = place + 1 == floors.len();
-        let floor = problem.spread.iter().zip(&problem.noise);
-        let floor = floor
-            .map(|(d, s)| (floors[place] * d).max(TRUSTED * s))
-            .collect();
-        let mut level = Level {
-            problem,
-            judge: Judge { floor, penalty },
-            tried: BTreeMap::new(),
-            best: Vec::new(),
-        };
-        for f in carried.drain(..) {
-            let sigma = level.sigma(&problem.noise);
-            level.fit(Point { sigma, ..f.point });
-        }
+        let mut level = Level::new(problem, judge(*floor, penalty), &mut carried);
         if place == 0 || last || level.best.is_empty() {
             level.start();
         }
@@ -287,23 +312,42 @@ pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Foun
             level.improve(last);
         }
         tried += level.tried.len();
-        let mut rivals: Vec<(Vec<usize>, f64)> = level
-            .tried
-            .into_iter()
-            .filter(|(_, v)| v.is_finite())
-            .collect();
-        rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
-        carried = level.best;
-        if let Some(best) = carried.first() {
-            result = Some(Found {
-                best: best.clone(),
+        let (best, rivals) = level.end();
+        carried = best;
+        if let Some(best) = carried.first().cloned() {
+            found = Some(Found {
+                best,
                 rivals,
                 tried,
                 penalty,
+                as_one: 1.0,
             });
         }
     }
-    result
+    let mut found = found?;
+    let as_one = readings_as_one(problem, &found.best);
+    if as_one > REPEATED && go_on() {
+        // Laws that are only nearly right: what each term earns is counted in readings that say something new.
+        let readings = (problem.measurements() as f64 / as_one).max(FEW);
+        let dear = as_one * TERM * readings.ln();
+        let mut level = Level::new(problem, judge(lowest, dear), &mut carried);
+        level.start();
+        level.improve(true);
+        tried += level.tried.len();
+        let (best, rivals) = level.end();
+        if let Some(best) = best.into_iter().next() {
+            found = Found {
+                best,
+                rivals,
+                tried,
+                penalty: dear,
+                as_one,
+            };
+        }
+    }
+    let wider = readings_as_one(problem, &found.best);
+    found.best.variances.iter_mut().for_each(|v| *v *= wider);
+    Some(found)
 }
 
 fn moved(form: &Quadratic, from: &Point, support: Vec<usize>) -> Point {
