@@ -92,17 +92,40 @@ fn relation(names: &Discovery, states: &[Measured]) -> Option<Relation> {
     let weights: Vec<f64> = (0..n)
         .map(|i| eigen.eigenvectors[(i, least)] / noise[i])
         .collect();
-    let part: Vec<f64> = (0..n).map(|i| (weights[i] * spread[i]).abs()).collect();
-    let most = part.iter().copied().fold(0.0, f64::max);
-    let named: Vec<usize> = (0..n).filter(|i| part[*i] > NAMED * most).collect();
+    let part = |i: usize| (weights[i] * spread[i]).abs();
+    let most = (0..n).map(part).fold(0.0, f64::max);
     // The largest weight is 1, so that sums look like sums.
-    let unit = named
-        .iter()
-        .map(|i| weights[*i])
+    let unit = (0..n)
+        .filter(|i| part(*i) > NAMED * most)
+        .map(|i| weights[i])
         .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    // As round as the noise allows.
+    let rounded = |scale: f64| -> Vec<f64> {
+        let round = |i: usize| (scale * weights[i] / unit).round() / scale;
+        let named = |i: usize| {
+            if part(i) > NAMED * most {
+                round(i)
+            } else {
+                0.0
+            }
+        };
+        (0..n).map(named).collect()
+    };
+    let constant = |w: &Vec<f64>| {
+        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let varies: f64 = pairs.map(|(i, j)| w[i] * w[j] * product(i, j)).sum();
+        let noise: f64 = (0..n).map(|i| (w[i] * noise[i]).powi(2)).sum();
+        varies <= CONSTANT * noise
+    };
+    let weights = [1.0, 10.0, 100.0, 1000.0]
+        .map(rounded)
+        .into_iter()
+        .find(constant)
+        .unwrap_or_else(|| rounded(1e3));
+    let named: Vec<usize> = (0..n).filter(|i| weights[*i] != 0.0).collect();
     (named.len() > 1).then(|| Relation {
         signals: named.iter().map(|i| states[*i].signal).collect(),
-        text: written(names, states, &named, &|i| weights[i] / unit, &mean),
+        text: written(names, states, &named, &weights, &mean),
     })
 }
 
@@ -111,26 +134,25 @@ fn written(
     names: &Discovery,
     states: &[Measured],
     named: &[usize],
-    weight: &dyn Fn(usize) -> f64,
+    weights: &[f64],
     mean: &[f64],
 ) -> String {
     let mut sum = String::new();
     for i in named {
-        let w = weight(*i);
+        let w = weights[*i];
         let sign = match (sum.is_empty(), w < 0.0) {
             (true, false) => "",
             (true, true) => "-",
             (false, false) => " + ",
             (false, true) => " - ",
         };
-        let size = format!("{:.2}", w.abs());
-        let factor = match size.as_str() {
-            "1.00" => String::new(),
-            _ => format!("{size}*"),
+        let factor = match w.abs() {
+            1.0 => String::new(),
+            size => format!("{size}*"),
         };
         sum.push_str(&format!("{sign}{factor}{}", names.name(states[*i].signal)));
     }
-    let level: f64 = named.iter().map(|i| weight(*i) * mean[*i]).sum();
+    let level: f64 = named.iter().map(|i| weights[*i] * mean[*i]).sum();
     format!("{sum} stays near {level:.3}")
 }
 
@@ -155,7 +177,11 @@ mod tests {
         let bent: Vec<f64> = rest.iter().map(|z| z + 1e-5 * z * z).collect();
         let names = Discovery::default();
         let three = |z: Vec<f64>| {
-            let all = [measured(0, x.clone()), measured(1, y.clone()), measured(2, z)];
+            let all = [
+                measured(0, x.clone()),
+                measured(1, y.clone()),
+                measured(2, z),
+            ];
             relation(&names, &all).map(|r| r.signals.len())
         };
         assert_eq!(three(rest), Some(3));

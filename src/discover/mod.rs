@@ -188,7 +188,11 @@ pub fn discover(
 /// The states that were measured.
 fn states_of(model: &Model, samples: &Samples) -> Vec<dependent::Measured> {
     let state = |s: crate::term::Signal| {
-        s.der == 0 && model.equations.iter().any(|e| e.target.var == s.var && e.target.der > 0)
+        s.der == 0
+            && model
+                .equations
+                .iter()
+                .any(|e| e.target.var == s.var && e.target.der > 0)
     };
     let columns = samples.columns.iter().filter(|c| state(c.signal));
     columns
