@@ -11,6 +11,8 @@ use crate::trajectory::Channel;
 const LARGE: f64 = 1.25;
 /// Memory of residuals that matters, however sure it is.
 const MEMORY: f64 = 0.15;
+/// Residual over spread under which what is left is the arithmetic's.
+const CLOSE: f64 = 1e-6;
 /// Noise over spread above which little is explained.
 const POOR: f64 = 0.3;
 /// Standard error over coefficient above which a term could as well be absent.
@@ -68,7 +70,7 @@ fn poor(case: &Case, c: &Channel) -> Option<Reason> {
 }
 
 fn large(case: &Case, c: &Channel) -> Option<Reason> {
-    (c.left > LARGE * c.noise).then(|| {
+    (c.left > LARGE * c.noise && c.left > CLOSE * c.spread).then(|| {
         Reason::new(
             "misfit",
             format!(
@@ -81,7 +83,7 @@ fn large(case: &Case, c: &Channel) -> Option<Reason> {
 }
 
 fn memory(case: &Case, c: &Channel) -> Option<Reason> {
-    (c.memory.abs() > c.chance.max(MEMORY)).then(|| {
+    (c.memory.abs() > c.chance.max(MEMORY) && c.left > CLOSE * c.spread).then(|| {
         Reason::new(
             "coloured-residuals",
             format!(

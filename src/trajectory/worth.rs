@@ -11,6 +11,8 @@ use super::problem::Problem;
 
 /// Memory of residuals below which they count as white, however sure it is.
 const WHITE: f64 = 0.15;
+/// Residual over spread under which what is left is the arithmetic's.
+const CLOSE: f64 = 1e-6;
 /// The sum over lags goes this many times as far as what it comes to (Sokal 1997).
 const FAR: f64 = 5.0;
 
@@ -26,7 +28,8 @@ pub(super) fn readings_as_one(problem: &Problem, fit: &Fit) -> f64 {
 }
 
 fn time(problem: &Problem, fit: &Fit, channel: &Channel) -> f64 {
-    if channel.memory.abs() <= channel.chance.max(WHITE) {
+    let white = channel.memory.abs() <= channel.chance.max(WHITE);
+    if white || channel.left < CLOSE * channel.spread {
         return 1.0;
     }
     let Some(state) = problem.system.state(channel.signal) else {
