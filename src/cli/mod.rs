@@ -9,6 +9,7 @@ mod limits;
 mod list;
 mod output;
 mod progress;
+mod smooth;
 
 use std::process::ExitCode;
 
@@ -39,12 +40,14 @@ const EXAMPLES: &str = "Examples:
   sidc check pendulum.sid data.csv                  what the model means, and what the data lack
   sidc identify pendulum.sid data.csv -o R.json     find the equations
   sidc export R.json --to latex                     write them down
+  sidc smooth pendulum.sid data.csv -o smooth.csv   curves, derivatives and the noise of each sensor
 Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt, a limit or Ctrl-C";
 
 #[derive(Subcommand)]
 enum Command {
     Check(check::Args),
     Identify(identify::Args),
+    Smooth(smooth::Args),
     Fmt(fmt::Args),
     Export(export::Args),
     List(list::Args),
@@ -55,6 +58,7 @@ pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Check(args) => check::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::Smooth(args) => smooth::run(&args),
         Command::Fmt(args) => fmt::run(&args),
         Command::Export(args) => export::run(&args),
         Command::List(args) => list::run(&args),

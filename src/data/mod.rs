@@ -4,6 +4,7 @@
 //! equations need, measured or estimated. Only `cli` opens files.
 
 mod bind;
+mod breaks;
 mod checks;
 mod columns;
 mod csv;
@@ -19,6 +20,7 @@ mod smooth;
 mod window;
 
 pub use bind::bind;
+pub use breaks::breaks;
 pub use csv::{Limits, Table, read};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use instants::{gaps, pieces, settled};

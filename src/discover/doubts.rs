@@ -179,7 +179,14 @@ fn used_up(c: &Case) -> Option<Reason> {
 }
 
 fn poor_fit(c: &Case) -> Option<Reason> {
-    let r = c.evidence.residual;
+    let e = c.evidence;
+    // Integrals are as noisy as they are: what counts is what is left beyond.
+    let known = if e.method.is_empty() {
+        0.0
+    } else {
+        e.target_error
+    };
+    let r = (e.residual.powi(2) - known.powi(2)).max(0.0).sqrt();
     (r > POOR_FIT).then(|| {
         Reason::new(
             "poor-fit",
@@ -207,7 +214,7 @@ fn misfit(c: &Case) -> Option<Reason> {
 
 fn rough(c: &Case) -> Option<Reason> {
     let e = c.evidence.target_error;
-    (e > ROUGH).then(|| {
+    (e > ROUGH && c.evidence.method.is_empty()).then(|| {
         Reason::new(
             "rough-derivative",
             format!(

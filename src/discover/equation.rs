@@ -4,18 +4,19 @@ use std::cmp::Ordering;
 
 use super::doubts::{self, Case};
 use super::memory;
+use super::prepared::{Basis, Prepared};
 use super::proof::prove;
 use super::rows::{self, Split};
 use super::subset::Criterion;
 use super::support::{self, Choice};
 use super::watch::{Stage, Stop, Watcher};
-use super::weights::{Weights, norm, rms};
+use super::weights::{Weights, rms};
 use super::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Method, Options, Proof, Reason,
     Status,
 };
 use crate::data::{Dataset, Samples};
-use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
+use crate::dictionary::{BadValue, compile, evaluate};
 use crate::lang::model::Model;
 use crate::library::Library;
 use crate::solve::{self, Polished, Problem, Progress, Solution, Status as Solved};
@@ -32,37 +33,8 @@ pub(super) struct Task<'a> {
     pub options: &'a Options,
 }
 
-/// Smallest ε of a tall system, relative: below it, rounding decides.
-const EXACT: f64 = 1e-9;
-/// Room that the noise tolerance leaves over the smallest residual there is.
-const ROOM: f64 = 1.001;
-/// Relative residual of the whole library above which noise is plain to see.
-const VISIBLE: f64 = 1e-2;
 /// Caution of a weak form that has no guess of its equation yet.
 const TIED_SLACK: f64 = 0.1;
-
-/// What the rows are.
-pub(super) enum Basis {
-    /// Instants, with the target there, known parts taken off, unweighted.
-    Samples {
-        split: Split,
-        used: Samples,
-        y: Vec<f64>,
-    },
-    /// Integrals against windows that reach so many samples to each side, whitened.
-    Integrals { rows: usize, reach: usize },
-}
-
-/// Rows, Φ and what the data's errors allow: all that is there before a solver starts.
-pub(super) struct Prepared {
-    basis: Basis,
-    pub weights: Weights,
-    pub phi: Box<dyn Dictionary>,
-    /// y, rows weighted.
-    pub aim: Vec<f64>,
-    /// ε
-    pub tolerance: f64,
-}
 
 /// What the solver proposed, and what the criterion made of it.
 pub(super) struct Proposed {
@@ -110,33 +82,6 @@ impl Answer {
     }
 }
 
-impl Prepared {
-    /// Φ and y, rows weighted; the tolerance is what errors, or the whole library's residual, allow.
-    pub fn new(
-        basis: Basis,
-        mut weights: Weights,
-        phi: Box<dyn Dictionary>,
-        aim: Vec<f64>,
-    ) -> Prepared {
-        let tolerance = tolerance(phi.as_ref(), &aim, &mut weights);
-        Prepared {
-            basis,
-            weights,
-            phi,
-            aim,
-            tolerance,
-        }
-    }
-
-    pub fn problem(&self) -> Problem<'_> {
-        Problem {
-            dictionary: self.phi.as_ref(),
-            target: &self.aim,
-            tolerance: self.tolerance,
-        }
-    }
-}
-
 impl Task<'_> {
     /// # Errors
     /// A term that the data cannot evaluate; inside, an equation that was not found.
@@ -145,11 +90,6 @@ impl Task<'_> {
         names: &Discovery,
         watcher: &mut Watcher,
     ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
-        if self.options.method == Method::Weak
-            && let Some(weak) = self.weak()?
-        {
-            return Ok(self.run_weak(&weak, names, watcher));
-        }
         let mut prepared = match self.prepare(names, watcher)? {
             Ok(prepared) => prepared,
             Err(failed) => return Ok(Err(failed)),
@@ -440,28 +380,6 @@ fn subtract(y: &mut [f64], terms: &[(f64, Term)], samples: &Samples) {
         let values = evaluate(term, samples);
         y.iter_mut().zip(&values).for_each(|(y, v)| *y -= c * v);
     }
-}
-
-/// ε: the data's own estimated error, or, where more rows than terms show a larger one, that.
-fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> f64 {
-    let (m, n) = (phi.rows(), phi.cols());
-    if m <= n {
-        return weights.tolerance;
-    }
-    let fit = solve::least_squares(phi, y);
-    let size = norm(y);
-    let exact = Problem {
-        dictionary: phi,
-        target: y,
-        tolerance: 0.0,
-    };
-    weights.seen_residual(&exact.left(&fit.coefficients));
-    let free = (m - fit.rank.min(m - 1)) as f64;
-    let noise = fit.residual * (m as f64 / free).sqrt();
-    if noise > VISIBLE * size {
-        weights.seen_noise(noise / (m as f64).sqrt());
-    }
-    (ROOM * noise).max(weights.tolerance).max(EXACT * size)
 }
 
 /// Root mean square of the largest coefficient · column.

@@ -14,6 +14,7 @@ mod joint_doubts;
 mod mass;
 mod memory;
 mod path;
+mod prepared;
 mod proof;
 mod rows;
 mod strain;
@@ -65,6 +66,17 @@ pub const METHODS: &[(&str, Method)] = &[
     ("regression", Method::Regression),
     ("weak", Method::Weak),
 ];
+
+impl Method {
+    /// Its name; empty if the choice was left to the program.
+    pub fn chosen(self) -> &'static str {
+        let chosen = METHODS.iter().filter(|_| self != Method::Auto);
+        chosen
+            .into_iter()
+            .find(|(_, m)| *m == self)
+            .map_or("", |(n, _)| n)
+    }
+}
 
 /// How to look.
 #[derive(Clone, Copy)]
@@ -137,7 +149,21 @@ pub fn discover(
         };
         Some((i, task))
     };
+    if options.method == Method::Weak {
+        let alone = (0..model.equations.len()).filter(|i| !groups.iter().any(|g| g.contains(i)));
+        match weak::Together::new(alone.filter_map(task)) {
+            Ok(together) => {
+                for (i, found) in together.run(&discovery, &mut watcher) {
+                    done[i] = Some(found);
+                }
+            }
+            Err(values) => bad.extend(values.into_iter().map(Refusal::Unevaluable)),
+        }
+    }
     for (i, equation) in model.equations.iter().enumerate() {
+        if done.get(i).is_some_and(Option::is_some) {
+            continue;
+        }
         let Some((_, alone)) = task(i) else {
             let known = fixed_terms(&equation.right);
             done[i] = Some(Ok(stated(equation.target, known)));

@@ -3,7 +3,8 @@
 //! In: the problem of one equation. Out: its knots as terms, the first ones and the last; what lies between is counted, not kept.
 
 use super::discovery::PathKnot;
-use super::equation::{Prepared, Task};
+use super::equation::Task;
+use super::prepared::Prepared;
 use super::watch::Watcher;
 use super::weights::norm;
 use crate::solve::{self, Knot, Problem};

@@ -7,7 +7,7 @@ use super::subset::{Criterion, Search, Subset};
 use crate::dictionary::Dictionary;
 
 /// Up to so many candidates, all of them take part in the choice; beyond, only those that the solver proposed.
-const SEARCHABLE: usize = 400;
+pub const SEARCHABLE: usize = 400;
 /// Most proposals that take part.
 const PROPOSALS: usize = 80;
 /// Most terms of one equation.

@@ -5,7 +5,8 @@
 
 use super::constraints::doubt;
 use super::contradiction::{Case, Pairs};
-use super::equation::{Answer, Prepared, Proposed, Task};
+use super::equation::{Answer, Proposed, Task};
+use super::prepared::Prepared;
 use super::strain;
 use super::support;
 use super::tied_proof;

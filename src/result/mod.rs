@@ -107,6 +107,9 @@ pub struct Settings {
     /// Names of the trajectories, without folders.
     #[serde(default)]
     pub data: Vec<String>,
+    /// What equations were found from; absent if that was left to the program.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub method: String,
     #[serde(default)]
     pub solver: String,
     #[serde(skip_serializing_if = "Option::is_none", default)]

@@ -44,8 +44,16 @@ pub(super) struct Code {
     values: Tape,
     slopes: Tape,
     entries: Vec<Slope>,
-    /// Values with their slopes by targets, where there are any.
-    turns: Option<(Tape, Vec<Slope>)>,
+    turns: Option<Turns>,
+}
+
+/// Laws that mention rates.
+struct Turns {
+    /// Values, and their slopes by rates.
+    tape: Tape,
+    slopes: Vec<Slope>,
+    /// No slope mentions a rate itself.
+    linear: bool,
 }
 
 /// Rates at points and how they answer.
@@ -65,6 +73,9 @@ pub(super) struct Scratch {
     out: Vec<f64>,
     tape: Vec<f64>,
     small: Vec<f64>,
+    matrix: Vec<f64>,
+    inverse: Vec<f64>,
+    gap: Vec<f64>,
 }
 
 /// A rate that is not finite, or laws that cannot be solved for the rates.
@@ -103,11 +114,17 @@ impl Code {
         }
         let turning: Vec<Slope> = entries.iter().copied().filter(|e| e.input >= n).collect();
         let turns = (!turning.is_empty()).then(|| {
-            let mut all = values.clone();
             let wanted = entries.iter().zip(&slopes[values.len()..]);
             let wanted = wanted.filter(|(e, _)| e.input >= n);
-            all.extend(wanted.map(|(_, s)| s.clone()));
-            (tape(&all, &inputs), turning)
+            let wanted: Vec<Expr> = wanted.map(|(_, s)| s.clone()).collect();
+            let rates = &inputs[n..n + m];
+            let linear = !wanted.iter().any(|s| rates.iter().any(|w| s.mentions(*w)));
+            let all = [&values[..], &wanted[..]].concat();
+            Turns {
+                tape: tape(&all, &inputs),
+                slopes: turning,
+                linear,
+            }
         });
         let of = |l: usize| {
             let from = laws[..active.len()].iter().filter(|x| **x < l).count();
@@ -140,58 +157,78 @@ impl Code {
         scratch: &mut Scratch,
     ) -> Result<(), Diverged> {
         let (n, m) = (self.states, self.laws);
-        let Some((turns, slopes)) = &self.turns else {
+        let Some(turns) = &self.turns else {
             let out = grown(&mut scratch.out, self.values.outputs() * count);
             self.values.eval(points, count, out, &mut scratch.tape);
             self.add_up(a, out, &mut points[n * count..(n + m) * count], count);
             return finite(&points[n * count..(n + m) * count]);
         };
-        let mut gap = f64::INFINITY;
-        let mut known = vec![0.0; m * count];
+        let Scratch {
+            out,
+            tape,
+            small,
+            matrix,
+            inverse,
+            gap,
+        } = scratch;
+        let out = grown(out, turns.tape.outputs() * count);
+        let matrix = grown(matrix, m * m * count);
+        let inverse = grown(inverse, m * m * count);
+        let gap = grown(gap, m * count);
+        let mut step = f64::INFINITY;
         for _ in 0..NEWTON {
-            let out = grown(&mut scratch.out, turns.outputs() * count);
-            turns.eval(points, count, out, &mut scratch.tape);
-            self.add_up(a, out, &mut known, count);
+            turns.tape.eval(points, count, out, tape);
+            self.add_up(a, out, gap, count);
             let gradients = &out[(self.active.len() + m) * count..];
-            gap = 0.0;
-            for b in 0..count {
-                let mut matrix = vec![0.0; m * m];
-                self.turn(a, slopes, gradients, count, b, &mut matrix);
-                let mut step: Vec<f64> = (0..m)
-                    .map(|l| known[l * count + b] - points[(n + l) * count + b])
-                    .collect();
-                if !dense::solve(&mut matrix, &mut step, m, 1) {
-                    return Err(Diverged);
-                }
-                for (l, s) in step.iter().enumerate() {
-                    let w = &mut points[(n + l) * count + b];
-                    *w += s;
-                    gap = f64::max(gap, s.abs() / (1.0 + w.abs()));
-                }
-            }
-            if gap.is_nan() {
+            self.turn(a, &turns.slopes, gradients, count, matrix);
+            if !dense::invert(matrix, inverse, m, count, small) {
                 return Err(Diverged);
             }
-            if gap < ARRIVED {
-                break;
+            let rates = &mut points[n * count..(n + m) * count];
+            gap.iter_mut().zip(&*rates).for_each(|(g, w)| *g -= w);
+            step = newton(rates, inverse, gap, m, count);
+            finite(rates)?;
+            // Laws linear in the rates are solved by one step.
+            if turns.linear || step < ARRIVED {
+                return Ok(());
             }
         }
-        if gap < CLOSE { Ok(()) } else { Err(Diverged) }
+        if step < CLOSE { Ok(()) } else { Err(Diverged) }
     }
 
-    /// Everything at points whose rates are known.
-    pub fn linearise(
+    /// Rates, and everything that follows from them.
+    pub fn evaluate(
         &self,
         a: &[f64],
-        points: &[f64],
+        points: &mut [f64],
+        count: usize,
+        scratch: &mut Scratch,
+        local: &mut Local,
+    ) -> Result<(), Diverged> {
+        let (n, m) = (self.states, self.laws);
+        if self.turns.is_some() {
+            self.rates(a, points, count, scratch)?;
+        }
+        let out = grown(&mut scratch.out, self.slopes.outputs() * count);
+        self.slopes.eval(points, count, out, &mut scratch.tape);
+        if self.turns.is_none() {
+            let rates = &mut points[n * count..(n + m) * count];
+            self.add_up(a, out, rates, count);
+            finite(rates)?;
+        }
+        self.linearise(a, count, scratch, local)
+    }
+
+    /// From the values and slopes of all rows.
+    fn linearise(
+        &self,
+        a: &[f64],
         count: usize,
         scratch: &mut Scratch,
         local: &mut Local,
     ) -> Result<(), Diverged> {
         let (n, m, k) = (self.states, self.laws, self.active.len());
-        let Scratch { out, tape, small } = scratch;
-        let out = grown(out, self.slopes.outputs() * count);
-        self.slopes.eval(points, count, out, tape);
+        let out = &scratch.out[..self.slopes.outputs() * count];
         local.columns.clear();
         local.columns.extend_from_slice(&out[..k * count]);
         local.jacobian.clear();
@@ -206,64 +243,49 @@ impl Code {
         }
         local.solved.clear();
         if self.turns.is_some() {
-            self.solve_for_rates(a, gradients, count, small, local)?;
+            local.solved.resize(m * m * count, 0.0);
+            let matrix = grown(&mut scratch.matrix, m * m * count);
+            self.turn(a, &self.entries, gradients, count, matrix);
+            if !dense::invert(matrix, &mut local.solved, m, count, &mut scratch.small) {
+                return Err(Diverged);
+            }
+            self.answer(local, count, &mut scratch.gap);
         }
         finite(&local.jacobian)
     }
 
-    fn solve_for_rates(
-        &self,
-        a: &[f64],
-        gradients: &[f64],
-        count: usize,
-        small: &mut Vec<f64>,
-        local: &mut Local,
-    ) -> Result<(), Diverged> {
+    /// The jacobian of the laws as they stand → that of the rates solved for.
+    fn answer(&self, local: &mut Local, count: usize, moved: &mut Vec<f64>) {
         let (n, m) = (self.states, self.laws);
-        local.solved.resize(m * m * count, 0.0);
-        for b in 0..count {
-            let mut matrix = vec![0.0; m * m];
-            self.turn(a, &self.entries, gradients, count, b, &mut matrix);
-            // Right sides: unit vectors, then the jacobian by states.
-            small.clear();
-            for l in 0..m {
-                small.extend((0..m).map(|c| if c == l { 1.0 } else { 0.0 }));
-                small.extend((0..n).map(|i| local.jacobian[(l * n + i) * count + b]));
-            }
-            if !dense::solve(&mut matrix, small, m, m + n) {
-                return Err(Diverged);
-            }
-            for l in 0..m {
-                let row = &small[l * (m + n)..(l + 1) * (m + n)];
-                for (c, x) in row[..m].iter().enumerate() {
-                    local.solved[(l * m + c) * count + b] = *x;
-                }
-                for (i, x) in row[m..].iter().enumerate() {
-                    local.jacobian[(l * n + i) * count + b] = *x;
+        let moved = grown(moved, m * n * count);
+        moved.fill(0.0);
+        for l in 0..m {
+            for c in 0..m {
+                let weights = &local.solved[(l * m + c) * count..(l * m + c + 1) * count];
+                for i in 0..n {
+                    let from = &local.jacobian[(c * n + i) * count..(c * n + i + 1) * count];
+                    let to = &mut moved[(l * n + i) * count..(l * n + i + 1) * count];
+                    for ((to, from), weight) in to.iter_mut().zip(from).zip(weights) {
+                        *to += weight * from;
+                    }
                 }
             }
         }
-        Ok(())
+        local.jacobian.copy_from_slice(moved);
     }
 
-    /// 1 − ∂g/∂w at one point.
-    fn turn(
-        &self,
-        a: &[f64],
-        slopes: &[Slope],
-        gradients: &[f64],
-        count: usize,
-        b: usize,
-        matrix: &mut [f64],
-    ) {
+    /// 1 − ∂g/∂w, laws × laws × points.
+    fn turn(&self, a: &[f64], slopes: &[Slope], gradients: &[f64], count: usize, out: &mut [f64]) {
         let (n, m) = (self.states, self.laws);
-        for l in 0..m {
-            matrix[l * m + l] = 1.0;
+        out.fill(0.0);
+        for diagonal in out.chunks_exact_mut(count).step_by(m + 1) {
+            diagonal.fill(1.0);
         }
         for (e, row) in slopes.iter().zip(gradients.chunks_exact(count)) {
             if e.input >= n {
                 let weight = a.get(e.row).copied().unwrap_or(1.0);
-                matrix[e.law * m + e.input - n] -= weight * row[b];
+                let at = (e.law * m + e.input - n) * count;
+                axpy(-weight, row, &mut out[at..at + count]);
             }
         }
     }
@@ -291,6 +313,21 @@ impl Code {
             out[i * count..(i + 1) * count].copy_from_slice(&points[from..from + count]);
         }
     }
+}
+
+/// Moves the rates by inverse · gap; the largest step, relative.
+fn newton(rates: &mut [f64], inverse: &[f64], gap: &[f64], m: usize, count: usize) -> f64 {
+    let mut largest = 0.0;
+    for (l, rates) in rates.chunks_exact_mut(count).enumerate() {
+        for (b, w) in rates.iter_mut().enumerate() {
+            let step: f64 = (0..m)
+                .map(|c| inverse[(l * m + c) * count + b] * gap[c * count + b])
+                .sum();
+            *w += step;
+            largest = f64::max(largest, step.abs() / (1.0 + w.abs()));
+        }
+    }
+    largest
 }
 
 /// Tape over signals that are all there by construction.

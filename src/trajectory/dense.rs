@@ -1,14 +1,77 @@
-//! Small dense systems, in place and without allocation: as many unknowns as a model has laws.
+//! Small inverses of many points at once: as many unknowns as a model has laws.
+//!
+//! In: n × n × points, every entry a row of all points. Out: their inverses in the same order. Never allocates in the loop.
+
+/// A pivot below this part of the largest entry is none.
+const SINGULAR: f64 = 1e-10;
+
+/// The inverse at every point; false if one is singular to working precision. `a` and `small` are scratch.
+pub(super) fn invert(
+    a: &mut [f64],
+    inverse: &mut [f64],
+    n: usize,
+    points: usize,
+    small: &mut Vec<f64>,
+) -> bool {
+    match n {
+        1 => single(a, inverse),
+        2 => pairs(a, inverse, points),
+        _ => (0..points).all(|b| one(a, inverse, n, points, b, small)),
+    }
+}
+
+fn single(a: &[f64], inverse: &mut [f64]) -> bool {
+    inverse.iter_mut().zip(a).for_each(|(i, a)| *i = 1.0 / a);
+    inverse.iter().all(|x| x.is_finite())
+}
+
+/// By Cramer's rule.
+fn pairs(a: &[f64], inverse: &mut [f64], points: usize) -> bool {
+    let mut regular = true;
+    for b in 0..points {
+        let at = |k: usize| a[k * points + b];
+        let [p, q, r, s] = [at(0), at(1), at(2), at(3)];
+        let determinant = p * s - q * r;
+        let largest = p.abs().max(q.abs()).max(r.abs()).max(s.abs());
+        // The larger pivot is the largest entry or near it.
+        regular &= determinant.abs() > SINGULAR * largest * largest;
+        let scale = 1.0 / determinant;
+        for (k, x) in [s, -q, -r, p].into_iter().enumerate() {
+            inverse[k * points + b] = x * scale;
+        }
+    }
+    regular
+}
+
+fn one(
+    a: &[f64],
+    inverse: &mut [f64],
+    n: usize,
+    points: usize,
+    b: usize,
+    small: &mut Vec<f64>,
+) -> bool {
+    small.clear();
+    small.extend((0..n * n).map(|k| a[k * points + b]));
+    small.resize(2 * n * n, 0.0);
+    let (matrix, sides) = small.split_at_mut(n * n);
+    (0..n).for_each(|i| sides[i * n + i] = 1.0);
+    let regular = solve(matrix, sides, n, n);
+    for (k, x) in sides.iter().enumerate() {
+        inverse[k * points + b] = *x;
+    }
+    regular
+}
 
 /// Solves A X = B by elimination with row pivoting; A is n × n, B n × `sides`, both by rows. B becomes X. False if A is singular
 /// to working precision; both are then spoilt.
-pub(super) fn solve(a: &mut [f64], b: &mut [f64], n: usize, sides: usize) -> bool {
+fn solve(a: &mut [f64], b: &mut [f64], n: usize, sides: usize) -> bool {
+    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     for k in 0..n {
         let size = |i: usize| a[i * n + k].abs();
         let Some(pivot) = (k..n).max_by(|x, y| size(*x).total_cmp(&size(*y))) else {
             return false;
         };
-        let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         let regular = size(pivot) > SINGULAR * largest;
         if !regular {
             return false;
@@ -33,20 +96,4 @@ pub(super) fn solve(a: &mut [f64], b: &mut [f64], n: usize, sides: usize) -> boo
         }
     }
     true
-}
-
-/// A pivot below this part of the largest entry is none.
-const SINGULAR: f64 = 1e-10;
-
-/// C = A B for n × n matrices by rows.
-pub(super) fn multiply(a: &[f64], b: &[f64], c: &mut [f64], n: usize) {
-    c.fill(0.0);
-    for i in 0..n {
-        for k in 0..n {
-            let x = a[i * n + k];
-            if x != 0.0 {
-                (0..n).for_each(|j| c[i * n + j] += x * b[k * n + j]);
-            }
-        }
-    }
 }

@@ -3,12 +3,15 @@
 //! In: a record, states at its samples, coefficients. Out: blocks of intervals with end states, transitions T = ∂end/∂z and
 //! coefficient columns U = ∂end/∂a. Classical Runge–Kutta of order four with as many steps as the laws are quick; T by the same
 //! method on the variational equation, U by Simpson's rule over T. Held inputs jump at samples only, so no step crosses a jump.
+//!
+//! Intervals of a block lie beside each other, every quantity a row of all intervals, until they are handed out one by one.
 
 use std::ops::Range;
 
 use super::code::{Code, Diverged, Local, Scratch};
-use super::dense::multiply;
+use super::columns::{Columns, follow, lay_out};
 use super::record::Record;
+use super::transition::{Transition, unit};
 use crate::term::Tape;
 
 /// Intervals worked on together.
@@ -44,17 +47,61 @@ pub(super) struct Block {
     pub steps: usize,
 }
 
-/// Scratch of a flow.
+/// Scratch of a flow. Of three, the first belongs to the start of a step, then its middle, then its end.
 #[derive(Default)]
 pub(super) struct Work {
     scratch: Scratch,
     points: [Vec<f64>; 3],
-    stage: Vec<f64>,
     local: [Local; 3],
+    /// Values of all columns.
+    values: [Vec<f64>; 3],
+    jacobians: [Vec<f64>; 3],
+    /// What a unit of each law's right side there adds to the end: n × laws × intervals.
+    gains: [Vec<f64>; 3],
+    stage: Vec<f64>,
     rates: [Vec<f64>; 4],
-    all: Vec<f64>,
     tape: Vec<f64>,
+    /// Rates that the block before began with, laws × BLOCK.
     guess: Vec<f64>,
+    transition: Transition,
+    /// T so far.
+    reached: Vec<f64>,
+    moved: Vec<f64>,
+}
+
+/// Intervals of a record that take equally many steps.
+struct Piece<'a> {
+    record: &'a Record,
+    /// Samples that they start at.
+    intervals: Vec<usize>,
+    /// Their places in the block.
+    slots: Vec<usize>,
+    /// Size of a step in each.
+    h: Vec<f64>,
+    steps: usize,
+}
+
+impl<'a> Piece<'a> {
+    fn new(record: &'a Record, first: usize, slots: Vec<usize>, steps: usize) -> Self {
+        let intervals: Vec<usize> = slots.iter().map(|b| first + b).collect();
+        let length = |k: &usize| (record.time[k + 1] - record.time[*k]) / steps as f64;
+        Piece {
+            record,
+            h: intervals.iter().map(length).collect(),
+            intervals,
+            slots,
+            steps,
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.h.len()
+    }
+
+    /// Where in the interval, from 0 to 1, a part of step `s` is.
+    fn part(&self, s: usize, part: f64) -> f64 {
+        (s as f64 + part) / self.steps as f64
+    }
 }
 
 impl Flow<'_> {
@@ -75,101 +122,91 @@ impl Flow<'_> {
         work: &mut Work,
         out: &mut Block,
     ) -> Result<(), Diverged> {
-        let (n, count) = (self.code.states, intervals.len());
-        let p = self.width();
-        let steps_h: Vec<f64> = intervals
-            .clone()
-            .map(|k| record.time[k + 1] - record.time[k])
-            .collect();
-        let rows = self.code.inputs * count;
-        work.points.iter_mut().for_each(|x| {
-            x.clear();
-            x.resize(rows, 0.0);
-        });
-        let m = self.code.laws;
-        if work.guess.len() != m * count {
-            work.guess = vec![0.0; m * count];
-        }
-        let [here, middle, next] = &mut work.points;
-        for i in 0..n {
-            for (b, k) in intervals.clone().enumerate() {
-                here[i * count + b] = states[k * n + i];
-            }
-        }
-        here[n * count..(n + m) * count].copy_from_slice(&work.guess);
-        self.place(record, &intervals, 0.0, here);
-        self.evaluate(here, count, &mut work.scratch, &mut work.local[0])?;
-        work.guess
-            .copy_from_slice(&here[n * count..(n + m) * count]);
-        let steps = self.steps(&work.local[0], &steps_h);
-        out.steps = steps;
-        identity(&mut out.transition, n, count);
-        out.columns.clear();
+        let (n, p, count) = (self.code.states, self.width(), intervals.len());
         out.columns.resize(count * n * p, 0.0);
-        let h: Vec<f64> = steps_h.iter().map(|h| h / steps as f64).collect();
-        for s in 0..steps {
-            let part = |x: f64| (s as f64 + x) / steps as f64;
-            self.step(
-                record,
-                &intervals,
-                &h,
-                part(0.5),
-                part(1.0),
-                [here, middle, next],
-                &mut work.stage,
-                &mut work.rates,
-                &mut work.scratch,
-            )?;
-            self.evaluate(next, count, &mut work.scratch, &mut work.local[2])?;
-            self.halfway(here, next, &h, &mut work.rates, middle, count);
-            self.place(record, &intervals, part(0.5), middle);
-            self.evaluate(middle, count, &mut work.scratch, &mut work.local[1])?;
-            self.accumulate(
-                &h,
-                [here, middle, next],
-                &work.local,
-                &mut work.all,
-                &mut work.tape,
-                out,
-            );
-            std::mem::swap(here, next);
-            work.local.swap(0, 2);
+        out.transition.resize(count * n * n, 0.0);
+        out.end.resize(count * n, 0.0);
+        let all = Piece::new(record, intervals.start, (0..count).collect(), 1);
+        self.begin(&all, states, work)?;
+        let steps = self.steps(&work.local[0], &all.h);
+        out.steps = steps.iter().copied().max().unwrap_or(1);
+        if out.steps == 1 {
+            return self.run(&all, work, out);
         }
-        out.end.clear();
-        for b in 0..count {
-            out.end.extend((0..n).map(|i| here[i * count + b]));
+        let mut number = 1;
+        while number <= out.steps {
+            let slots: Vec<usize> = (0..count).filter(|b| steps[*b] == number).collect();
+            if !slots.is_empty() {
+                let piece = Piece::new(record, intervals.start, slots, number);
+                self.begin(&piece, states, work)?;
+                self.run(&piece, work, out)?;
+            }
+            number *= 2;
         }
         Ok(())
     }
 
-    fn evaluate(
-        &self,
-        points: &mut [f64],
-        count: usize,
-        scratch: &mut Scratch,
-        local: &mut Local,
-    ) -> Result<(), Diverged> {
-        self.code.rates(self.coefficients, points, count, scratch)?;
+    /// All steps of intervals that were begun.
+    fn run(&self, piece: &Piece, work: &mut Work, out: &mut Block) -> Result<(), Diverged> {
+        let (n, count) = (self.code.states, piece.count());
+        work.reached.resize(n * n * count, 0.0);
+        unit(&mut work.reached, n, count);
+        for s in 0..piece.steps {
+            self.step(piece, s, work)?;
+            self.accumulate(piece, s, work, out);
+            work.points.swap(0, 2);
+            work.local.swap(0, 2);
+            work.values.swap(0, 2);
+        }
+        let ends = &work.points[0][..n * count];
+        lay_out(ends, &piece.slots, &mut out.end);
+        lay_out(&work.reached, &piece.slots, &mut out.transition);
+        Ok(())
+    }
+
+    /// States and rates at the start of the intervals.
+    fn begin(&self, piece: &Piece, states: &[f64], work: &mut Work) -> Result<(), Diverged> {
+        let (n, m, count) = (self.code.states, self.code.laws, piece.count());
+        for points in &mut work.points {
+            points.clear();
+            points.resize(self.code.inputs * count, 0.0);
+        }
+        work.rates.iter_mut().for_each(|r| r.resize(n * count, 0.0));
+        work.guess.resize(m * BLOCK, 0.0);
+        let here = &mut work.points[0];
+        for (b, (k, slot)) in piece.intervals.iter().zip(&piece.slots).enumerate() {
+            (0..n).for_each(|i| here[i * count + b] = states[k * n + i]);
+            (0..m).for_each(|l| here[(n + l) * count + b] = work.guess[l * BLOCK + slot]);
+        }
+        self.place(piece, 0.0, here);
+        let (scratch, local) = (&mut work.scratch, &mut work.local[0]);
         self.code
-            .linearise(self.coefficients, points, count, scratch, local)
+            .evaluate(self.coefficients, here, count, scratch, local)?;
+        for (b, slot) in piece.slots.iter().enumerate() {
+            (0..m).for_each(|l| work.guess[l * BLOCK + slot] = here[(n + l) * count + b]);
+        }
+        if let Some((tape, _)) = self.all {
+            values(tape, here, count, &mut work.values[0], &mut work.tape);
+        }
+        Ok(())
     }
 
     /// Outside signals, a part of the way along each interval.
-    fn place(&self, record: &Record, intervals: &Range<usize>, part: f64, points: &mut [f64]) {
-        let (first, count) = (self.code.states + self.code.laws, intervals.len());
-        for x in 0..self.code.inputs - first {
-            for (b, k) in intervals.clone().enumerate() {
-                points[(first + x) * count + b] = record.outside_at(x, k, part);
+    fn place(&self, piece: &Piece, part: f64, points: &mut [f64]) {
+        let first = self.code.states + self.code.laws;
+        let rows = points.chunks_exact_mut(piece.count()).skip(first);
+        for (x, row) in rows.enumerate() {
+            for (out, k) in row.iter_mut().zip(&piece.intervals) {
+                *out = piece.record.outside_at(x, *k, part);
             }
         }
     }
 
-    /// Steps an interval, for the quickest of the block.
-    fn steps(&self, local: &Local, h: &[f64]) -> usize {
+    /// Steps of each interval of length `h`, a power of two.
+    fn steps(&self, local: &Local, h: &[f64]) -> Vec<usize> {
         let (n, count) = (self.code.states, h.len());
         let largest = (self.accuracy / ERROR).powf(0.2);
-        let mut most = 1.0f64;
-        for (b, h) in h.iter().enumerate() {
+        let steps = |(b, h): (usize, &f64)| {
             let mut norm = 0.0f64;
             for (l, i) in self.code.moved.iter().enumerate() {
                 let row: f64 = (0..n)
@@ -177,232 +214,173 @@ impl Flow<'_> {
                     .sum();
                 norm = norm.max(row / self.spread[*i]);
             }
-            most = most.max(h * norm / largest);
-        }
-        (most.min(STEPS as f64).ceil() as usize).next_power_of_two()
+            let wanted = (h * norm / largest).clamp(1.0, STEPS as f64);
+            (wanted.ceil() as usize).next_power_of_two()
+        };
+        h.iter().enumerate().map(steps).collect()
     }
 
-    /// `here` → `next` by Runge–Kutta; the rates at `here` are there already.
-    #[allow(clippy::too_many_arguments)]
-    fn step(
-        &self,
-        record: &Record,
-        intervals: &Range<usize>,
-        h: &[f64],
-        mid: f64,
-        end: f64,
-        [here, _, next]: [&mut Vec<f64>; 3],
-        stage: &mut Vec<f64>,
-        rates: &mut [Vec<f64>; 4],
-        scratch: &mut Scratch,
-    ) -> Result<(), Diverged> {
-        let (n, m, count) = (self.code.states, self.code.laws, h.len());
-        rates.iter_mut().for_each(|r| r.resize(n * count, 0.0));
+    /// One step of Runge–Kutta from where the rates are known already, and everything in its middle and at its end.
+    fn step(&self, piece: &Piece, s: usize, work: &mut Work) -> Result<(), Diverged> {
+        let (n, count) = (self.code.states, piece.count());
+        let [here, middle, next] = &mut work.points;
+        let (stage, rates) = (&mut work.stage, &mut work.rates);
         self.code.flow(here, count, &mut rates[0]);
         stage.clear();
         stage.extend_from_slice(here);
-        for (s, (reach, part)) in [(0.5, mid), (0.5, mid), (1.0, end)].iter().enumerate() {
-            for i in 0..n {
-                for (b, h) in h.iter().enumerate() {
-                    let at = i * count + b;
-                    stage[at] = here[at] + reach * h * rates[s][at];
+        for (r, reach) in [0.5, 0.5, 1.0].into_iter().enumerate() {
+            let states = stage.chunks_exact_mut(count).take(n);
+            let lines = here.chunks_exact(count).zip(rates[r].chunks_exact(count));
+            for (out, (from, rate)) in states.zip(lines) {
+                for (((out, x), rate), h) in out.iter_mut().zip(from).zip(rate).zip(&piece.h) {
+                    *out = x + reach * h * rate;
                 }
             }
-            self.place(record, intervals, *part, stage);
-            self.code.rates(self.coefficients, stage, count, scratch)?;
-            self.code.flow(stage, count, &mut rates[s + 1]);
+            self.place(piece, piece.part(s, reach), stage);
+            self.code
+                .rates(self.coefficients, stage, count, &mut work.scratch)?;
+            self.code.flow(stage, count, &mut rates[r + 1]);
         }
+        // The last stage's rates are a good first guess at the end.
         next.copy_from_slice(stage);
-        for at in 0..n * count {
-            let b = at % count;
-            let sum = rates[0][at] + 2.0 * (rates[1][at] + rates[2][at]) + rates[3][at];
-            next[at] = here[at] + h[b] / 6.0 * sum;
-            if !next[at].is_finite() {
-                return Err(Diverged);
+        for i in 0..n {
+            let row = i * count..(i + 1) * count;
+            let [k1, k2, k3, k4] = rates.each_ref().map(|r| &r[row.clone()]);
+            let out = next[row.clone()].iter_mut().zip(&here[row.clone()]);
+            for (b, ((out, x), h)) in out.zip(&piece.h).enumerate() {
+                *out = x + h / 6.0 * (k1[b] + 2.0 * (k2[b] + k3[b]) + k4[b]);
             }
         }
-        // The last stage's rates are a good first guess there.
-        next[n * count..(n + m) * count].copy_from_slice(&stage[n * count..(n + m) * count]);
+        if !next[..n * count].iter().all(|x| x.is_finite()) {
+            return Err(Diverged);
+        }
+        let code = self.code;
+        let (scratch, local) = (&mut work.scratch, &mut work.local);
+        code.evaluate(self.coefficients, next, count, scratch, &mut local[2])?;
+        // The state in the middle, from both ends and their rates (cubic Hermite).
+        code.flow(next, count, &mut rates[1]);
+        middle.copy_from_slice(next);
+        for i in 0..n {
+            let row = i * count..(i + 1) * count;
+            let [k0, k1, from, to] =
+                [&rates[0], &rates[1], &*here, &*next].map(|x| &x[row.clone()]);
+            for (b, (out, h)) in middle[row.clone()].iter_mut().zip(&piece.h).enumerate() {
+                *out = 0.5 * (from[b] + to[b]) + h / 8.0 * (k0[b] - k1[b]);
+            }
+        }
+        self.place(piece, piece.part(s, 0.5), middle);
+        code.evaluate(self.coefficients, middle, count, scratch, &mut local[1])?;
+        if let Some((tape, _)) = self.all {
+            values(tape, middle, count, &mut work.values[1], &mut work.tape);
+            values(tape, next, count, &mut work.values[2], &mut work.tape);
+        }
         Ok(())
     }
 
-    /// The state in the middle, from both ends and their rates (cubic Hermite).
-    fn halfway(
-        &self,
-        here: &[f64],
-        next: &[f64],
-        h: &[f64],
-        rates: &mut [Vec<f64>; 4],
-        middle: &mut [f64],
-        count: usize,
-    ) {
-        let n = self.code.states;
-        self.code.flow(here, count, &mut rates[0]);
-        self.code.flow(next, count, &mut rates[1]);
-        middle.copy_from_slice(next);
-        for at in 0..n * count {
-            let bend = h[at % count] / 8.0 * (rates[0][at] - rates[1][at]);
-            middle[at] = 0.5 * (here[at] + next[at]) + bend;
-        }
-    }
-
     /// T and U of one step, put behind those of the steps before.
-    fn accumulate(
-        &self,
-        h: &[f64],
-        points: [&mut Vec<f64>; 3],
-        local: &[Local; 3],
-        all: &mut Vec<f64>,
-        tape: &mut Vec<f64>,
-        out: &mut Block,
-    ) {
-        let (n, count, p) = (self.code.states, h.len(), self.width());
-        let nn = n * n;
-        let mut j: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; nn]);
-        let mut t: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; nn]);
-        let mut temp = vec![0.0; nn];
-        if let Some((code, _)) = self.all {
-            all.resize(3 * p * count, 0.0);
-            for (points, values) in points.iter().zip(all.chunks_exact_mut(p * count)) {
-                code.eval(points, count, values, tape);
-            }
+    fn accumulate(&self, piece: &Piece, s: usize, work: &mut Work, out: &mut Block) {
+        let (n, count) = (self.code.states, piece.count());
+        for (jacobian, local) in work.jacobians.iter_mut().zip(&work.local) {
+            self.jacobian(local, count, jacobian);
         }
-        let mut moved = vec![0.0; n * p];
-        for (b, h) in h.iter().enumerate() {
-            for (matrix, local) in j.iter_mut().zip(local) {
-                self.jacobian(local, b, count, matrix);
-            }
-            transitions(&j, *h, &mut t, &mut temp, n);
-            let [whole, half, one] = &t;
-            let old = &mut out.transition[b * nn..(b + 1) * nn];
-            multiply(whole, old, &mut temp, n);
-            old.copy_from_slice(&temp);
-            let u = &mut out.columns[b * n * p..(b + 1) * n * p];
-            if out.steps > 1 {
-                moved.copy_from_slice(u);
-                u.fill(0.0);
-                for i in 0..n {
-                    for k in 0..n {
-                        axpy(
-                            whole[i * n + k],
-                            &moved[k * p..(k + 1) * p],
-                            &mut u[i * p..(i + 1) * p],
-                        );
-                    }
-                }
-            }
-            for (node, (to_end, weight)) in
-                [(whole, 1.0), (half, 4.0), (one, 1.0)].iter().enumerate()
-            {
-                let gain = self.gain(&local[node], b, count, to_end, weight * h / 6.0);
-                let (values, ranges) = match self.all {
-                    Some((_, ranges)) => (&all[node * p * count..(node + 1) * p * count], ranges),
-                    None => (&local[node].columns[..], &self.code.ranges[..]),
-                };
-                add(&gain, values, ranges, (b, count, n, p), u);
-            }
+        let jacobians = work.jacobians.each_ref().map(Vec::as_slice);
+        work.transition.step(jacobians, &piece.h, n);
+        if s > 0 {
+            follow(
+                &work.transition.whole,
+                &piece.slots,
+                (n, self.width()),
+                &mut out.columns,
+                &mut work.moved,
+            );
         }
+        work.transition.follow(&mut work.reached, n, count);
+        let to_end = [
+            Some(&work.transition.whole),
+            Some(&work.transition.half),
+            None,
+        ];
+        for (node, (to_end, weight)) in to_end.into_iter().zip([1.0, 4.0, 1.0]).enumerate() {
+            let to_end = to_end.map(Vec::as_slice);
+            self.gain(
+                &work.local[node],
+                to_end,
+                weight / 6.0,
+                &piece.h,
+                &mut work.gains[node],
+            );
+        }
+        let (values, ranges) = match self.all {
+            Some((_, ranges)) => (work.values.each_ref().map(Vec::as_slice), ranges),
+            None => (
+                work.local.each_ref().map(|l| &l.columns[..]),
+                &self.code.ranges[..],
+            ),
+        };
+        let columns = Columns {
+            gains: work.gains.each_ref().map(Vec::as_slice),
+            values,
+            laws: self.code.laws,
+            slots: &piece.slots,
+            n,
+            p: self.width(),
+        };
+        columns.add(ranges, s > 0, &mut out.columns);
     }
 
-    /// ∂z'/∂z at one point.
-    fn jacobian(&self, local: &Local, b: usize, count: usize, out: &mut [f64]) {
+    /// ∂z'/∂z, n × n × intervals.
+    fn jacobian(&self, local: &Local, count: usize, out: &mut Vec<f64>) {
         let n = self.code.states;
-        out.fill(0.0);
+        out.clear();
+        out.resize(n * n * count, 0.0);
         for (i, next) in &self.code.chain {
-            out[i * n + next] = 1.0;
+            out[(i * n + next) * count..(i * n + next + 1) * count].fill(1.0);
         }
         for (l, i) in self.code.moved.iter().enumerate() {
-            for j in 0..n {
-                out[i * n + j] = local.jacobian[(l * n + j) * count + b];
-            }
+            let row = &local.jacobian[l * n * count..(l + 1) * n * count];
+            out[i * n * count..(i + 1) * n * count].copy_from_slice(row);
         }
     }
 
-    /// What a unit of each law's right side at a point adds to the end state: n × laws.
-    fn gain(&self, local: &Local, b: usize, count: usize, to_end: &[f64], weight: f64) -> Vec<f64> {
-        let (n, m) = (self.code.states, self.code.laws);
-        let mut out = vec![0.0; n * m];
-        for i in 0..n {
-            for (row, state) in self.code.moved.iter().enumerate() {
-                let reach = weight * to_end[i * n + state];
+    /// What a unit of each law's right side at a node adds to the end state; without `to_end` the node is the end.
+    fn gain(
+        &self,
+        local: &Local,
+        to_end: Option<&[f64]>,
+        weight: f64,
+        h: &[f64],
+        out: &mut Vec<f64>,
+    ) {
+        let (n, m, count) = (self.code.states, self.code.laws, h.len());
+        out.clear();
+        out.resize(n * m * count, 0.0);
+        for (row, state) in self.code.moved.iter().enumerate() {
+            for i in 0..n {
+                let reach =
+                    to_end.map(|t| &t[(i * n + state) * count..(i * n + state + 1) * count]);
+                if reach.is_none() && i != *state {
+                    continue;
+                }
+                let at = |b: usize| weight * h[b] * reach.map_or(1.0, |r| r[b]);
                 if local.solved.is_empty() {
-                    out[i * m + row] += reach;
+                    let out = &mut out[(i * m + row) * count..(i * m + row + 1) * count];
+                    out.iter_mut().enumerate().for_each(|(b, x)| *x += at(b));
                     continue;
                 }
                 for l in 0..m {
-                    out[i * m + l] += reach * local.solved[(row * m + l) * count + b];
+                    let solved = &local.solved[(row * m + l) * count..(row * m + l + 1) * count];
+                    let out = &mut out[(i * m + l) * count..(i * m + l + 1) * count];
+                    for (b, (x, solved)) in out.iter_mut().zip(solved).enumerate() {
+                        *x += at(b) * solved;
+                    }
                 }
             }
         }
-        out
     }
 }
 
-/// U += gain · φ, law by law.
-fn add(
-    gain: &[f64],
-    values: &[f64],
-    ranges: &[Range<usize>],
-    (b, count, n, p): (usize, usize, usize, usize),
-    u: &mut [f64],
-) {
-    let m = ranges.len();
-    for (l, range) in ranges.iter().enumerate() {
-        for j in range.clone() {
-            let value = values[j * count + b];
-            for i in 0..n {
-                u[i * p + j] += gain[i * m + l] * value;
-            }
-        }
-    }
-}
-
-/// Transitions to the end of a step: from its start, from its middle, from the end itself.
-fn transitions(j: &[Vec<f64>; 3], h: f64, t: &mut [Vec<f64>; 3], temp: &mut [f64], n: usize) {
-    let [whole, half, one] = t;
-    unit(one, n);
-    // Runge–Kutta on T' = J T, T(0) = 1: k₁ = J₀, k₂ = J½(1 + h/2 k₁), k₃ = J½(1 + h/2 k₂), k₄ = J₁(1 + h k₃).
-    unit(whole, n);
-    let mut k = j[0].clone();
-    add_scaled(whole, h / 6.0, &k);
-    for (matrix, reach, weight) in [(&j[1], 0.5, 2.0), (&j[1], 0.5, 2.0), (&j[2], 1.0, 1.0)] {
-        k.iter_mut().for_each(|x| *x *= reach * h);
-        (0..n).for_each(|i| k[i * n + i] += 1.0);
-        multiply(matrix, &k, temp, n);
-        k.copy_from_slice(temp);
-        add_scaled(whole, weight * h / 6.0, &k);
-    }
-    // The second half, with the mean of its ends: exp(J h/2) to the third power.
-    let mean: Vec<f64> = j[1]
-        .iter()
-        .zip(&j[2])
-        .map(|(a, b)| 0.25 * h * (a + b))
-        .collect();
-    unit(half, n);
-    let mut power = mean.clone();
-    for divisor in [1.0, 2.0, 6.0] {
-        add_scaled(half, 1.0 / divisor, &power);
-        multiply(&mean, &power, temp, n);
-        power.copy_from_slice(temp);
-    }
-}
-
-fn unit(matrix: &mut [f64], n: usize) {
-    matrix.fill(0.0);
-    (0..n).for_each(|i| matrix[i * n + i] = 1.0);
-}
-
-fn identity(out: &mut Vec<f64>, n: usize, count: usize) {
-    out.clear();
-    out.resize(count * n * n, 0.0);
-    out.chunks_exact_mut((n * n).max(1))
-        .for_each(|t| unit(t, n));
-}
-
-fn add_scaled(to: &mut [f64], by: f64, what: &[f64]) {
-    axpy(by, what, to);
-}
-
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+/// All columns at some points.
+fn values(tape: &Tape, points: &[f64], count: usize, out: &mut Vec<f64>, work: &mut Vec<f64>) {
+    out.resize(tape.outputs() * count, 0.0);
+    tape.eval(points, count, out, work);
 }

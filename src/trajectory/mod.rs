@@ -12,9 +12,12 @@ mod beam;
 mod chain;
 mod channel;
 mod code;
+mod columns;
 mod dense;
 mod fit;
 mod flow;
+mod lanes;
+mod moments;
 mod problem;
 mod quadratic;
 mod record;
@@ -22,8 +25,12 @@ mod search;
 mod smooth;
 mod sweep;
 mod system;
+mod transition;
 mod triangle;
 mod worth;
+
+#[cfg(test)]
+mod tests;
 
 pub use channel::{Channel, channels};
 pub use fit::Fit;

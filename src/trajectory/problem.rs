@@ -7,12 +7,12 @@ use std::ops::Range;
 use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
+use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, records};
 use super::smooth::{Curve, curves};
-use super::sweep::{Eliminated, Link, Reading, Sweep};
+use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
-use super::triangle::Triangle;
 use crate::data::Dataset;
 use crate::term::{Expr, Signal, Tape, Term};
 
@@ -188,10 +188,10 @@ impl Problem {
     /// The quadratic form of all columns about the smooth curves, laws taken to answer to nothing but their chains; `slack` is
     /// their noise a sample in units of the sensors'.
     pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
-        let mut triangle = Triangle::new(self.all.outputs());
+        let mut moments = Moments::new(self.all.outputs());
         let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
         for (record, curve) in self.records.iter().zip(&self.curves) {
-            let mut sweep = Sweep::new(&stiffness, self.all.outputs(), &mut triangle, false);
+            let mut sweep = Sweep::new(&stiffness, &mut moments, false);
             super::chain::links(self, record, curve, &mut |k, link| {
                 sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
                 if let Some(link) = link {
@@ -200,7 +200,7 @@ impl Problem {
             });
             sweep.end();
         }
-        Quadratic::new(&mut triangle)
+        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
     }
 
     /// The quadratic form of all columns about a point.
@@ -210,16 +210,16 @@ impl Problem {
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
         let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
-        let mut triangle = Triangle::new(self.all.outputs());
-        self.eliminate(&code, all, at, &mut triangle, false)?;
+        let mut moments = Moments::new(self.all.outputs());
+        self.eliminate(&code, all, at, &mut moments, false)?;
         // Corrections of active coefficients become the coefficients themselves.
         let active = at
             .support
             .iter()
             .copied()
             .zip(at.coefficients.iter().copied());
-        triangle.shift(&active.collect::<Vec<_>>());
-        Ok(Quadratic::new(&mut triangle))
+        let products = moments.shifted(&active.collect::<Vec<_>>());
+        Ok(Quadratic::new(&products, self.all.outputs()))
     }
 
     /// Eliminates all states about a point; what is left measures the coefficients.
@@ -228,7 +228,7 @@ impl Problem {
         code: &Code,
         all: Option<(&Tape, &[Range<usize>])>,
         at: &Point,
-        triangle: &mut Triangle,
+        gather: &mut impl Gather,
         keep: bool,
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
@@ -244,7 +244,7 @@ impl Problem {
         records
             .map(|(record, path)| {
                 let stiffness = stiffness(&at.sigma, record.len());
-                let mut sweep = Sweep::new(&stiffness, flow.width(), triangle, keep);
+                let mut sweep = Sweep::new(&stiffness, gather, keep);
                 let last = record.len() - 1;
                 for from in (0..last).step_by(BLOCK) {
                     let intervals = from..(from + BLOCK).min(last);
@@ -262,7 +262,7 @@ impl Problem {
 
     fn advance(
         &self,
-        sweep: &mut Sweep,
+        sweep: &mut Sweep<impl Gather>,
         block: &Block,
         b: usize,
         path: &[f64],

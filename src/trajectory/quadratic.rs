@@ -1,9 +1,7 @@
 //! The linearised likelihood as a quadratic form in all coefficients: what any choice of terms would cost, without refitting it.
 //!
-//! In: the triangle of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
+//! In: the products of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
 //! length, so that pivots say how dependent they are.
-
-use super::triangle::Triangle;
 
 /// Unit columns shorter than the root of this after projection are dependent on those chosen.
 pub(super) const DEPENDENT: f64 = 1e-7;
@@ -42,9 +40,8 @@ pub(super) struct Move {
 }
 
 impl Quadratic {
-    pub fn new(triangle: &mut Triangle) -> Quadratic {
-        triangle.reduce();
-        let (all, p) = (triangle.gram(), triangle.columns());
+    /// From the products of p columns, and of the right side as the last, by rows.
+    pub fn new(all: &[f64], p: usize) -> Quadratic {
         let w = p + 1;
         let norms: Vec<f64> = (0..p)
             .map(|j| all[j * w + j].max(f64::MIN_POSITIVE).sqrt())

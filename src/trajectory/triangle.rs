@@ -1,84 +1,96 @@
 //! The triangle of a least-squares problem that grows by rows: R with RᵀR = AᵀA, without ever forming AᵀA.
 //!
-//! In: rows [a | right]. Out: the triangle, the least residual, coefficients of any choice of columns. Rows wait in a buffer and
-//! are reduced many at once.
+//! In: rows [a | right]. Out: coefficients, the least residual, variances. Rows wait in a buffer and are reduced many at once, by
+//! Householder reflections of columns.
 
-use faer::Mat;
-use faer::linalg::solvers::Qr;
+use super::lanes::wide;
+use super::sweep::Gather;
 
 /// R of [A | b], (P + 1) × (P + 1), upper triangular; the last diagonal entry is the norm of what no combination explains.
 #[derive(Clone, Debug)]
 pub(super) struct Triangle {
     width: usize,
-    /// By rows; the triangle so far, then waiting rows.
+    /// R by rows, zero to begin with.
+    triangle: Vec<f64>,
+    /// Waiting rows.
     rows: Vec<f64>,
-    /// How many of the rows are the triangle.
-    reduced: usize,
+    /// Waiting rows by columns.
+    columns: Vec<f64>,
 }
 
 /// Waiting rows per row of the triangle: more makes fewer, larger reductions.
 const WAITING: usize = 4;
+const FEWEST: usize = 256;
 /// Pivot under which a column depends on those before it, relative to its norm.
 const DEPENDENT: f64 = 1e-10;
+
+impl Gather for Triangle {
+    fn columns(&self) -> usize {
+        self.width - 1
+    }
+
+    fn room(&mut self, rows: usize) -> &mut [f64] {
+        let most = (WAITING * self.width).max(FEWEST);
+        if self.rows.len() + rows * self.width > most * self.width {
+            self.reduce();
+        }
+        let start = self.rows.len();
+        self.rows.resize(start + rows * self.width, 0.0);
+        &mut self.rows[start..]
+    }
+}
 
 impl Triangle {
     /// For P columns.
     pub fn new(columns: usize) -> Self {
+        let width = columns + 1;
         Triangle {
-            width: columns + 1,
+            width,
+            triangle: vec![0.0; width * width],
             rows: Vec::new(),
-            reduced: 0,
+            columns: Vec::new(),
         }
     }
 
-    /// One more row [a | right].
-    pub fn add(&mut self, row: &[f64]) {
-        self.rows.extend_from_slice(row);
-        let waiting = self.rows.len() / self.width - self.reduced;
-        if waiting >= (WAITING * self.width).max(64) {
-            self.reduce();
-        }
+    /// Takes in what waits. Column j touches row j of the triangle and all
+    /// waiting rows.
+    fn reduce(&mut self) {
+        wide(|| self.wide_reduce());
     }
 
-    /// Takes in what waits.
-    pub fn reduce(&mut self) {
+    #[inline(always)]
+    fn wide_reduce(&mut self) {
         let (w, count) = (self.width, self.rows.len() / self.width);
-        if count == self.reduced {
+        if count == 0 {
             return;
         }
-        let all = Mat::from_fn(count, w, |i, j| self.rows[i * w + j]);
-        let qr = Qr::new(all.as_ref());
-        let r = qr.thin_R();
-        let kept = r.nrows().min(w);
+        self.columns.resize(w * count, 0.0);
+        for (k, row) in self.rows.chunks_exact(w).enumerate() {
+            for (j, x) in row.iter().enumerate() {
+                self.columns[j * count + k] = *x;
+            }
+        }
         self.rows.clear();
-        for i in 0..kept {
-            self.rows
-                .extend((0..w).map(|j| if j < i { 0.0 } else { r[(i, j)] }));
+        for j in 0..w {
+            let (done, rest) = self.columns[..w * count].split_at_mut((j + 1) * count);
+            let v = &done[j * count..];
+            let below = dot(v, v);
+            if below == 0.0 {
+                continue;
+            }
+            let head = self.triangle[j * w + j];
+            let norm = (head * head + below).sqrt();
+            let norm = if head > 0.0 { -norm } else { norm };
+            let first = head - norm;
+            let scale = 1.0 / (norm * first);
+            self.triangle[j * w + j] = norm;
+            let heads = &mut self.triangle[j * w + j + 1..(j + 1) * w];
+            for (head, column) in heads.iter_mut().zip(rest.chunks_exact_mut(count)) {
+                let along = scale * (first * *head + dot(v, column));
+                *head += first * along;
+                axpy(along, v, column);
+            }
         }
-        self.reduced = kept;
-    }
-
-    /// The right side for unknowns that count from `−x`, not from zero: b + A x. `x` pairs columns with values.
-    pub fn shift(&mut self, x: &[(usize, f64)]) {
-        let w = self.width;
-        for row in self.rows.chunks_exact_mut(w) {
-            let moved: f64 = x.iter().map(|(j, x)| row[*j] * x).sum();
-            row[w - 1] += moved;
-        }
-    }
-
-    /// Number of columns without the right side.
-    pub fn columns(&self) -> usize {
-        self.width - 1
-    }
-
-    /// AᵀA and Aᵀb with bᵀb as its last row and column, by rows; after [`Triangle::reduce`].
-    pub fn gram(&self) -> Vec<f64> {
-        let w = self.width;
-        let rows = self.rows.len() / w;
-        let r = Mat::from_fn(rows, w, |i, j| self.rows[i * w + j]);
-        let g = r.transpose() * &r;
-        (0..w * w).map(|k| g[(k / w, k % w)]).collect()
     }
 
     /// Least squares on all columns: coefficients, the residual's square, and the inverse triangle's rows' squares
@@ -86,8 +98,7 @@ impl Triangle {
     pub fn solve(&mut self) -> Solved {
         self.reduce();
         let (w, p) = (self.width, self.width - 1);
-        let count = self.rows.len() / w;
-        let at = |i: usize, j: usize| if i < count { self.rows[i * w + j] } else { 0.0 };
+        let at = |i: usize, j: usize| self.triangle[i * w + j];
         let norm = |j: usize| (0..=j).map(|i| at(i, j).powi(2)).sum::<f64>().sqrt();
         let free: Vec<bool> = (0..p)
             .map(|j| at(j, j).abs() > DEPENDENT * norm(j) && at(j, j) != 0.0)
@@ -133,4 +144,24 @@ pub(super) struct Solved {
     pub residual: f64,
     /// Of the coefficients, at unit error of the rows.
     pub variances: Vec<f64>,
+}
+
+#[inline(always)]
+fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+}
+
+/// In eight sums side by side, always the same ones.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = a.remainder().iter().zip(b.remainder());
+    let rest: f64 = rest.map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; 8];
+    for (a, b) in a.zip(b) {
+        for (sum, (x, y)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += x * y;
+        }
+    }
+    rest + sums.iter().sum::<f64>()
 }

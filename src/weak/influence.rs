@@ -3,17 +3,13 @@
 //! In: a stretch, its windows, terms with coefficients. Out: for each window the weight of every sample of every record in its
 //! residual; the covariance of rows from these.
 
-use crate::data::Samples;
 use crate::dictionary::evaluate;
-use crate::term::{Signal, Term};
+use crate::term::{Expr, Term};
 
 use super::banded::Banded;
 use super::route::{Route, Routes};
 use super::splines::{MIDDLE, NODES, Window};
 use super::stretch::Stretch;
-
-/// Step of numerical derivatives by a signal, relative to its size.
-const STEP: f64 = 1e-4;
 
 /// ∂(Σ a φ)/∂(signal) at the middle of each interval: the record, the order of derivative, the values.
 pub(super) struct Sensitivity {
@@ -22,7 +18,7 @@ pub(super) struct Sensitivity {
     values: Vec<f64>,
 }
 
-/// By central differences: terms may have kinks, and these are as good there as anything.
+/// Sensitivities to every smoothed signal that the terms mention; one that is not finite somewhere (√x at 0) is left out.
 pub(super) fn sensitivities(
     stretch: &Stretch,
     routes: &Routes,
@@ -31,32 +27,24 @@ pub(super) fn sensitivities(
     let middles: Vec<usize> = (0..stretch.time.len() - 1)
         .map(|i| i * NODES.len() + MIDDLE)
         .collect();
-    let mut at = stretch.nodes.select(&middles);
+    let at = stretch.nodes.select(&middles);
     let mut out = Vec::new();
     for (signal, route) in &routes.signals {
         let Route::Smooth { record, order } = *route else {
             continue;
         };
-        let concerned: Vec<&(f64, Term)> =
-            terms.iter().filter(|(_, t)| t.mentions(*signal)).collect();
-        if concerned.is_empty() {
-            continue;
-        }
-        let step = STEP * size(&at, *signal);
+        let parts = terms.iter().map(|(a, t)| t.derivative(*signal).scale(*a));
+        let slope = parts.fold(Expr::zero(), |sum, part| sum + part);
         let mut values = vec![0.0; middles.len()];
-        for sign in [1.0, -1.0] {
-            shift(&mut at, *signal, sign * step);
-            for (a, term) in &concerned {
-                let moved = evaluate(term, &at);
-                let part = sign * a / (2.0 * step);
-                values
-                    .iter_mut()
-                    .zip(moved)
-                    .for_each(|(v, m)| *v += part * m);
-            }
-            shift(&mut at, *signal, -sign * step);
+        for (weight, term) in slope.terms() {
+            let part = evaluate(term, &at);
+            values
+                .iter_mut()
+                .zip(part)
+                .for_each(|(v, p)| *v += weight * p);
         }
-        if values.iter().all(|v| v.is_finite()) {
+        let moves = values.iter().any(|v| *v != 0.0);
+        if moves && values.iter().all(|v| v.is_finite()) {
             out.push(Sensitivity {
                 record,
                 order,
@@ -65,19 +53,6 @@ pub(super) fn sensitivities(
         }
     }
     out
-}
-
-fn size(samples: &Samples, s: Signal) -> f64 {
-    let values = samples.column(s).map_or(&[][..], |c| &c.values);
-    let square: f64 = values.iter().map(|v| v * v).sum();
-    (square / values.len().max(1) as f64).sqrt().max(1e-100)
-}
-
-fn shift(samples: &mut Samples, s: Signal, by: f64) {
-    let column = samples.columns.iter_mut().filter(|c| c.signal == s);
-    for c in column {
-        c.values.iter_mut().for_each(|v| *v += by);
-    }
 }
 
 /// Weights of samples in one row, for each record, from sample `first` on.

@@ -12,10 +12,13 @@
 mod banded;
 mod curve;
 mod influence;
+mod lower;
 mod problem;
 mod route;
 mod smooth;
 mod splines;
+mod start;
 mod stretch;
 
-pub use problem::{Asked, Weak, Whitened};
+pub use problem::{Asked, Motion, Place, Weak, Whitened};
+pub use start::problems;

@@ -10,6 +10,7 @@ use crate::term::{Signal, Term};
 
 use super::banded::Factor;
 use super::influence::{Influence, covariance, sensitivities};
+use super::lower::lower;
 use super::route::{Routes, routes};
 use super::splines::{self, NODES, Window, windows};
 use super::stretch::{Stretch, stretches};
@@ -27,6 +28,7 @@ pub struct Asked<'a> {
     pub entries: usize,
 }
 
+#[derive(Clone)]
 /// An equation's integrals: R rows, N columns, the slots of its library.
 pub struct Weak {
     routes: Routes,
@@ -37,10 +39,13 @@ pub struct Weak {
     known: Vec<(f64, Term)>,
     width: usize,
     rows: usize,
+    /// Slots of terms whose derivatives can be lowered, rising.
+    lowered: Vec<usize>,
+    moved: bool,
     /// ∫ψ φ dt, column after column.
     columns: Vec<f64>,
-    /// ∫ψ (target − known) dt.
-    target: Vec<f64>,
+    /// ∫ψ known dt, for each stretch.
+    given: Vec<Vec<f64>>,
     /// Root mean square of the target on windows of one spline.
     size: f64,
 }
@@ -57,8 +62,19 @@ pub struct Whitened {
 /// A trajectory's number, and an instant in it, seconds.
 pub type Place = (u32, f64);
 
+/// One stretch of n samples: seconds, and for each record of [`Weak::records`] its values and the guess behind them.
+pub struct Motion<'a> {
+    pub time: &'a [f64],
+    pub raw: &'a [Vec<f64>],
+    pub guess: &'a [Vec<f64>],
+}
+
 /// Widths of windows that are tried, samples from one to the next.
-const WIDTHS: [usize; 10] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32];
+const WIDTHS: [usize; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48];
+/// Longest piece of a record whose library is evaluated at once, samples.
+const PIECE: usize = 4000;
+/// Shortest.
+const SHORT_PIECE: usize = 250;
 /// Relative size of errors that no noise explains: quadrature and rounding.
 const ROUNDING: f64 = 1e-7;
 
@@ -73,10 +89,14 @@ impl Weak {
         for (_, term) in asked.known {
             term.for_each_signal(&mut |s| signals.push(s));
         }
-        let Some(routes) = routes(asked.model, asked.dataset, asked.target, &signals) else {
+        let more = below(&signals);
+        let asked_for = (asked.target, signals.as_slice(), more.as_slice());
+        let Some(routes) = routes(asked.model, asked.dataset, asked_for) else {
             return Ok(None);
         };
-        let (stretches, noise) = stretches(asked.model, asked.dataset, &routes);
+        let terms = asked.library.slots().max(1);
+        let longest = (asked.entries / (NODES.len() * terms)).clamp(SHORT_PIECE, PIECE);
+        let (stretches, noise) = stretches(asked.model, asked.dataset, &routes, longest);
         let mut weak = Weak {
             routes,
             stretches,
@@ -85,16 +105,47 @@ impl Weak {
             known: asked.known.to_vec(),
             width: 1,
             rows: 0,
+            lowered: Vec::new(),
+            moved: false,
             columns: Vec::new(),
-            target: Vec::new(),
+            given: Vec::new(),
             size: 0.0,
         };
-        weak.choose_windows(asked.entries / asked.library.len().max(1));
+        weak.choose_windows(asked.entries / terms);
         if weak.rows == 0 {
             return Ok(None);
         }
+        if weak.order() > 1 {
+            let gains = |(_, t): &(usize, Term)| lower(t, &weak.routes).is_some();
+            weak.lowered = asked
+                .library
+                .terms()
+                .filter(gains)
+                .map(|(j, _)| j)
+                .collect();
+        }
         weak.integrate(asked.library)?;
         Ok(Some(weak))
+    }
+
+    /// The noisy records: signal, standard deviation of its noise.
+    pub fn records(&self) -> impl Iterator<Item = (Signal, f64)> {
+        let noise = self.noise.iter().copied();
+        self.routes.records.iter().copied().zip(noise)
+    }
+
+    /// The stretches that the equation is integrated over, as measured and as guessed.
+    pub fn motion(&self) -> impl Iterator<Item = Motion<'_>> {
+        self.stretches.iter().map(|s| Motion {
+            time: &s.time,
+            raw: &s.raw,
+            guess: &s.guess,
+        })
+    }
+
+    /// True if the equation has moved the guess of its target's record.
+    pub fn moved(&self) -> bool {
+        self.moved
     }
 
     /// R
@@ -116,54 +167,28 @@ impl Weak {
         self.stretches.iter().map(|s| s.time.len()).sum()
     }
 
-    /// The widest windows that lose nothing but noise: what the narrower ones have more, whitened, is no more than chance gives
-    /// (χ² with as many degrees of freedom as rows are lost, within three standard deviations).
+    /// The narrowest windows of which there are no more than `most`.
+    ///
+    /// Rows are whitened, so wider windows tell nothing that narrow ones do not; they only are fewer. On the benchmark of
+    /// docs/method.md, windows as wide as lost nothing but noise in the target found fewer equations, never more.
     fn choose_windows(&mut self, most: usize) {
-        let mut finest: Option<(f64, f64)> = None;
         for width in WIDTHS {
-            let all: Vec<Vec<Window>> = (self.stretches.iter())
-                .map(|s| windows(&s.time, self.order(), width))
-                .collect();
-            let rows: usize = all.iter().map(Vec::len).sum();
-            if rows > most.max(1) && width != WIDTHS[WIDTHS.len() - 1] {
-                continue;
-            }
-            let energy = self.energy(&all);
-            let (rows_most, energy_most) = *finest.get_or_insert((rows as f64, energy));
-            let lost = rows_most - rows as f64;
-            if energy_most - energy > lost + 3.0 * (2.0 * lost).sqrt() {
-                break;
-            }
-            if self.rows > 0 && rows < 100 {
-                break;
-            }
-            (self.width, self.rows, self.windows) = (width, rows, all);
-        }
-    }
-
-    /// ‖L⁻¹ ∫ψ x⁽ᵖ⁾‖² with the noise of the target's record alone.
-    fn energy(&self, all: &[Vec<Window>]) -> f64 {
-        let (record, _) = self.routes.target;
-        let mut sum = 0.0;
-        for (stretch, windows) in self.stretches.iter().zip(all) {
-            let bare = |w: &Window| Influence::of_terms(w, stretch, &[]).with_target(w, record);
-            let rows: Vec<Influence> = windows.iter().map(bare).collect();
-            let mut z: Vec<f64> = (windows.iter())
-                .map(|w| dot(&w.differences, &stretch.raw[record][w.first..]))
-                .collect();
-            if let Some(factor) = covariance(&rows, windows, &self.noise, 0.0).cholesky() {
-                factor.whiten(&mut z);
-                sum += z.iter().map(|z| z * z).sum::<f64>();
+            let stretches = self.stretches.iter();
+            let all = stretches.map(|s| windows(&s.time, self.order(), width));
+            self.windows = all.collect();
+            self.rows = self.windows.iter().map(Vec::len).sum();
+            self.width = width;
+            if self.rows <= most {
+                return;
             }
         }
-        sum
     }
 
     fn integrate(&mut self, library: &Library) -> Result<(), (Box<BadValue>, Place)> {
         let (record, _) = self.routes.target;
         let slots = library.slots();
         self.columns = vec![0.0; self.rows * slots];
-        self.target = Vec::with_capacity(self.rows);
+        self.given.clear();
         let mut from = 0;
         let (mut squares, mut count) = (0.0, 0usize);
         for (stretch, windows) in self.stretches.iter().zip(&self.windows) {
@@ -177,27 +202,136 @@ impl Weak {
                 }
                 dictionary.column(j, &mut values);
                 let column = &mut self.columns[j * self.rows + from..];
-                project(windows, &measure, &mut values, column);
+                if self.lowered.binary_search(&j).is_ok() {
+                    let term = library.term(j).unwrap_or_default();
+                    let part = integral(&term, &self.routes, stretch, windows);
+                    column[..part.len()].copy_from_slice(&part);
+                } else {
+                    project(windows, &measure, &mut values, column);
+                }
             }
-            let mut target: Vec<f64> = (windows.iter())
-                .map(|w| dot(&w.differences, &stretch.raw[record][w.first..]))
-                .collect();
+            let mut given = vec![0.0; windows.len()];
             for (a, term) in &self.known {
-                let mut values = evaluate(term, &stretch.nodes);
-                let mut part = vec![0.0; windows.len()];
-                project(windows, &measure, &mut values, &mut part);
-                target.iter_mut().zip(part).for_each(|(t, p)| *t -= a * p);
+                let part = integral(term, &self.routes, stretch, windows);
+                given.iter_mut().zip(part).for_each(|(g, p)| *g += a * p);
             }
-            for (t, w) in target.iter().zip(windows) {
+            for (w, given) in windows.iter().zip(&given) {
                 let splines: f64 = w.splines.iter().map(|s| s * s).sum();
-                squares += t * t / splines;
+                let target = dot(&w.differences, &stretch.raw[record][w.first..]) - given;
+                squares += target * target / splines;
                 count += 1;
             }
-            self.target.extend(target);
+            self.given.push(given);
             from += windows.len();
         }
         self.size = (squares / count.max(1) as f64).sqrt();
         Ok(())
+    }
+
+    /// Moves the first guess of the target's record to where the equation and the measured values together put it (the mean of
+    /// the motion given both), and integrates anew. Nothing moves where the windows are wider than the samples are apart, nor where
+    /// the target is a higher derivative: there other records' derivatives are in the equation, whose guesses would have to move too.
+    ///
+    /// # Errors
+    /// A term without a finite value on the new guess, and where.
+    pub fn refine(
+        &mut self,
+        belief: &[(f64, Term)],
+        slack: f64,
+        library: &Library,
+    ) -> Result<(), (Box<BadValue>, Place)> {
+        if self.width > 1 || self.order() > 1 {
+            return Ok(());
+        }
+        let record = self.routes.target.0;
+        let all = self.with_known(belief);
+        let mut moved = Vec::new();
+        for (k, (stretch, windows)) in self.stretches.iter().zip(&self.windows).enumerate() {
+            let (rows, mut left) = self.rows_of(k, &all);
+            for (a, term) in &all {
+                let part = integral(term, &self.routes, stretch, windows);
+                left.iter_mut().zip(part).for_each(|(l, p)| *l -= a * p);
+            }
+            let Some(factor) = self.factor(k, &rows, slack) else {
+                return Ok(());
+            };
+            factor.solve(&mut left);
+            let mut guess = stretch.raw[record].clone();
+            for (row, l) in rows.iter().zip(&left) {
+                let own = &row.weights[record];
+                let part = l * self.noise[record].powi(2);
+                let room = guess.iter_mut().skip(row.first);
+                room.zip(own).for_each(|(g, w)| *g -= part * w);
+            }
+            moved.push(guess);
+        }
+        for (stretch, guess) in self.stretches.iter_mut().zip(moved) {
+            stretch.guess[record] = guess;
+            stretch.interpolate(&self.routes);
+        }
+        self.moved = true;
+        self.integrate(library)
+    }
+
+    /// Takes another equation's guess of the motion of its target's record, where both are on the same stretches.
+    ///
+    /// # Errors
+    /// A term without a finite value on the new guess, and where.
+    pub fn adopt(
+        &mut self,
+        other: &[&Weak],
+        library: &Library,
+    ) -> Result<(), (Box<BadValue>, Place)> {
+        let mut changed = false;
+        for other in other {
+            let theirs = other.routes.target.0;
+            let signal = other.routes.records.get(theirs);
+            let ours = self.routes.records.iter().position(|r| Some(r) == signal);
+            let Some(ours) = ours.filter(|_| self.stretches.len() == other.stretches.len()) else {
+                continue;
+            };
+            for (own, given) in self.stretches.iter_mut().zip(&other.stretches) {
+                if own.time == given.time {
+                    own.guess[ours].clone_from(&given.guess[theirs]);
+                    changed = true;
+                }
+            }
+        }
+        if !changed {
+            return Ok(());
+        }
+        for stretch in &mut self.stretches {
+            stretch.interpolate(&self.routes);
+        }
+        self.integrate(library)
+    }
+
+    fn with_known(&self, belief: &[(f64, Term)]) -> Vec<(f64, Term)> {
+        let mut all = belief.to_vec();
+        all.extend(self.known.iter().cloned());
+        all
+    }
+
+    /// What noise does to the rows of a stretch, and the integrals of the target corrected for the guess, known terms still in.
+    fn rows_of(&self, k: usize, all: &[(f64, Term)]) -> (Vec<Influence>, Vec<f64>) {
+        let (stretch, record) = (&self.stretches[k], self.routes.target.0);
+        let sensitivities = sensitivities(stretch, &self.routes, all);
+        let row = |w: &Window| {
+            let influence = Influence::of_terms(w, stretch, &sensitivities);
+            let whole = dot(&w.differences, &stretch.raw[record][w.first..]);
+            let corrected = whole + influence.of_corrections(stretch);
+            (influence.with_target(w, record), corrected)
+        };
+        self.windows[k].iter().map(row).unzip()
+    }
+
+    fn factor(&self, k: usize, rows: &[Influence], slack: f64) -> Option<Factor> {
+        let (record, order) = self.routes.target;
+        let time = &self.stretches[k].time;
+        let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        let own = slack.powi(order as i32) * self.noise[record] / step.powi(order as i32 - 1);
+        let own = own.hypot(ROUNDING * self.size);
+        covariance(rows, &self.windows[k], &self.noise, own).cholesky()
     }
 
     /// The problem as it is if `belief` (known terms left out) is nearly the equation: its share of the rows' errors goes into
@@ -207,37 +341,25 @@ impl Weak {
     /// and above: without it, an equation that is not known yet would have to hold over the whole record at once. `None` where the
     /// covariance is singular.
     pub fn whitened(&self, belief: &[(f64, Term)], slack: f64) -> Option<Whitened> {
-        let (record, order) = self.routes.target;
-        let mut all: Vec<(f64, Term)> = belief.to_vec();
-        all.extend(self.known.iter().cloned());
-        let mut out = Whitened {
-            columns: Dense::new(1, Vec::new()),
-            target: self.target.clone(),
-            log_det: 0.0,
-        };
+        let all = self.with_known(belief);
+        let mut target = Vec::with_capacity(self.rows);
         let mut columns = self.columns.clone();
-        let mut from = 0;
-        for (stretch, windows) in self.stretches.iter().zip(&self.windows) {
-            let sensitivities = sensitivities(stretch, &self.routes, &all);
-            let mut rows = Vec::with_capacity(windows.len());
-            let to = from + windows.len();
-            for (w, target) in windows.iter().zip(&mut out.target[from..to]) {
-                let influence = Influence::of_terms(w, stretch, &sensitivities);
-                *target += influence.of_corrections(stretch);
-                rows.push(influence.with_target(w, record));
-            }
-            let step = (stretch.time[stretch.time.len() - 1] - stretch.time[0])
-                / (stretch.time.len() - 1) as f64;
-            let own = slack.powi(order as i32) * self.noise[record] / step.powi(order as i32 - 1);
-            let own = own.hypot(ROUNDING * self.size);
-            let factor = covariance(&rows, windows, &self.noise, own).cholesky()?;
-            out.log_det += factor.log_det();
-            factor.whiten(&mut out.target[from..to]);
-            whiten_columns(&factor, &mut columns, self.rows, from..to);
-            from = to;
+        let mut log_det = 0.0;
+        for (k, given) in self.given.iter().enumerate() {
+            let (rows, mut part) = self.rows_of(k, &all);
+            part.iter_mut().zip(given).for_each(|(t, g)| *t -= g);
+            let factor = self.factor(k, &rows, slack)?;
+            log_det += factor.log_det();
+            factor.whiten(&mut part);
+            let from = target.len();
+            target.extend(part);
+            whiten_columns(&factor, &mut columns, self.rows, from..target.len());
         }
-        out.columns = Dense::new(self.rows, columns);
-        Some(out)
+        Some(Whitened {
+            columns: Dense::new(self.rows, columns),
+            target,
+            log_det,
+        })
     }
 }
 
@@ -257,6 +379,45 @@ fn whiten_columns(
     for column in columns.chunks_exact_mut(rows) {
         factor.whiten(&mut column[range.clone()]);
     }
+}
+
+/// Signals with all their lower derivatives: terms may be lowered to them.
+fn below(signals: &[Signal]) -> Vec<Signal> {
+    let lower = |s: &Signal| {
+        let s = *s;
+        (0..=s.der).map(move |der| Signal { der, ..s })
+    };
+    let mut out: Vec<Signal> = signals.iter().flat_map(lower).collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// ∫ψ φ dt of one term for every window, its derivatives lowered where they can be.
+fn integral(term: &Term, routes: &Routes, stretch: &Stretch, windows: &[Window]) -> Vec<f64> {
+    let measure = measure(&stretch.time);
+    let mut out = vec![0.0; windows.len()];
+    let lowered = lower(term, routes).filter(|_| routes.target.1 > 1);
+    let Some(lowered) = lowered else {
+        let mut values = evaluate(term, &stretch.nodes);
+        project(windows, &measure, &mut values, &mut out);
+        return out;
+    };
+    let mut values = vec![0.0; stretch.nodes.len()];
+    for (weight, term) in lowered.rest.terms() {
+        let part = evaluate(term, &stretch.nodes);
+        values
+            .iter_mut()
+            .zip(part)
+            .for_each(|(v, p)| *v -= weight * p);
+    }
+    project(windows, &measure, &mut values, &mut out);
+    let moved = evaluate(&lowered.moved, &stretch.nodes);
+    let moved: Vec<f64> = moved.iter().zip(&measure).map(|(v, m)| v * m).collect();
+    for (o, w) in out.iter_mut().zip(windows) {
+        *o -= dot(&w.slopes, &moved[NODES.len() * w.first..]);
+    }
+    out
 }
 
 /// Weights of the nodes: ∫ f dt = Σ weight · f.

@@ -34,12 +34,13 @@ pub(super) struct Routes {
     pub target: (usize, usize),
 }
 
+/// `needed` signals must be had, `useful` ones may.
+///
 /// `None` where some signal cannot be had, or where the target itself was measured: then nothing is to be integrated.
 pub(super) fn routes(
     model: &Model,
     dataset: &Dataset,
-    target: Signal,
-    signals: &[Signal],
+    (target, needed, useful): (Signal, &[Signal], &[Signal]),
 ) -> Option<Routes> {
     let measured = |s: Signal| {
         let has = |t: &Trajectory| t.column(s).is_some();
@@ -62,7 +63,7 @@ pub(super) fn routes(
     };
     let target = smooth(target).filter(|(_, order)| *order > 0)?;
     let mut routed = Vec::new();
-    for s in signals {
+    for s in needed.iter().chain(useful) {
         let kind = model.var(s.var).map(|v| v.kind);
         let between = dataset
             .between(s.var)
@@ -71,10 +72,11 @@ pub(super) fn routes(
             _ if s.var == VarId::TIME => Route::Time,
             (Some(VarKind::Param), _) | (_, Some(Between::Hold)) => Route::Held,
             (_, Some(Between::Linear)) => Route::Linear,
-            _ => {
-                let (record, order) = smooth(*s)?;
-                Route::Smooth { record, order }
-            }
+            _ => match smooth(*s) {
+                Some((record, order)) => Route::Smooth { record, order },
+                None if needed.contains(s) => return None,
+                None => continue,
+            },
         };
         let exact = matches!(route, Route::Held | Route::Linear);
         if exact && !measured(*s) {

@@ -12,6 +12,7 @@ use super::route::{Route, Routes};
 use super::smooth::smooth;
 use super::splines::NODES;
 
+#[derive(Clone)]
 /// One stretch of n samples, n − 1 intervals.
 pub(super) struct Stretch {
     /// Seconds; length n.
@@ -27,11 +28,12 @@ pub(super) struct Stretch {
 /// Shortest stretch that is used, samples.
 const SHORTEST: usize = POINTS + 4;
 
-/// The stretches, and the standard deviation of each record's noise.
+/// The stretches, each of at most `longest` samples, and the standard deviation of each record's noise.
 pub(super) fn stretches(
     model: &Model,
     dataset: &Dataset,
     routes: &Routes,
+    longest: usize,
 ) -> (Vec<Stretch>, Vec<f64>) {
     let mut out = Vec::new();
     let mut squares = vec![(0.0, 0usize); routes.records.len()];
@@ -48,13 +50,22 @@ pub(super) fn stretches(
                 raw.push(y);
                 guess.push(smoothed.values);
             }
-            let nodes = at_nodes(trajectory, index, (from, time), routes, &guess);
-            out.push(Stretch {
-                time: time.to_vec(),
-                raw,
-                guess,
-                nodes,
-            });
+            // Pieces of much the same length, smoothed as one.
+            let pieces = time.len().div_ceil(longest.max(SHORTEST));
+            for k in 0..pieces {
+                let cut = |k: usize| k * time.len() / pieces;
+                let part = cut(k)..cut(k + 1);
+                let of = |all: &[Vec<f64>]| all.iter().map(|v| v[part.clone()].to_vec()).collect();
+                let time = &time[part.clone()];
+                let mut stretch = Stretch {
+                    time: time.to_vec(),
+                    raw: of(&raw),
+                    guess: of(&guess),
+                    nodes: at_nodes(trajectory, index, from + part.start, time, routes),
+                };
+                stretch.interpolate(routes);
+                out.push(stretch);
+            }
         }
     }
     let seen = |(sum, count): &(f64, usize)| (sum / (*count).max(1) as f64).sqrt();
@@ -91,44 +102,38 @@ fn whole(trajectory: &Trajectory, routes: &Routes) -> Vec<(usize, usize)> {
     out
 }
 
+/// Instants of the nodes of every interval.
+fn instants(time: &[f64]) -> Vec<f64> {
+    let at = |w: &[f64]| NODES.map(|(node, _)| 0.5 * (w[0] + w[1]) + 0.5 * node * (w[1] - w[0]));
+    time.windows(2).flat_map(at).collect()
+}
+
+/// Exactly known signals at the nodes; the others are zero yet.
 fn at_nodes(
     trajectory: &Trajectory,
     index: usize,
-    (from, time): (usize, &[f64]),
+    from: usize,
+    time: &[f64],
     routes: &Routes,
-    guess: &[Vec<f64>],
 ) -> Samples {
-    let mut instants = Vec::new();
-    let mut stencils = Vec::new();
-    for (i, pair) in time.windows(2).enumerate() {
-        for (node, _) in NODES {
-            let t = 0.5 * (pair[0] + pair[1]) + 0.5 * node * (pair[1] - pair[0]);
-            instants.push(t);
-            stencils.push(Stencil::new(time, i, t));
-        }
-    }
+    let instants = instants(time);
     let column = |(signal, route): &(_, Route)| {
-        let exact = || &trajectory.column(*signal).unwrap_or_default()[from..];
-        let values = match *route {
-            Route::Time => instants.clone(),
-            Route::Held => (0..instants.len())
-                .map(|k| exact()[k / NODES.len()])
-                .collect(),
-            Route::Linear => (0..instants.len())
-                .map(|k| {
-                    let (i, (node, _)) = (k / NODES.len(), NODES[k % NODES.len()]);
-                    let (a, b) = (exact()[i], exact()[i + 1]);
+        let exact = |i: usize| trajectory.column(*signal).unwrap_or_default()[from + i];
+        let at = |k: usize| {
+            let (i, (node, _)) = (k / NODES.len(), NODES[k % NODES.len()]);
+            match route {
+                Route::Time => instants[k],
+                Route::Held => exact(i),
+                Route::Linear => {
+                    let (a, b) = (exact(i), exact(i + 1));
                     0.5 * (a + b) + 0.5 * node * (b - a)
-                })
-                .collect(),
-            Route::Smooth { record, order } => stencils
-                .iter()
-                .map(|s| s.apply(order, &guess[record]))
-                .collect(),
+                }
+                Route::Smooth { .. } => 0.0,
+            }
         };
         Column {
             signal: *signal,
-            values,
+            values: (0..instants.len()).map(at).collect(),
             origin: Origin::Measured { noise: None },
         }
     };
@@ -136,5 +141,19 @@ fn at_nodes(
         trajectory: vec![index as u32; instants.len()],
         columns: routes.signals.iter().map(column).collect(),
         time: instants,
+    }
+}
+
+impl Stretch {
+    /// Takes the signals of every record at the nodes from its guess.
+    pub fn interpolate(&mut self, routes: &Routes) {
+        for k in 0..self.nodes.len() {
+            let stencil = Stencil::new(&self.time, k / NODES.len(), self.nodes.time[k]);
+            for (column, (_, route)) in self.nodes.columns.iter_mut().zip(&routes.signals) {
+                if let Route::Smooth { record, order } = *route {
+                    column.values[k] = stencil.apply(order, &self.guess[record]);
+                }
+            }
+        }
     }
 }

@@ -12,6 +12,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("dictionary", &["library", "term", "data"]),
     ("solve", &["dictionary"]),
     ("weak", &["term", "lang", "library", "data", "dictionary"]),
+    ("trajectory", &["term", "lang", "library", "data"]),
     (
         "discover",
         &[
@@ -22,6 +23,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "dictionary",
             "solve",
             "weak",
+            "trajectory",
         ],
     ),
     ("emit", &["term", "lang", "discover"]),

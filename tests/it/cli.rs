@@ -61,7 +61,7 @@ fn a_doubt_is_3_with_equations_and_reasons() {
     assert_eq!(run.status, 3, "{}", run.stderr);
     assert!(run.stdout.contains("dhare = "), "{}", run.stdout);
     assert!(
-        run.stdout.contains("doubt[few-rows]: 21 noisy rows"),
+        run.stdout.contains("doubt[few-rows]: 42 noisy readings"),
         "{}",
         run.stdout
     );

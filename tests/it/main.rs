@@ -24,4 +24,6 @@ mod measured;
 mod noise;
 mod pendulum;
 mod program;
+mod smooth;
 mod solve;
+mod weak;

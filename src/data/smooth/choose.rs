@@ -91,7 +91,8 @@ pub(super) fn width(channel: &Channel, rule: Rule, range: (f64, f64), sweep: &mu
         }
         // What is left only grows with the width, so from here on nothing can be better.
         let hopeless = match rule {
-            Rule::Bounded(_) => fit.score(rule) > 1.0,
+            // Few values are free of a narrow spline, and what it leaves of them says little.
+            Rule::Bounded(_) => fit.score(rule) > 4.0,
             _ => fit.left / fit.count > best.score(rule),
         };
         if hopeless {

@@ -6,13 +6,16 @@
 //! that it may come back) and rejects the worst of each neighbourhood, since an outlier drags the curve at its neighbours.
 
 use super::posterior::Sweep;
-use super::{Record, Settled, median};
+use super::record::Record;
+use super::settle::{Settled, quantile};
 
 /// Standard deviations beyond which a value is none.
 const FAR: f64 = 5.0;
 const PASSES: usize = 20;
 /// Rows to both sides whose residuals say how well the spline does there.
 const NEAR: usize = 10;
+/// Values of a piece in which outliers are looked for, if it is not the whole record.
+const SHORT: usize = 12;
 /// Outliers are few. A record with more has another kind of noise.
 const MOST: f64 = 0.2;
 
@@ -22,6 +25,7 @@ pub(super) fn find(
     sweep: &mut Sweep,
 ) -> (Vec<usize>, Settled) {
     let present = record.present();
+    let may = judgeable(record, &present);
     let plain = record.settle(&present, sigma, None, sweep);
     let mut settled = plain;
     let mut weights = present.clone();
@@ -29,8 +33,9 @@ pub(super) fn find(
     let mut before: Vec<usize> = Vec::new();
     for _ in 0..PASSES {
         let far = distances(record, &weights, &settled, sweep);
-        let judged = relative(&far, &weights, settled.sigma);
-        let next = reject(&judged, &out, settled.fit.width);
+        let judged = relative(&far, &weights, &settled, record.rounding());
+        let may = apart(record, settled.chain, &may);
+        let next = reject(&judged, &out, settled.fit.width, &may);
         if next == out || (next == before && !next.is_empty()) {
             break;
         }
@@ -89,11 +94,17 @@ fn has_weight(weights: &[f64], row: usize) -> bool {
 }
 
 /// In standard deviations: those of the record, or of the neighbourhood where the curve is hard to follow and all are off.
-fn relative(far: &[f64], weights: &[f64], sigma: f64) -> Vec<f64> {
+///
+/// Tails count: with noise they say the same as the middle. Where a spline is doubtful they must be heavier still.
+fn relative(far: &[f64], weights: &[f64], settled: &Settled, rounding: f64) -> Vec<f64> {
     let accepted = far.iter().zip(weights).filter(|(_, w)| **w > 0.0);
     let mut accepted: Vec<f64> = accepted.map(|(d, _)| *d).collect();
-    let common = (median(&mut accepted) / 0.6745).max(0.3 * sigma);
-    let common = common.max(f64::MIN_POSITIVE);
+    let middle = quantile(&mut accepted, 0.5) / 0.6745;
+    let tail = match settled.is_doubtful() {
+        true => 2.0 * quantile(&mut accepted, 0.95) / 1.96,
+        false => quantile(&mut accepted, 0.9) / 1.645,
+    };
+    let common = middle.max(tail).max(0.3 * settled.sigma).max(rounding);
     let judge = |(row, d): (usize, &f64)| {
         if *d <= FAR * common {
             return d / common;
@@ -103,13 +114,48 @@ fn relative(far: &[f64], weights: &[f64], sigma: f64) -> Vec<f64> {
             .filter(|r| *r != row && has_weight(weights, *r))
             .filter_map(|r| far.get(r).copied())
             .collect();
-        d / common.max(median(&mut near) / 0.6745)
+        // The lower quartile, since outliers close together spoil half of the rows between them.
+        d / common.max(quantile(&mut near, 0.25) / 0.3186)
     };
     far.iter().enumerate().map(judge).collect()
 }
 
+/// Rows that may be outliers: not the first and the last two of a piece, where nothing tells an outlier from a turn, and none
+/// of a piece so short that the curve through it is made of little else.
+fn judgeable(record: &Record, present: &[f64]) -> Vec<bool> {
+    let mut out = vec![false; present.len()];
+    let ends = record.torn.iter().copied().chain([present.len()]);
+    let mut start = 0;
+    for end in ends {
+        let seen: Vec<usize> = (start..end).filter(|r| has_weight(present, *r)).collect();
+        if seen.len() >= SHORT || record.torn.is_empty() {
+            for row in seen.get(2..seen.len().saturating_sub(2)).unwrap_or(&[]) {
+                if let Some(o) = out.get_mut(*row) {
+                    *o = true;
+                }
+            }
+        }
+        start = end;
+    }
+    out
+}
+
+/// Without the rows beside a jump that the curve respects: it ends there.
+fn apart(record: &Record, chain: usize, may: &[bool]) -> Vec<bool> {
+    let mut out = may.to_vec();
+    let nodes = record.chains.get(chain).map_or(&[][..], Vec::as_slice);
+    for node in nodes.iter().filter(|n| n.jumps()) {
+        for row in node.row.saturating_sub(2)..node.row + 3 {
+            if let Some(o) = out.get_mut(row) {
+                *o = false;
+            }
+        }
+    }
+    out
+}
+
 /// The rejected ones that stay so, and the worst accepted one of every neighbourhood.
-fn reject(distance: &[f64], before: &[usize], width: f64) -> Vec<usize> {
+fn reject(distance: &[f64], before: &[usize], width: f64, may: &[bool]) -> Vec<usize> {
     let reach = (width.ceil() as usize).clamp(2, 50);
     let rejected = |row: usize| before.binary_search(&row).is_ok();
     let chosen = |row: &usize| {
@@ -123,7 +169,8 @@ fn reject(distance: &[f64], before: &[usize], width: f64) -> Vec<usize> {
             .filter_map(|r| distance.get(r).copied())
             .fold(0.0, f64::max)
     };
-    (0..distance.len()).filter(chosen).collect()
+    let may = |row: &usize| may.get(*row).copied().unwrap_or(false);
+    (0..distance.len()).filter(may).filter(chosen).collect()
 }
 
 /// Without an outlier the curve fits its neighbours. A value at a turn that the spline cannot follow leaves them as far off.

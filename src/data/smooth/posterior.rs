@@ -13,7 +13,7 @@ type Vector = [f64; STATES];
 type Matrix = [Vector; STATES];
 
 /// Weight of what is believed of a state without data: enough to keep the problem regular, too little to be seen.
-const FAINT: f64 = 1e-9;
+const FAINT: f64 = 1e-6;
 /// Weight that ties a state to itself across a jump of a higher derivative.
 const TIED: f64 = 1e7;
 
@@ -33,6 +33,13 @@ pub(super) struct Node {
     /// The second node of a row with a jump sees no value: the first has seen it.
     pub sees: bool,
     pub next: Step,
+}
+
+impl Node {
+    /// The value goes on from here, its derivatives do not.
+    pub(super) fn jumps(&self) -> bool {
+        self.sees && matches!(self.next, Step::Jump(order) if order > 0)
+    }
 }
 
 /// The spline at one node.
