@@ -125,7 +125,10 @@ pub fn measure(
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
     }
-    let joint = match discover::joint(&program.model, &program.libraries, &dataset, options) {
+    let (model, libraries) = (&program.model, &program.libraries);
+    let first = model.equations.first().map_or(Signal::TIME, |e| e.target);
+    let mut go_on = || monitor(first).is_continue();
+    let joint = match discover::joint(model, libraries, &dataset, options, &mut go_on) {
         Ok(problem) => Some(problem),
         Err(why) => {
             if options.method == Method::Joint {

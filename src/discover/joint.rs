@@ -6,6 +6,7 @@
 use super::dependent::Measured;
 use super::equation::simpler;
 use super::joint_doubts::{self, Case};
+use super::pools::{Pools, pools};
 use super::watch::{Stage, Watcher};
 use super::{
     Discovery, Equation, Evidence, Failed, FoundTerm, Method, Options, Reason, Status, Together,
@@ -14,7 +15,7 @@ use super::{
 use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
 use crate::library::Library;
-use crate::term::{Language, SignalNames, Term};
+use crate::term::{Language, Signal, SignalNames, Term};
 use crate::trajectory::{self, Channel, Found, Law, Problem, System};
 
 /// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
@@ -36,6 +37,7 @@ pub fn joint(
     libraries: &[Option<Library>],
     dataset: &Dataset,
     options: &Options,
+    go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Problem, String> {
     let asked = options.method == Method::Joint;
     if !asked {
@@ -49,35 +51,33 @@ pub fn joint(
     if !model.constraints.is_empty() {
         return Err("coefficients are constrained".into());
     }
-    let pools: Vec<Option<Vec<usize>>> = vec![None; libraries.len()];
-    let system = System::new(model, libraries, &pools)?;
-    if !asked && let Some(law) = measured(&system, dataset) {
-        return Err(format!("{} is measured", model.name(law.target)));
+    if !asked && let Some(target) = measured(model, dataset) {
+        return Err(format!("{} is measured", model.name(target)));
     }
-    let problem = Problem::new(system, dataset, &|s| model.noise(s))
-        .map_err(|missing| format!("the data have no {}", model.name(missing)))?;
+    let make = |pools: &Pools| System::new(model, libraries, pools);
+    // One column each is enough to see the noise by.
+    let bare = make(&libraries.iter().map(|_| Some(vec![0])).collect())?;
+    let missing = |s: Signal| format!("the data have no {}", model.name(s));
+    let bare = Problem::new(bare, dataset, &|s| model.noise(s)).map_err(missing)?;
+    let noisy = |c: &Channel| c.noise > CLEAN * c.spread;
+    if !asked && !bare.channels().iter().any(noisy) {
+        return Err("the data are clean".into());
+    }
+    let pools = pools(model, libraries, (dataset, &bare), go_on)?;
+    let problem = bare.with(make(&pools)?, dataset).map_err(missing)?;
     if let Some(term) = problem.undefined() {
         return Err(format!(
             "{} has no finite value",
             Language(model).term(term)
         ));
     }
-    let noisy = |c: &Channel| c.noise > CLEAN * c.spread;
-    if !asked && !problem.channels().iter().any(noisy) {
-        return Err("the data are clean".into());
-    }
     Ok(problem)
 }
 
-/// A law whose target the data hold.
-fn measured<'a>(system: &'a System, dataset: &Dataset) -> Option<&'a Law> {
-    let held = |l: &&Law| {
-        dataset
-            .trajectories
-            .iter()
-            .any(|t| t.column(l.target).is_some())
-    };
-    system.laws.iter().find(held)
+/// A target that the data hold.
+fn measured(model: &Model, dataset: &Dataset) -> Option<Signal> {
+    let held = |s: &Signal| dataset.trajectories.iter().any(|t| t.column(*s).is_some());
+    model.equations.iter().map(|e| e.target).find(held)
 }
 
 /// Finds every equation of the problem's system together. `None` if no support could be fitted at all.

@@ -14,6 +14,7 @@ mod joint_doubts;
 mod mass;
 mod memory;
 mod path;
+mod pools;
 mod prepared;
 mod proof;
 mod rows;

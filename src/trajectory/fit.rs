@@ -56,6 +56,9 @@ const STEPS: usize = 8;
 /// Step of a state in units of noise, and of log noise, at which a fit has arrived.
 const STILL: f64 = 0.02;
 const STILL_NOISE: f64 = 1e-3;
+/// A fit is given up that is this much behind, and would be if each step left gained as many times what the last one did.
+const HOPELESS: f64 = 100.0;
+const HASTE: f64 = 2.0;
 /// Change of the criterion that decides nothing.
 const LEVEL: f64 = 0.02;
 /// A path this many spreads from the readings is lost, and as many noises more.
@@ -84,19 +87,18 @@ impl Fit {
     }
 }
 
-/// Fits the support of `from`, whose coefficients, path and noise are the start.
-pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge) -> Option<Fit> {
+/// Fits the support of `from`, whose coefficients, path and noise are the start. A fit that is not on the way to a criterion of
+/// `beat` is given up where it is.
+pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> Option<Fit> {
     let code = Code::new(&problem.system, &from.support);
     let k = from.support.len();
     let cost = judge.cost(problem, &from.support);
     let mut point = from;
     let mut value = f64::INFINITY;
     let mut found = None;
-    for _ in 0..STEPS {
+    for left in (0..STEPS).rev() {
         let mut triangle = Triangle::new(k);
-        let eliminated = problem
-            .eliminate(&code, None, &point, &mut triangle, true)
-            .ok()?;
+        let eliminated = problem.eliminate_all(&code, &point, &mut triangle).ok()?;
         let solved = triangle.solve();
         let step = &solved.coefficients;
         let mut farthest = 0.0f64;
@@ -132,10 +134,11 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge) -> Option<Fit> 
         point.sigma = sigma;
         let still = farthest < STILL && moved < STILL_NOISE;
         let level = (new - value).abs() < LEVEL;
+        let hopeless = new - beat > HOPELESS + HASTE * left as f64 * (value - new).abs();
         value = new;
         let arrived = still || level;
         found = Some((solved.variances, squares, bent, arrived));
-        if arrived {
+        if arrived || hopeless {
             break;
         }
     }

@@ -10,7 +10,9 @@ use super::flow::{BLOCK, Block, Flow, Work};
 use super::moments::Moments;
 use super::quadratic::Quadratic;
 use super::record::{Record, records};
+use super::sketch::{Sketch, Sketched};
 use super::smooth::{Curve, curves};
+use super::stretch::stretches;
 use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
 use crate::data::Dataset;
@@ -60,6 +62,19 @@ impl Problem {
     ) -> Result<Problem, Signal> {
         let records = records(&system, dataset)?;
         let curves = curves(&system, &records, declared);
+        Ok(Problem::made(system, records, curves))
+    }
+
+    /// The same data with other columns of the same laws.
+    ///
+    /// # Errors
+    /// A signal that the data do not have.
+    pub fn with(&self, system: System, dataset: &Dataset) -> Result<Problem, Signal> {
+        let records = records(&system, dataset)?;
+        Ok(Problem::made(system, records, self.curves.clone()))
+    }
+
+    fn made(system: System, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
         let n = system.states.len();
         let readings = (0..n).map(|i| readings(&records, i)).collect();
         let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
@@ -74,7 +89,21 @@ impl Problem {
             readings,
         };
         problem.noise = problem.first_noise();
-        Ok(problem)
+        problem
+    }
+
+    /// The same system, noise and spread on parts of its records.
+    pub(super) fn on(&self, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
+        Problem {
+            system: self.system.clone(),
+            spread: self.spread.clone(),
+            noise: self.noise.clone(),
+            ranges: self.ranges.clone(),
+            all: self.all.clone(),
+            readings: (0..self.states()).map(|i| readings(&records, i)).collect(),
+            records,
+            curves,
+        }
     }
 
     /// Root mean square over records of the noise seen there; unmeasured states take the largest relative one of their variable.
@@ -189,9 +218,14 @@ impl Problem {
     /// their noise a sample in units of the sensors'.
     pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
         let mut moments = Moments::new(self.all.outputs());
+        self.first_rows(sigma, slack, &mut moments);
+        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
+    }
+
+    fn first_rows(&self, sigma: &[f64], slack: f64, gather: &mut impl Gather) {
         let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
         for (record, curve) in self.records.iter().zip(&self.curves) {
-            let mut sweep = Sweep::new(&stiffness, &mut moments, false);
+            let mut sweep = Sweep::new(&stiffness, gather, false);
             super::chain::links(self, record, curve, &mut |k, link| {
                 sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
                 if let Some(link) = link {
@@ -200,10 +234,16 @@ impl Problem {
             });
             sweep.end();
         }
-        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
     }
 
-    /// The quadratic form of all columns about a point.
+    /// A sketch of the first linearisation: `rows` rows on all columns, whitened, for libraries too large for a form.
+    pub fn sketch(&self, slack: f64, rows: usize) -> Sketched {
+        let mut sketch = Sketch::new(self.all.outputs(), rows);
+        self.first_rows(&self.noise, slack, &mut sketch);
+        sketch.end()
+    }
+
+    /// The quadratic form of all columns about a point, on stretches of long records.
     ///
     /// # Errors
     /// Laws that lead nowhere from there.
@@ -211,25 +251,44 @@ impl Problem {
         let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
         let mut moments = Moments::new(self.all.outputs());
-        self.eliminate(&code, all, at, &mut moments, false)?;
+        let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
+        let parts = stretches(&lengths);
+        self.eliminate(&code, all, at, &mut moments, false, &parts)?;
+        let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
+        let share = self.samples() as f64 / used as f64;
         // Corrections of active coefficients become the coefficients themselves.
         let active = at
             .support
             .iter()
             .copied()
             .zip(at.coefficients.iter().copied());
-        let products = moments.shifted(&active.collect::<Vec<_>>());
+        let mut products = moments.shifted(&active.collect::<Vec<_>>());
+        // Stretches stand for all samples.
+        products.iter_mut().for_each(|x| *x *= share);
         Ok(Quadratic::new(&products, self.all.outputs()))
     }
 
-    /// Eliminates all states about a point; what is left measures the coefficients.
-    pub(super) fn eliminate(
+    /// Eliminates all states of all records about a point; what is left measures the coefficients.
+    pub(super) fn eliminate_all(
+        &self,
+        code: &Code,
+        at: &Point,
+        gather: &mut impl Gather,
+    ) -> Result<Vec<Eliminated>, Diverged> {
+        let whole = self.records.iter().map(|r| 0..r.len());
+        let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
+        self.eliminate(code, None, at, gather, true, &whole)
+    }
+
+    /// Likewise of parts of records, of U of all columns if `all` is given. `keep` says that states will be asked for.
+    fn eliminate(
         &self,
         code: &Code,
         all: Option<(&Tape, &[Range<usize>])>,
         at: &Point,
         gather: &mut impl Gather,
         keep: bool,
+        parts: &[(usize, Range<usize>)],
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
             code,
@@ -240,24 +299,23 @@ impl Problem {
         };
         let mut work = Work::default();
         let mut block = Block::default();
-        let records = self.records.iter().zip(&at.paths);
-        records
-            .map(|(record, path)| {
-                let stiffness = stiffness(&at.sigma, record.len());
-                let mut sweep = Sweep::new(&stiffness, gather, keep);
-                let last = record.len() - 1;
-                for from in (0..last).step_by(BLOCK) {
-                    let intervals = from..(from + BLOCK).min(last);
-                    flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
-                    for (b, k) in intervals.enumerate() {
-                        sweep.measure(&self.readings_at(record, path, &at.sigma, k));
-                        self.advance(&mut sweep, &block, b, path, k, flow.width());
-                    }
+        let parts = parts.iter().map(|(r, samples)| {
+            let (record, path) = (&self.records[*r], &at.paths[*r]);
+            let stiffness = stiffness(&at.sigma, record.len());
+            let mut sweep = Sweep::new(&stiffness, gather, keep);
+            let last = samples.end - 1;
+            for from in (samples.start..last).step_by(BLOCK) {
+                let intervals = from..(from + BLOCK).min(last);
+                flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
+                for (b, k) in intervals.enumerate() {
+                    sweep.measure(&self.readings_at(record, path, &at.sigma, k));
+                    self.advance(&mut sweep, &block, b, path, k, flow.width());
                 }
-                sweep.measure(&self.readings_at(record, path, &at.sigma, last));
-                Ok(sweep.end())
-            })
-            .collect()
+            }
+            sweep.measure(&self.readings_at(record, path, &at.sigma, last));
+            Ok(sweep.end())
+        });
+        parts.collect()
     }
 
     fn advance(

@@ -3,6 +3,8 @@
 //! In: the products of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
 //! length, so that pivots say how dependent they are.
 
+use super::lanes::wide;
+
 /// Unit columns shorter than the root of this after projection are dependent on those chosen.
 pub(super) const DEPENDENT: f64 = 1e-7;
 /// What keeps an inverse of dependent columns finite.
@@ -189,65 +191,77 @@ impl Quadratic {
         let square = square.max(0.0);
         // Rows of R_SS⁻¹ R_S·, length p each.
         let mut rows = vec![0.0; k * p];
-        for i in 0..k {
-            for (j, s) in support.iter().enumerate() {
-                axpy(
-                    inverse[i * k + j],
-                    self.row(*s),
-                    &mut rows[i * p..(i + 1) * p],
-                );
-            }
-        }
         let mut free = vec![1.0; p];
         let mut along = self.right.clone();
-        for (i, s) in support.iter().enumerate() {
-            for j in 0..p {
-                free[j] -= self.row(*s)[j] * rows[i * p + j];
-                along[j] -= self.row(*s)[j] * x[i];
+        wide(|| {
+            for (row, inverse) in rows.chunks_exact_mut(p).zip(inverse.chunks_exact(k)) {
+                for (weight, s) in inverse.iter().zip(support) {
+                    axpy(*weight, self.row(*s), row);
+                }
             }
-        }
+            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(&x) {
+                let own = self.row(*s);
+                for ((free, row), own) in free.iter_mut().zip(row).zip(own) {
+                    *free -= own * row;
+                }
+                axpy(-x, own, &mut along);
+            }
+        });
         let loss: Vec<f64> = (0..k).map(|i| x[i] * x[i] / inverse[i * k + i]).collect();
         let gain = |along: f64, free: f64, most: f64| match free > DEPENDENT {
             true => (along * along / free).min(most),
             false => 0.0,
         };
-        let mut found: Vec<Move> = Vec::new();
+        let mut found = Best::new(most);
         let outside: Vec<usize> = (0..p).filter(|j| !support.contains(j)).collect();
         for j in &outside {
-            found.push(Move {
-                comes: Some(*j),
-                goes: None,
-                change: penalty - gain(along[*j], free[*j], square),
-            });
+            let change = penalty - gain(along[*j], free[*j], square);
+            found.offer(Some(*j), None, change);
         }
         for (i, s) in support.iter().enumerate() {
-            found.push(Move {
-                comes: None,
-                goes: Some(*s),
-                change: loss[i] - penalty,
-            });
+            found.offer(None, Some(*s), loss[i] - penalty);
             let own = inverse[i * k + i];
+            let row = &rows[i * p..(i + 1) * p];
             for j in &outside {
-                let row = rows[i * p + j];
                 let gained = gain(
-                    along[*j] + x[i] / own * row,
-                    free[*j] + row * row / own,
+                    along[*j] + x[i] / own * row[*j],
+                    free[*j] + row[*j] * row[*j] / own,
                     square + loss[i],
                 );
-                found.push(Move {
-                    comes: Some(*j),
-                    goes: Some(*s),
-                    change: loss[i] - gained,
-                });
+                found.offer(Some(*j), Some(*s), loss[i] - gained);
             }
         }
-        let order = |a: &Move, b: &Move| a.change.total_cmp(&b.change);
-        if found.len() > most {
-            found.select_nth_unstable_by(most, order);
-            found.truncate(most);
+        found.moves
+    }
+}
+
+/// The best few moves offered, best first; the earlier of two that are as good.
+struct Best {
+    most: usize,
+    moves: Vec<Move>,
+}
+
+impl Best {
+    fn new(most: usize) -> Best {
+        let moves = Vec::new();
+        Best { most, moves }
+    }
+
+    fn offer(&mut self, comes: Option<usize>, goes: Option<usize>, change: f64) {
+        let full = self.moves.len() >= self.most;
+        if full && self.moves.last().is_some_and(|m| change >= m.change) {
+            return;
         }
-        found.sort_by(order);
-        found
+        let place = self.moves.partition_point(|m| m.change <= change);
+        self.moves.insert(
+            place,
+            Move {
+                comes,
+                goes,
+                change,
+            },
+        );
+        self.moves.truncate(self.most);
     }
 }
 
@@ -263,6 +277,11 @@ impl Move {
 
 /// Symmetric positive definite inverse in place, by Gauss–Jordan without pivoting.
 fn invert(a: &mut [f64], n: usize) -> bool {
+    wide(|| wide_invert(a, n))
+}
+
+#[inline(always)]
+fn wide_invert(a: &mut [f64], n: usize) -> bool {
     for k in 0..n {
         let pivot = a[k * n + k];
         if pivot <= 0.0 || pivot.is_nan() {
@@ -284,6 +303,7 @@ fn invert(a: &mut [f64], n: usize) -> bool {
     true
 }
 
+#[inline(always)]
 fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }

@@ -4,6 +4,7 @@
 //! few terms that explain most, then what they leave. Never decides whether the answer is to be trusted.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::beam::{Subset, subsets};
 use super::fit::{Fit, Judge, fit};
@@ -54,7 +55,7 @@ const FEW: f64 = 4.0;
 pub struct Found {
     pub best: Fit,
     /// Every support fitted at the last level with its criterion, best first; the best fit's own is the first.
-    pub rivals: Rivals,
+    pub rivals: Vec<(Vec<usize>, f64)>,
     /// Fits in all.
     pub tried: usize,
     /// Cost of a term.
@@ -71,41 +72,41 @@ struct Level<'a> {
     tried: BTreeMap<Vec<usize>, f64>,
     /// The best fits, best first.
     best: Vec<Fit>,
+    /// The form about the fit of a support.
+    form: Option<(Vec<usize>, Arc<Quadratic>)>,
 }
 
-type Rivals = Vec<(Vec<usize>, f64)>;
-
-impl<'a> Level<'a> {
-    /// A level with the fits carried over from the one before.
-    fn new(problem: &'a Problem, judge: Judge, carried: &mut Vec<Fit>) -> Level<'a> {
-        let mut level = Level {
-            problem,
-            judge,
-            tried: BTreeMap::new(),
-            best: Vec::new(),
-        };
-        for f in carried.drain(..) {
-            let sigma = level.sigma(&problem.noise);
-            level.fit(Point { sigma, ..f.point });
+impl Level<'_> {
+    /// Fits supports, but those that were, two at a time; true if one became the best.
+    fn fit(&mut self, points: impl IntoIterator<Item = Point>) -> bool {
+        let mut points = points.into_iter();
+        let mut better = false;
+        loop {
+            let mut pair: Vec<Point> = Vec::new();
+            while pair.len() < 2 {
+                let Some(point) = points.next() else { break };
+                let seen = pair.iter().any(|p| p.support == point.support);
+                if !(seen || point.support.is_empty() || self.tried.contains_key(&point.support)) {
+                    pair.push(point);
+                }
+            }
+            let (problem, judge) = (self.problem, &self.judge);
+            let beat = self.best.first().map_or(f64::INFINITY, |f| f.value);
+            let one = |p: Point| (p.support.clone(), fit(problem, p, judge, beat));
+            let (second, first) = (pair.pop(), pair.pop());
+            let found = match (first, second) {
+                (Some(a), Some(b)) => <[_; 2]>::from(both(|| one(a), || one(b))).into(),
+                (None, Some(b)) => vec![one(b)],
+                _ => return better,
+            };
+            for (support, found) in found {
+                better |= self.enter(support, found);
+            }
         }
-        level
     }
 
-    /// The best fits, and every support that could be fitted, best first.
-    fn end(self) -> (Vec<Fit>, Rivals) {
-        let fitted = self.tried.into_iter().filter(|(_, v)| v.is_finite());
-        let mut rivals: Rivals = fitted.collect();
-        rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
-        (self.best, rivals)
-    }
-
-    /// Fits a support, unless it was; true if it became the best.
-    fn fit(&mut self, point: Point) -> bool {
-        if point.support.is_empty() || self.tried.contains_key(&point.support) {
-            return false;
-        }
-        let support = point.support.clone();
-        let found = fit(self.problem, point, &self.judge);
+    /// Notes what a fit came to; true if it became the best.
+    fn enter(&mut self, support: Vec<usize>, found: Option<Fit>) -> bool {
         let value = found.as_ref().map_or(f64::INFINITY, |f| f.value);
         self.tried.insert(support, value);
         let Some(found) = found else { return false };
@@ -114,6 +115,19 @@ impl<'a> Level<'a> {
         self.best.insert(place, found);
         self.best.truncate(CARRIED);
         value < before - BETTER
+    }
+
+    /// The best fit and the form about it, which is made once.
+    fn about(&mut self) -> Option<(Fit, Arc<Quadratic>)> {
+        let best = self.best.first()?.clone();
+        if let Some((support, form)) = &self.form
+            && support == best.support()
+        {
+            return Some((best, form.clone()));
+        }
+        let form = Arc::new(self.problem.form(&best.point).ok()?);
+        self.form = Some((best.support().to_vec(), form.clone()));
+        Some((best, form))
     }
 
     fn sigma(&self, at: &[f64]) -> Vec<f64> {
@@ -127,15 +141,19 @@ impl<'a> Level<'a> {
     fn start(&mut self) {
         let problem = self.problem;
         let sigma = self.sigma(&problem.noise);
-        for slack in FIRST_SLACKS {
-            let form = problem.first_form(&sigma, slack);
+        let [first, second] = FIRST_SLACKS;
+        let (first, second) = both(
+            || problem.first_form(&sigma, first),
+            || problem.first_form(&sigma, second),
+        );
+        for form in [first, second] {
             let sizes: Vec<Vec<Subset>> = (problem.ranges.iter())
                 .map(|r| subsets(&form, &[], r.clone(), MOST))
                 .collect();
             let all: Vec<usize> = (0..form.p).collect();
             let least = form.least(&all).square.max(0.0);
             let scale = (least / problem.measurements() as f64).max(1.0);
-            for strength in FIRST_PENALTIES {
+            let point = |strength: f64| {
                 let penalty = self.judge.penalty * strength * scale;
                 let cost = |s: &&Subset| s.square + penalty * s.columns.len() as f64;
                 let best = sizes
@@ -144,23 +162,16 @@ impl<'a> Level<'a> {
                 let mut support: Vec<usize> =
                     best.flat_map(|s| s.columns.iter().copied()).collect();
                 support.sort_unstable();
-                let coefficients = form.least(&support).coefficients;
-                let point = problem.start(&sigma);
-                self.fit(Point {
-                    support,
-                    coefficients,
-                    ..point
-                });
-            }
-            let Some(best) = self.best.first().cloned() else {
-                continue;
+                moved(&form, &problem.start(&sigma), support)
             };
-            let Ok(form) = problem.form(&best.point) else {
+            let points = FIRST_PENALTIES.map(point);
+            self.fit(points);
+            let Some((best, form)) = self.about() else {
                 continue;
             };
             if let Some(support) = form.backward(&[self.judge.penalty]).into_iter().next() {
                 let support = form.improve(&support, self.judge.penalty);
-                self.fit(moved(&form, &best.point, support));
+                self.fit([moved(&form, &best.point, support)]);
             }
         }
     }
@@ -169,52 +180,38 @@ impl<'a> Level<'a> {
     fn improve(&mut self, last: bool) {
         let mut fits = 0;
         while fits < FITS {
-            let Some(current) = self.best.first().cloned() else {
+            let Some((current, form)) = self.about() else {
                 return;
             };
-            let Ok(form) = self.problem.form(&current.point) else {
-                return;
-            };
+            let point = |support| moved(&form, &current.point, support);
+            let proposals = self.proposals(&form, current.support());
+            let near = proposals.iter().take_while(|(change, _)| *change <= WORSE);
+            let near: Vec<Vec<usize>> = near.map(|(_, s)| s.clone()).collect();
             let mut better = false;
-            for (change, support) in self.proposals(&form, &current.point.support) {
-                if change > WORSE || fits >= FITS {
-                    break;
-                }
-                fits += 1;
-                better = self.fit(moved(&form, &current.point, support));
+            for pair in near[..near.len().min(FITS - fits)].chunks(2) {
+                fits += pair.len();
+                better = self.fit(pair.iter().cloned().map(point));
                 if better {
                     break;
                 }
             }
             if !better && last {
-                let rivals = self.proposals(&form, &current.point.support);
-                let near = rivals.into_iter().take_while(|(change, _)| *change < APART);
-                for (_, support) in near.take(RIVALS) {
-                    better |= self.fit(moved(&form, &current.point, support));
-                }
+                let new = |s: &Vec<usize>| !self.tried.contains_key(s);
+                let rivals = proposals.into_iter().filter(|(_, s)| new(s));
+                let near = rivals.take_while(|(change, _)| *change < APART);
+                let near: Vec<Vec<usize>> = near.take(RIVALS).map(|(_, s)| s).collect();
+                better = self.fit(near.into_iter().map(point));
             }
-            if !better && last && current.support().len() <= PRUNED {
-                better = self.prune(&form, &current);
+            let support = current.support();
+            if !better && last && support.len() <= PRUNED {
+                // Without each single term.
+                let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
+                better = self.fit(support.iter().map(|j| point(without(j))));
             }
             if !better {
                 return;
             }
         }
-    }
-
-    /// Tries without each single term.
-    fn prune(&mut self, form: &Quadratic, current: &Fit) -> bool {
-        let mut better = false;
-        for j in current.support() {
-            let without = current
-                .support()
-                .iter()
-                .copied()
-                .filter(|i| i != j)
-                .collect();
-            better |= self.fit(moved(form, &current.point, without));
-        }
-        better
     }
 
     /// Supports not fitted yet with the predicted change of the criterion, best first.
@@ -281,8 +278,57 @@ impl<'a> Level<'a> {
 }
 
 /// Searches the support of all laws together. `None` if nothing could be fitted.
+///
+/// Long records are searched on stretches first; all samples then judge what was found there, and what is proposed about it.
 pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
-    let penalty = TERM * (problem.measurements() as f64).ln();
+    let mut found = match problem.shortened() {
+        None => weighed(problem, go_on)?,
+        Some(short) => {
+            let found = weighed(&short, go_on)?;
+            let start = Point {
+                paths: problem.start(&[]).paths,
+                ..found.best.point.clone()
+            };
+            let all = levels(problem, vec![start], (found.as_one, false), go_on)?;
+            Found {
+                tried: found.tried + all.tried,
+                ..all
+            }
+        }
+    };
+    let wider = readings_as_one(problem, &found.best);
+    found.best.variances.iter_mut().for_each(|v| *v *= wider);
+    Some(found)
+}
+
+/// Laws that are only nearly right leave residuals that follow each other: the choice is then made anew, what each term earns being
+/// counted in readings that say something new.
+fn weighed(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
+    let found = levels(problem, Vec::new(), (1.0, true), go_on)?;
+    let as_one = readings_as_one(problem, &found.best);
+    if as_one <= REPEATED || !go_on() {
+        return Some(found);
+    }
+    let start = vec![found.best.point.clone()];
+    let Some(again) = levels(problem, start, (as_one, true), go_on) else {
+        return Some(found);
+    };
+    Some(Found {
+        tried: found.tried + again.tried,
+        ..again
+    })
+}
+
+/// Level after level, lower and lower floors under the noise; the last one alone if there are points to start from. `as_one`
+/// readings count as one; `fresh` levels start from the smooth curves too.
+fn levels(
+    problem: &Problem,
+    start: Vec<Point>,
+    (as_one, fresh): (f64, bool),
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<Found> {
+    let readings = (problem.measurements() as f64 / as_one).max(FEW);
+    let penalty = as_one * TERM * readings.ln();
     let relative = |i: usize| problem.noise[i] / problem.spread[i];
     let noisiest = (0..problem.states())
         .filter(|i| problem.readings[*i] > 0)
@@ -292,62 +338,69 @@ pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Foun
     let floors = FLOORS
         .into_iter()
         .filter(|f| *f > NEAR * noisiest || *f == lowest);
-    let floors: Vec<f64> = floors.collect();
-    let mut carried: Vec<Fit> = Vec::new();
+    let mut floors: Vec<f64> = floors.collect();
+    if !start.is_empty() {
+        floors = vec![lowest];
+    }
+    let mut carried = start;
     let mut tried = 0;
-    let mut found: Option<Found> = None;
-    let judge = |floor: f64, penalty: f64| Judge {
-        floor: (problem.spread.iter().zip(&problem.noise))
-            .map(|(d, s)| (floor * d).max(TRUSTED * s))
-            .collect(),
-        penalty,
-    };
-    for (place, floor) in floors.iter().enumerate() {
+    let mut result = None;
+    for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let mut level = Level::new(problem, judge(*floor, penalty), &mut carried);
-        if place == 0 || last || level.best.is_empty() {
+        let floor = problem.spread.iter().zip(&problem.noise);
+        let floor = floor
+            .map(|(d, s)| (floors[place] * d).max(TRUSTED * s))
+            .collect();
+        let mut level = Level {
+            problem,
+            judge: Judge { floor, penalty },
+            tried: BTreeMap::new(),
+            best: Vec::new(),
+            form: None,
+        };
+        let sigma = level.sigma(&problem.noise);
+        let points = carried.drain(..).map(|point| Point {
+            sigma: sigma.clone(),
+            ..point
+        });
+        level.fit(points.collect::<Vec<_>>());
+        if level.best.is_empty() || fresh && (place == 0 || last) {
             level.start();
         }
         if go_on() {
             level.improve(last);
         }
         tried += level.tried.len();
-        let (best, rivals) = level.end();
-        carried = best;
-        if let Some(best) = carried.first().cloned() {
-            found = Some(Found {
+        let mut rivals: Vec<(Vec<usize>, f64)> = level
+            .tried
+            .into_iter()
+            .filter(|(_, v)| v.is_finite())
+            .collect();
+        rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
+        carried = level.best.iter().map(|f| f.point.clone()).collect();
+        if let Some(best) = level.best.into_iter().next() {
+            result = Some(Found {
                 best,
                 rivals,
                 tried,
                 penalty,
-                as_one: 1.0,
+                as_one,
             });
         }
     }
-    let mut found = found?;
-    let as_one = readings_as_one(problem, &found.best);
-    if as_one > REPEATED && go_on() {
-        // Laws that are only nearly right: what each term earns is counted in readings that say something new.
-        let readings = (problem.measurements() as f64 / as_one).max(FEW);
-        let dear = as_one * TERM * readings.ln();
-        let mut level = Level::new(problem, judge(lowest, dear), &mut carried);
-        level.start();
-        level.improve(true);
-        tried += level.tried.len();
-        let (best, rivals) = level.end();
-        if let Some(best) = best.into_iter().next() {
-            found = Found {
-                best,
-                rivals,
-                tried,
-                penalty: dear,
-                as_one,
-            };
+    result
+}
+
+/// Both at the same time.
+fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    std::thread::scope(|scope| {
+        let other = scope.spawn(b);
+        let a = a();
+        match other.join() {
+            Ok(b) => (a, b),
+            Err(panic) => std::panic::resume_unwind(panic),
         }
-    }
-    let wider = readings_as_one(problem, &found.best);
-    found.best.variances.iter_mut().for_each(|v| *v *= wider);
-    Some(found)
+    })
 }
 
 fn moved(form: &Quadratic, from: &Point, support: Vec<usize>) -> Point {

@@ -18,9 +18,8 @@ pub(super) struct Triangle {
     columns: Vec<f64>,
 }
 
-/// Waiting rows per row of the triangle: more makes fewer, larger reductions.
-const WAITING: usize = 4;
-const FEWEST: usize = 256;
+/// Rows taken in at once: enough to hide the triangle's own, few enough to stay in the cache.
+const WAITING: usize = 128;
 /// Pivot under which a column depends on those before it, relative to its norm.
 const DEPENDENT: f64 = 1e-10;
 
@@ -30,8 +29,7 @@ impl Gather for Triangle {
     }
 
     fn room(&mut self, rows: usize) -> &mut [f64] {
-        let most = (WAITING * self.width).max(FEWEST);
-        if self.rows.len() + rows * self.width > most * self.width {
+        if self.rows.len() + rows * self.width > WAITING * self.width {
             self.reduce();
         }
         let start = self.rows.len();

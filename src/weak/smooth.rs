@@ -1,7 +1,9 @@
 //! A first guess of the motion behind a noisy record: penalised third differences, their weight by cross-validation.
 //!
 //! In: times and values of one stretch. Out: the smoothed values, and the standard deviation of what was taken off. What the
-//! guess gets wrong is corrected to first order afterwards, so it need not be the best there is.
+//! guess gets wrong is corrected to first order afterwards, so it need not be the best there is. `data::smooth` would do as well in noise; on
+//! clean records its noise is that of rounding, while here it counts all that a smooth curve through the samples cannot follow, which is what
+//! the integrals are off by.
 
 use super::banded::{Banded, Factor};
 

@@ -1,0 +1,97 @@
+//! Which columns take part in the joint estimate where a library is too large to be searched whole.
+//!
+//! In: a model, its libraries, its data with the noise that they have. Out: for every large library the slots that basis pursuit
+//! denoising proposes. The likelihood decides among them.
+
+use std::ops::ControlFlow;
+
+use crate::data::Dataset;
+use crate::dictionary::Dense;
+use crate::lang::model::Model;
+use crate::library::Library;
+use crate::solve::{self, Problem};
+use crate::term::SignalNames;
+use crate::trajectory::{self, System};
+
+/// Columns of all laws together that are searched whole.
+const SEARCHED: usize = 480;
+/// A library of fewer terms is never cut.
+const SMALL: usize = 60;
+/// Columns that each beginning proposes for a law.
+const PROPOSED: usize = 40;
+/// Places on the path after which no more are looked at.
+const MOST: usize = 120;
+/// Noise of the laws in units of the sensors', for cautious beginnings.
+const SLACKS: [f64; 2] = [0.3, 0.03];
+/// Most entries of a sketch, and its fewest and most rows.
+const ENTRIES: usize = 16_000_000;
+const ROWS: (usize, usize) = (300, 2000);
+
+/// Slots by equation; `None` means all of them.
+pub(super) type Pools = Vec<Option<Vec<usize>>>;
+
+/// # Errors
+/// A library too large for a sketch, in words that follow "because".
+pub(super) fn pools(
+    model: &Model,
+    libraries: &[Option<Library>],
+    (dataset, bare): (&Dataset, &trajectory::Problem),
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Pools, String> {
+    let all: usize = libraries.iter().flatten().map(Library::len).sum();
+    let mut pools: Pools = vec![None; libraries.len()];
+    if all <= SEARCHED {
+        return Ok(pools);
+    }
+    let slots = libraries.iter().flatten().map(Library::slots);
+    if let Some(largest) = slots.max().filter(|n| n * ROWS.0 > ENTRIES) {
+        return Err(format!("a library of {largest} terms is too large"));
+    }
+    for (place, library) in libraries.iter().enumerate() {
+        if library.as_ref().is_none_or(|l| l.len() <= SMALL) {
+            continue;
+        }
+        let mut own: Pools = vec![Some(Vec::new()); libraries.len()];
+        own[place] = None;
+        let system = System::new(model, libraries, &own)?;
+        let slots: Vec<usize> = system.laws.iter().flat_map(|l| l.slots.clone()).collect();
+        let missing = |s| format!("the data have no {}", model.name(s));
+        let problem = bare.with(system, dataset).map_err(missing)?;
+        let found = proposals(&problem, slots.len(), go_on);
+        pools[place] = Some(found.into_iter().map(|j| slots[j]).collect());
+    }
+    Ok(pools)
+}
+
+/// Columns of the first places on the paths, rising.
+fn proposals(
+    problem: &trajectory::Problem,
+    columns: usize,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Vec<usize> {
+    let rows = (ENTRIES / columns).clamp(ROWS.0, ROWS.1);
+    let mut found: Vec<usize> = Vec::new();
+    for slack in SLACKS {
+        let sketched = problem.sketch(slack, rows);
+        let phi = Dense::new(rows, sketched.columns);
+        let sketch = Problem {
+            dictionary: &phi,
+            target: &sketched.target,
+            tolerance: 0.0,
+        };
+        let knots = solve::lasso_path(&sketch, MOST, &mut |_| match go_on() {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(()),
+        });
+        let mut own: Vec<usize> = Vec::new();
+        for j in knots.iter().filter_map(|k| k.enters) {
+            if own.len() < PROPOSED && !own.contains(&j) {
+                own.push(j);
+            }
+        }
+        found.extend(own);
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}

@@ -1,0 +1,72 @@
+//! Few rows in place of many: each row with a random sign into one of so many sums, which keeps lengths and angles of columns.
+//!
+//! In: rows [a | right], one by one. Out: a matrix by columns. For libraries so large that neither all rows nor all products of columns
+//! can be kept (count sketch: Clarkson & Woodruff, Journal of the ACM 2017). The same rows give the same sketch.
+
+use super::sweep::Gather;
+
+/// Rows being summed.
+pub(super) struct Sketch {
+    width: usize,
+    count: usize,
+    /// count × width by rows.
+    sums: Vec<f64>,
+    /// Rows handed out and not summed yet.
+    waiting: Vec<f64>,
+    state: u64,
+}
+
+/// A sketched least-squares problem.
+pub struct Sketched {
+    /// Column after column, `rows` long each.
+    pub columns: Vec<f64>,
+    pub target: Vec<f64>,
+}
+
+impl Sketch {
+    pub fn new(columns: usize, count: usize) -> Sketch {
+        Sketch {
+            width: columns + 1,
+            count: count.max(1),
+            sums: vec![0.0; (columns + 1) * count.max(1)],
+            waiting: Vec::new(),
+            state: 0x9e37_79b9_7f4a_7c15,
+        }
+    }
+
+    fn sum(&mut self) {
+        for row in self.waiting.chunks_exact(self.width) {
+            // A linear congruential generator is random enough for signs and places.
+            self.state = (self.state)
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let place = (self.state >> 33) as usize % self.count;
+            let sign = if self.state >> 63 == 0 { 1.0 } else { -1.0 };
+            let sums = &mut self.sums[place * self.width..(place + 1) * self.width];
+            sums.iter_mut().zip(row).for_each(|(s, x)| *s += sign * x);
+        }
+        self.waiting.clear();
+    }
+
+    pub fn end(mut self) -> Sketched {
+        self.sum();
+        let column = |j: usize| (0..self.count).map(move |i| i * self.width + j);
+        let values = |j: usize| column(j).map(|at| self.sums[at]);
+        Sketched {
+            columns: (0..self.width - 1).flat_map(values).collect(),
+            target: values(self.width - 1).collect(),
+        }
+    }
+}
+
+impl Gather for Sketch {
+    fn columns(&self) -> usize {
+        self.width - 1
+    }
+
+    fn room(&mut self, rows: usize) -> &mut [f64] {
+        self.sum();
+        self.waiting.resize(rows * self.width, 0.0);
+        &mut self.waiting
+    }
+}
