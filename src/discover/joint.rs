@@ -145,7 +145,7 @@ impl Report<'_> {
         let worst = |f: &dyn Fn(&Channel) -> f64| channels.iter().map(f).fold(0.0, f64::max);
         let evidence = Evidence {
             rows: self.problem.samples(),
-            candidates: law.slots.len(),
+            candidates: law.candidates,
             searched: law.slots.len(),
             iterations: self.found.tried,
             residual: worst(&|c| c.left / c.spread),

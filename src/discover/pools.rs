@@ -1,7 +1,7 @@
 //! Which columns take part in the joint estimate where a library is too large to be searched whole.
 //!
-//! In: a model, its libraries, its data with the noise that they have. Out: for every large library the slots that basis pursuit
-//! denoising proposes. The likelihood decides among them.
+//! In: a model, its libraries, its data with the noise that they have. Out: for every large library the slots of its simplest
+//! terms, and those that basis pursuit denoising proposes. The likelihood decides among them.
 
 use std::ops::ControlFlow;
 
@@ -18,11 +18,11 @@ const SEARCHED: usize = 480;
 /// A library of fewer terms is never cut.
 const SMALL: usize = 60;
 /// Columns that each beginning proposes for a law.
-const PROPOSED: usize = 40;
+const PROPOSED: usize = 30;
 /// Places on the path after which no more are looked at.
 const MOST: usize = 120;
 /// Noise of the laws in units of the sensors', for cautious beginnings.
-const SLACKS: [f64; 2] = [0.3, 0.03];
+const SLACKS: [f64; 1] = [0.1];
 /// Most entries of a sketch, and its fewest and most rows.
 const ENTRIES: usize = 16_000_000;
 const ROWS: (usize, usize) = (300, 2000);
@@ -47,20 +47,36 @@ pub(super) fn pools(
     if let Some(largest) = slots.max().filter(|n| n * ROWS.0 > ENTRIES) {
         return Err(format!("a library of {largest} terms is too large"));
     }
+    let large = |l: &&Library| l.len() > SMALL;
+    let searched = SEARCHED / libraries.iter().flatten().filter(large).count().max(1);
     for (place, library) in libraries.iter().enumerate() {
-        if library.as_ref().is_none_or(|l| l.len() <= SMALL) {
+        let Some(library) = library.as_ref().filter(large) else {
             continue;
-        }
+        };
         let mut own: Pools = vec![Some(Vec::new()); libraries.len()];
         own[place] = None;
         let system = System::new(model, libraries, &own)?;
         let slots: Vec<usize> = system.laws.iter().flat_map(|l| l.slots.clone()).collect();
         let missing = |s| format!("the data have no {}", model.name(s));
         let problem = bare.with(system, dataset).map_err(missing)?;
-        let found = proposals(&problem, slots.len(), go_on);
-        pools[place] = Some(found.into_iter().map(|j| slots[j]).collect());
+        let proposed = proposals(&problem, slots.len(), go_on);
+        let mut pool: Vec<usize> = proposed.into_iter().map(|j| slots[j]).collect();
+        for slot in simplest(library) {
+            if pool.len() < searched.max(SMALL) && !pool.contains(&slot) {
+                pool.push(slot);
+            }
+        }
+        pool.sort_unstable();
+        pools[place] = Some(pool);
     }
     Ok(pools)
+}
+
+/// All slots, the simplest terms first.
+fn simplest(library: &Library) -> Vec<usize> {
+    let mut all: Vec<(f64, usize)> = library.terms().map(|(s, t)| (t.degree(), s)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    all.into_iter().map(|(_, slot)| slot).collect()
 }
 
 /// Columns of the first places on the paths, rising.

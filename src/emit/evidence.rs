@@ -49,9 +49,13 @@ fn remarks(e: &Equation) -> Vec<String> {
 /// What the trajectory leaves of the readings, what the terms are worth, and how well they are known.
 fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
     let mut lines: Vec<String> = t.channels.iter().map(channel).collect();
+    let terms = match evidence.searched < evidence.candidates {
+        true => format!("{} of {} terms", evidence.searched, evidence.candidates),
+        false => format!("{} terms", evidence.candidates),
+    };
     let mut search = format!(
-        "{} terms; {} sets of terms of all equations fitted with the trajectory",
-        evidence.candidates, t.tried
+        "{terms}; {} sets of terms of all equations fitted with the trajectory",
+        t.tried
     );
     if let Some((term, earned)) = &t.weakest {
         search.push_str(&format!(

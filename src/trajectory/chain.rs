@@ -25,10 +25,12 @@ pub(super) fn links(
     let mut columns = vec![0.0; n * p];
     let mut transition = vec![0.0; n * n];
     let mut defect = vec![0.0; n];
+    let mut scratch = Scratch::default();
     for k in 0..last {
         let h = record.time[k + 1] - record.time[k];
         let nodes = [(0.0, 1.0), (0.5, 4.0), (1.0, 1.0)];
-        let values = evaluate(problem, record, curve, k, h);
+        evaluate(problem, record, curve, (k, h), &mut scratch);
+        let values = &scratch.values;
         columns.fill(0.0);
         transition.fill(0.0);
         for i in 0..n {
@@ -80,7 +82,13 @@ fn power(x: f64, e: usize) -> f64 {
 }
 
 /// Values of all columns and known parts at the start, the middle and the end of an interval, along the curve.
-fn evaluate(problem: &Problem, record: &Record, curve: &Curve, k: usize, h: f64) -> Vec<f64> {
+fn evaluate(
+    problem: &Problem,
+    record: &Record,
+    curve: &Curve,
+    (k, h): (usize, f64),
+    scratch: &mut Scratch,
+) {
     let system = &problem.system;
     let (n, m, p) = (
         system.states.len(),
@@ -116,19 +124,26 @@ fn evaluate(problem: &Problem, record: &Record, curve: &Curve, k: usize, h: f64)
             points[(n + m + x) * 3 + b] = record.outside_at(x, k, *part);
         }
     }
-    let mut raw = vec![0.0; p * 3];
-    let mut work = Vec::new();
-    problem.all.eval(&points, 3, &mut raw, &mut work);
+    let Scratch { raw, work, values } = scratch;
+    raw.resize(p * 3, 0.0);
+    problem.all.eval(&points, 3, raw, work);
     let names = system.inputs();
     let value = |s: crate::term::Signal, b: usize| {
         let at = names.iter().position(|t| *t == s).unwrap_or(0);
         points[at * 3 + b]
     };
-    (0..3)
-        .flat_map(|b| {
-            let columns = (0..p).map(|j| raw[j * 3 + b]).collect::<Vec<f64>>();
-            let known = system.laws.iter().map(|l| l.known.eval(&|s| value(s, b)));
-            columns.into_iter().chain(known.collect::<Vec<f64>>())
-        })
-        .collect()
+    values.clear();
+    for b in 0..3 {
+        values.extend((0..p).map(|j| raw[j * 3 + b]));
+        values.extend(system.laws.iter().map(|l| l.known.eval(&|s| value(s, b))));
+    }
+}
+
+/// Buffers that intervals share.
+#[derive(Default)]
+struct Scratch {
+    raw: Vec<f64>,
+    work: Vec<f64>,
+    /// At the start, the middle and the end: all columns, then every law's known part.
+    values: Vec<f64>,
 }

@@ -34,6 +34,8 @@ pub struct Law {
     pub known: Expr,
     /// Its columns; empty for a law that is known.
     pub columns: Range<usize>,
+    /// Terms of its library.
+    pub candidates: usize,
     /// Slots of its library that the columns stand for.
     pub slots: Vec<usize>,
     /// Whether each column was written out in the model, not made by a generator.
@@ -122,6 +124,7 @@ impl System {
                 state,
                 known: known.fold(Expr::zero(), |sum, e| sum + e),
                 columns: from..from + terms.len(),
+                candidates: library.map_or(0, Library::len),
                 slots,
                 written: terms.iter().map(|t| by_hand.contains(t)).collect(),
             });
