@@ -22,6 +22,11 @@ const DEPENDENT: f64 = 1e8;
 /// Smallest 1 − max |φᵀλ| that separates the support from the rest.
 const MARGIN: f64 = 1e-6;
 
+/// Terms of a library from which leaving none aside is no choice.
+const CHOICE: usize = 4;
+/// Terms of a library of which a law has fewer than half.
+const WIDE: usize = 10;
+
 /// Everything the rules see.
 pub(super) struct Case<'a> {
     pub evidence: &'a Evidence,
@@ -37,7 +42,7 @@ pub(super) struct Case<'a> {
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 13] = [
+    let rules: [fn(&Case) -> Option<Reason>; 14] = [
         stopped,
         refused,
         heuristic,
@@ -46,6 +51,7 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         crowded,
         poor_fit,
         misfit,
+        used_up,
         rough,
         held_out,
         few_rows,
@@ -147,6 +153,29 @@ fn crowded(c: &Case) -> Option<Reason> {
             ),
         )
     })
+}
+
+/// A library that a generator made and of which nothing, or little, was left aside: a series that comes near the law, not the law.
+pub(super) fn exhausted(terms: usize, candidates: usize, made: usize) -> Option<Reason> {
+    let all = terms == candidates && made >= CHOICE;
+    let most = candidates >= WIDE && 2 * terms > candidates && 2 * made > candidates;
+    (all || most).then(|| {
+        Reason::new(
+            "exhausted-library",
+            format!(
+                "{terms} of {candidates} terms are used: a series that comes near the law has that many; the law itself is \
+                 probably not in the library"
+            ),
+        )
+    })
+}
+
+fn used_up(c: &Case) -> Option<Reason> {
+    let e = c.evidence;
+    // Where the fit is as good as the data, dense is what the law is.
+    let off = e.target_error > 0.0 && e.residual > MISFIT * e.target_error;
+    let reason = exhausted(c.terms.len(), e.candidates, e.candidates);
+    reason.filter(|_| off)
 }
 
 fn poor_fit(c: &Case) -> Option<Reason> {

@@ -3,6 +3,7 @@
 //! In: a model, its libraries, a dataset. Out: the estimation problem, or why there is none; then its [`Equation`]s with evidence.
 //! The estimation itself is the room `trajectory`; here its figures are weighed.
 
+use super::dependent::Measured;
 use super::equation::simpler;
 use super::joint_doubts::{self, Case};
 use super::joint_search::{self, Settled};
@@ -24,6 +25,9 @@ const CLEAN: f64 = 1e-6;
 const TIE: f64 = 6.0;
 /// The same where the rival has more terms: simplicity decides.
 const LARGER: f64 = 2.0;
+
+/// Spread of the readings over the noise below which a state does not move.
+const STILL: f64 = 1.2;
 
 /// The problem of finding all equations together, where that is asked for or, by default, of use.
 ///
@@ -129,6 +133,7 @@ pub fn discover_jointly(
         discovery.equations.push(equation);
     }
     super::mass::judge_together(&mut discovery, &samples(problem, &found));
+    super::dependent::judge(&mut discovery, &measured_states(problem));
     Some(discovery)
 }
 
@@ -175,6 +180,7 @@ impl Report<'_> {
             readings: self.problem.measurements(),
             all_terms: self.found.best.support().len(),
             arrived: self.found.best.arrived,
+            made: law.written.iter().filter(|by_hand| !**by_hand).count(),
         });
         if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
             reasons.push(joint_doubts::late(names, late));
@@ -275,7 +281,7 @@ impl Report<'_> {
             } else {
                 LARGER
             };
-            let near = *value < self.found.best.value + within;
+            let near = *value < self.found.best.value + within * self.found.as_one;
             let own = part(support);
             if near && !seen.contains(&own) {
                 seen.push(own);
@@ -305,6 +311,20 @@ impl Report<'_> {
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .map(|(j, loss)| (Language(names).term(&self.problem.system.columns[j]), loss))
     }
+}
+
+/// The states as they were read.
+fn measured_states(problem: &Problem) -> Vec<Measured> {
+    let states = problem.system.states.iter().enumerate();
+    let read = states.filter(|(i, s)| s.der == 0 && problem.readings[*i] > 0);
+    read.map(|(i, signal)| Measured {
+        signal: *signal,
+        values: (problem.records.iter())
+            .flat_map(|r| r.measured[i].iter().copied())
+            .collect(),
+        noise: problem.noise[i],
+    })
+    .collect()
 }
 
 /// Every signal along the fitted trajectory.
@@ -337,15 +357,39 @@ fn samples(problem: &Problem, found: &Found) -> Samples {
 /// Equations of a system that could not be fitted together.
 pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
     let mut discovery = Discovery::of(model);
+    let still: Vec<String> = measured_states(problem)
+        .iter()
+        .filter(|m| spread(&m.values) < STILL * m.noise)
+        .map(|m| model.name(m.signal))
+        .collect();
+    let reason = if still.is_empty() {
+        Reason::new(
+            "no-trajectory",
+            "no equations from these libraries lead along the data: hidden states, a library without the physics, or \
+             samples too far apart; `--method regression` shows what each equation fits alone",
+        )
+    } else {
+        Reason::new(
+            "no-motion",
+            format!(
+                "{}: no motion beyond the noise of the sensor; record data in which the system moves",
+                still.join(", ")
+            ),
+        )
+    };
     for law in &problem.system.laws {
         discovery.failed.push(Failed {
             target: law.target,
-            reasons: vec![Reason::new(
-                "no-trajectory",
-                "no equations from these libraries lead along the data: hidden states, a library without the physics, or \
-                 samples too far apart; `--method regression` shows what each equation fits alone",
-            )],
+            reasons: vec![reason.clone()],
         });
     }
     discovery
+}
+
+/// Standard deviation of what was read.
+fn spread(values: &[f64]) -> f64 {
+    let read: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    let count = read.len().max(1) as f64;
+    let mean = read.iter().sum::<f64>() / count;
+    (read.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
 }

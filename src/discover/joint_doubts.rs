@@ -11,6 +11,8 @@ use crate::trajectory::{Channel, Late, Offset};
 const LARGE: f64 = 1.25;
 /// Memory of residuals that matters, however sure it is.
 const MEMORY: f64 = 0.15;
+/// Residual over spread under which what is left is the arithmetic's.
+const CLOSE: f64 = 1e-6;
 /// Noise over spread above which little is explained.
 const POOR: f64 = 0.3;
 /// Standard error over coefficient above which a term could as well be absent.
@@ -31,6 +33,8 @@ pub(super) struct Case<'a> {
     /// Terms of all equations.
     pub all_terms: usize,
     pub arrived: bool,
+    /// Candidates of this equation that a generator made.
+    pub made: usize,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
@@ -42,6 +46,11 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         reasons.extend(outliers(case, c));
     }
     reasons.extend(few(case));
+    reasons.extend(super::doubts::exhausted(
+        case.terms.len(),
+        case.evidence.candidates,
+        case.made,
+    ));
     reasons.extend(unsettled(case));
     reasons.extend(tied(case));
     reasons.extend(uncertain(case));
@@ -112,7 +121,7 @@ fn poor(case: &Case, c: &Channel) -> Option<Reason> {
 }
 
 fn large(case: &Case, c: &Channel) -> Option<Reason> {
-    (c.excess > LARGE).then(|| {
+    (c.excess > LARGE && c.left > CLOSE * c.spread).then(|| {
         Reason::new(
             "misfit",
             format!(
@@ -125,7 +134,7 @@ fn large(case: &Case, c: &Channel) -> Option<Reason> {
 }
 
 fn memory(case: &Case, c: &Channel) -> Option<Reason> {
-    (c.memory.abs() > c.chance.max(MEMORY)).then(|| {
+    (c.memory.abs() > c.chance.max(MEMORY) && c.left > CLOSE * c.spread).then(|| {
         Reason::new(
             "coloured-residuals",
             format!(

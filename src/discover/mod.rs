@@ -4,6 +4,7 @@
 
 mod constraints;
 mod contradiction;
+mod dependent;
 mod discovery;
 mod doubts;
 mod equation;
@@ -29,7 +30,7 @@ mod watch;
 mod weak;
 mod weights;
 
-use crate::data::{Dataset, Samples};
+use crate::data::{Dataset, Origin, Samples};
 use crate::dictionary::BadValue;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Model, RightSide};
@@ -210,8 +211,31 @@ pub fn discover(
     }
     together::attach(&mut discovery, &doubts);
     mass::judge_together(&mut discovery, samples);
+    dependent::judge(&mut discovery, &states_of(model, samples));
     constraints::judge(&mut discovery, model);
     Ok(discovery)
+}
+
+/// The states that were measured.
+fn states_of(model: &Model, samples: &Samples) -> Vec<dependent::Measured> {
+    let state = |s: crate::term::Signal| {
+        s.der == 0
+            && model
+                .equations
+                .iter()
+                .any(|e| e.target.var == s.var && e.target.der > 0)
+    };
+    let columns = samples.columns.iter().filter(|c| state(c.signal));
+    columns
+        .filter_map(|c| match &c.origin {
+            Origin::Measured { noise } => Some(dependent::Measured {
+                signal: c.signal,
+                values: c.values.clone(),
+                noise: noise.unwrap_or(0.0),
+            }),
+            Origin::Estimated { .. } => None,
+        })
+        .collect()
 }
 
 /// The terms that the model itself gives an equation.

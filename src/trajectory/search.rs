@@ -10,6 +10,7 @@ use super::beam::{Subset, subsets};
 use super::fit::{Fit, Judge, fit};
 use super::problem::{Point, Problem};
 use super::quadratic::Quadratic;
+use super::worth::readings_as_one;
 
 /// Floors under the noise, relative to the spread, largest first.
 const FLOORS: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5];
@@ -44,6 +45,10 @@ const CHANGES: usize = 6;
 const BETTER: f64 = 1e-3;
 /// Terms up to which every one is tried without at the end.
 const PRUNED: usize = 30;
+/// Readings that count as one above which the choice is made anew.
+const REPEATED: f64 = 1.5;
+/// Readings that a record is worth at least.
+const FEW: f64 = 4.0;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -55,6 +60,8 @@ pub struct Found {
     pub tried: usize,
     /// Cost of a term.
     pub penalty: f64,
+    /// Readings that count as one: 1 where the residuals are white.
+    pub as_one: f64,
 }
 
 /// Supports tried at one level.
@@ -275,24 +282,54 @@ impl Level<'_> {
 ///
 /// Long records are searched on stretches first; all samples then judge what was found there, and what is proposed about it.
 pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
-    let Some(short) = problem.shortened() else {
-        return levels(problem, Vec::new(), go_on);
+    let mut found = match problem.shortened() {
+        None => weighed(problem, go_on)?,
+        Some(short) => {
+            let found = weighed(&short, go_on)?;
+            let start = Point {
+                paths: problem.start(&[]).paths,
+                ..found.best.point.clone()
+            };
+            let all = levels(problem, vec![start], (found.as_one, false), go_on)?;
+            Found {
+                tried: found.tried + all.tried,
+                ..all
+            }
+        }
     };
-    let found = levels(&short, Vec::new(), go_on)?;
-    let start = |f: &Fit| Point {
-        paths: problem.start(&[]).paths,
-        ..f.point.clone()
+    let wider = readings_as_one(problem, &found.best);
+    found.best.variances.iter_mut().for_each(|v| *v *= wider);
+    Some(found)
+}
+
+/// Laws that are only nearly right leave residuals that follow each other: the choice is then made anew, what each term earns being
+/// counted in readings that say something new.
+fn weighed(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
+    let found = levels(problem, Vec::new(), (1.0, true), go_on)?;
+    let as_one = readings_as_one(problem, &found.best);
+    if as_one <= REPEATED || !go_on() {
+        return Some(found);
+    }
+    let start = vec![found.best.point.clone()];
+    let Some(again) = levels(problem, start, (as_one, true), go_on) else {
+        return Some(found);
     };
-    let all = levels(problem, vec![start(&found.best)], go_on)?;
     Some(Found {
-        tried: found.tried + all.tried,
-        ..all
+        tried: found.tried + again.tried,
+        ..again
     })
 }
 
-/// Level after level, lower and lower floors under the noise; the last one alone if there are points to start from.
-fn levels(problem: &Problem, start: Vec<Point>, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
-    let penalty = TERM * (problem.measurements() as f64).ln();
+/// Level after level, lower and lower floors under the noise; the last one alone if there are points to start from. `as_one`
+/// readings count as one; `fresh` levels start from the smooth curves too.
+fn levels(
+    problem: &Problem,
+    start: Vec<Point>,
+    (as_one, fresh): (f64, bool),
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<Found> {
+    let readings = (problem.measurements() as f64 / as_one).max(FEW);
+    let penalty = as_one * TERM * readings.ln();
     let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
     let noisiest = (0..problem.noise.len())
         .filter(|i| problem.readings[*i] > 0)
@@ -306,7 +343,6 @@ fn levels(problem: &Problem, start: Vec<Point>, go_on: &mut dyn FnMut() -> bool)
     if !start.is_empty() {
         floors = vec![lowest];
     }
-    let known = !start.is_empty();
     let mut carried = start;
     let mut tried = 0;
     let mut result = None;
@@ -329,7 +365,7 @@ fn levels(problem: &Problem, start: Vec<Point>, go_on: &mut dyn FnMut() -> bool)
             ..point
         });
         level.fit(points.collect::<Vec<_>>());
-        if level.best.is_empty() || !known && (place == 0 || last) {
+        if level.best.is_empty() || fresh && (place == 0 || last) {
             level.start();
         }
         if go_on() {
@@ -349,6 +385,7 @@ fn levels(problem: &Problem, start: Vec<Point>, go_on: &mut dyn FnMut() -> bool)
                 rivals,
                 tried,
                 penalty,
+                as_one,
             });
         }
     }

@@ -8,10 +8,11 @@ use std::path::Path;
 
 use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
 
-const DOCUMENTS: [&str; 4] = [
+const DOCUMENTS: [&str; 5] = [
     "README.md",
     "docs/guide.md",
     "docs/command-line.md",
+    "docs/noise.md",
     "models/README.md",
 ];
 

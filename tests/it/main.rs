@@ -13,6 +13,7 @@ mod dictionary;
 mod docs;
 mod emit;
 mod gallery;
+mod honest;
 mod hostile_results;
 mod joint;
 mod lang;
