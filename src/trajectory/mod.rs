@@ -38,7 +38,7 @@ mod triangle;
 mod tests;
 
 pub use channel::{Channel, File, channels};
-pub use delay::{Late, delay, delayed};
+pub use delay::{Late, delay, delayed, undelayed};
 pub use fit::Fit;
 pub use offset::{Offset, offset};
 pub use problem::Problem;
