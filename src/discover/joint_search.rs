@@ -112,12 +112,13 @@ impl Search<'_, '_> {
             let Some(more) = trajectory::delay(problem, best, &inputs, &mut go_on) else {
                 return;
             };
-            let late = match &settled.late {
-                None => more,
+            let before = trajectory::undelayed(problem, best, &more);
+            let mut late = match &settled.late {
+                None => Late { gain: 0.0, ..more },
                 Some(before) if before.inputs == more.inputs => Late {
                     samples: before.samples + more.samples,
                     seconds: before.seconds + more.seconds,
-                    gain: before.gain + more.gain,
+                    gain: before.gain,
                     ..more
                 },
                 Some(_) => return,
@@ -126,6 +127,11 @@ impl Search<'_, '_> {
             let Some(found) = self.run(&next) else {
                 return;
             };
+            let gain = before - found.best.value;
+            if gain < found.penalty {
+                return;
+            }
+            late.gain += gain;
             *settled = Settled {
                 problem: Cow::Owned(next),
                 found,

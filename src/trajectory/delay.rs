@@ -15,6 +15,11 @@ const TRIED: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20];
 const WORSE: usize = 4;
 /// Parts of a sample: what moves on a straight line may be late by these.
 const PARTS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+/// Terms a law up to which a support is taken as it is.
+const MOST: usize = 8;
+/// Multiples of a term's price that sparser ones are proposed for, and how many of those are tried.
+const STRENGTHS: [f64; 6] = [4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
+const SPARSE: usize = 2;
 /// A record is cut by no more than this part of it.
 const CUT: usize = 5;
 
@@ -42,32 +47,92 @@ pub fn delay(
     if inputs.len() > 1 {
         sets.insert(0, inputs.to_vec());
     }
-    let mut best: Option<Late> = None;
+    let judge = last_judge(&cut(problem, reach, reach));
+    let starts = starts(problem, found);
+    let mut best: Option<(f64, Late)> = None;
     for set in sets {
-        let mut trial = Trial::new(problem, found, &set, reach)?;
-        let (samples, value) = trial.best(go_on);
-        let gain = trial.undelayed - value;
-        let before = best.as_ref().map_or(trial.judge.penalty, |b| b.gain);
-        if samples != 0.0 && gain > before {
-            best = Some(Late {
-                inputs: set,
-                samples,
-                seconds: samples * step,
-                gain,
-            });
+        for start in &starts {
+            let Some(trial) = Trial::new(problem, start, &set, (reach, &judge)) else {
+                continue;
+            };
+            let (samples, value) = trial.best(go_on);
+            let gain = trial.undelayed - value;
+            let better = best.as_ref().is_none_or(|(before, _)| value < *before);
+            if samples != 0.0 && gain > judge.penalty && better {
+                let late = Late {
+                    inputs: set.clone(),
+                    samples,
+                    seconds: samples * step,
+                    gain,
+                };
+                best = Some((value, late));
+            }
         }
     }
-    best
+    best.map(|(_, late)| late)
+}
+
+/// Supports that delays are tried with. Under a wrong input many small terms make up for it, and would under any other: the few
+/// that explain most tell the delay.
+fn starts(problem: &Problem, found: &Fit) -> Vec<Point> {
+    let most = MOST * problem.system.laws.len();
+    if found.support().len() <= most {
+        return vec![found.point.clone()];
+    }
+    let Ok(form) = problem.form(&found.point) else {
+        return Vec::new();
+    };
+    let penalty = last_judge(problem).penalty;
+    let mut supports = form.backward(&STRENGTHS.map(|s| s * penalty));
+    supports.retain(|s| !s.is_empty() && s.len() <= most);
+    supports.dedup();
+    supports.truncate(SPARSE);
+    let point = |support: Vec<usize>| Point {
+        coefficients: form.least(&support).coefficients,
+        support,
+        ..found.point.clone()
+    };
+    supports.into_iter().map(point).collect()
+}
+
+/// The criterion of a fit without the delay, over the samples that the delay leaves.
+pub fn undelayed(problem: &Problem, found: &Fit, late: &Late) -> f64 {
+    let (front, back) = ends(late);
+    let problem_cut = cut(problem, front, back);
+    let start = cut_point(problem, &found.point, (front, back));
+    let fitted = fit(
+        &problem_cut,
+        start,
+        &last_judge(&problem_cut),
+        f64::INFINITY,
+    );
+    fitted.map_or(f64::INFINITY, |f| f.value)
+}
+
+/// Samples at both ends of a record whose input is not known.
+fn ends(late: &Late) -> (usize, usize) {
+    let whole = late.samples.abs().ceil() as usize;
+    match late.samples > 0.0 {
+        true => (whole, 0),
+        false => (0, whole),
+    }
+}
+
+fn cut_point(problem: &Problem, point: &Point, (front, back): (usize, usize)) -> Point {
+    let n = problem.states();
+    let part = |(record, path): (&Record, &Vec<f64>)| {
+        let (from, to) = kept(record, front, back);
+        path[from * n..to * n].to_vec()
+    };
+    Point {
+        paths: problem.records.iter().zip(&point.paths).map(part).collect(),
+        ..point.clone()
+    }
 }
 
 /// The problem with inputs delayed; where a record does not say what they were, it is cut.
 pub fn delayed(problem: &Problem, late: &Late) -> Problem {
-    let whole = late.samples.abs().ceil() as usize;
-    let (front, back) = if late.samples > 0.0 {
-        (whole, 0)
-    } else {
-        (0, whole)
-    };
+    let (front, back) = ends(late);
     cut(&shifted(problem, &late.inputs, late.samples), front, back)
 }
 
@@ -76,7 +141,7 @@ struct Trial<'a> {
     problem: &'a Problem,
     inputs: &'a [VarId],
     reach: usize,
-    judge: Judge,
+    judge: &'a Judge,
     start: Point,
     /// Criterion without delay.
     undelayed: f64,
@@ -84,19 +149,14 @@ struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    fn new(problem: &'a Problem, found: &Fit, inputs: &'a [VarId], reach: usize) -> Option<Self> {
-        let base = cut(problem, reach, reach);
-        let judge = last_judge(&base);
-        let start = Point {
-            paths: (problem.records.iter().zip(found.paths()))
-                .map(|(record, path)| {
-                    let (from, to) = kept(record, reach, reach);
-                    path[from * problem.states()..to * problem.states()].to_vec()
-                })
-                .collect(),
-            ..found.point.clone()
-        };
-        let base = fit(&base, start, &judge, f64::INFINITY)?;
+    fn new(
+        problem: &'a Problem,
+        start: &Point,
+        inputs: &'a [VarId],
+        (reach, judge): (usize, &'a Judge),
+    ) -> Option<Self> {
+        let start = cut_point(problem, start, (reach, reach));
+        let base = fit(&cut(problem, reach, reach), start, judge, f64::INFINITY)?;
         let own = |s: &crate::term::Signal| inputs.contains(&s.var);
         let signals = problem.system.outside.iter().enumerate();
         let held = signals.filter(|(_, s)| own(s)).any(|(x, _)| {
@@ -117,12 +177,12 @@ impl<'a> Trial<'a> {
     fn value(&self, samples: f64) -> f64 {
         let problem = shifted(self.problem, self.inputs, samples);
         let problem = cut(&problem, self.reach, self.reach);
-        let fitted = fit(&problem, self.start.clone(), &self.judge, f64::INFINITY);
+        let fitted = fit(&problem, self.start.clone(), self.judge, f64::INFINITY);
         fitted.map_or(f64::INFINITY, |f| f.value)
     }
 
     /// The best delay and its criterion.
-    fn best(&mut self, go_on: &mut dyn FnMut() -> bool) -> (f64, f64) {
+    fn best(&self, go_on: &mut dyn FnMut() -> bool) -> (f64, f64) {
         let mut best = (0.0, self.undelayed);
         for sign in [1.0, -1.0] {
             let mut worse = 0;

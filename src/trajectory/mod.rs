@@ -40,7 +40,7 @@ mod worth;
 mod tests;
 
 pub use channel::{Channel, File, channels};
-pub use delay::{Late, delay, delayed};
+pub use delay::{Late, delay, delayed, undelayed};
 pub use fit::Fit;
 pub use offset::{Offset, offset};
 pub use problem::Problem;
