@@ -10,7 +10,7 @@ use crate::trajectory::{Channel, Late, Offset};
 /// Residual over the sensor's noise above which something is missing.
 const LARGE: f64 = 1.25;
 /// Memory of residuals that matters, however sure it is.
-const MEMORY: f64 = 0.15;
+const MEMORY: f64 = 0.05;
 /// Residual over spread under which what is left is the arithmetic's.
 const CLOSE: f64 = 1e-6;
 /// Noise over spread above which little is explained.

@@ -21,7 +21,7 @@ pub struct Channel {
     /// Standard deviation of the channel.
     pub spread: f64,
     pub readings: usize,
-    /// Σ over lags 1 … 8 of the squared autocorrelation, its root, signed by the first: 0 for white residuals.
+    /// Root mean square of the autocorrelation over lags 1 … 8, signed by the first: 0 for white residuals, 1 at most.
     pub memory: f64,
     /// What chance allows `memory` to be, and the rounding of an encoder.
     pub chance: f64,
@@ -119,9 +119,9 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let readings = readings(problem, state);
     let m = readings as f64;
     let correlation = sums.map(|s| s / total.max(f64::MIN_POSITIVE));
-    let length = |r: [f64; LAGS]| r.iter().map(|r| r * r).sum::<f64>().sqrt();
-    let memory = length(correlation);
-    let rounded = length(rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
+    let mean = |r: [f64; LAGS]| (r.iter().map(|r| r * r).sum::<f64>() / LAGS as f64).sqrt();
+    let memory = mean(correlation);
+    let rounded = mean(rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
     // M Σ r² is about χ² of as many degrees of freedom as lags, less what the fit took.
     let lags = LAGS as f64;
     Channel {
@@ -132,7 +132,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         spread: problem.spread[state],
         readings,
         memory: memory.copysign(correlation[0]),
-        chance: ((lags + ALLOWED * (2.0 * lags).sqrt()) / m).sqrt() + rounded,
+        chance: ((1.0 + ALLOWED * (2.0 / lags).sqrt()) / m).sqrt() + rounded,
         files: files(problem, fit, state),
         strays: strays(problem, fit, state),
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),

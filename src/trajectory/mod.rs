@@ -34,6 +34,7 @@ mod sweep;
 mod system;
 mod transition;
 mod triangle;
+mod values;
 mod worth;
 
 #[cfg(test)]

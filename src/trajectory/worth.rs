@@ -10,7 +10,7 @@ use super::fit::Fit;
 use super::problem::Problem;
 
 /// Memory of residuals below which they count as white, however sure it is.
-const WHITE: f64 = 0.15;
+const WHITE: f64 = 0.05;
 /// Residual over spread under which what is left is the arithmetic's.
 const CLOSE: f64 = 1e-6;
 /// The sum over lags goes this many times as far as what it comes to (Sokal 1997).
