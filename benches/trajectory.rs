@@ -57,7 +57,7 @@ fn problem(degree: usize, samples: usize) -> Option<trajectory::Problem> {
     let (dataset, _) = data::bind(&program.model, &[table], &[], &mut sources);
     let pools = vec![None; program.libraries.len()];
     let system = trajectory::System::new(&program.model, &program.libraries, &pools).ok()?;
-    trajectory::Problem::new(system, &dataset, &|_| None).ok()
+    trajectory::Problem::new(system, &dataset, &|_| None, false).ok()
 }
 
 fn searches(c: &mut Criterion) {

@@ -133,6 +133,8 @@ pub fn measure(
         Err(why) => {
             if options.method == Method::Joint {
                 diagnostics.push(not_joint(&why));
+            } else if options.robust {
+                diagnostics.push(not_robust(&why));
             }
             None
         }
@@ -161,6 +163,14 @@ fn not_joint(why: &str) -> Diagnostic {
     .help("leave --method to the program, or take --method regression")
 }
 
+fn not_robust(why: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "robust-unused",
+        format!("--robust has no effect: the equations are not estimated together with their trajectory, because {why}"),
+    )
+    .help("readings are left out where --method is joint")
+}
+
 impl Measured {
     /// Rows or samples that equations are found from.
     pub fn rows(&self) -> usize {
@@ -178,7 +188,7 @@ pub fn identify(
     watch: Watch,
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
-        let found = discover::discover_jointly(&program.model, problem, watch);
+        let found = discover::discover_jointly(&program.model, problem, options, watch);
         return Ok(found.unwrap_or_else(|| discover::nothing_fits(&program.model, problem)));
     }
     discover::discover(

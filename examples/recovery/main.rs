@@ -86,6 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 seed: draw,
                 memory: pipeline::MEMORY,
                 path: false,
+                robust: false,
             };
             outcomes.push(one(&program, draw, &options)?);
         }

@@ -57,6 +57,9 @@ pub struct Args {
     /// Most memory for a table, a library, and its values: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
+    /// Give readings more than five standard deviations from the trajectory no weight
+    #[arg(long)]
+    robust: bool,
     /// Show after each equation the answers for larger tolerances, from the first term on
     #[arg(long)]
     path: bool,
@@ -96,6 +99,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         seed: args.seed,
         memory: args.memory_limit,
         path: args.path,
+        robust: args.robust,
     };
     let mut staged = pipeline::measure(
         &program,

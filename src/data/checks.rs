@@ -225,7 +225,7 @@ fn gaps(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnosti
         } else {
             Diagnostic::warning("missing-values", message)
                 .fact(place)
-                .fact("these rows are left out, and nothing is estimated across them")
+                .fact("no derivative is estimated across them; laws fitted with their trajectory go through")
         });
     }
 }

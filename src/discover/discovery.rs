@@ -145,10 +145,22 @@ pub struct Together {
     /// The term that is missed least, and what the criterion loses with it.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub weakest: Option<(String, f64)>,
+    /// Inputs that were moved in time.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub delays: Vec<InputDelay>,
     /// What a term has to earn.
     pub price: f64,
     /// Sets of terms that were fitted.
     pub tried: usize,
+}
+
+/// An input that acts at another time than its record says.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct InputDelay {
+    pub input: String,
+    /// Positive if later.
+    pub seconds: f64,
+    pub samples: f64,
 }
 
 /// What the trajectory leaves of one channel's readings.
@@ -163,6 +175,16 @@ pub struct ChannelFit {
     /// Autocorrelation of the residuals over the first lags, and what chance allows it to be.
     pub memory: f64,
     pub chance: f64,
+    /// What it is in each file, by name, where sensors differ from file to file.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub files: Vec<(String, f64)>,
+    /// Readings that were given no weight.
+    #[serde(skip_serializing_if = "is_zero", default)]
+    pub left_out: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -6,17 +6,18 @@
 use super::dependent::Measured;
 use super::equation::simpler;
 use super::joint_doubts::{self, Case};
+use super::joint_search::{self, Settled};
 use super::pools::{Pools, pools};
-use super::watch::{Stage, Watcher};
+use super::watch::Watcher;
 use super::{
-    Discovery, Equation, Evidence, Failed, FoundTerm, Method, Options, Reason, Status, Together,
-    fixed, fixed_terms,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, InputDelay, Method, Options,
+    Reason, Status, Together, fixed, fixed_terms,
 };
 use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
 use crate::library::Library;
-use crate::term::{Language, Signal, SignalNames, Term};
-use crate::trajectory::{self, Channel, Found, Law, Problem, System};
+use crate::term::{Language, Signal, SignalNames, Term, VarId};
+use crate::trajectory::{self, Channel, File, Found, Late, Law, Offset, Problem, System};
 
 /// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
 const CLEAN: f64 = 1e-6;
@@ -58,13 +59,16 @@ pub fn joint(
     // One column each is enough to see the noise by.
     let bare = make(&libraries.iter().map(|_| Some(vec![0])).collect())?;
     let missing = |s: Signal| format!("the data have no {}", model.name(s));
-    let bare = Problem::new(bare, dataset, &|s| model.noise(s)).map_err(missing)?;
+    let noise = |s| model.noise(s);
+    let bare = Problem::new(bare, dataset, &noise, options.robust).map_err(missing)?;
     let noisy = |c: &Channel| c.noise > CLEAN * c.spread;
-    if !asked && !bare.channels().iter().any(noisy) {
+    let noisy = bare.channels().iter().any(noisy) || !bare.left_out.is_empty();
+    if !asked && !noisy {
         return Err("the data are clean".into());
     }
-    let pools = pools(model, libraries, (dataset, &bare), go_on)?;
-    let problem = bare.with(make(&pools)?, dataset).map_err(missing)?;
+    let with = |system: System| bare.with(system, dataset, &noise, options.robust);
+    let pools = pools(model, libraries, &|s| with(s).map_err(missing), go_on)?;
+    let problem = with(make(&pools)?).map_err(missing)?;
     if let Some(term) = problem.undefined() {
         return Err(format!(
             "{} has no finite value",
@@ -84,19 +88,20 @@ fn measured(model: &Model, dataset: &Dataset) -> Option<Signal> {
 pub fn discover_jointly(
     model: &Model,
     problem: &Problem,
+    options: &Options,
     watch: super::Watch,
 ) -> Option<Discovery> {
     let mut watcher = Watcher::new(watch);
     let mut discovery = Discovery::of(model);
-    let mut at = 0;
-    let found = trajectory::search(problem, &mut || {
-        // The work is for all of them: each in turn is named.
-        watcher.turn_to(problem.system.laws[at % problem.system.laws.len()].equation);
-        at += 1;
-        watcher.at(Stage::Refitting(at)).is_none()
-    });
+    let settled = joint_search::settle(model, problem, options, &mut watcher);
     let stopped = watcher.stop();
-    let Some(found) = found else {
+    let Some(Settled {
+        problem,
+        found,
+        late,
+        offset,
+    }) = settled
+    else {
         let stop = stopped?;
         for law in &problem.system.laws {
             discovery.failed.push(Failed {
@@ -106,9 +111,12 @@ pub fn discover_jointly(
         }
         return Some(discovery);
     };
+    let problem = problem.as_ref();
     let report = Report {
         problem,
         found: &found,
+        late: late.as_ref(),
+        offset: offset.as_ref(),
         channels: trajectory::channels(problem, &found.best),
     };
     for law in &problem.system.laws {
@@ -132,6 +140,8 @@ pub fn discover_jointly(
 struct Report<'a> {
     problem: &'a Problem,
     found: &'a Found,
+    late: Option<&'a Late>,
+    offset: Option<&'a Offset>,
     channels: Vec<Channel>,
 }
 
@@ -152,26 +162,18 @@ impl Report<'_> {
             target_error: worst(&|c| c.noise / c.spread),
             ties: self.ties(names, law),
             together: Some(Together {
-                channels: channels
-                    .iter()
-                    .map(|c| super::ChannelFit {
-                        signal: names.name(c.signal),
-                        left: c.left,
-                        noise: c.noise,
-                        relative: c.left / c.spread,
-                        memory: c.memory,
-                        chance: c.chance,
-                    })
-                    .collect(),
+                channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
+                delays: self.delays(names),
                 price: self.found.penalty,
                 tried: self.found.tried,
             }),
             ..Evidence::default()
         };
-        let reasons = joint_doubts::weigh(&Case {
+        let mut reasons = joint_doubts::weigh(&Case {
             names,
             channels: &channels,
+            files: &self.problem.names,
             terms: &terms,
             written: &written,
             evidence: &evidence,
@@ -180,6 +182,18 @@ impl Report<'_> {
             arrived: self.found.best.arrived,
             made: law.written.iter().filter(|by_hand| !**by_hand).count(),
         });
+        if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
+            reasons.push(joint_doubts::late(names, late));
+        }
+        if let Some(offset) = self.offset {
+            let own = offset.terms.iter().filter(|j| law.columns.contains(j));
+            let terms: Vec<String> = own
+                .map(|j| language.term(&self.problem.system.columns[*j]))
+                .collect();
+            if !terms.is_empty() {
+                reasons.push(joint_doubts::offset(names, offset, &terms));
+            }
+        }
         let mut all: Vec<FoundTerm> = known.into_iter().map(fixed).collect();
         all.extend(terms);
         Equation {
@@ -189,6 +203,48 @@ impl Report<'_> {
             reasons,
             evidence: Some(evidence),
             path: Vec::new(),
+        }
+    }
+
+    fn delays(&self, names: &Discovery) -> Vec<InputDelay> {
+        let of = |late: &Late| -> Vec<InputDelay> {
+            let inputs = late.inputs.iter();
+            let delay = |v: &VarId| InputDelay {
+                input: names.variable(*v).to_string(),
+                seconds: late.seconds,
+                samples: late.samples,
+            };
+            inputs.map(delay).collect()
+        };
+        self.late.map(of).unwrap_or_default()
+    }
+
+    /// Whether a law that was found contains an input that is late; all do if none does.
+    fn concerns(&self, late: &Late, law: &Law) -> bool {
+        let contains = |law: &Law| {
+            let mut found = false;
+            let mut see = |s: Signal| found |= late.inputs.contains(&s.var);
+            let support = self.found.best.support().iter();
+            for j in support.filter(|j| law.columns.contains(j)) {
+                self.problem.system.columns[*j].for_each_signal(&mut see);
+            }
+            found
+        };
+        contains(law) || !self.problem.system.laws.iter().any(contains)
+    }
+
+    fn channel(&self, names: &Discovery, c: &Channel) -> ChannelFit {
+        let name = |f: &File| self.problem.names.get(f.trajectory).cloned();
+        let files = c.files.iter();
+        ChannelFit {
+            signal: names.name(c.signal),
+            left: c.left,
+            noise: c.noise,
+            relative: c.left / c.spread,
+            memory: c.memory,
+            chance: c.chance,
+            files: files.filter_map(|f| Some((name(f)?, f.left))).collect(),
+            left_out: c.left_out,
         }
     }
 

@@ -5,7 +5,7 @@
 
 use super::{Discovery, Evidence, FoundTerm, Reason};
 use crate::term::SignalNames;
-use crate::trajectory::Channel;
+use crate::trajectory::{Channel, Late, Offset};
 
 /// Residual over the sensor's noise above which something is missing.
 const LARGE: f64 = 1.25;
@@ -24,6 +24,8 @@ const READINGS_A_TERM: usize = 15;
 pub(super) struct Case<'a> {
     pub names: &'a Discovery,
     pub channels: &'a [Channel],
+    /// Names of the trajectories.
+    pub files: &'a [String],
     pub terms: &'a [FoundTerm],
     pub written: &'a [String],
     pub evidence: &'a Evidence,
@@ -41,6 +43,7 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         reasons.extend(poor(case, c));
         reasons.extend(large(case, c));
         reasons.extend(memory(case, c));
+        reasons.extend(outliers(case, c));
     }
     reasons.extend(few(case));
     reasons.extend(super::doubts::exhausted(
@@ -52,6 +55,54 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
     reasons.extend(tied(case));
     reasons.extend(uncertain(case));
     reasons
+}
+
+/// Whether a channel's residuals are more than its sensor's noise.
+pub(super) fn unexplained(c: &Channel) -> bool {
+    c.excess > LARGE || c.memory.abs() > c.chance.max(MEMORY)
+}
+
+/// Inputs that were moved in time.
+pub(super) fn late(names: &Discovery, late: &Late) -> Reason {
+    let inputs: Vec<&str> = late.inputs.iter().map(|v| names.variable(*v)).collect();
+    let (act, record) = match inputs.len() {
+        1 => ("acts", "its record"),
+        _ => ("act", "their records"),
+    };
+    let when = if late.samples > 0.0 {
+        "later"
+    } else {
+        "earlier"
+    };
+    Reason::new(
+        "input-delay",
+        format!(
+            "{} {act} {} s ({} samples) {when} than {record}, which the criterion prefers by {:.0}; the equations are those with \
+             the delay",
+            inputs.join(", "),
+            short(late.seconds.abs()),
+            late.samples.abs(),
+            late.gain
+        ),
+    )
+}
+
+/// A rival with fewer terms: the sensor reads a constant too much.
+pub(super) fn offset(names: &Discovery, offset: &Offset, terms: &[String]) -> Reason {
+    Reason::new(
+        "sensor-offset",
+        format!(
+            "if the sensor of {} reads {:.4} too much, {} not needed ({} fewer in all, which the criterion prefers by {:.0}): check its zero",
+            names.name(offset.signal),
+            offset.value,
+            match terms {
+                [one] => format!("{one} is"),
+                many => format!("{} are", many.join(", ")),
+            },
+            offset.terms.len(),
+            offset.gain
+        ),
+    )
 }
 
 fn poor(case: &Case, c: &Channel) -> Option<Reason> {
@@ -70,13 +121,13 @@ fn poor(case: &Case, c: &Channel) -> Option<Reason> {
 }
 
 fn large(case: &Case, c: &Channel) -> Option<Reason> {
-    (c.left > LARGE * c.noise && c.left > CLOSE * c.spread).then(|| {
+    (c.excess > LARGE && c.left > CLOSE * c.spread).then(|| {
         Reason::new(
             "misfit",
             format!(
                 "the residuals of {} are {:.1} times its sensor's noise: a term or a state is missing, or an input acts otherwise",
                 case.names.name(c.signal),
-                c.left / c.noise
+                c.excess
             ),
         )
     })
@@ -95,6 +146,30 @@ fn memory(case: &Case, c: &Channel) -> Option<Reason> {
             ),
         )
     })
+}
+
+fn outliers(case: &Case, c: &Channel) -> Option<Reason> {
+    let s = c.strays?;
+    let file = case.files.get(s.trajectory).map_or("?", String::as_str);
+    let lie = match s.count {
+        1 => "1 reading lies".to_string(),
+        n => format!("{n} of {} readings lie", c.readings),
+    };
+    Some(Reason::new(
+        "outliers",
+        format!(
+            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst {:.0}, in {file} at {} s: `--robust` gives \
+             them no weight",
+            case.names.name(c.signal),
+            s.worst,
+            short(s.time)
+        ),
+    ))
+}
+
+/// At most six decimals.
+fn short(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
 }
 
 fn few(case: &Case) -> Option<Reason> {

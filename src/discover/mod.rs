@@ -11,6 +11,7 @@ mod equation;
 mod form;
 mod joint;
 mod joint_doubts;
+mod joint_search;
 mod mass;
 mod memory;
 mod path;
@@ -38,8 +39,8 @@ use crate::solve::{SOLVERS, Solver};
 use crate::term::Term;
 
 pub use discovery::{
-    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, PathKnot, Proof, Reason,
-    Status, Together, Variable,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, PathKnot,
+    Proof, Reason, Status, Together, Variable,
 };
 pub use form::{Form, NotRunnable, Rate, Row, Weighted};
 pub use joint::{discover_jointly, joint, nothing_fits};
@@ -92,6 +93,8 @@ pub struct Options {
     pub memory: u64,
     /// Whether the whole path of each equation is wanted.
     pub path: bool,
+    /// Whether readings far from what the laws say have no weight.
+    pub robust: bool,
 }
 
 impl Default for Options {
@@ -103,6 +106,7 @@ impl Default for Options {
             seed: 0,
             memory: library::MEMORY,
             path: false,
+            robust: false,
         }
     }
 }

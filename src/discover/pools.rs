@@ -1,16 +1,14 @@
 //! Which columns take part in the joint estimate where a library is too large to be searched whole.
 //!
-//! In: a model, its libraries, its data with the noise that they have. Out: for every large library the slots of its simplest
+//! In: a model, its libraries, a way to put a system's columns on the data. Out: for every large library the slots of its simplest
 //! terms, and those that basis pursuit denoising proposes. The likelihood decides among them.
 
 use std::ops::ControlFlow;
 
-use crate::data::Dataset;
 use crate::dictionary::Dense;
 use crate::lang::model::Model;
 use crate::library::Library;
 use crate::solve::{self, Problem};
-use crate::term::SignalNames;
 use crate::trajectory::{self, System};
 
 /// Columns of all laws together that are searched whole.
@@ -35,7 +33,7 @@ pub(super) type Pools = Vec<Option<Vec<usize>>>;
 pub(super) fn pools(
     model: &Model,
     libraries: &[Option<Library>],
-    (dataset, bare): (&Dataset, &trajectory::Problem),
+    with: &dyn Fn(System) -> Result<trajectory::Problem, String>,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Pools, String> {
     let all: usize = libraries.iter().flatten().map(Library::len).sum();
@@ -57,8 +55,7 @@ pub(super) fn pools(
         own[place] = None;
         let system = System::new(model, libraries, &own)?;
         let slots: Vec<usize> = system.laws.iter().flat_map(|l| l.slots.clone()).collect();
-        let missing = |s| format!("the data have no {}", model.name(s));
-        let problem = bare.with(system, dataset).map_err(missing)?;
+        let problem = with(system)?;
         let proposed = proposals(&problem, slots.len(), go_on);
         let mut pool: Vec<usize> = proposed.into_iter().map(|j| slots[j]).collect();
         for slot in simplest(library) {

@@ -48,7 +48,7 @@ fn remarks(e: &Equation) -> Vec<String> {
 
 /// What the trajectory leaves of the readings, what the terms are worth, and how well they are known.
 fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
-    let mut lines: Vec<String> = t.channels.iter().map(channel).collect();
+    let mut lines: Vec<String> = t.channels.iter().flat_map(channel).collect();
     let terms = match evidence.searched < evidence.candidates {
         true => format!("{} of {} terms", evidence.searched, evidence.candidates),
         false => format!("{} terms", evidence.candidates),
@@ -71,19 +71,36 @@ fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
     lines
 }
 
-fn channel(c: &ChannelFit) -> String {
+fn channel(c: &ChannelFit) -> Vec<String> {
     let white = if c.memory.abs() <= c.chance {
         "white".into()
     } else {
         format!("autocorrelation {:.2}", c.memory)
     };
-    format!(
+    let mut lines = vec![format!(
         "fit: {} to {} ({} of its spread), residuals {white}; its sensor's noise is {}",
         c.signal,
         power(c.left),
         percent(c.relative),
         power(c.noise)
-    )
+    )];
+    if c.left_out > 0 {
+        lines.push(format!(
+            "robust: {} readings of {} had no weight",
+            c.left_out, c.signal
+        ));
+    }
+    if !c.files.is_empty() {
+        let files: Vec<String> = (c.files.iter())
+            .map(|(name, left)| format!("{} in {name}", power(*left)))
+            .collect();
+        lines.push(format!(
+            "noise of {} by file: {}",
+            c.signal,
+            files.join(", ")
+        ));
+    }
+    lines
 }
 
 /// Relative, in the order of the terms.

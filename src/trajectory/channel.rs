@@ -5,6 +5,7 @@
 
 use super::fit::Fit;
 use super::problem::Problem;
+use super::strays::{Strays, strays};
 use crate::term::Signal;
 
 /// One channel's residuals.
@@ -15,23 +16,41 @@ pub struct Channel {
     pub left: f64,
     /// The sensor's noise, as declared or as smoothing sees it.
     pub noise: f64,
+    /// Root mean square of residuals over the noise of their own file.
+    pub excess: f64,
     /// Standard deviation of the channel.
     pub spread: f64,
     pub readings: usize,
     /// Σ over lags 1 … 8 of the squared autocorrelation, its root, signed by the first: 0 for white residuals.
     pub memory: f64,
-    /// What chance allows `memory` to be.
+    /// What chance allows `memory` to be, and the rounding of an encoder.
     pub chance: f64,
+    /// Residuals file by file, where they differ.
+    pub files: Vec<File>,
+    /// Readings that noise does not explain.
+    pub strays: Option<Strays>,
+    /// Readings that had no weight.
+    pub left_out: usize,
+}
+
+/// One trajectory's part of a channel.
+#[derive(Clone, Debug)]
+pub struct File {
+    pub trajectory: usize,
+    /// Root mean square of its residuals.
+    pub left: f64,
 }
 
 /// Lags looked at.
 const LAGS: usize = 8;
 /// Standard deviations that chance is allowed.
 const ALLOWED: f64 = 5.0;
+/// Files whose noises differ by this factor are told apart.
+const DIFFER: f64 = 1.5;
 
 pub fn channels(problem: &Problem, fit: &Fit) -> Vec<Channel> {
     (0..problem.states())
-        .filter(|i| problem.readings[*i] > 0)
+        .filter(|i| readings(problem, *i) > 0)
         .map(|i| channel(problem, fit, i))
         .collect()
 }
@@ -39,45 +58,117 @@ pub fn channels(problem: &Problem, fit: &Fit) -> Vec<Channel> {
 /// Every channel before there is a fit: nothing is left but noise.
 pub(super) fn first(problem: &Problem) -> Vec<Channel> {
     let states = 0..problem.states();
-    let read = states.filter(|i| problem.readings[*i] > 0);
+    let read = states.filter(|i| readings(problem, *i) > 0);
     read.map(|i| Channel {
         signal: problem.system.states[i],
-        left: problem.noise[i],
-        noise: problem.noise[i],
+        left: noise(problem, i),
+        noise: noise(problem, i),
+        excess: 1.0,
         spread: problem.spread[i],
-        readings: problem.readings[i],
+        readings: readings(problem, i),
         memory: 0.0,
         chance: 0.0,
+        files: Vec::new(),
+        strays: None,
+        left_out: 0,
     })
     .collect()
+}
+
+/// Readings of a state in all groups.
+fn readings(problem: &Problem, state: usize) -> usize {
+    let own = problem.readings.iter().skip(state);
+    own.step_by(problem.states()).sum()
+}
+
+/// Root mean square over all readings of the noise of a state's sensors.
+fn noise(problem: &Problem, state: usize) -> f64 {
+    let n = problem.states();
+    let own = || (state..problem.noise.len()).step_by(n);
+    let square: f64 = own()
+        .map(|s| problem.readings[s] as f64 * problem.noise[s].powi(2))
+        .sum();
+    (square / readings(problem, state) as f64).sqrt()
 }
 
 fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let n = problem.states();
     let (mut sums, mut total) = ([0.0; LAGS], 0.0);
-    for (record, path) in problem.records.iter().zip(fit.paths()) {
+    let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; LAGS]);
+    let coarse = problem.lattices[state].filter(|l| l.matters(noise(problem, state)));
+    for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
+        let sensor = problem.sensors.of(r).start + state;
+        let (sigma, noise) = (fit.sigma()[sensor], problem.noise[sensor]);
         let read = record.measured[state].iter().enumerate();
-        let left: Vec<f64> = read.map(|(k, y)| y - path[k * n + state]).collect();
-        let known = |x: &f64| if x.is_finite() { *x } else { 0.0 };
-        total += left.iter().map(known).map(|x| x * x).sum::<f64>();
-        for (lag, sum) in (1..).zip(&mut sums) {
-            let pairs = left.iter().zip(left.iter().skip(lag));
-            *sum += pairs.map(|(a, b)| known(a) * known(b)).sum::<f64>();
+        let known = |x: f64| if x.is_finite() { x } else { 0.0 };
+        // In units of the file's own noise, so that the noisiest does not speak for all.
+        let left: Vec<f64> = read
+            .map(|(k, y)| known((y - path[k * n + state]) / sigma))
+            .collect();
+        let own: f64 = left.iter().map(|x| x * x).sum();
+        total += own;
+        square += own * sigma * sigma;
+        excess += own * (sigma / noise.max(f64::MIN_POSITIVE)).powi(2);
+        lagged(&left, &mut sums);
+        if let Some(lattice) = coarse {
+            let way = (0..record.len()).map(|k| path[k * n + state]);
+            let error: Vec<f64> = way.map(|x| (lattice.nearest(x) - x) / sigma).collect();
+            lagged(&error, &mut rounded);
         }
     }
-    let readings = problem.readings[state];
+    let readings = readings(problem, state);
     let m = readings as f64;
     let correlation = sums.map(|s| s / total.max(f64::MIN_POSITIVE));
-    let square: f64 = correlation.iter().map(|r| r * r).sum();
+    let length = |r: [f64; LAGS]| r.iter().map(|r| r * r).sum::<f64>().sqrt();
+    let memory = length(correlation);
+    let rounded = length(rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
     // M Σ r² is about χ² of as many degrees of freedom as lags, less what the fit took.
     let lags = LAGS as f64;
     Channel {
         signal: problem.system.states[state],
-        left: (total / m).sqrt(),
-        noise: problem.noise[state],
+        left: (square / m).sqrt(),
+        noise: noise(problem, state),
+        excess: (excess / m).sqrt(),
         spread: problem.spread[state],
         readings,
-        memory: square.sqrt().copysign(correlation[0]),
-        chance: ((lags + ALLOWED * (2.0 * lags).sqrt()) / m).sqrt(),
+        memory: memory.copysign(correlation[0]),
+        chance: ((lags + ALLOWED * (2.0 * lags).sqrt()) / m).sqrt() + rounded,
+        files: files(problem, fit, state),
+        strays: strays(problem, fit, state),
+        left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
     }
+}
+
+/// Adds the products of all values with those some samples on.
+fn lagged(values: &[f64], sums: &mut [f64; LAGS]) {
+    for (lag, sum) in (1..).zip(sums) {
+        let pairs = values.iter().zip(values.iter().skip(lag));
+        *sum += pairs.map(|(a, b)| a * b).sum::<f64>();
+    }
+}
+
+/// Residuals of trajectories with sensors of their own, if they differ.
+fn files(problem: &Problem, fit: &Fit, state: usize) -> Vec<File> {
+    let n = problem.states();
+    let mut files: Vec<File> = Vec::new();
+    let mut seen = Vec::new();
+    for (r, record) in problem.records.iter().enumerate() {
+        let group = problem.sensors.group(r);
+        let sensor = group * n + state;
+        let count = problem.readings[sensor];
+        if count == 0 || seen.contains(&group) {
+            continue;
+        }
+        seen.push(group);
+        files.push(File {
+            trajectory: record.trajectory,
+            left: (fit.squares[sensor] / count as f64).sqrt(),
+        });
+    }
+    let least = files.iter().map(|f| f.left).fold(f64::INFINITY, f64::min);
+    let most = files.iter().map(|f| f.left).fold(0.0, f64::max);
+    if most <= DIFFER * least {
+        files.clear();
+    }
+    files
 }

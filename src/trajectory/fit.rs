@@ -15,7 +15,7 @@ pub struct Fit {
     pub variances: Vec<f64>,
     /// The criterion: smaller is better.
     pub value: f64,
-    /// Sum of squared residuals of each state's readings.
+    /// Sum of squared residuals of each sensor's readings, groups × states.
     pub squares: Vec<f64>,
     /// What the laws had to be bent by, in units of the criterion.
     pub bent: f64,
@@ -25,7 +25,7 @@ pub struct Fit {
 /// How supports are judged.
 #[derive(Clone, Debug)]
 pub(super) struct Judge {
-    /// Noise below which a better fit is no evidence, by state.
+    /// Noise below which a better fit is no evidence, by sensor.
     pub floor: Vec<f64>,
     /// Cost of a term.
     pub penalty: f64,
@@ -76,7 +76,7 @@ impl Fit {
         &self.point.coefficients
     }
 
-    /// Noise of each state's readings.
+    /// Noise of each sensor, groups × states.
     pub fn sigma(&self) -> &[f64] {
         &self.point.sigma
     }
@@ -103,11 +103,13 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
         let step = &solved.coefficients;
         let mut farthest = 0.0f64;
         let n = problem.states();
-        for (path, record) in point.paths.iter_mut().zip(&eliminated) {
+        for (r, (path, record)) in point.paths.iter_mut().zip(&eliminated).enumerate() {
+            let own = problem.sensors.of(r);
+            let (sigma, readings) = (&point.sigma[own.clone()], &problem.readings[own]);
             for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
                 *x += d;
-                if problem.readings[at % n] > 0 {
-                    farthest = farthest.max((d / point.sigma[at % n]).abs());
+                if readings[at % n] > 0 {
+                    farthest = farthest.max((d / sigma[at % n]).abs());
                 }
             }
         }
@@ -120,10 +122,11 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
             return None;
         }
         let squares = squares(problem, &point);
-        let explained: f64 = (0..n).map(|i| squares[i] / point.sigma[i].powi(2)).sum();
+        let explained = squares.iter().zip(&point.sigma);
+        let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
         let bent = (solved.residual - explained).max(0.0);
         let new = criterion(problem, judge, &squares) + bent + cost;
-        let sigma: Vec<f64> = (0..n)
+        let sigma: Vec<f64> = (0..squares.len())
             .map(|i| noise(problem, judge, &squares, i, &point.sigma))
             .collect();
         let moved = sigma
@@ -153,12 +156,14 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
     })
 }
 
-/// −2 log likelihood with the noise profiled out, floored: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²).
+/// −2 log likelihood with the noise profiled out, floored: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²). Readings that are no news do not
+/// count, here and in the weight that a sensor has (its noise).
 fn criterion(problem: &Problem, judge: &Judge, squares: &[f64]) -> f64 {
     let channel = |i: usize| {
         let m = problem.readings[i] as f64;
         let mean = squares[i] / m.max(1.0) + judge.floor[i].powi(2);
-        m * (mean / problem.spread[i].powi(2)).ln()
+        let m = m * problem.news[i];
+        m * (mean / problem.spread[i % problem.states()].powi(2)).ln()
     };
     (0..squares.len()).map(channel).sum()
 }
@@ -168,15 +173,15 @@ fn noise(problem: &Problem, judge: &Judge, squares: &[f64], i: usize, before: &[
         return before[i];
     }
     let mean = squares[i] / problem.readings[i] as f64;
-    mean.sqrt().max(judge.floor[i])
+    mean.sqrt().max(judge.floor[i]) / problem.news[i].sqrt()
 }
 
-/// Sum of squared residuals of each state's readings.
+/// Sum of squared residuals of each sensor's readings.
 fn squares(problem: &Problem, point: &Point) -> Vec<f64> {
     let n = problem.states();
-    let mut out = vec![0.0; n];
-    for (record, path) in problem.records.iter().zip(&point.paths) {
-        for (i, out) in out.iter_mut().enumerate() {
+    let mut out = vec![0.0; problem.sensors.count()];
+    for (r, (record, path)) in problem.records.iter().zip(&point.paths).enumerate() {
+        for (i, out) in out[problem.sensors.of(r)].iter_mut().enumerate() {
             for (k, read) in record.measured[i]
                 .iter()
                 .enumerate()
@@ -192,14 +197,15 @@ fn squares(problem: &Problem, point: &Point) -> Vec<f64> {
 /// True if a path left the data.
 fn lost(problem: &Problem, point: &Point) -> bool {
     let n = problem.states();
-    let relative = (0..n).map(|i| point.sigma[i] / problem.spread[i]);
-    let limit = LOST + LOST_NOISE * relative.fold(0.0, f64::max);
     let records = problem
         .records
         .iter()
         .zip(&problem.curves)
         .zip(&point.paths);
-    for ((record, curve), path) in records {
+    for (r, ((record, curve), path)) in records.enumerate() {
+        let sigma = &point.sigma[problem.sensors.of(r)];
+        let relative = sigma.iter().zip(&problem.spread).map(|(s, d)| s / d);
+        let limit = LOST + LOST_NOISE * relative.fold(0.0, f64::max);
         for (at, x) in path.iter().enumerate() {
             let (k, i) = (at / n, at % n);
             let read = record.measured[i][k];

@@ -7,11 +7,14 @@ use std::ops::Range;
 use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
+use super::lattice::{Lattice, lattice, news};
 use super::moments::Moments;
 use super::quadratic::Quadratic;
-use super::record::{Record, records};
+use super::record::{Record, Sensor, records};
+use super::sensors::{Sensors, groups};
 use super::sketch::{Sketch, Sketched};
 use super::smooth::{Curve, curves};
+use super::strays::{self, LeftOut};
 use super::stretch::stretches;
 use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
@@ -19,16 +22,29 @@ use crate::data::Dataset;
 use crate::term::{Expr, Signal, Tape, Term};
 
 /// The estimation problem of one system on its data.
+#[derive(Clone, Debug)]
 pub struct Problem {
     pub system: System,
     pub records: Vec<Record>,
+    /// Names of the trajectories.
+    pub names: Vec<String>,
     pub(super) curves: Vec<Curve>,
     /// Standard deviation of each state over the data; that of its estimate where it is not measured.
     pub spread: Vec<f64>,
-    /// Noise of each state's sensor as smoothing sees it; in proportion to the measured ones' where there is none.
+    /// Which sensors read which record.
+    pub sensors: Sensors,
+    /// Noise of each sensor as smoothing sees it; in proportion to the measured ones' where there is none. Groups × states.
     pub noise: Vec<f64>,
-    /// Number of readings of each state.
+    /// Number of readings of each sensor, groups × states.
     pub readings: Vec<usize>,
+    /// Share of each sensor's readings that is news, groups × states: 1 but for coarse encoders.
+    pub(super) news: Vec<f64>,
+    /// Values that each state's readings take, where those are coarse.
+    pub(super) lattices: Vec<Option<Lattice>>,
+    /// Readings that have no weight.
+    pub left_out: Vec<LeftOut>,
+    /// Noise as the model states it, by state.
+    declared: Vec<Option<f64>>,
     pub(super) ranges: Vec<Range<usize>>,
     pub(super) all: Tape,
 }
@@ -39,6 +55,7 @@ pub(super) struct Point {
     pub support: Vec<usize>,
     pub coefficients: Vec<f64>,
     pub paths: Vec<Vec<f64>>,
+    /// Noise of each sensor, groups × states.
     pub sigma: Vec<f64>,
 }
 
@@ -53,65 +70,138 @@ const ACCURACY: f64 = 0.01;
 const FINEST: f64 = 1e-11;
 
 impl Problem {
+    /// `robust`: readings far from the smooth curve through the others have no weight.
+    ///
     /// # Errors
     /// A signal that the data do not have.
     pub fn new(
         system: System,
         dataset: &Dataset,
         declared: &dyn Fn(Signal) -> Option<f64>,
+        robust: bool,
     ) -> Result<Problem, Signal> {
-        let records = records(&system, dataset)?;
-        let curves = curves(&system, &records, declared);
-        Ok(Problem::made(system, records, curves))
+        let mut records = records(&system, dataset, &Sensor { declared, robust })?;
+        let declared: Vec<Option<f64>> = system.states.iter().map(|s| declared(*s)).collect();
+        let left_out = match robust {
+            true => strays::leave_out_first(&mut records, &declared),
+            false => Vec::new(),
+        };
+        let curves = curves(&system, &records, &declared);
+        let n = system.states.len();
+        let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
+        let mut problem = Problem {
+            spread: (0..n).map(|i| spread(&curves, i, n)).collect(),
+            sensors: groups(&records, n),
+            noise: Vec::new(),
+            ranges: system.laws.iter().map(|l| l.columns.clone()).collect(),
+            all: Tape::new(&all, &system.inputs()).unwrap_or_default(),
+            names: dataset
+                .trajectories
+                .iter()
+                .map(|t| t.name.clone())
+                .collect(),
+            system,
+            records,
+            curves,
+            readings: Vec::new(),
+            news: Vec::new(),
+            lattices: Vec::new(),
+            left_out,
+            declared,
+        };
+        problem.look();
+        Ok(problem)
     }
 
     /// The same data with other columns of the same laws.
     ///
     /// # Errors
     /// A signal that the data do not have.
-    pub fn with(&self, system: System, dataset: &Dataset) -> Result<Problem, Signal> {
-        let records = records(&system, dataset)?;
-        Ok(Problem::made(system, records, self.curves.clone()))
+    pub fn with(
+        &self,
+        system: System,
+        dataset: &Dataset,
+        declared: &dyn Fn(Signal) -> Option<f64>,
+        robust: bool,
+    ) -> Result<Problem, Signal> {
+        let fresh = records(&system, dataset, &Sensor { declared, robust })?;
+        let mut problem = self.clone();
+        for (record, fresh) in problem.records.iter_mut().zip(fresh) {
+            record.outside = fresh.outside;
+        }
+        let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
+        problem.all = Tape::new(&all, &system.inputs()).unwrap_or_default();
+        problem.ranges = system.laws.iter().map(|l| l.columns.clone()).collect();
+        problem.system = system;
+        Ok(problem)
     }
 
-    fn made(system: System, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
-        let n = system.states.len();
-        let readings = (0..n).map(|i| readings(&records, i)).collect();
-        let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
+    /// The same system, noise and spread on parts of its records; `origin` says of which.
+    pub(super) fn on(&self, records: Vec<Record>, curves: Vec<Curve>, origin: &[usize]) -> Problem {
         let mut problem = Problem {
-            spread: (0..n).map(|i| spread(&curves, i, n)).collect(),
-            noise: Vec::new(),
-            ranges: system.laws.iter().map(|l| l.columns.clone()).collect(),
-            all: Tape::new(&all, &system.inputs()).unwrap_or_default(),
-            system,
+            system: self.system.clone(),
+            names: self.names.clone(),
+            spread: self.spread.clone(),
+            sensors: self.sensors.on(origin),
+            noise: self.noise.clone(),
+            declared: self.declared.clone(),
+            ranges: self.ranges.clone(),
+            all: self.all.clone(),
+            readings: Vec::new(),
+            news: self.news.clone(),
+            lattices: self.lattices.clone(),
+            left_out: Vec::new(),
             records,
             curves,
-            readings,
         };
-        problem.noise = problem.first_noise();
+        problem.count();
         problem
     }
 
-    /// The same system, noise and spread on parts of its records.
-    pub(super) fn on(&self, records: Vec<Record>, curves: Vec<Curve>) -> Problem {
-        Problem {
-            system: self.system.clone(),
-            spread: self.spread.clone(),
-            noise: self.noise.clone(),
-            ranges: self.ranges.clone(),
-            all: self.all.clone(),
-            readings: (0..self.states()).map(|i| readings(&records, i)).collect(),
-            records,
-            curves,
+    /// The same problem on other records, smoothed anew.
+    pub(super) fn anew(&self, records: Vec<Record>, left_out: Vec<LeftOut>) -> Problem {
+        let mut problem = self.clone();
+        problem.curves = curves(&self.system, &records, &self.declared);
+        problem.records = records;
+        problem.left_out = left_out;
+        problem.look();
+        problem
+    }
+
+    /// Counts the readings of every sensor.
+    fn count(&mut self) {
+        self.readings = vec![0; self.sensors.count()];
+        for (r, record) in self.records.iter().enumerate() {
+            for (of, column) in self.readings[self.sensors.of(r)]
+                .iter_mut()
+                .zip(&record.measured)
+            {
+                *of += column.iter().filter(|x| x.is_finite()).count();
+            }
         }
     }
 
-    /// Root mean square over records of the noise seen there; unmeasured states take the largest relative one of their variable.
-    fn first_noise(&self) -> Vec<f64> {
+    /// Counts readings, and finds what smoothing sees of their noise.
+    pub(super) fn look(&mut self) {
+        let n = self.states();
+        self.count();
+        self.noise = (0..self.sensors.count() / n.max(1))
+            .flat_map(|group| self.first_noise(group))
+            .collect();
+        self.lattices = (0..n).map(|i| lattice(&self.records, i)).collect();
+        self.news = news(&self.records, &self.sensors, &self.noise, &self.lattices);
+    }
+
+    /// Root mean square over a group's records of the noise seen there; unmeasured states take the largest relative one of their
+    /// variable.
+    fn first_noise(&self, group: usize) -> Vec<f64> {
         let n = self.system.states.len();
         let seen = |i: usize| -> Option<f64> {
             let (mut sum, mut count) = (0.0, 0.0);
-            for (record, curve) in self.records.iter().zip(&self.curves) {
+            for (r, (record, curve)) in self.records.iter().zip(&self.curves).enumerate() {
+                if self.sensors.group(r) != group {
+                    continue;
+                }
                 let m = record.len() as f64;
                 if let Some(sigma) = curve.noise.get(i).copied().flatten() {
                     sum += m * sigma * sigma;
@@ -199,7 +289,7 @@ impl Problem {
         self.records.iter().map(Record::len).sum()
     }
 
-    /// Number of readings of all channels.
+    /// Number of readings of all sensors.
     pub fn measurements(&self) -> usize {
         self.readings.iter().sum()
     }
@@ -223,8 +313,9 @@ impl Problem {
     }
 
     fn first_rows(&self, sigma: &[f64], slack: f64, gather: &mut impl Gather) {
-        let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
-        for (record, curve) in self.records.iter().zip(&self.curves) {
+        for (r, (record, curve)) in self.records.iter().zip(&self.curves).enumerate() {
+            let sigma = &sigma[self.sensors.of(r)];
+            let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
             let mut sweep = Sweep::new(&stiffness, gather, false);
             super::chain::links(self, record, curve, &mut |k, link| {
                 sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
@@ -301,18 +392,19 @@ impl Problem {
         let mut block = Block::default();
         let parts = parts.iter().map(|(r, samples)| {
             let (record, path) = (&self.records[*r], &at.paths[*r]);
-            let stiffness = stiffness(&at.sigma, record.len());
+            let sigma = &at.sigma[self.sensors.of(*r)];
+            let stiffness = stiffness(sigma, record.len());
             let mut sweep = Sweep::new(&stiffness, gather, keep);
             let last = samples.end - 1;
             for from in (samples.start..last).step_by(BLOCK) {
                 let intervals = from..(from + BLOCK).min(last);
                 flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
                 for (b, k) in intervals.enumerate() {
-                    sweep.measure(&self.readings_at(record, path, &at.sigma, k));
+                    sweep.measure(&self.readings_at(record, path, sigma, k));
                     self.advance(&mut sweep, &block, b, path, k, flow.width());
                 }
             }
-            sweep.measure(&self.readings_at(record, path, &at.sigma, last));
+            sweep.measure(&self.readings_at(record, path, sigma, last));
             Ok(sweep.end())
         });
         parts.collect()
@@ -361,7 +453,10 @@ impl Problem {
     }
 
     fn accuracy(&self, sigma: &[f64]) -> f64 {
-        let relative = sigma.iter().zip(&self.spread).map(|(s, d)| s / d);
+        let relative = sigma
+            .iter()
+            .zip(self.spread.iter().cycle())
+            .map(|(s, d)| s / d);
         (ACCURACY * relative.fold(f64::INFINITY, f64::min)).max(FINEST)
     }
 }
@@ -369,11 +464,6 @@ impl Problem {
 fn stiffness(sigma: &[f64], samples: usize) -> Vec<f64> {
     let slack = SLACK.min(SLACK_OVERALL / (samples as f64).sqrt());
     sigma.iter().map(|s| 1.0 / (slack * s)).collect()
-}
-
-fn readings(records: &[Record], state: usize) -> usize {
-    let finite = |r: &Record| r.measured[state].iter().filter(|x| x.is_finite()).count();
-    records.iter().map(finite).sum()
 }
 
 fn spread(curves: &[Curve], state: usize, n: usize) -> f64 {

@@ -1,6 +1,7 @@
 //! Measured trajectories → records: uninterrupted pieces with what is measured of the states, and what acts from outside.
 //!
-//! In: a dataset, a system. Out: [`Record`]s, or the signal that is missing. Numbers are as measured; nothing is smoothed here.
+//! In: a dataset, a system. Out: [`Record`]s, or the signal that is missing. Numbers are as measured, but for states without a law:
+//! nothing estimates their noise later, so they are smoothed before they act.
 
 use super::system::System;
 use crate::data::{self, Dataset, Trajectory};
@@ -51,6 +52,14 @@ impl Record {
     }
 }
 
+/// What is known of sensors beforehand.
+pub struct Sensor<'a> {
+    /// Noise as the model states it.
+    pub declared: &'a dyn Fn(Signal) -> Option<f64>,
+    /// Readings far from the others have no weight.
+    pub robust: bool,
+}
+
 /// Fewest samples of a piece that says anything.
 const FEWEST: usize = 4;
 
@@ -58,7 +67,7 @@ const FEWEST: usize = 4;
 ///
 /// # Errors
 /// A signal from outside, or every signal of a variable, that a trajectory does not have.
-pub fn records(system: &System, dataset: &Dataset) -> Result<Vec<Record>, Signal> {
+pub fn records(system: &System, dataset: &Dataset, sensor: &Sensor) -> Result<Vec<Record>, Signal> {
     let mut all = Vec::new();
     for (index, trajectory) in dataset.trajectories.iter().enumerate() {
         for law in &system.laws {
@@ -69,7 +78,7 @@ pub fn records(system: &System, dataset: &Dataset) -> Result<Vec<Record>, Signal
         }
         for piece in data::pieces(&trajectory.time) {
             if piece.len() >= FEWEST {
-                all.push(record(system, dataset, trajectory, index, piece)?);
+                all.push(record(system, dataset, sensor, (index, trajectory), piece)?);
             }
         }
     }
@@ -79,8 +88,8 @@ pub fn records(system: &System, dataset: &Dataset) -> Result<Vec<Record>, Signal
 fn record(
     system: &System,
     dataset: &Dataset,
-    trajectory: &Trajectory,
-    index: usize,
+    sensor: &Sensor,
+    (index, trajectory): (usize, &Trajectory),
     piece: std::ops::Range<usize>,
 ) -> Result<Record, Signal> {
     let cut = |s: Signal| -> Option<Vec<f64>> {
@@ -91,8 +100,13 @@ fn record(
     };
     let length = piece.len();
     let mut outside = Vec::new();
-    for signal in &system.outside {
-        let mut values = cut(*signal).ok_or(*signal)?;
+    for (signal, driven) in system.outside.iter().zip(&system.driven) {
+        let time = trajectory.time.get(piece.clone()).unwrap_or(&[]);
+        let smoothed = match driven {
+            true => smoothed(*signal, time, &cut, sensor),
+            false => None,
+        };
+        let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
         let held = dataset.between(signal.var) == Some(Between::Hold) && signal.der == 0;
         if !bridge(&mut values, held) {
             return Err(*signal);
@@ -109,6 +123,29 @@ fn record(
             .map(|s| cut(*s).unwrap_or_else(unmeasured))
             .collect(),
         outside,
+    })
+}
+
+/// A signal of a state without a law: smoothed, or the derivative of what is.
+fn smoothed(
+    signal: Signal,
+    time: &[f64],
+    cut: &dyn Fn(Signal) -> Option<Vec<f64>>,
+    sensor: &Sensor,
+) -> Option<Vec<f64>> {
+    let lower = |steps: u8| {
+        Some(Signal::derivative(
+            signal.var,
+            signal.der.checked_sub(steps)?,
+        ))
+    };
+    let (steps, from, values) =
+        (0..=2).find_map(|steps| Some((steps, lower(steps)?, cut(lower(steps)?)?)))?;
+    let smooth = data::smooth(time, &values, (sensor.declared)(from), &[], sensor.robust)?;
+    Some(match steps {
+        0 => smooth.values,
+        1 => smooth.slope,
+        _ => smooth.curvature,
     })
 }
 

@@ -133,7 +133,8 @@ impl Level<'_> {
     fn sigma(&self, at: &[f64]) -> Vec<f64> {
         at.iter()
             .zip(&self.judge.floor)
-            .map(|(s, f)| s.max(*f))
+            .zip(&self.problem.news)
+            .map(|((s, f), news)| s.max(*f) / news.sqrt())
             .collect()
     }
 
@@ -329,8 +330,8 @@ fn levels(
 ) -> Option<Found> {
     let readings = (problem.measurements() as f64 / as_one).max(FEW);
     let penalty = as_one * TERM * readings.ln();
-    let relative = |i: usize| problem.noise[i] / problem.spread[i];
-    let noisiest = (0..problem.states())
+    let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
+    let noisiest = (0..problem.noise.len())
         .filter(|i| problem.readings[*i] > 0)
         .map(relative)
         .fold(0.0, f64::max);
@@ -347,7 +348,7 @@ fn levels(
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let floor = problem.spread.iter().zip(&problem.noise);
+        let floor = problem.spread.iter().cycle().zip(&problem.noise);
         let floor = floor
             .map(|(d, s)| (floors[place] * d).max(TRUSTED * s))
             .collect();
@@ -416,4 +417,14 @@ fn joined(a: &[usize], b: &[usize]) -> Vec<usize> {
     let mut all: Vec<usize> = a.iter().chain(b).copied().collect();
     all.sort_unstable();
     all
+}
+
+/// The judge of the last level.
+pub(super) fn last_judge(problem: &Problem) -> Judge {
+    let lowest = FLOORS[FLOORS.len() - 1];
+    let floor = problem.spread.iter().cycle().zip(&problem.noise);
+    Judge {
+        floor: floor.map(|(d, s)| (lowest * d).max(TRUSTED * s)).collect(),
+        penalty: TERM * (problem.measurements() as f64).ln(),
+    }
 }

@@ -5,7 +5,6 @@
 use super::record::Record;
 use super::system::System;
 use crate::data;
-use crate::term::Signal;
 
 /// A smooth guess of a trajectory.
 #[derive(Clone, Debug, Default)]
@@ -28,16 +27,12 @@ impl Curve {
     }
 }
 
-pub(super) fn curves(
-    system: &System,
-    records: &[Record],
-    declared: &dyn Fn(Signal) -> Option<f64>,
-) -> Vec<Curve> {
+pub(super) fn curves(system: &System, records: &[Record], declared: &[Option<f64>]) -> Vec<Curve> {
     let curve = |r: &Record| curve(system, r, declared);
     records.iter().map(curve).collect()
 }
 
-fn curve(system: &System, record: &Record, declared: &dyn Fn(Signal) -> Option<f64>) -> Curve {
+fn curve(system: &System, record: &Record, declared: &[Option<f64>]) -> Curve {
     let (n, m, length) = (system.states.len(), system.laws.len(), record.len());
     let mut curve = Curve {
         states: vec![0.0; length * n],
@@ -55,9 +50,7 @@ fn curve(system: &System, record: &Record, declared: &dyn Fn(Signal) -> Option<f
             if column.iter().all(|x| x.is_nan()) {
                 continue;
             }
-            let Some(s) =
-                data::smooth(&record.time, column, declared(system.states[i]), &[], false)
-            else {
+            let Some(s) = data::smooth(&record.time, column, declared[i], &[], false) else {
                 continue;
             };
             curve.noise[i] = Some(s.sigma);

@@ -51,9 +51,10 @@ impl Problem {
         }
         let (n, m) = (self.states(), self.system.laws.len());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
-        let (mut records, mut curves) = (Vec::new(), Vec::new());
+        let (mut records, mut curves, mut origin) = (Vec::new(), Vec::new(), Vec::new());
         for (r, samples) in stretches(&lengths) {
             let (record, curve) = (&self.records[r], &self.curves[r]);
+            origin.push(r);
             let outside = record.outside.iter().map(|o| Outside {
                 values: o.values[samples.clone()].to_vec(),
                 held: o.held,
@@ -71,7 +72,7 @@ impl Problem {
                 noise: curve.noise.clone(),
             });
         }
-        Some(self.on(records, curves))
+        Some(self.on(records, curves, &origin))
     }
 }
 

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use crate::lang::model::{LibExpr, LibKind, Model, RightSide};
+use crate::lang::model::{LibExpr, LibKind, Model, RightSide, VarKind};
 use crate::library::{Library, known_terms};
 use crate::term::{Expr, Signal, Term, VarId};
 
@@ -20,6 +20,8 @@ pub struct System {
     pub columns: Vec<Term>,
     /// Signals that act from outside, sorted: inputs, parameters, time, states without a law.
     pub outside: Vec<Signal>,
+    /// Which of them belong to states without a law: what is known of those is measured, with a sensor's noise.
+    pub driven: Vec<bool>,
 }
 
 /// target = known + Σ coefficient · column
@@ -89,6 +91,7 @@ impl System {
             laws: Vec::new(),
             columns: Vec::new(),
             outside: Vec::new(),
+            driven: Vec::new(),
         };
         for (i, equation) in model.equations.iter().enumerate() {
             let target = equation.target;
@@ -134,6 +137,8 @@ impl System {
             return Err("no equation of a state is searched".into());
         }
         system.find_outside();
+        let driven = |s: &Signal| model.var(s.var).is_some_and(|v| v.kind == VarKind::State);
+        system.driven = system.outside.iter().map(driven).collect();
         Ok(system)
     }
 

@@ -134,6 +134,7 @@ fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
         seed: 0,
         memory: MEMORY,
         path: false,
+        robust: false,
     };
     let mut told = Vec::new();
     let found = pipeline::identify(&program, &measured, &options, &mut |step| {

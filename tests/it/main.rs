@@ -24,6 +24,7 @@ mod measured;
 mod noise;
 mod pendulum;
 mod program;
+mod sensors;
 mod smooth;
 mod solve;
 mod weak;
