@@ -21,6 +21,8 @@ use crate::trajectory::{self, Channel, File, Found, Late, Law, Offset, Problem, 
 
 /// Noise over spread below which data count as clean: differentiating them loses nothing, and each equation can be proved alone.
 const CLEAN: f64 = 1e-6;
+/// Prices within which it is said what a term earns.
+const NEAR: f64 = 10.0;
 /// Criterion within which data do not tell supports apart: odds of e³ to 1.
 const TIE: f64 = 6.0;
 /// The same where the rival has more terms: simplicity decides.
@@ -298,7 +300,8 @@ impl Report<'_> {
         seen.iter().map(name).collect()
     }
 
-    /// The term that is missed least, and what its loss costs.
+    /// The term that is missed least, and what its loss costs, where that is near what a term has to earn: fits that are far
+    /// worse were given up on the way, and do not say by how much.
     fn weakest(&self, names: &Discovery, law: &Law) -> Option<(String, f64)> {
         let best = &self.found.best;
         let without = |j: usize| {
@@ -309,6 +312,7 @@ impl Report<'_> {
         let own = best.support().iter().filter(|j| law.columns.contains(j));
         own.filter_map(|j| Some((*j, without(*j)?)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, loss)| *loss < NEAR * self.found.penalty)
             .map(|(j, loss)| (Language(names).term(&self.problem.system.columns[j]), loss))
     }
 }

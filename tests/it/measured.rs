@@ -111,8 +111,12 @@ fn a_hidden_state_ends_in_doubt() {
         .unwrap();
     assert_eq!(output.status.code(), Some(3));
     let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("doubt[misfit]"), "{text}");
-    assert!(text.contains("doubt[coloured-residuals]"), "{text}");
+    for code in ["misfit", "coloured-residuals"] {
+        assert!(
+            text.contains(&format!("doubt[{code}]")),
+            "no {code} in {text}"
+        );
+    }
 }
 
 /// `sidc identify` with a window: status, document.
