@@ -9,7 +9,7 @@ use super::search::last_judge;
 use crate::term::{Expr, Signal, Term};
 
 /// Offsets tried a state.
-const TRIED: usize = 4;
+const TRIED: usize = 2;
 /// Offsets nearer to each other than this part are one.
 const SAME: f64 = 0.2;
 /// Parabolas laid through the criterion.
@@ -18,6 +18,8 @@ const PARABOLAS: usize = 4;
 const NEAR: f64 = 0.1;
 /// Fewest terms that an offset must explain.
 const FEWEST: usize = 2;
+/// Prices of a term by which the first guess of an offset may be worse than the laws without it.
+const HOPELESS: f64 = 30.0;
 /// Terms that may go: their standard errors are at least this part of them.
 const WEAK: f64 = 0.1;
 
@@ -56,6 +58,7 @@ pub fn offset(problem: &Problem, found: &Fit, go_on: &mut dyn FnMut() -> bool) -
                 problem,
                 state,
                 judge: &judge,
+                hopeless: found.value + HOPELESS * judge.penalty,
             };
             let Some((value, fitted)) = trial.settle(value, found, column) else {
                 continue;
@@ -111,6 +114,8 @@ struct Trial<'a> {
     problem: &'a Problem,
     state: usize,
     judge: &'a Judge,
+    /// Criterion beyond which a fit is given up.
+    hopeless: f64,
 }
 
 impl Trial<'_> {
@@ -145,10 +150,10 @@ impl Trial<'_> {
                 &problem,
                 self.moved(from, v - before),
                 self.judge,
-                f64::INFINITY,
+                self.hopeless,
             )
         };
-        let mut middle = at(value, &start, value)?;
+        let mut middle = at(value, &start, value).filter(|f| f.value < self.hopeless)?;
         let mut value = value;
         let mut reach = NEAR * value.abs();
         for _ in 0..PARABOLAS {
