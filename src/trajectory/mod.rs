@@ -4,7 +4,7 @@
 //! the trajectory, the noise of every channel, standard errors and rivals. Nothing is differentiated: laws are followed from
 //! sample to sample, and compared with what was read, where it was read.
 //!
-//! The picture: [`System`] (what moves) + [`record`]s (what was read) → [`Problem`] → `search` proposes supports on linearised
+//! The picture: [`System`] (what moves) + [`Record`]s (what was read) → [`Problem`] → `search` proposes supports on linearised
 //! likelihoods (`quadratic`, `beam`), `fit` decides on refitted ones; `flow` leads from sample to sample, `sweep` eliminates the
 //! states. Never knows whether an answer is trusted, and prints nothing.
 
