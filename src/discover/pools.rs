@@ -12,7 +12,7 @@ use crate::solve::{self, Problem};
 use crate::trajectory::{self, System};
 
 /// Columns of all laws together that are searched whole.
-const SEARCHED: usize = 480;
+const SEARCHED: usize = 520;
 /// A library of fewer terms is never cut.
 const SMALL: usize = 60;
 /// Columns that each beginning proposes for a law.

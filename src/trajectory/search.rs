@@ -177,8 +177,9 @@ impl Level<'_> {
         }
     }
 
-    /// Follows improvements until none is found among what the linearised likelihood proposes.
-    fn improve(&mut self, last: bool) {
+    /// Follows improvements until none is found among what the linearised likelihood proposes. The `last` level tries rivals too, and
+    /// does `without` each single term, unless fewer samples have told already what each is worth.
+    fn improve(&mut self, last: bool, without: bool) {
         let mut fits = 0;
         while fits < FITS {
             let Some((current, form)) = self.about() else {
@@ -204,7 +205,7 @@ impl Level<'_> {
                 better = self.fit(near.into_iter().map(point));
             }
             let support = current.support();
-            if !better && last && support.len() <= PRUNED {
+            if !better && last && without && support.len() <= PRUNED {
                 // Without each single term.
                 let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
                 better = self.fit(support.iter().map(|j| point(without(j))));
@@ -369,7 +370,7 @@ fn levels(
             level.start();
         }
         if go_on() {
-            level.improve(last);
+            level.improve(last, fresh);
         }
         tried += level.tried.len();
         let mut rivals: Vec<(Vec<usize>, f64)> = level
