@@ -179,9 +179,9 @@ impl Level<'_> {
 
     /// Follows improvements until none is found among what the linearised likelihood proposes. The `last` level tries rivals too, and
     /// does `without` each single term, unless fewer samples have told already what each is worth.
-    fn improve(&mut self, last: bool, without: bool) {
+    fn improve(&mut self, (last, without): (bool, bool), go_on: &mut dyn FnMut() -> bool) {
         let mut fits = 0;
-        while fits < FITS {
+        while fits < FITS && go_on() {
             let Some((current, form)) = self.about() else {
                 return;
             };
@@ -195,6 +195,9 @@ impl Level<'_> {
                 better = self.fit(pair.iter().cloned().map(point));
                 if better {
                     break;
+                }
+                if !go_on() {
+                    return;
                 }
             }
             if !better && last {
@@ -369,9 +372,7 @@ fn levels(
         if level.best.is_empty() || fresh && (place == 0 || last) {
             level.start();
         }
-        if go_on() {
-            level.improve(last, fresh);
-        }
+        level.improve((last, fresh), go_on);
         tried += level.tried.len();
         let mut rivals: Vec<(Vec<usize>, f64)> = level
             .tried
