@@ -152,6 +152,9 @@ pub struct Together {
     pub price: f64,
     /// Sets of terms that were fitted.
     pub tried: usize,
+    /// The criterion of each tie over the answer's, in the order of `ties`.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub ties: Vec<f64>,
 }
 
 /// An input that acts at another time than its record says.

@@ -155,6 +155,7 @@ impl Report<'_> {
         let own = |c: &&Channel| c.signal.var == law.target.var;
         let channels: Vec<Channel> = self.channels.iter().filter(own).cloned().collect();
         let worst = |f: &dyn Fn(&Channel) -> f64| channels.iter().map(f).fold(0.0, f64::max);
+        let ties = self.ties(names, law);
         let evidence = Evidence {
             rows: self.problem.samples(),
             candidates: law.candidates,
@@ -162,13 +163,14 @@ impl Report<'_> {
             iterations: self.found.tried,
             residual: worst(&|c| c.left / c.spread),
             target_error: worst(&|c| c.noise / c.spread),
-            ties: self.ties(names, law),
+            ties: ties.iter().map(|(s, _)| s.clone()).collect(),
             together: Some(Together {
                 channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
                 delays: self.delays(names),
                 price: self.found.penalty,
                 tried: self.found.tried,
+                ties: ties.iter().map(|(_, more)| *more).collect(),
             }),
             ..Evidence::default()
         };
@@ -267,37 +269,35 @@ impl Report<'_> {
         terms
     }
 
-    /// Other supports of this law that do as well with no more terms, each once, the simplest first.
-    fn ties(&self, names: &Discovery, law: &Law) -> Vec<Vec<String>> {
+    /// Other supports of this law that do as well, each once, the simplest first, and their criterion over the best one's.
+    fn ties(&self, names: &Discovery, law: &Law) -> Vec<(Vec<String>, f64)> {
         let part = |s: &[usize]| -> Vec<usize> {
             s.iter()
                 .copied()
                 .filter(|j| law.columns.contains(j))
                 .collect()
         };
-        let best = self.found.best.support();
-        let mut seen = vec![part(best)];
+        let best = &self.found.best;
+        let own = part(best.support());
+        let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
         for (support, value) in &self.found.rivals {
-            let within = if support.len() <= best.len() {
-                TIE
-            } else {
-                LARGER
-            };
-            let near = *value < self.found.best.value + within * self.found.as_one;
-            let own = part(support);
-            if near && !seen.contains(&own) {
-                seen.push(own);
+            let larger = support.len() > best.support().len();
+            let within = if larger { LARGER } else { TIE };
+            let near = *value < best.value + within * self.found.as_one;
+            let rival = part(support);
+            // The best of those that are the same for this law.
+            if near && rival != own && seen.iter().all(|(s, _)| *s != rival) {
+                seen.push((rival, value - best.value));
             }
         }
-        seen.remove(0);
-        seen.sort_by_key(Vec::len);
-        let name = |s: &Vec<usize>| {
+        seen.sort_by(|a, b| a.0.len().cmp(&b.0.len()).then(a.1.total_cmp(&b.1)));
+        let name = |s: &[usize]| {
             let mut terms: Vec<&Term> =
                 s.iter().map(|j| &self.problem.system.columns[*j]).collect();
             terms.sort_by(|a, b| simpler(a, b));
             terms.iter().map(|t| Language(names).term(t)).collect()
         };
-        seen.iter().map(name).collect()
+        seen.iter().map(|(s, more)| (name(s), *more)).collect()
     }
 
     /// The term that is missed least, and what its loss costs, where that is near what a term has to earn: fits that are far

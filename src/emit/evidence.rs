@@ -64,6 +64,11 @@ fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
         ));
     }
     lines.push(search);
+    let ties = evidence.ties.iter().zip(&t.ties);
+    lines.extend(ties.map(|(terms, more)| {
+        let terms = terms.join(", ");
+        format!("nearly as good: {{{terms}}}, criterion {more:+.1}")
+    }));
     let errors: Vec<String> = e.terms.iter().filter_map(error).collect();
     if !errors.is_empty() {
         lines.push(format!("standard errors: {}", errors.join(", ")));
