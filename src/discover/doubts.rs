@@ -59,7 +59,9 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         tied,
     ];
     let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
-    reasons.extend(uncertain(case));
+    if noisy(case.evidence) {
+        reasons.extend(uncertain(case.terms, case.names));
+    }
     reasons
 }
 
@@ -265,18 +267,8 @@ fn dependent(c: &Case) -> Option<Reason> {
 fn tied(c: &Case) -> Option<Reason> {
     let e = c.evidence;
     let p = &e.certificate;
-    if let Some(first) = e.ties.first() {
-        let more = match e.ties.len() {
-            1 => String::new(),
-            n => format!(", and {} more", n - 1),
-        };
-        return Some(Reason::new(
-            "tie",
-            format!(
-                "these data cannot tell this support from {{{}}}{more}",
-                first.join(", ")
-            ),
-        ));
+    if let Some(tie) = tie(&e.ties) {
+        return Some(tie);
     }
     let open = p.of_answer && p.optimal && p.tolerance == 0.0 && p.margin < MARGIN;
     (open && p.support < e.candidates && !noisy(e)).then(|| {
@@ -290,13 +282,27 @@ fn tied(c: &Case) -> Option<Reason> {
     })
 }
 
-fn uncertain(c: &Case) -> Vec<Reason> {
-    if !noisy(c.evidence) {
-        return Vec::new();
-    }
-    c.terms
+/// Other supports that the data do not tell from the answer.
+pub(super) fn tie(ties: &[Vec<String>]) -> Option<Reason> {
+    let first = ties.first()?;
+    let more = match ties.len() {
+        1 => String::new(),
+        n => format!(", and {} more", n - 1),
+    };
+    Some(Reason::new(
+        "tie",
+        format!(
+            "these data cannot tell this support from {{{}}}{more}",
+            first.join(", ")
+        ),
+    ))
+}
+
+/// Coefficients of noisy data that could as well be zero.
+pub(super) fn uncertain(terms: &[FoundTerm], names: &[String]) -> Vec<Reason> {
+    terms
         .iter()
-        .zip(c.names)
+        .zip(names)
         .filter_map(|(t, name)| {
             let part = t.standard_error? / t.coefficient.abs();
             (part > UNCERTAIN).then(|| {

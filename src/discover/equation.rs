@@ -303,11 +303,7 @@ impl Task<'_> {
     }
 
     fn named(&self, supports: &[Vec<usize>], names: &Discovery) -> Vec<Vec<String>> {
-        let name = |s: &Vec<usize>| {
-            let mut terms: Vec<Term> = s.iter().map(|j| self.term(*j)).collect();
-            terms.sort_by(simpler);
-            terms.iter().map(|t| Language(names).term(t)).collect()
-        };
+        let name = |s: &Vec<usize>| named(s.iter().map(|j| self.term(*j)), names);
         supports.iter().map(name).collect()
     }
 
@@ -364,6 +360,13 @@ impl Task<'_> {
             reasons: vec![reason],
         }
     }
+}
+
+/// Terms by name, in the order in which they are printed.
+pub(super) fn named(terms: impl Iterator<Item = Term>, names: &Discovery) -> Vec<String> {
+    let mut terms: Vec<Term> = terms.collect();
+    terms.sort_by(simpler);
+    terms.iter().map(|t| Language(names).term(t)).collect()
 }
 
 /// The order in which terms are printed.

@@ -4,7 +4,7 @@
 //! The estimation itself is the room `trajectory`; here its figures are weighed.
 
 use super::dependent::Measured;
-use super::equation::simpler;
+use super::equation::{named, simpler};
 use super::joint_doubts::{self, Case};
 use super::joint_search::{self, Settled};
 use super::pools::{Pools, pools};
@@ -291,12 +291,8 @@ impl Report<'_> {
             }
         }
         seen.sort_by(|a, b| a.0.len().cmp(&b.0.len()).then(a.1.total_cmp(&b.1)));
-        let name = |s: &[usize]| {
-            let mut terms: Vec<&Term> =
-                s.iter().map(|j| &self.problem.system.columns[*j]).collect();
-            terms.sort_by(|a, b| simpler(a, b));
-            terms.iter().map(|t| Language(names).term(t)).collect()
-        };
+        let columns = &self.problem.system.columns;
+        let name = |s: &[usize]| named(s.iter().map(|j| columns[*j].clone()), names);
         seen.iter().map(|(s, more)| (name(s), *more)).collect()
     }
 

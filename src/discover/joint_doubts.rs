@@ -3,6 +3,7 @@
 //! In: the residuals of each channel and the terms. Out: reasons. The sensor's noise, declared or seen by smoothing, is the measure:
 //! right equations leave white residuals of that size.
 
+use super::doubts;
 use super::{Discovery, Evidence, FoundTerm, Reason};
 use crate::term::SignalNames;
 use crate::trajectory::{Channel, Late, Offset};
@@ -15,8 +16,6 @@ const MEMORY: f64 = 0.05;
 const CLOSE: f64 = 1e-6;
 /// Noise over spread above which little is explained.
 const POOR: f64 = 0.3;
-/// Standard error over coefficient above which a term could as well be absent.
-const UNCERTAIN: f64 = 0.3;
 /// Readings a term under which chance is a rival.
 const READINGS_A_TERM: usize = 15;
 
@@ -46,14 +45,14 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         reasons.extend(outliers(case, c));
     }
     reasons.extend(few(case));
-    reasons.extend(super::doubts::exhausted(
+    reasons.extend(doubts::exhausted(
         case.terms.len(),
         case.evidence.candidates,
         case.made,
     ));
     reasons.extend(unsettled(case));
-    reasons.extend(tied(case));
-    reasons.extend(uncertain(case));
+    reasons.extend(doubts::tie(&case.evidence.ties));
+    reasons.extend(doubts::uncertain(case.terms, case.written));
     reasons
 }
 
@@ -191,36 +190,4 @@ fn unsettled(case: &Case) -> Option<Reason> {
             "the fit of trajectory and coefficients had not settled when it was ended; the coefficients are near, not at, the best",
         )
     })
-}
-
-fn tied(case: &Case) -> Option<Reason> {
-    let first = case.evidence.ties.first()?;
-    let more = match case.evidence.ties.len() {
-        1 => String::new(),
-        n => format!(", and {} more", n - 1),
-    };
-    Some(Reason::new(
-        "tie",
-        format!(
-            "these data cannot tell this support from {{{}}}{more}",
-            first.join(", ")
-        ),
-    ))
-}
-
-fn uncertain(case: &Case) -> Vec<Reason> {
-    let part = |t: &FoundTerm| Some(t.standard_error? / t.coefficient.abs());
-    let terms = case.terms.iter().zip(case.written);
-    terms
-        .filter_map(|(t, name)| {
-            let part = part(t).filter(|p| *p > UNCERTAIN)?;
-            Some(Reason::new(
-                "uncertain-coefficient",
-                format!(
-                    "the coefficient of {name} is known only to {:.0} %",
-                    100.0 * part
-                ),
-            ))
-        })
-        .collect()
 }

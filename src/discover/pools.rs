@@ -15,12 +15,12 @@ use crate::trajectory::{self, System};
 const SEARCHED: usize = 520;
 /// A library of fewer terms is never cut.
 const SMALL: usize = 60;
-/// Columns that each beginning proposes for a law.
+/// Columns that are proposed for a law.
 const PROPOSED: usize = 30;
 /// Places on the path after which no more are looked at.
 const MOST: usize = 120;
-/// Noise of the laws in units of the sensors', for cautious beginnings.
-const SLACKS: [f64; 1] = [0.1];
+/// Noise of the laws in units of the sensors', for a cautious beginning.
+const SLACK: f64 = 0.1;
 /// Most entries of a sketch, and its fewest and most rows.
 const ENTRIES: usize = 16_000_000;
 const ROWS: (usize, usize) = (300, 2000);
@@ -76,35 +76,29 @@ fn simplest(library: &Library) -> Vec<usize> {
     all.into_iter().map(|(_, slot)| slot).collect()
 }
 
-/// Columns of the first places on the paths, rising.
+/// Columns that come in first on the path.
 fn proposals(
     problem: &trajectory::Problem,
     columns: usize,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Vec<usize> {
     let rows = (ENTRIES / columns).clamp(ROWS.0, ROWS.1);
+    let sketched = problem.sketch(SLACK, rows);
+    let phi = Dense::new(rows, sketched.columns);
+    let sketch = Problem {
+        dictionary: &phi,
+        target: &sketched.target,
+        tolerance: 0.0,
+    };
+    let knots = solve::lasso_path(&sketch, MOST, &mut |_| match go_on() {
+        true => ControlFlow::Continue(()),
+        false => ControlFlow::Break(()),
+    });
     let mut found: Vec<usize> = Vec::new();
-    for slack in SLACKS {
-        let sketched = problem.sketch(slack, rows);
-        let phi = Dense::new(rows, sketched.columns);
-        let sketch = Problem {
-            dictionary: &phi,
-            target: &sketched.target,
-            tolerance: 0.0,
-        };
-        let knots = solve::lasso_path(&sketch, MOST, &mut |_| match go_on() {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
-        });
-        let mut own: Vec<usize> = Vec::new();
-        for j in knots.iter().filter_map(|k| k.enters) {
-            if own.len() < PROPOSED && !own.contains(&j) {
-                own.push(j);
-            }
+    for j in knots.iter().filter_map(|k| k.enters) {
+        if found.len() < PROPOSED && !found.contains(&j) {
+            found.push(j);
         }
-        found.extend(own);
     }
-    found.sort_unstable();
-    found.dedup();
     found
 }

@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use super::dense;
+use super::lanes::axpy;
 use super::system::System;
 use crate::term::{Expr, Signal, Tape};
 
@@ -348,8 +349,4 @@ fn finite(values: &[f64]) -> Result<(), Diverged> {
     } else {
         Err(Diverged)
     }
-}
-
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }

@@ -17,8 +17,6 @@ pub struct Fit {
     pub value: f64,
     /// Sum of squared residuals of each sensor's readings, groups × states.
     pub squares: Vec<f64>,
-    /// What the laws had to be bent by, in units of the criterion.
-    pub bent: f64,
     pub arrived: bool,
 }
 
@@ -124,6 +122,7 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
         let squares = squares(problem, &point);
         let explained = squares.iter().zip(&point.sigma);
         let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
+        // What the laws had to be bent by.
         let bent = (solved.residual - explained).max(0.0);
         let new = criterion(problem, judge, &squares) + bent + cost;
         let sigma: Vec<f64> = (0..squares.len())
@@ -140,18 +139,17 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
         let hopeless = new - beat > HOPELESS + HASTE * left as f64 * (value - new).abs();
         value = new;
         let arrived = still || level;
-        found = Some((solved.variances, squares, bent, arrived));
+        found = Some((solved.variances, squares, arrived));
         if arrived || hopeless {
             break;
         }
     }
-    let (variances, squares, bent, arrived) = found?;
+    let (variances, squares, arrived) = found?;
     value.is_finite().then_some(Fit {
         point,
         variances,
         value,
         squares,
-        bent,
         arrived,
     })
 }

@@ -1,4 +1,4 @@
-//! The widest instructions that the machine has.
+//! The widest instructions that the machine has, and the two loops that everything here is made of.
 //!
 //! In: a loop over numbers that lie beside each other. Out: what it does anyway, to the last bit: products and sums are never fused
 //! or reordered. What is called in it must be inlined to gain.
@@ -9,4 +9,16 @@ use faer::traits::pulp::Arch;
 #[inline(always)]
 pub(super) fn wide<R>(f: impl FnOnce() -> R) -> R {
     Arch::new().dispatch(f)
+}
+
+/// y += a x
+#[inline(always)]
+pub(super) fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
+}
+
+/// aᵀb, summed in order.
+#[inline(always)]
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -3,7 +3,7 @@
 //! In: the products of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
 //! length, so that pivots say how dependent they are.
 
-use super::lanes::wide;
+use super::lanes::{axpy, dot, wide};
 
 /// Unit columns shorter than the root of this after projection are dependent on those chosen.
 pub(super) const DEPENDENT: f64 = 1e-7;
@@ -301,13 +301,4 @@ fn wide_invert(a: &mut [f64], n: usize) -> bool {
         a[k * n..(k + 1) * n].copy_from_slice(&row);
     }
     true
-}
-
-#[inline(always)]
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

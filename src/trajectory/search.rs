@@ -332,8 +332,6 @@ fn levels(
     (as_one, fresh): (f64, bool),
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Found> {
-    let readings = (problem.measurements() as f64 / as_one).max(FEW);
-    let penalty = as_one * TERM * readings.ln();
     let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
     let noisiest = (0..problem.noise.len())
         .filter(|i| problem.readings[*i] > 0)
@@ -352,13 +350,11 @@ fn levels(
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let floor = problem.spread.iter().cycle().zip(&problem.noise);
-        let floor = floor
-            .map(|(d, s)| (floors[place] * d).max(TRUSTED * s))
-            .collect();
+        let judge = judge(problem, floors[place], as_one);
+        let penalty = judge.penalty;
         let mut level = Level {
             problem,
-            judge: Judge { floor, penalty },
+            judge,
             tried: BTreeMap::new(),
             best: Vec::new(),
             form: None,
@@ -421,12 +417,17 @@ fn joined(a: &[usize], b: &[usize]) -> Vec<usize> {
     all
 }
 
-/// The judge of the last level.
+/// The judge of the last level, every reading counted.
 pub(super) fn last_judge(problem: &Problem) -> Judge {
-    let lowest = FLOORS[FLOORS.len() - 1];
-    let floor = problem.spread.iter().cycle().zip(&problem.noise);
+    judge(problem, FLOORS[FLOORS.len() - 1], 1.0)
+}
+
+/// The judge of a level: its floor under the noise, relative to the spread, and how many readings count as one.
+fn judge(problem: &Problem, floor: f64, as_one: f64) -> Judge {
+    let readings = (problem.measurements() as f64 / as_one).max(FEW);
+    let sensors = problem.spread.iter().cycle().zip(&problem.noise);
     Judge {
-        floor: floor.map(|(d, s)| (lowest * d).max(TRUSTED * s)).collect(),
-        penalty: TERM * (problem.measurements() as f64).ln(),
+        floor: sensors.map(|(d, s)| (floor * d).max(TRUSTED * s)).collect(),
+        penalty: as_one * TERM * readings.ln(),
     }
 }

@@ -10,7 +10,7 @@
 //! those, together with what they do to the rest, and that is then applied to the P columns at once. Cost of an interval: about
 //! 10 n³ operations and 6 n² P, 10 n² P where states are kept.
 
-use super::lanes::wide;
+use super::lanes::{axpy, dot, wide};
 
 /// One linearised interval: δz₁ − T δz₀ − U δa = defect, each row with its slack.
 pub(super) struct Link<'a> {
@@ -312,13 +312,4 @@ fn tile<const WIDE: usize, const PARTS: usize>(
         }
     }
     out[at..at + WIDE].copy_from_slice(&sum);
-}
-
-#[inline(always)]
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use crate::lang::model::{LibExpr, LibKind, Model, RightSide, VarKind};
 use crate::library::{Library, known_terms};
-use crate::term::{Expr, Signal, Term, VarId};
+use crate::term::{Expr, Signal, Term};
 
 /// A system z' = f(z, w, u; a): states of any order as chains of first-order ones, laws linear in their coefficients.
 #[derive(Clone, Debug)]
@@ -172,11 +172,6 @@ impl System {
     /// The place of a variable's derivative among the states.
     pub fn state(&self, signal: Signal) -> Option<usize> {
         self.states.iter().position(|s| *s == signal)
-    }
-
-    /// True if the variable is moved by a law.
-    pub fn moves(&self, var: VarId) -> bool {
-        self.laws.iter().any(|l| l.target.var == var)
     }
 
     /// Signals in the order in which evaluation takes them: states, targets, outside.

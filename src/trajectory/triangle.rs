@@ -3,7 +3,7 @@
 //! In: rows [a | right]. Out: coefficients, the least residual, variances. Rows wait in a buffer and are reduced many at once, by
 //! Householder reflections of columns.
 
-use super::lanes::wide;
+use super::lanes::{axpy, wide};
 use super::sweep::Gather;
 
 /// R of [A | b], (P + 1) × (P + 1), upper triangular; the last diagonal entry is the norm of what no combination explains.
@@ -142,11 +142,6 @@ pub(super) struct Solved {
     pub residual: f64,
     /// Of the coefficients, at unit error of the rows.
     pub variances: Vec<f64>,
-}
-
-#[inline(always)]
-fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += a * x);
 }
 
 /// In eight sums side by side, always the same ones.

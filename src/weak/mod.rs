@@ -17,8 +17,6 @@ mod problem;
 mod route;
 mod smooth;
 mod splines;
-mod start;
 mod stretch;
 
 pub use problem::{Asked, Motion, Place, Weak, Whitened};
-pub use start::problems;
