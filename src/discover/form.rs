@@ -1,15 +1,21 @@
-//! The found equations as a system that can be run: M(z) q = f(z) for the unknowns q, z everything known at an instant.
+//! The found equations as a system that can be run: M(z, q) q = f(z, q) for the unknowns q, z everything known at an instant.
 //!
-//! q are the targets (highest derivatives, or next samples). Coupled equations contain each other's targets; where they do so
-//! linearly, one small solve per instant gives q. Outputs are explicit and stand apart.
+//! q are the targets (highest derivatives, or next samples). Coupled equations contain each other's targets. Where they do so
+//! linearly, M and f depend on z alone and one small solve gives q; otherwise the same solve, repeated, is Newton's method.
+//! Outputs are explicit and stand apart.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{Discovery, Equation};
 use crate::lang::model::VarKind;
-use crate::term::{Atom, Signal, SignalNames, Term};
+use crate::term::{Expr, Signal, Term};
+
+/// Newton steps for one instant.
+const STEPS: usize = 50;
+/// Relative size of the last step.
+const ACCURACY: f64 = 1e-12;
 
 /// A system in mass-matrix form, and the order of its arguments.
 #[derive(Clone, Debug, Default)]
@@ -26,20 +32,22 @@ pub struct Form {
     pub unknowns: Vec<Signal>,
     pub rows: Vec<Row>,
     /// Output maps, explicit.
-    pub outputs: Vec<(Signal, Weighted)>,
+    pub outputs: Vec<(Signal, Expr)>,
     /// Place of each unknown's next lower derivative in ẋ, or in the next state: x\[i\]' is state\[i+1\] or an unknown.
     pub rates: Vec<Rate>,
+    /// False if M and f depend on q.
+    pub linear: bool,
 }
 
-/// Σ coefficient · term.
-pub type Weighted = Vec<(f64, Term)>;
-
-/// One equation: Σ_j mass\[j\]·q_j = force.
+/// One equation, target = right, as Σ_j mass\[j\]·q_j = force.
 #[derive(Clone, Debug, Default)]
 pub struct Row {
-    /// (column j, Σ coefficient · term); the unit diagonal is included.
-    pub mass: BTreeMap<usize, Weighted>,
-    pub force: Weighted,
+    /// The equation's right side as it was found, unknowns included.
+    pub right: Expr,
+    /// ∂(target − right)/∂q_j, one per unknown; zero where the equation does not know it.
+    pub mass: Vec<Expr>,
+    /// right − Σ_j ∂right/∂q_j · q_j: free of unknowns if they occur linearly.
+    pub force: Expr,
 }
 
 /// How one component of the state moves.
@@ -51,62 +59,64 @@ pub enum Rate {
     Unknown(usize),
 }
 
-/// Why a discovery cannot be run as it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NotRunnable {
-    pub target: Signal,
-    pub message: String,
-}
-
 impl Form {
     /// Sorts the equations into state, inputs and unknowns.
-    ///
-    /// # Errors
-    /// An unknown that occurs other than linearly (inside a function, squared, or times another unknown).
-    pub fn new(d: &Discovery) -> Result<Form, NotRunnable> {
+    pub fn new(d: &Discovery) -> Form {
         let mut form = Form::default();
         let (maps, dynamics): (Vec<_>, Vec<_>) =
             d.equations.iter().partition(|e| is_output(d, e.target));
         form.unknowns = dynamics.iter().map(|e| e.target).collect();
         form.state_vector();
         form.other_signals(d);
-        for equation in dynamics {
-            let row = form.row(d, equation)?;
-            form.rows.push(row);
-        }
-        form.outputs = maps.iter().map(|e| (e.target, weighted(e))).collect();
-        Ok(form)
+        form.rows = dynamics.iter().map(|e| form.row(e)).collect();
+        form.linear = form.rows.iter().all(|r| form.free(r));
+        form.outputs = maps.iter().map(|e| (e.target, right(e))).collect();
+        form
     }
 
     /// True if some equation contains another's target, so that q needs a solve.
     pub fn coupled(&self) -> bool {
         self.rows.iter().enumerate().any(|(i, row)| {
-            row.mass
-                .iter()
-                .any(|(j, w)| *j != i || w.iter().any(|(_, t)| !t.is_one()))
+            let unit = |j| if i == j { 1.0 } else { 0.0 };
+            let mut mass = row.mass.iter().enumerate();
+            mass.any(|(j, m)| m.as_number() != Some(unit(j)))
         })
     }
 
-    /// M at one instant, n × n.
+    /// M at one instant, n × n. Where M depends on q, `at` has to know it.
     pub fn mass(&self, at: &impl Fn(Signal) -> f64) -> DMatrix<f64> {
         let n = self.rows.len();
-        DMatrix::from_fn(n, n, |i, j| {
-            self.rows[i].mass.get(&j).map_or(0.0, |w| sum(w, at))
-        })
+        DMatrix::from_fn(n, n, |i, j| self.rows[i].mass[j].eval(at))
     }
 
-    /// q at one instant; `None` where M is singular.
-    pub fn solve(&self, at: &impl Fn(Signal) -> f64) -> Option<Vec<f64>> {
-        let force =
-            DVector::from_iterator(self.rows.len(), self.rows.iter().map(|r| sum(&r.force, at)));
-        let q = self.mass(at).lu().solve(&force)?;
-        Some(q.iter().copied().collect())
+    /// q at one instant; `None` where M is singular, or Newton's method from `start` (q nearby; zeros if unknown) finds nothing.
+    pub fn solve(&self, at: &impl Fn(Signal) -> f64, start: &[f64]) -> Option<Vec<f64>> {
+        let mut q = start.to_vec();
+        for _ in 0..STEPS {
+            let with_q = |s: Signal| match self.unknowns.iter().position(|u| *u == s) {
+                Some(j) => q[j],
+                None => at(s),
+            };
+            let force = self.rows.iter().map(|r| r.force.eval(&with_q));
+            let force = DVector::from_iterator(self.rows.len(), force);
+            let next = self.mass(&with_q).lu().solve(&force)?;
+            let moved = next.iter().zip(&q).map(|(a, b)| (a - b).abs());
+            let (moved, size) = (moved.fold(0.0, f64::max), next.amax());
+            q = next.iter().copied().collect();
+            if self.linear || moved <= ACCURACY * size {
+                return Some(q);
+            }
+            if !size.is_finite() {
+                return None;
+            }
+        }
+        None
     }
 
-    /// ẋ (or the next x) from time, state, inputs, parameters and history, in the order of the fields.
+    /// ẋ (or the next x), Newton's method started at q = 0, from time, state, inputs, parameters and history, in the order of the fields.
     pub fn rates_at(&self, t: f64, x: &[f64], u: &[f64], p: &[f64], h: &[f64]) -> Option<Vec<f64>> {
         let at = self.lookup(t, x, u, p, h);
-        let q = self.solve(&at)?;
+        let q = self.solve(&at, &vec![0.0; self.rows.len()])?;
         Some(
             self.rates
                 .iter()
@@ -182,60 +192,34 @@ impl Form {
         }
     }
 
-    /// target − Σ (terms with unknowns) = Σ (the others).
-    fn row(&self, d: &Discovery, e: &Equation) -> Result<Row, NotRunnable> {
-        let mut row = Row::default();
-        let own = self.unknowns.iter().position(|u| *u == e.target);
-        if let Some(i) = own {
-            row.mass.insert(i, vec![(1.0, Term::one())]);
+    fn row(&self, e: &Equation) -> Row {
+        let right = right(e);
+        let slopes = self.unknowns.iter().map(|q| right.derivative(*q));
+        let slopes: Vec<Expr> = slopes.collect();
+        let mut force = right.clone();
+        for (q, slope) in self.unknowns.iter().zip(&slopes) {
+            force = force - multiplied(slope, *q);
         }
-        for (c, term) in weighted(e) {
-            match self.split(&term) {
-                Split::Free => row.force.push((c, term)),
-                Split::Linear(j, rest) => row.mass.entry(j).or_default().push((-c, rest)),
-                Split::Nonlinear(u) => {
-                    return Err(NotRunnable {
-                        target: e.target,
-                        message: format!(
-                            "the equation of {} is not linear in {}, so it cannot be solved for the highest derivatives",
-                            d.name(e.target),
-                            d.name(u)
-                        ),
-                    });
-                }
-            }
+        let unit = |q: &Signal| Expr::number(if *q == e.target { 1.0 } else { 0.0 });
+        let mass = self.unknowns.iter().zip(slopes);
+        Row {
+            mass: mass.map(|(q, slope)| unit(q) - slope).collect(),
+            right,
+            force,
         }
-        Ok(row)
     }
 
-    fn split(&self, term: &Term) -> Split {
-        let mut found: Option<usize> = None;
-        for (atom, power) in term.factors() {
-            let mut inside = None;
-            atom.for_each_signal(&mut |s| {
-                inside = inside.or(self.unknowns.iter().position(|u| *u == s))
-            });
-            let Some(j) = inside else { continue };
-            let plain = matches!(atom, Atom::Signal(_)) && power == 1.0;
-            if !plain || found.is_some() {
-                return Split::Nonlinear(self.unknowns[j]);
-            }
-            found = Some(j);
-        }
-        match found {
-            None => Split::Free,
-            Some(j) => {
-                let without = Term::signal(self.unknowns[j]).pow(-1.0);
-                Split::Linear(j, term.mul(&without))
-            }
-        }
+    /// True if neither M nor f of this row knows an unknown.
+    fn free(&self, row: &Row) -> bool {
+        let knows = |e: &Expr| self.unknowns.iter().any(|q| e.mentions(*q));
+        !knows(&row.force) && !row.mass.iter().any(knows)
     }
 }
 
-enum Split {
-    Free,
-    Linear(usize, Term),
-    Nonlinear(Signal),
+/// Term by term, so that a linear occurrence cancels its own derivative.
+fn multiplied(e: &Expr, s: Signal) -> Expr {
+    let times = |(weight, term): (f64, &Term)| Expr::from((weight, term.mul(&Term::signal(s))));
+    e.terms().map(times).sum()
 }
 
 fn is_output(d: &Discovery, s: Signal) -> bool {
@@ -243,13 +227,9 @@ fn is_output(d: &Discovery, s: Signal) -> bool {
         .is_some_and(|v| v.kind == VarKind::Output)
 }
 
-fn weighted(e: &Equation) -> Weighted {
-    e.terms
-        .iter()
-        .map(|t| (t.coefficient, t.term.clone()))
-        .collect()
-}
-
-fn sum(w: &Weighted, at: &impl Fn(Signal) -> f64) -> f64 {
-    w.iter().map(|(c, t)| c * t.eval(at)).sum()
+fn right(e: &Equation) -> Expr {
+    let parts = e.terms.iter();
+    parts
+        .map(|t| Expr::from((t.coefficient, t.term.clone())))
+        .sum()
 }

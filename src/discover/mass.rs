@@ -14,7 +14,7 @@ const ROWS: usize = 200;
 
 /// Turns coupled equations whose mass matrix is nearly singular along the data into doubts.
 pub(super) fn judge_together(d: &mut Discovery, samples: &Samples) {
-    let Ok(form) = Form::new(d) else { return };
+    let form = Form::new(d);
     if form.rows.len() < 2 || !form.coupled() || samples.is_empty() {
         return;
     }

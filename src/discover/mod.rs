@@ -42,7 +42,7 @@ pub use discovery::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, PathKnot,
     Proof, Reason, Status, Together, Variable,
 };
-pub use form::{Form, NotRunnable, Rate, Row, Weighted};
+pub use form::{Form, Rate, Row};
 pub use joint::{discover_jointly, joint, nothing_fits};
 pub use ties::check_constraints;
 pub use watch::{Stage, Step, Stop, Watch};

@@ -4,8 +4,8 @@
 
 use super::Target;
 use super::names::Identifiers;
-use crate::discover::{Discovery, Form, Rate, Weighted};
-use crate::term::{Func, Notation, Precedence, Signal, SignalNames, Term, write_term};
+use crate::discover::{Discovery, Form, Rate};
+use crate::term::{Expr, Func, Notation, Precedence, Signal, SignalNames, Term, write_term};
 
 pub(super) struct Rust;
 
@@ -19,7 +19,10 @@ impl Target for Rust {
     }
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
-        let form = Form::new(d).map_err(|e| e.message)?;
+        let form = Form::new(d);
+        if !form.linear {
+            return Err("the equations are not linear in their highest derivatives".into());
+        }
         let names = identifiers(d, &form);
         let code = Code { names: &names };
         let mut out = header(d, &form);
@@ -99,10 +102,10 @@ fn rates(d: &Discovery, form: &Form, code: &Code) -> String {
     } else {
         ("derivatives", "The time derivative of the state.")
     };
-    let mut all: Vec<&Weighted> = Vec::new();
+    let mut all: Vec<&Expr> = Vec::new();
     for row in &form.rows {
         all.push(&row.force);
-        all.extend(row.mass.values());
+        all.extend(&row.mass);
     }
     let n = form.state.len();
     let mut out = format!(
@@ -139,9 +142,7 @@ fn unknowns(form: &Form, code: &Code) -> String {
     }
     let mut mass = String::new();
     for row in &form.rows {
-        let entries: Vec<String> = (0..m)
-            .map(|j| row.mass.get(&j).map_or("0.0".into(), |w| code.sum(w)))
-            .collect();
+        let entries: Vec<String> = row.mass.iter().map(|e| code.sum(e)).collect();
         mass.push_str(&format!("        [{}],\n", entries.join(", ")));
     }
     format!(
@@ -151,7 +152,7 @@ fn unknowns(form: &Form, code: &Code) -> String {
 }
 
 fn outputs(d: &Discovery, form: &Form, code: &Code) -> String {
-    let all: Vec<&Weighted> = form.outputs.iter().map(|(_, w)| w).collect();
+    let all: Vec<&Expr> = form.outputs.iter().map(|(_, w)| w).collect();
     let names: Vec<String> = form.outputs.iter().map(|(s, _)| d.name(*s)).collect();
     let n = form.outputs.len();
     let mut out = format!(
@@ -198,8 +199,8 @@ fn highest_derivatives(form: &Form, code: &Code, used: &dyn Fn(Signal) -> bool) 
     )
 }
 
-fn mentioned(all: &[&Weighted], s: Signal) -> bool {
-    all.iter().any(|w| w.iter().any(|(_, t)| t.mentions(s)))
+fn mentioned(all: &[&Expr], s: Signal) -> bool {
+    all.iter().any(|e| e.mentions(s))
 }
 
 /// Gaussian elimination with row exchanges; NaN where the matrix is singular.
@@ -264,11 +265,11 @@ struct Code<'a> {
 }
 
 impl Code<'_> {
-    fn sum(&self, w: &Weighted) -> String {
-        if w.is_empty() {
+    fn sum(&self, e: &Expr) -> String {
+        if e.terms().len() == 0 {
             return "0.0".into();
         }
-        let parts: Vec<String> = w.iter().map(|(c, t)| self.weighted(*c, t)).collect();
+        let parts: Vec<String> = e.terms().map(|(c, t)| self.weighted(c, t)).collect();
         parts.join(" + ")
     }
 

@@ -9,11 +9,13 @@ use super::{Atom, Expr, Func, Signal, Term};
 
 /// An operation on earlier nodes; numbers by their bits, so that equal means the same f64.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Node {
+pub enum Node {
+    /// A given signal, by the number of its row.
     Input(usize),
     Number(u64),
     Product(usize, usize),
     Reciprocal(usize),
+    /// Square root.
     Root(usize),
     Power(usize, u64),
     Call(Func, Vec<usize>),
@@ -23,7 +25,7 @@ pub(super) enum Node {
 
 impl Node {
     /// Calls `visit` for every node that this one uses.
-    pub(super) fn for_each_use(&self, mut visit: impl FnMut(usize)) {
+    pub fn for_each_use(&self, mut visit: impl FnMut(usize)) {
         match self {
             Node::Input(_) | Node::Number(_) => {}
             Node::Product(a, b) => {
@@ -37,17 +39,17 @@ impl Node {
     }
 }
 
-/// Nodes in an order in which they can be evaluated.
+/// Nodes in an order in which they can be evaluated: what evaluators run and targets write down.
 #[derive(Default)]
-pub(super) struct Graph {
-    pub(super) nodes: Vec<Node>,
+pub struct Graph {
+    nodes: Vec<Node>,
     known: HashMap<Node, usize>,
     inputs: HashMap<Signal, usize>,
 }
 
 impl Graph {
     /// `inputs`: the signals that can be mentioned, by the number of their row. The first of two equal ones counts.
-    pub(super) fn new(inputs: &[Signal]) -> Graph {
+    pub fn new(inputs: &[Signal]) -> Graph {
         let mut graph = Graph::default();
         for (row, s) in inputs.iter().enumerate() {
             graph.inputs.entry(*s).or_insert(row);
@@ -55,8 +57,13 @@ impl Graph {
         graph
     }
 
+    /// All nodes, each after those that it uses. Some may be used by nothing.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
     /// The node of an expression; `Err` is a signal that is not among the inputs.
-    pub(super) fn expr(&mut self, e: &Expr) -> Result<usize, Signal> {
+    pub fn expr(&mut self, e: &Expr) -> Result<usize, Signal> {
         // Adding to −0 changes nothing, whatever the sign of a zero.
         let (mut start, mut parts) = (-0.0, Vec::with_capacity(e.terms().len()));
         for (weight, term) in e.terms() {

@@ -16,6 +16,7 @@ mod tape;
 pub(crate) use expr::power;
 pub use expr::{Atom, Expr, Term};
 pub use function::{FUNCTIONS, Func, Function, Symmetry};
+pub use graph::{Graph, Node};
 pub use parity::Parity;
 pub use print::{Language, Notation, Precedence, write_expr, write_term};
 pub use signal::{Signal, SignalNames, VarId};

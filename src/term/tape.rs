@@ -54,7 +54,7 @@ impl Tape {
     pub fn new(outputs: &[Expr], inputs: &[Signal]) -> Result<Tape, Signal> {
         let mut graph = Graph::new(inputs);
         let roots: Result<Vec<usize>, Signal> = outputs.iter().map(|e| graph.expr(e)).collect();
-        let (code, registers) = Allocation::of(&graph.nodes, &roots?).emit(&graph.nodes);
+        let (code, registers) = Allocation::of(graph.nodes(), &roots?).emit(graph.nodes());
         Ok(Tape {
             code,
             registers,
