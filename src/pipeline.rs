@@ -2,7 +2,7 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
-use crate::data::{self, Dataset, Provenance, Samples, SignalMonitor, Table};
+use crate::data::{self, Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table};
 use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
@@ -25,6 +25,8 @@ pub struct Program {
 /// A program's signals on common rows.
 pub struct Measured {
     pub dataset: Dataset,
+    /// What equations are not found from.
+    pub held: Dataset,
     /// No rows where all equations are found together.
     pub samples: Samples,
     /// The problem of finding all equations together with the trajectory, where that is the way.
@@ -107,13 +109,20 @@ fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnosti
 /// A stretch of time, ends optional.
 pub type Window = (Option<f64>, Option<f64>);
 
+/// Which rows there are, and which of them equations are not found from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rows {
+    pub window: Window,
+    pub held: HoldOut,
+}
+
 /// Program + tables → the problem of all equations together, or samples of every signal that they mention; no rows if
 /// `monitor` ended the work.
 pub fn measure(
     program: &Program,
     tables: &[Table],
     params: &[(String, Vec<f64>)],
-    (window, options): (Window, &Options),
+    (rows, options): (&Rows, &Options),
     sources: &mut Sources,
     monitor: SignalMonitor,
 ) -> Staged<Measured> {
@@ -121,10 +130,17 @@ pub fn measure(
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
     }
-    diagnostics.extend(data::keep_window(&mut dataset, window));
+    diagnostics.extend(data::keep_window(&mut dataset, rows.window));
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
     }
+    let held = match data::hold_out(&mut dataset, &rows.held) {
+        Ok(held) => held,
+        Err(fault) => {
+            diagnostics.push(fault);
+            return (None, diagnostics);
+        }
+    };
     let (model, libraries) = (&program.model, &program.libraries);
     let first = model.equations.first().map_or(Signal::TIME, |e| e.target);
     let mut go_on = || monitor(first).is_continue();
@@ -147,6 +163,7 @@ pub fn measure(
     finish(
         Measured {
             dataset,
+            held,
             samples,
             joint,
             report,

@@ -10,7 +10,7 @@ use super::{Failure, output, status};
 use crate::discover::Options;
 use crate::lang::source::Sources;
 use crate::library::{self, Block, Library, readable, readable_bytes};
-use crate::pipeline::{self, Program};
+use crate::pipeline::{self, Program, Rows};
 use crate::term::{Language, SignalNames};
 
 /// Check a model, and whether the data fit it
@@ -23,7 +23,7 @@ pub struct Args {
     #[arg(long)]
     terms: bool,
     /// Constant parameters: one value a trajectory, or one for all
-    #[arg(long = "param", value_parser = super::identify::parameter)]
+    #[arg(long = "param", value_parser = super::values::parameter)]
     params: Vec<(String, Vec<f64>)>,
     /// Most memory for a table or a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
@@ -33,7 +33,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
-    let file = inputs::model(&files.model, &mut sources)?;
+    let file = inputs::model(files.model()?, &mut sources)?;
     let compiled = pipeline::compile(file, &sources, args.memory_limit);
     let program = inputs::report(compiled, &sources, Notes::Full)?;
     let mut text = describe(&program);
@@ -47,7 +47,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             &program,
             &tables,
             &args.params,
-            ((None, None), &Options::default()),
+            (&Rows::default(), &Options::default()),
             &mut sources,
             &mut |signal| {
                 line.show(Work::Preparing(program.model.name(signal)));
@@ -59,9 +59,9 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         text.push_str(&format!(
             "{} from {}\n",
             counted(measured.rows(), "row", "rows"),
-            super::identify::trajectories(&measured)
+            answer::trajectories(&measured)
         ));
-        text.push_str(&super::identify::signals_text(&program, &measured));
+        text.push_str(&answer::signals_text(&program, &measured));
     }
     output::print(&text)?;
     // The process ends here; freeing every term of a large library one by one would be a good part of its time.

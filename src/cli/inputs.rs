@@ -15,30 +15,38 @@ const LARGEST_TEXT: u64 = 64 << 20;
 
 /// The command line's files, told apart.
 pub struct Inputs {
-    pub model: PathBuf,
+    pub models: Vec<PathBuf>,
     pub data: Vec<PathBuf>,
 }
 
 impl Inputs {
     /// # Errors
-    /// No model, or more than one.
+    /// No model.
     pub fn sort(files: &[PathBuf]) -> Result<Inputs, Failure> {
         let (models, data): (Vec<_>, Vec<_>) = files
             .iter()
             .cloned()
             .partition(|f| f.extension().is_some_and(|e| e == "sid"));
-        match models.as_slice() {
-            [model] => Ok(Inputs {
-                model: model.clone(),
-                data,
-            }),
-            [] => Err(Failure::new(
+        if models.is_empty() {
+            return Err(Failure::new(
                 "error[no-model]: no model among the files: a model's name ends in .sid",
-            )),
+            ));
+        }
+        Ok(Inputs { models, data })
+    }
+
+    /// The one model, for commands that take one.
+    ///
+    /// # Errors
+    /// More than one.
+    pub fn model(&self) -> Result<&Path, Failure> {
+        match self.models.as_slice() {
+            [model] => Ok(model),
             [_, second, ..] => Err(Failure::new(format!(
                 "error[several-models]: one model at a time; {} is a second one",
                 second.display()
             ))),
+            [] => Err(Failure::new("error[no-model]: no model")),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The command line: one file a subcommand; the only place that touches files and terminals.
 
+mod answer;
+mod candidates;
 mod check;
 mod export;
 mod fmt;
@@ -10,6 +12,7 @@ mod list;
 mod output;
 mod progress;
 mod smooth;
+mod values;
 
 use std::process::ExitCode;
 
@@ -72,11 +75,22 @@ pub(crate) fn hint<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// A failure of the whole command, with everything to say about it.
+#[derive(Default)]
 pub(crate) struct Failure(Vec<String>);
 
 impl Failure {
     pub fn new(text: impl Into<String>) -> Self {
         Failure(vec![text.into()])
+    }
+
+    /// What another failure has to say as well.
+    pub fn add(&mut self, other: Failure) {
+        self.0.extend(other.0);
+    }
+
+    /// The value, unless there is something to say.
+    pub fn or<T>(self, value: T) -> Result<T, Failure> {
+        if self.0.is_empty() { Ok(value) } else { Err(self) }
     }
 
     fn print(&self) -> u8 {

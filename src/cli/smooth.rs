@@ -27,13 +27,13 @@ pub struct Args {
     #[arg(long)]
     keep_outliers: bool,
     /// Use only times A to B, ends optional: --window=2..10, --window=..5
-    #[arg(long, value_name = "A..B", value_parser = super::identify::window, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A..B", value_parser = super::values::window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
     /// Standard deviation of a sensor's noise, in the model's units: --noise theta=0.01
-    #[arg(long, value_name = "NAME=SIGMA", value_parser = super::identify::noise)]
+    #[arg(long, value_name = "NAME=SIGMA", value_parser = super::values::noise)]
     noise: Vec<(String, f64)>,
     /// Constant parameters: one value a trajectory, or one for all
-    #[arg(long = "param", value_parser = super::identify::parameter)]
+    #[arg(long = "param", value_parser = super::values::parameter)]
     params: Vec<(String, Vec<f64>)>,
     /// Most memory for a table or a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
@@ -51,7 +51,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         Notes::Lines
     };
     let mut sources = Sources::default();
-    let file = inputs::model(&files.model, &mut sources)?;
+    let file = inputs::model(files.model()?, &mut sources)?;
     let compiled = pipeline::compile(file, &sources, args.memory_limit);
     let mut program = inputs::report(compiled, &sources, notes)?;
     if files.data.is_empty() {
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             "error[no-data]: no data file\n  = help: sidc smooth MODEL.sid DATA.csv",
         ));
     }
-    super::identify::set_noise(&mut program, &args.noise)?;
+    super::values::set_noise(&mut program, &args.noise)?;
     let model = &program.model;
     if model.discrete {
         return Err(Failure::new(

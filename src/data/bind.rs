@@ -25,8 +25,10 @@ pub fn bind(
 ) -> (Dataset, Vec<Diagnostic>) {
     let mut out = Vec::new();
     let mut pieces = Vec::new();
-    for table in tables {
-        pieces.extend(bind_table(model, table, params, sources, &mut out));
+    for (file, table) in tables.iter().enumerate() {
+        let mut bound = bind_table(model, table, params, sources, &mut out);
+        bound.iter_mut().for_each(|p| p.trajectory.file = file);
+        pieces.extend(bound);
     }
     give_params(model, params, &mut pieces, &mut out);
     checks::check(model, &pieces, sources, &mut out);
@@ -159,6 +161,7 @@ fn piece<'a>(
         rows,
         trajectory: Trajectory {
             name,
+            file: 0,
             time,
             columns: signals,
         },

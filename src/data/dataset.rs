@@ -31,6 +31,8 @@ impl Dataset {
 pub struct Trajectory {
     /// File name without folders, and the run's id if one file holds several.
     pub name: String,
+    /// Place of its file among those of the run.
+    pub file: usize,
     /// Seconds, strictly rising; sample numbers in discrete time. Length M.
     pub time: Vec<f64>,
     /// Measured signals in model units, each of length M; NaN marks a missing value. Sorted by signal.

@@ -8,6 +8,7 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discover::{Evidence, Reason, Status};
+use crate::validate::Validation;
 
 pub use read::read;
 pub use write::write;
@@ -36,6 +37,38 @@ pub struct Document {
     /// Codes and texts of warnings that bear on the result.
     #[serde(default)]
     pub warnings: Vec<Reason>,
+    /// How the equations run, on data used and on data held out.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub validation: Option<Validation>,
+    /// Models that were compared, best first; absent for one alone.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub candidates: Vec<CandidateEntry>,
+}
+
+/// What stands in a document beside the discovery.
+#[derive(Clone, Debug, Default)]
+pub struct Beside {
+    pub settings: Settings,
+    pub signals: Vec<SignalEntry>,
+    pub warnings: Vec<Reason>,
+    pub validation: Option<Validation>,
+    pub candidates: Vec<CandidateEntry>,
+}
+
+/// One of several models for the same data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CandidateEntry {
+    /// File name without folders.
+    pub model: String,
+    /// Terms in all equations.
+    pub terms: usize,
+    /// Error to signal of its run on data not used, decibels; absent if the run ended early.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub error_db: Option<f64>,
+    pub passes: bool,
+    /// No other has both fewer terms and a smaller error.
+    pub front: bool,
+    pub best: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,6 +151,9 @@ pub struct Settings {
     pub seed: u64,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub window: Option<(Option<f64>, Option<f64>)>,
+    /// What equations were not found from, as it was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub holdout: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,10 +1,10 @@
 //! Discovery → document → text.
 
 use super::{
-    Document, EquationEntry, FailedEntry, KnotEntry, Settings, SignalEntry, TermEntry, TimeKind,
-    VERSION, VariableEntry,
+    Beside, Document, EquationEntry, FailedEntry, KnotEntry, TermEntry, TimeKind, VERSION,
+    VariableEntry,
 };
-use crate::discover::{Discovery, Equation, FoundTerm, PathKnot, Reason};
+use crate::discover::{Discovery, Equation, FoundTerm, PathKnot};
 use crate::lang::model::VarKind;
 use crate::term::{Language, SignalNames};
 
@@ -14,9 +14,7 @@ use crate::term::{Language, SignalNames};
 /// Only if a figure cannot be represented, which would be a fault of this program.
 pub fn write(
     d: &Discovery,
-    settings: &Settings,
-    signals: &[SignalEntry],
-    warnings: &[Reason],
+    beside: Beside,
 ) -> Result<String, serde_json::Error> {
     let document = Document {
         sidc_result: VERSION,
@@ -36,9 +34,11 @@ pub fn write(
                 reasons: f.reasons.clone(),
             })
             .collect(),
-        settings: settings.clone(),
-        signals: signals.to_vec(),
-        warnings: warnings.to_vec(),
+        settings: beside.settings,
+        signals: beside.signals,
+        warnings: beside.warnings,
+        validation: beside.validation,
+        candidates: beside.candidates,
     };
     serde_json::to_string_pretty(&document).map(|text| text + "\n")
 }

@@ -1,0 +1,157 @@
+//! How the values of options are written, and what they mean: methods, solvers, stretches of time, noises, parameters.
+
+use std::path::{Path, PathBuf};
+
+use super::{Failure, hint};
+use crate::data::Stretch;
+use crate::discover::{METHODS, Method};
+use crate::lang::diagnostic::did_you_mean;
+use crate::lang::model::{Model, VarKind};
+use crate::pipeline::Program;
+use crate::solve::{SOLVERS, Solver};
+use crate::term::{Signal, SignalNames, VarId};
+
+/// A name of `--method`.
+pub fn method(name: &str) -> Result<Method, String> {
+    let names = METHODS.iter().map(|(n, _)| *n);
+    let found = METHODS.iter().find(|(n, _)| *n == name);
+    found.map(|(_, m)| *m).ok_or_else(|| {
+        let known: Vec<&str> = names.clone().collect();
+        match did_you_mean(name, names) {
+            Some(n) => format!("did you mean `{n}`? known: {}", known.join(", ")),
+            None => format!("known: {}", known.join(", ")),
+        }
+    })
+}
+
+/// A name of `--solver`.
+pub fn solver(name: &str) -> Result<&'static dyn Solver, String> {
+    let names = SOLVERS.iter().map(|s| s.name());
+    SOLVERS
+        .iter()
+        .copied()
+        .find(|s| s.name() == name)
+        .ok_or_else(|| {
+            let known: Vec<&str> = names.clone().collect();
+            match did_you_mean(name, names) {
+                Some(n) => format!("did you mean `{n}`? known: {}", known.join(", ")),
+                None => format!("known: {}", known.join(", ")),
+            }
+        })
+}
+
+/// `2..10`, `..5`, `3..`
+pub fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
+    let (from, to) = text
+        .split_once("..")
+        .ok_or("write a stretch of time as A..B")?;
+    let end = |t: &str| -> Result<Option<f64>, String> {
+        if t.trim().is_empty() {
+            return Ok(None);
+        }
+        match t.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(Some(x)),
+            _ => Err(format!("`{t}` is not a time in seconds")),
+        }
+    };
+    let (from, to) = (end(from)?, end(to)?);
+    match (from, to) {
+        (Some(a), Some(b)) if a >= b => Err(format!("{a} is not before {b}")),
+        ends => Ok(ends),
+    }
+}
+
+/// What `--holdout` takes: a part of every record, or a file.
+#[derive(Clone, Debug)]
+pub enum Held {
+    Stretch(Stretch),
+    File(PathBuf),
+}
+
+/// `30..40`, `25%`, `test.csv`
+pub fn held(text: &str) -> Result<Held, String> {
+    if let Some(part) = text.strip_suffix('%') {
+        return match part.trim().parse::<f64>() {
+            Ok(p) if p > 0.0 && p < 100.0 => Ok(Held::Stretch(Stretch::Last(p / 100.0))),
+            _ => Err("a part is above 0 % and below 100 %".into()),
+        };
+    }
+    let path = Path::new(text);
+    if path.is_file() {
+        return Ok(Held::File(path.into()));
+    }
+    if !text.contains("..") {
+        return Err("write a stretch of time as A..B, a part as 25%, or name a data file".into());
+    }
+    let (from, to) = window(text)?;
+    Ok(Held::Stretch(Stretch::Times(from, to)))
+}
+
+/// `-60`
+pub fn decibels(text: &str) -> Result<f64, String> {
+    let number = text.trim_end_matches("dB").trim();
+    match number.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err("write decibels as -60; 0 dB is an error as large as the signal".into()),
+    }
+}
+
+/// `theta=0.01`
+pub fn noise(text: &str) -> Result<(String, f64), String> {
+    match parameter(text)? {
+        (name, values) if values.len() == 1 && values.iter().all(|x| *x > 0.0) => {
+            Ok((name, values.iter().sum()))
+        }
+        _ => Err("a noise is one number above 0, a standard deviation".into()),
+    }
+}
+
+/// What the command line says of the sensors holds over the model.
+pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
+    let signals = sensors(&program.model);
+    for (name, sigma) in noise {
+        if let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) {
+            if let Some(var) = program.model.vars.get_mut(signal.var.0 as usize) {
+                var.noise.insert(signal.der, *sigma);
+            }
+            continue;
+        }
+        let names = signals.iter().map(|(n, _)| n.as_str());
+        let hint = hint(name, names.clone());
+        return Err(Failure::new(format!(
+            "error[unknown-noise]: --noise {name}: the model measures no signal of this name{hint}\n  = measured: {}",
+            names.collect::<Vec<_>>().join(", ")
+        )));
+    }
+    Ok(())
+}
+
+/// Every signal that a table may hold, by name: variables, then their derivatives.
+fn sensors(model: &Model) -> Vec<(String, Signal)> {
+    let orders = (0..=model.vars.iter().map(|v| v.order).max().unwrap_or(0)).flat_map(|der| {
+        let vars = (0..).zip(&model.vars);
+        vars.filter(move |(_, v)| {
+            der <= v.order && !matches!(v.kind, VarKind::Time | VarKind::Param)
+        })
+        .map(move |(id, _)| Signal {
+            der,
+            ..Signal::new(VarId(id))
+        })
+    });
+    orders.map(|s| (model.name(s), s)).collect()
+}
+
+/// `m=0.3,0.5`
+pub fn parameter(text: &str) -> Result<(String, Vec<f64>), String> {
+    let (name, values) = text
+        .split_once('=')
+        .ok_or("write a parameter as name=value")?;
+    let values: Result<Vec<f64>, String> = values
+        .split(',')
+        .map(|v| match v.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(format!("`{v}` is not a number")),
+        })
+        .collect();
+    Ok((name.trim().to_string(), values?))
+}

@@ -1,0 +1,201 @@
+//! Rows that equations are not found from, but tested on.
+//!
+//! In: a dataset, stretches of time and files. Out: what is left in it, and the rest as a dataset of its own. Records fall into
+//! pieces where a stretch is taken out of their middle. Never looks at values.
+
+use std::fmt;
+
+use super::{Dataset, Trajectory};
+use crate::lang::diagnostic::Diagnostic;
+
+/// What to hold out.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HoldOut {
+    pub stretches: Vec<Stretch>,
+    /// Whole tables, by their place among all of them.
+    pub files: Vec<usize>,
+}
+
+/// A part of every record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stretch {
+    /// from ≤ t ≤ to, an absent end is open.
+    Times(Option<f64>, Option<f64>),
+    /// This part of the rows, at the end; between 0 and 1.
+    Last(f64),
+}
+
+impl HoldOut {
+    pub fn is_empty(&self) -> bool {
+        self.stretches.is_empty() && self.files.is_empty()
+    }
+}
+
+impl Stretch {
+    /// True if the stretch takes row `k`.
+    fn takes(&self, t: &Trajectory, k: usize) -> bool {
+        match *self {
+            Stretch::Times(from, to) => {
+                from.is_none_or(|from| from <= t.time[k]) && to.is_none_or(|to| t.time[k] <= to)
+            }
+            Stretch::Last(part) => k as f64 >= (1.0 - part) * t.len() as f64,
+        }
+    }
+}
+
+/// As it is written on the command line.
+impl fmt::Display for Stretch {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let end = |x: Option<f64>| x.map_or_else(String::new, |x| x.to_string());
+        match *self {
+            Stretch::Times(from, to) => write!(f, "{}..{}", end(from), end(to)),
+            Stretch::Last(part) => write!(f, "{}%", 100.0 * part),
+        }
+    }
+}
+
+/// Takes the rows out of the dataset and returns them, empty if nothing is to be held out.
+///
+/// # Errors
+/// `empty-holdout`: a stretch without rows. `nothing-left`: no rows to find equations from.
+pub fn hold_out(dataset: &mut Dataset, what: &HoldOut) -> Result<Dataset, Diagnostic> {
+    let mut held = Dataset {
+        trajectories: Vec::new(),
+        inputs: dataset.inputs.clone(),
+    };
+    if what.is_empty() {
+        return Ok(held);
+    }
+    let records = || dataset.trajectories.iter();
+    for stretch in &what.stretches {
+        if !records().any(|t| (0..t.len()).any(|k| stretch.takes(t, k))) {
+            return Err(empty(stretch, dataset));
+        }
+    }
+    let mut left = Vec::new();
+    for record in records() {
+        let whole = what.files.contains(&record.file);
+        let takes = |k| whole || what.stretches.iter().any(|s| s.takes(record, k));
+        for (taken, from, to) in runs(record.len(), takes) {
+            let part = part(record, from, to);
+            match taken {
+                true => held.trajectories.push(part),
+                false => left.push(part),
+            }
+        }
+    }
+    if left.is_empty() {
+        return Err(nothing_left());
+    }
+    dataset.trajectories = left;
+    Ok(held)
+}
+
+/// Consecutive rows for which `takes` says the same: what it says, and from where to where.
+fn runs(rows: usize, takes: impl Fn(usize) -> bool) -> Vec<(bool, usize, usize)> {
+    let mut out: Vec<(bool, usize, usize)> = Vec::new();
+    for k in 0..rows {
+        let taken = takes(k);
+        match out.last_mut() {
+            Some((before, _, to)) if *before == taken => *to = k + 1,
+            _ => out.push((taken, k, k + 1)),
+        }
+    }
+    out
+}
+
+fn part(t: &Trajectory, from: usize, to: usize) -> Trajectory {
+    let cut = |v: &[f64]| v[from..to].to_vec();
+    Trajectory {
+        name: t.name.clone(),
+        file: t.file,
+        time: cut(&t.time),
+        columns: t.columns.iter().map(|(s, v)| (*s, cut(v))).collect(),
+    }
+}
+
+fn empty(stretch: &Stretch, dataset: &Dataset) -> Diagnostic {
+    let message = format!("--holdout={stretch} takes no rows");
+    let mut d = Diagnostic::error("empty-holdout", message);
+    for t in &dataset.trajectories {
+        if let (Some(from), Some(to)) = (t.time.first(), t.time.last()) {
+            d = d.fact(format!("{} runs from t = {from} to t = {to}", t.name));
+        }
+    }
+    d.help("give times that the records reach, a part such as 25%, or a file")
+}
+
+fn nothing_left() -> Diagnostic {
+    Diagnostic::error(
+        "nothing-left",
+        "everything is held out: no rows are left to find equations from",
+    )
+    .help("hold out a shorter stretch, or give another data file")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::term::{Signal, VarId};
+
+    fn dataset(lengths: &[usize]) -> Dataset {
+        let x = Signal::new(VarId(1));
+        let record = |(file, n): (usize, &usize)| {
+            let time: Vec<f64> = (0..*n).map(|k| k as f64 / 10.0).collect();
+            Trajectory {
+                name: format!("{file}.csv"),
+                file,
+                columns: vec![(x, time.iter().map(|t| 2.0 * t).collect())],
+                time,
+            }
+        };
+        Dataset {
+            trajectories: lengths.iter().enumerate().map(record).collect(),
+            inputs: Vec::new(),
+        }
+    }
+
+    fn times(d: &Dataset) -> Vec<(f64, f64)> {
+        let ends = |t: &Trajectory| (t.time[0], t.time[t.len() - 1]);
+        d.trajectories.iter().map(ends).collect()
+    }
+
+    #[test]
+    fn a_stretch_in_the_middle_leaves_two_pieces() {
+        let mut d = dataset(&[100]);
+        let what = HoldOut {
+            stretches: vec![Stretch::Times(Some(3.0), Some(5.0))],
+            files: vec![],
+        };
+        let held = hold_out(&mut d, &what).unwrap();
+        assert_eq!(times(&held), [(3.0, 5.0)]);
+        assert_eq!(times(&d), [(0.0, 2.9), (5.1, 9.9)]);
+        let (_, column) = &held.trajectories[0].columns[0];
+        assert_eq!((column.len(), column[0]), (21, 6.0));
+    }
+
+    #[test]
+    fn parts_are_of_every_record_and_files_are_whole() {
+        let mut d = dataset(&[100, 40, 10]);
+        let what = HoldOut {
+            stretches: vec![Stretch::Last(0.25)],
+            files: vec![2],
+        };
+        let held = hold_out(&mut d, &what).unwrap();
+        assert_eq!(times(&held), [(7.5, 9.9), (3.0, 3.9), (0.0, 0.9)]);
+        assert_eq!(times(&d), [(0.0, 7.4), (0.0, 2.9)]);
+    }
+
+    #[test]
+    fn nothing_and_everything_are_faults() {
+        let fault = |stretch| {
+            let what = HoldOut {
+                stretches: vec![stretch],
+                files: vec![],
+            };
+            hold_out(&mut dataset(&[100]), &what).unwrap_err().code
+        };
+        assert_eq!(fault(Stretch::Times(Some(20.0), None)), "empty-holdout");
+        assert_eq!(fault(Stretch::Times(None, None)), "nothing-left");
+    }
+}
