@@ -12,6 +12,7 @@ pub mod lang;
 pub mod library;
 pub mod pipeline;
 pub mod result;
+pub mod simulate;
 pub mod solve;
 pub mod term;
 pub mod trajectory;

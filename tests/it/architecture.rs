@@ -26,6 +26,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "trajectory",
         ],
     ),
+    ("simulate", &["term", "lang", "data", "discover"]),
     ("emit", &["term", "lang", "discover"]),
     ("result", &["term", "lang", "discover"]),
 ];
@@ -159,6 +160,10 @@ fn crates_of_one_purpose_stay_in_their_files() {
         assert!(
             !text.contains("ctrlc::") || name.ends_with("cli/limits.rs"),
             "{name} uses ctrlc"
+        );
+        assert!(
+            !text.contains("diffsol::") || name.ends_with("simulate/stiff.rs"),
+            "{name} uses diffsol"
         );
         assert!(
             !text.contains("pest::") || name.contains("lang/parse"),

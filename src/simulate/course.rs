@@ -1,0 +1,160 @@
+//! What an input does between its samples.
+//!
+//! In: samples of one signal along a leg, hold or linear, a delay. Out: its value and slope from any instant on until the next
+//! knot. Missing samples are held or bridged, and counted.
+
+use crate::lang::model::Between;
+
+/// One input along one record.
+#[derive(Clone, Debug)]
+pub(super) struct Course {
+    /// Finite, one for each row of the record.
+    values: Vec<f64>,
+    between: Between,
+    /// Seconds by which it acts late.
+    pub late: f64,
+    /// Samples that were missing.
+    pub missing: usize,
+}
+
+/// How one input is come by.
+#[derive(Clone, Debug)]
+pub(super) enum Drive {
+    Course(Course),
+    /// The derivative of an input that nobody measured: the slope of its course.
+    Slope(Course),
+    /// Nothing moves it.
+    Rest,
+}
+
+impl Drive {
+    /// The line that holds from `t` on.
+    pub fn line(&self, time: &[f64], t: f64) -> Line {
+        match self {
+            Drive::Course(c) => c.line(time, t),
+            Drive::Slope(c) => Line {
+                from: t,
+                value: c.line(time, t).slope,
+                slope: 0.0,
+            },
+            Drive::Rest => Line::default(),
+        }
+    }
+
+    /// Seconds by which it acts late.
+    pub fn late(&self) -> f64 {
+        match self {
+            Drive::Course(c) | Drive::Slope(c) => c.late,
+            Drive::Rest => 0.0,
+        }
+    }
+}
+
+/// A straight line in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Line {
+    pub from: f64,
+    pub value: f64,
+    pub slope: f64,
+}
+
+impl Line {
+    #[inline]
+    pub fn at(&self, t: f64) -> f64 {
+        self.value + self.slope * (t - self.from)
+    }
+
+    /// True if `next` goes on where this one ends.
+    pub fn continues(&self, next: &Line) -> bool {
+        self.slope == next.slope && (self.at(next.from) == next.value)
+    }
+}
+
+impl Course {
+    /// `None` if no sample is finite.
+    pub fn new(time: &[f64], samples: &[f64], between: Between, late: f64) -> Option<Course> {
+        let mut values = samples.to_vec();
+        let missing = values.iter().filter(|v| !v.is_finite()).count();
+        if missing > 0 {
+            bridge(time, &mut values, between)?;
+        }
+        (!values.is_empty()).then_some(Course {
+            values,
+            between,
+            late,
+            missing,
+        })
+    }
+
+    /// The line that holds from `t` on; at a jump that of the right side.
+    pub fn line(&self, time: &[f64], t: f64) -> Line {
+        let own = t - self.late;
+        let row = time.partition_point(|s| *s <= own);
+        let value = |i: usize| self.values.get(i).copied().unwrap_or(0.0);
+        let last = self.values.len() - 1;
+        let flat = |value| Line {
+            from: t,
+            value,
+            slope: 0.0,
+        };
+        match (row, self.between) {
+            (0, _) => flat(value(0)),
+            (i, _) if i > last => flat(value(last)),
+            (i, Between::Hold) => flat(value(i - 1)),
+            (i, Between::Linear) => {
+                let slope = (value(i) - value(i - 1)) / (time[i] - time[i - 1]);
+                Line {
+                    from: time[i - 1] + self.late,
+                    value: value(i - 1),
+                    slope,
+                }
+            }
+        }
+    }
+
+    /// The value at a row: that of discrete time.
+    pub fn sample(&self, row: usize) -> f64 {
+        self.values.get(row).copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// Fills what is missing: held from the last sample, or on the line to the next; before the first sample it is the first.
+fn bridge(time: &[f64], values: &mut [f64], between: Between) -> Option<()> {
+    let known: Vec<usize> = (0..values.len())
+        .filter(|i| values[*i].is_finite())
+        .collect();
+    let first = *known.first()?;
+    for i in (0..values.len()).filter(|i| known.binary_search(i).is_err()) {
+        let after = known.partition_point(|k| *k < i);
+        let (last, next) = (after.checked_sub(1).map(|k| known[k]), known.get(after));
+        values[i] = match (between, last, next) {
+            (_, None, _) => values[first],
+            (Between::Linear, Some(a), Some(b)) => {
+                let share = (time[i] - time[a]) / (time[*b] - time[a]);
+                values[a] + share * (values[*b] - values[a])
+            }
+            (_, Some(a), _) => values[a],
+        };
+    }
+    Some(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_hold_or_connect_and_start_late() {
+        let time = [0.0, 1.0, 2.0];
+        let held = Course::new(&time, &[5.0, f64::NAN, 7.0], Between::Hold, 0.0).unwrap();
+        let linear = Course::new(&time, &[5.0, f64::NAN, 7.0], Between::Linear, 0.0).unwrap();
+        assert_eq!((held.missing, held.line(&time, 1.5).at(1.9)), (1, 5.0));
+        assert_eq!(linear.line(&time, 1.5).at(1.75), 6.75);
+        // A jump belongs to its right side, and after the record everything stays.
+        assert_eq!(held.line(&time, 2.0).at(9.0), 7.0);
+        let late = Course::new(&time, &[5.0, 6.0, 7.0], Between::Hold, 0.25).unwrap();
+        assert_eq!(late.line(&time, 1.0).at(1.2), 5.0);
+        assert_eq!(late.line(&time, 1.25).at(1.3), 6.0);
+    }
+}

@@ -1,0 +1,272 @@
+//! Explicit Runge–Kutta methods: of order 5(4) with error control, and the classical one of fixed steps.
+//!
+//! In: a flow, a state, an instant to reach. Out: the state there; or that the flow is stiff; or where and why it ends.
+//! Dormand, Prince 1980 (J. Comp. Appl. Math. 6); control and stiffness test as in Hairer, Nørsett, Wanner, "Solving Ordinary
+//! Differential Equations I/II" (II.4, IV.2).
+
+use super::fault::FaultKind;
+use super::flow::{Ended, Flow, Guard};
+
+/// Error of a step, relative to a state and its typical size together.
+pub(super) const TOLERANCE: f64 = 1e-10;
+/// h·λ at which the method is at its limit of stability, in so many steps one after another.
+const STABILITY: (f64, usize) = (3.25, 15);
+/// Steps between two stops that are too many for an explicit method, whatever the reason.
+const MANY: usize = 20_000;
+/// Steps are not made smaller than this, relative to the time.
+const SMALLEST: f64 = 1e-15;
+
+const NODES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
+const STAGES: [&[f64]; 7] = [
+    &[],
+    &[0.2],
+    &[3.0 / 40.0, 9.0 / 40.0],
+    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+    &[
+        19372.0 / 6561.0,
+        -25360.0 / 2187.0,
+        64448.0 / 6561.0,
+        -212.0 / 729.0,
+    ],
+    &[
+        9017.0 / 3168.0,
+        -355.0 / 33.0,
+        46732.0 / 5247.0,
+        49.0 / 176.0,
+        -5103.0 / 18656.0,
+    ],
+    &[
+        35.0 / 384.0,
+        0.0,
+        500.0 / 1113.0,
+        125.0 / 192.0,
+        -2187.0 / 6784.0,
+        11.0 / 84.0,
+    ],
+];
+/// Weights of the 5th order less those of the 4th.
+const ERROR: [f64; 7] = [
+    71.0 / 57600.0,
+    0.0,
+    -71.0 / 16695.0,
+    71.0 / 1920.0,
+    -17253.0 / 339200.0,
+    22.0 / 525.0,
+    -1.0 / 40.0,
+];
+
+/// How far it came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Reached {
+    Stop,
+    /// Until here; from here on an implicit method is needed.
+    Stiff(f64),
+}
+
+/// The method's memory from step to step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Explicit {
+    /// The step that the last error suggests; 0 if there was none.
+    h: f64,
+    slopes: [Vec<f64>; 7],
+    stage: Vec<f64>,
+    end: Vec<f64>,
+    /// `slopes[0]` belongs to the present state and inputs.
+    fresh: bool,
+}
+
+impl Explicit {
+    pub fn new(n: usize) -> Explicit {
+        Explicit {
+            slopes: std::array::from_fn(|_| vec![0.0; n]),
+            stage: vec![0.0; n],
+            end: vec![0.0; n],
+            ..Explicit::default()
+        }
+    }
+
+    /// The inputs or the state were changed from outside.
+    pub fn restart(&mut self) {
+        self.fresh = false;
+    }
+
+    /// From `t` to `stop` with error control; `watch` also asks whether the flow is stiff.
+    pub fn advance(
+        &mut self,
+        flow: &mut Flow,
+        (mut t, stop): (f64, f64),
+        x: &mut [f64],
+        guard: &mut Guard,
+        watch: bool,
+    ) -> Result<Reached, Ended> {
+        let (mut limits, mut steps) = (0, 0);
+        let mut failed = None;
+        if self.h == 0.0 {
+            self.first_step(flow, (t, stop), x, guard)?;
+        }
+        while t < stop {
+            let smallest = SMALLEST * t.abs().max(stop.abs());
+            // The last step is stretched rather than leaving a sliver.
+            let left = stop - t;
+            let last = self.h >= 0.999 * left;
+            let h = if last { left } else { self.h };
+            if h <= smallest {
+                return Err((failed.unwrap_or(FaultKind::StepTooSmall), t));
+            }
+            steps += 1;
+            guard.check(t, x, flow.work.calls)?;
+            let error = match self.attempt(flow, t, x, h, guard) {
+                Ok(error) => error,
+                Err(kind) => {
+                    // Beyond the end of its world the trial step sees nothing; nearer by it may.
+                    failed = Some(kind);
+                    self.h = 0.25 * h;
+                    continue;
+                }
+            };
+            let factor = 0.9 * error.max(1e-12).powf(-0.2);
+            if error > 1.0 {
+                self.h = h * factor.clamp(0.1, 1.0);
+                continue;
+            }
+            failed = None;
+            if watch {
+                let stiff = self.stretch(h, guard) > STABILITY.0;
+                limits = if stiff { limits + 1 } else { 0 };
+            }
+            x.copy_from_slice(&self.end);
+            self.slopes.swap(0, 6);
+            t = if last { stop } else { t + h };
+            // A step cut short by a stop says nothing against a longer one.
+            let next = h * factor.min(8.0);
+            self.h = if last { next.max(self.h) } else { next };
+            if watch && t < stop && (limits >= STABILITY.1 || steps > MANY) {
+                return Ok(Reached::Stiff(t));
+            }
+        }
+        guard.check(t, x, flow.work.calls)?;
+        Ok(Reached::Stop)
+    }
+
+    /// From `t` to `stop` in equal classical steps of at most `h`.
+    pub fn fixed(
+        &mut self,
+        flow: &mut Flow,
+        (t, stop): (f64, f64),
+        x: &mut [f64],
+        guard: &mut Guard,
+        h: f64,
+    ) -> Result<(), Ended> {
+        // Rounding in the quotient is no reason for another step.
+        let count = ((stop - t) / h - 1e-6).ceil().max(1.0);
+        let h = (stop - t) / count;
+        let mut k = 0.0;
+        while k < count {
+            let at = t + k * h;
+            guard.check(at, x, flow.work.calls)?;
+            self.classical(flow, at, x, h).map_err(|kind| (kind, at))?;
+            k += 1.0;
+        }
+        guard.check(stop, x, flow.work.calls)
+    }
+
+    /// A step small enough that the state moves by a hundredth of its size.
+    fn first_step(
+        &mut self,
+        flow: &mut Flow,
+        (t, stop): (f64, f64),
+        x: &[f64],
+        guard: &Guard,
+    ) -> Result<(), Ended> {
+        flow.rates(t, x, &mut self.slopes[0])
+            .map_err(|kind| (kind, t))?;
+        self.fresh = true;
+        let sizes = x.iter().zip(&guard.sizes).map(|(x, s)| x.abs() + s);
+        let moves = self.slopes[0].iter().zip(sizes).map(|(k, s)| k.abs() / s);
+        let fastest = moves.fold(0.0, f64::max);
+        self.h = f64::min(stop - t, 0.01 / fastest.max(1e-300));
+        Ok(())
+    }
+
+    /// One step from x to `end`; its error, 1 being what is allowed.
+    fn attempt(
+        &mut self,
+        flow: &mut Flow,
+        t: f64,
+        x: &[f64],
+        h: f64,
+        guard: &Guard,
+    ) -> Result<f64, FaultKind> {
+        if !self.fresh {
+            flow.rates(t, x, &mut self.slopes[0])?;
+            self.fresh = true;
+        }
+        for (stage, (weights, node)) in STAGES.iter().zip(NODES).enumerate().skip(1) {
+            let (known, rest) = self.slopes.split_at_mut(stage);
+            // The last two stages are kept: their distance tells how fast the fastest motion is.
+            let target = if stage == 6 {
+                &mut self.end
+            } else {
+                &mut self.stage
+            };
+            for (i, z) in target.iter_mut().enumerate() {
+                let moved = known.iter().zip(*weights);
+                *z = x[i] + h * moved.map(|(k, w)| w * k[i]).sum::<f64>();
+            }
+            flow.rates(t + node * h, target, &mut rest[0])?;
+        }
+        let mut square = 0.0;
+        for (i, (end, size)) in self.end.iter().zip(&guard.sizes).enumerate() {
+            let slopes = self.slopes.iter().zip(ERROR);
+            let error = h * slopes.map(|(k, e)| e * k[i]).sum::<f64>();
+            let scale = TOLERANCE * (size + x[i].abs().max(end.abs()));
+            square += (error / scale).powi(2);
+        }
+        let error = (square / x.len().max(1) as f64).sqrt();
+        // What is not a number is no step.
+        Ok(if error.is_nan() { f64::INFINITY } else { error })
+    }
+
+    /// h·|λ| of the fastest motion, from the last two stages.
+    fn stretch(&self, h: f64, guard: &Guard) -> f64 {
+        let (mut rates, mut states) = (0.0, 0.0);
+        for (i, size) in guard.sizes.iter().enumerate() {
+            rates += ((self.slopes[6][i] - self.slopes[5][i]) / size).powi(2);
+            states += ((self.end[i] - self.stage[i]) / size).powi(2);
+        }
+        if states > 0.0 {
+            h * f64::sqrt(rates / states)
+        } else {
+            0.0
+        }
+    }
+
+    fn classical(
+        &mut self,
+        flow: &mut Flow,
+        t: f64,
+        x: &mut [f64],
+        h: f64,
+    ) -> Result<(), FaultKind> {
+        let [k1, k2, k3, k4, ..] = &mut self.slopes;
+        flow.rates(t, x, k1)?;
+        moved(&mut self.stage, x, k1, 0.5 * h);
+        flow.rates(t + 0.5 * h, &self.stage, k2)?;
+        moved(&mut self.stage, x, k2, 0.5 * h);
+        flow.rates(t + 0.5 * h, &self.stage, k3)?;
+        moved(&mut self.stage, x, k3, h);
+        flow.rates(t + h, &self.stage, k4)?;
+        for (i, x) in x.iter_mut().enumerate() {
+            *x += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+        }
+        Ok(())
+    }
+}
+
+/// out = x + h·k
+#[inline]
+fn moved(out: &mut [f64], x: &[f64], k: &[f64], h: f64) {
+    for ((z, x), k) in out.iter_mut().zip(x).zip(k) {
+        *z = x + h * k;
+    }
+}

@@ -1,0 +1,46 @@
+//! Why a simulation ended before its record did.
+
+use crate::term::Signal;
+
+/// What went wrong, where, and in which equation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    pub kind: FaultKind,
+    /// Seconds; the sample's number in discrete time.
+    pub time: f64,
+    /// State, inputs and parameters there, each with its value.
+    pub at: Vec<(Signal, f64)>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaultKind {
+    /// The equation of this target has no finite value.
+    NotFinite(Signal),
+    /// The mass matrix is singular: the equations do not determine the unknowns.
+    Singular,
+    /// Newton's method finds no unknowns; the equation of this target is left furthest from fulfilled.
+    NoSolution(Signal),
+    /// A signal left every bound that its data suggest.
+    Diverged { signal: Signal, bound: f64 },
+    /// Steps had become too small to move the time.
+    StepTooSmall,
+    /// The work had grown beyond any that such a record is worth.
+    TooMuchWork,
+    /// The user or the clock ended the run.
+    Stopped,
+}
+
+impl FaultKind {
+    /// The name under which diagnostics know it.
+    pub fn code(self) -> &'static str {
+        match self {
+            FaultKind::NotFinite(_) => "not-finite",
+            FaultKind::Singular => "singular-mass",
+            FaultKind::NoSolution(_) => "no-solution",
+            FaultKind::Diverged { .. } => "blow-up",
+            FaultKind::StepTooSmall => "step-too-small",
+            FaultKind::TooMuchWork => "too-much-work",
+            FaultKind::Stopped => "run-stopped",
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! A plant with its inputs on: ẋ = f(t, x) along a stretch on which every input is a straight line; and who watches over it.
+
+use super::course::Line;
+use super::fault::FaultKind;
+use super::plant::{Plant, Work};
+use crate::term::Signal;
+
+/// Evaluations between two questions whether to go on.
+const ASK: u64 = 2048;
+
+/// ẋ = f(t, x).
+pub(super) struct Flow<'a> {
+    pub plant: &'a Plant,
+    pub work: Work,
+    lines: Vec<Line>,
+    /// Inputs that change along the stretch.
+    moving: Vec<usize>,
+}
+
+impl<'a> Flow<'a> {
+    /// `params`, in the order of the form.
+    pub fn new(plant: &'a Plant, params: &[f64]) -> Flow<'a> {
+        let mut work = plant.work();
+        let given: Vec<f64> = vec![0.0; plant.form.inputs.len()];
+        plant.give(&mut work, &[&given, params].concat());
+        Flow {
+            plant,
+            work,
+            lines: Vec::new(),
+            moving: Vec::new(),
+        }
+    }
+
+    /// The courses of the inputs from here on.
+    pub fn drive(&mut self, lines: &[Line]) {
+        self.lines.clear();
+        self.lines.extend_from_slice(lines);
+        self.moving.clear();
+        for (i, line) in lines.iter().enumerate() {
+            self.plant.give_one(&mut self.work, i, line.value);
+            if line.slope != 0.0 {
+                self.moving.push(i);
+            }
+        }
+    }
+
+    #[inline]
+    pub fn rates(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), FaultKind> {
+        self.at(t);
+        self.plant.rates(&mut self.work, t, x, out)
+    }
+
+    /// ∂ẋ/∂x by rows.
+    pub fn jacobian(&mut self, t: f64, x: &[f64], out: &mut [f64]) -> Result<(), FaultKind> {
+        self.at(t);
+        self.plant.jacobian(&mut self.work, t, x, out)
+    }
+
+    /// The unknowns and outputs at a point.
+    pub fn unknowns(&mut self, t: f64, x: &[f64]) -> Result<(&[f64], Vec<f64>), FaultKind> {
+        self.at(t);
+        self.plant.solve(&mut self.work, t, x)?;
+        let outputs = self.plant.outputs(&mut self.work);
+        Ok((&self.work.q, outputs))
+    }
+
+    #[inline]
+    fn at(&mut self, t: f64) {
+        for i in &self.moving {
+            let value = self.lines[*i].at(t);
+            self.plant.give_one(&mut self.work, *i, value);
+        }
+    }
+}
+
+/// Where and why the way ends.
+pub(super) type Ended = (FaultKind, f64);
+
+/// Watches over a run: bounds of the state, the work done, those who may stop it.
+pub(super) struct Guard<'a> {
+    /// Typical sizes of the state, which tolerances refer to.
+    pub sizes: Vec<f64>,
+    /// Sizes beyond which the state has left the world of its data.
+    pub bounds: Vec<f64>,
+    pub names: Vec<Signal>,
+    /// Evaluations that the run may take.
+    pub budget: u64,
+    asked: u64,
+    go_on: &'a mut dyn FnMut() -> bool,
+}
+
+impl<'a> Guard<'a> {
+    pub fn new(
+        sizes: Vec<f64>,
+        bounds: Vec<f64>,
+        names: Vec<Signal>,
+        budget: u64,
+        go_on: &'a mut dyn FnMut() -> bool,
+    ) -> Guard<'a> {
+        Guard {
+            sizes,
+            bounds,
+            names,
+            budget,
+            asked: 0,
+            go_on,
+        }
+    }
+
+    /// After a step: whether the state is still one, and there is work left.
+    pub fn check(&mut self, t: f64, x: &[f64], calls: u64) -> Result<(), Ended> {
+        for ((x, bound), name) in x.iter().zip(&self.bounds).zip(&self.names) {
+            if !(x.abs() <= *bound) {
+                let signal = *name;
+                let bound = *bound;
+                return Err((FaultKind::Diverged { signal, bound }, t));
+            }
+        }
+        if calls > self.budget {
+            return Err((FaultKind::TooMuchWork, t));
+        }
+        if calls >= self.asked + ASK || calls < self.asked {
+            self.asked = calls;
+            if !(self.go_on)() {
+                return Err((FaultKind::Stopped, t));
+            }
+        }
+        Ok(())
+    }
+}

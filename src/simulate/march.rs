@@ -1,0 +1,278 @@
+//! From sample to sample in continuous time, restarted wherever an input jumps or bends.
+//!
+//! In: a plant, its drives, the rows of a leg, a start. Out: state, unknowns and outputs at every row, up to the end or a fault.
+
+use super::course::{Drive, Line};
+use super::explicit::{Explicit, Reached};
+use super::fault::Fault;
+use super::flow::{Ended, Flow, Guard};
+use super::plant::Plant;
+use super::run::Method;
+use super::stiff;
+
+/// What is simulated, row after row; rows beyond a fault are absent.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Path {
+    /// State, unknowns, outputs.
+    pub rows: Vec<Vec<f64>>,
+    /// Inputs, in the order of the form.
+    pub inputs: Vec<Vec<f64>>,
+    pub fault: Option<Fault>,
+    pub evaluations: u64,
+    pub stiff_from: Option<f64>,
+}
+
+/// Everything that stays the same along a leg.
+pub(super) struct Leg<'a> {
+    pub plant: &'a Plant,
+    pub drives: &'a [Drive],
+    /// Instants of the rows.
+    pub time: &'a [f64],
+    /// Instants of the inputs' samples, which may begin before.
+    pub sampled: &'a [f64],
+    pub params: &'a [f64],
+    /// Unknowns near those of the start, where Newton's method begins.
+    pub guess: &'a [f64],
+    pub method: Method,
+    pub step: Option<f64>,
+}
+
+/// Simulates a leg from `start` at its first row.
+pub(super) fn march(leg: &Leg, start: &[f64], guard: &mut Guard) -> Path {
+    let mut flow = Flow::new(leg.plant, leg.params);
+    flow.work.q.copy_from_slice(leg.guess);
+    let mut trip = Trip {
+        leg,
+        flow,
+        x: start.to_vec(),
+        explicit: Explicit::new(start.len()),
+        stiff: leg.method == Method::Stiff && leg.step.is_none(),
+        path: Path::default(),
+    };
+    if let Err((kind, time)) = trip.run(guard) {
+        trip.path.fault = Some(Fault {
+            kind,
+            time,
+            at: trip.point(),
+        });
+    }
+    trip.path.evaluations = trip.flow.work.calls;
+    trip.path
+}
+
+struct Trip<'a> {
+    leg: &'a Leg<'a>,
+    flow: Flow<'a>,
+    x: Vec<f64>,
+    explicit: Explicit,
+    stiff: bool,
+    path: Path,
+}
+
+impl Trip<'_> {
+    fn run(&mut self, guard: &mut Guard) -> Result<(), Ended> {
+        let time = self.leg.time;
+        let Some((first, last)) = time.first().zip(time.len().checked_sub(1)) else {
+            return Ok(());
+        };
+        guard.check(*first, &self.x, 0)?;
+        let mut row = 0;
+        while row < last {
+            let mut lines = self.lines(time[row]);
+            self.turn(&lines);
+            self.record(row)?;
+            let cuts = self.cuts(time[row], time[row + 1]);
+            let mut from = time[row];
+            for cut in &cuts {
+                self.reach(from, &[*cut], guard)?;
+                from = *cut;
+                lines = self.lines(from);
+                self.turn(&lines);
+            }
+            let end = if cuts.is_empty() {
+                self.unchanged(&lines, row)
+            } else {
+                row + 1
+            };
+            self.reach_rows(from, row + 1..=end, guard)?;
+            row = end;
+        }
+        self.turn(&self.lines(time[last]));
+        self.record(last)
+    }
+
+    /// The courses of all inputs from `t` on.
+    fn lines(&self, t: f64) -> Vec<Line> {
+        let drives = self.leg.drives.iter();
+        drives.map(|d| d.line(self.leg.sampled, t)).collect()
+    }
+
+    fn turn(&mut self, lines: &[Line]) {
+        self.flow.drive(lines);
+        self.explicit.restart();
+    }
+
+    /// Instants strictly between two rows at which an input that acts late changes its course.
+    fn cuts(&self, from: f64, to: f64) -> Vec<f64> {
+        let mut out = Vec::new();
+        let smallest = 1e-9 * (to - from);
+        for late in self.leg.drives.iter().map(Drive::late) {
+            if late != 0.0 {
+                let first = self
+                    .leg
+                    .sampled
+                    .partition_point(|t| t + late <= from + smallest);
+                let knots = self.leg.sampled.iter().skip(first).map(|t| t + late);
+                out.extend(knots.take_while(|t| *t < to - smallest));
+            }
+        }
+        out.sort_by(f64::total_cmp);
+        out.dedup();
+        out
+    }
+
+    /// The first row after `row` at which some input leaves its line, or the last.
+    fn unchanged(&self, lines: &[Line], row: usize) -> usize {
+        let time = self.leg.time;
+        let last = time.len() - 1;
+        let goes_on = |k: &usize| {
+            *k < last
+                && self
+                    .lines(time[*k])
+                    .iter()
+                    .zip(lines)
+                    .all(|(next, line)| line.continues(next))
+        };
+        let late = self.leg.drives.iter().any(|d| d.late() != 0.0);
+        let mut end = row + 1;
+        while !late && goes_on(&end) {
+            end += 1;
+        }
+        end
+    }
+
+    /// To each of these rows, the ones before the last recorded on the way.
+    fn reach_rows(
+        &mut self,
+        mut from: f64,
+        rows: std::ops::RangeInclusive<usize>,
+        guard: &mut Guard,
+    ) -> Result<(), Ended> {
+        let end = *rows.end();
+        let mut row = *rows.start();
+        while row <= end {
+            if self.stiff {
+                return self.implicit(from, row, end, guard);
+            }
+            let stop = self.leg.time[row];
+            match self.explicit_to(from, stop, guard)? {
+                Reached::Stiff(t) => {
+                    self.turn_stiff(t);
+                    return self.implicit(t, row, end, guard);
+                }
+                Reached::Stop if row < end => self.record(row)?,
+                Reached::Stop => {}
+            }
+            from = stop;
+            row += 1;
+        }
+        Ok(())
+    }
+
+    /// To instants that are no rows.
+    fn reach(&mut self, from: f64, stops: &[f64], guard: &mut Guard) -> Result<(), Ended> {
+        let mut from = from;
+        for stop in stops {
+            if !self.stiff {
+                match self.explicit_to(from, *stop, guard)? {
+                    Reached::Stop => from = *stop,
+                    Reached::Stiff(t) => {
+                        self.turn_stiff(t);
+                        from = t;
+                    }
+                }
+            }
+            if self.stiff && from < *stop {
+                let stops = [*stop];
+                stiff::advance(
+                    &mut self.flow,
+                    (from, &stops),
+                    &mut self.x,
+                    guard,
+                    &mut vec![],
+                )?;
+                from = *stop;
+            }
+        }
+        Ok(())
+    }
+
+    fn turn_stiff(&mut self, t: f64) {
+        self.stiff = true;
+        self.path.stiff_from.get_or_insert(t);
+    }
+
+    fn explicit_to(&mut self, t: f64, stop: f64, guard: &mut Guard) -> Result<Reached, Ended> {
+        let (flow, x) = (&mut self.flow, &mut self.x);
+        match self.leg.step {
+            Some(h) => self
+                .explicit
+                .fixed(flow, (t, stop), x, guard, h)
+                .map(|()| Reached::Stop),
+            None => {
+                let watch = self.leg.method == Method::Auto;
+                self.explicit.advance(flow, (t, stop), x, guard, watch)
+            }
+        }
+    }
+
+    fn implicit(
+        &mut self,
+        from: f64,
+        row: usize,
+        end: usize,
+        guard: &mut Guard,
+    ) -> Result<(), Ended> {
+        let stops = &self.leg.time[row..=end];
+        let mut reached = Vec::new();
+        let ended = stiff::advance(
+            &mut self.flow,
+            (from, stops),
+            &mut self.x,
+            guard,
+            &mut reached,
+        );
+        let left = std::mem::take(&mut self.x);
+        for (k, x) in reached.into_iter().enumerate() {
+            self.x = x;
+            if row + k < end {
+                self.record(row + k)?;
+            }
+        }
+        if ended.is_err() {
+            self.x = left;
+        }
+        ended
+    }
+
+    /// State, unknowns and outputs at a row, inputs as they are from there on.
+    fn record(&mut self, row: usize) -> Result<(), Ended> {
+        let t = self.leg.time[row];
+        let (q, outputs) = self.flow.unknowns(t, &self.x).map_err(|kind| (kind, t))?;
+        let mut values = self.x.clone();
+        values.extend_from_slice(q);
+        values.extend(outputs);
+        self.path.rows.push(values);
+        let inputs = self.lines(t).iter().map(|l| l.at(t)).collect();
+        self.path.inputs.push(inputs);
+        Ok(())
+    }
+
+    fn point(&self) -> Vec<(crate::term::Signal, f64)> {
+        let mut point = self.leg.plant.point(&self.flow.work);
+        for ((_, value), x) in point.iter_mut().zip(&self.x) {
+            *value = *x;
+        }
+        point
+    }
+}

@@ -1,0 +1,413 @@
+//! One trajectory's simulation from beginning to end: plant, drives, legs, starts, runs, scores.
+
+use super::Source;
+use super::drives::{self, Drives};
+use super::fault::FaultKind;
+use super::flow::Guard;
+use super::maps::{self, Past};
+use super::march::{self, Path, march};
+use super::plant::Plant;
+use super::refusals as refuse;
+use super::run::{Leg, Options, Origin, Run, Start};
+use super::score::score;
+use super::settle::{Readings, settle};
+use super::start::{self, Component, Noise};
+use crate::data::{self, Dataset, Trajectory};
+use crate::discover::{Discovery, Form};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::model::{Equation, Model, RightSide};
+use crate::lang::source::{FileId, Span};
+use crate::term::{Expr, Signal};
+
+/// Evaluations that a run may take, and more for each row.
+const BUDGET: (u64, u64) = (20_000_000, 2_000);
+/// Evaluations that one trial of a start may take.
+const TRIAL: u64 = 200_000;
+/// A state beyond so many of its sizes has left the world of its data.
+const BEYOND: f64 = 1e6;
+
+/// Simulates one trajectory of the dataset, or the stretch of it that the options' window names.
+///
+/// The record's first rows give the start, its inputs drive, its other readings are compared with. `go_on` is asked every few
+/// thousand evaluations and may end the run. A run that ends early is no error: see [`Run::fault`].
+///
+/// # Errors
+/// There is nothing to simulate, or something to drive it with is missing: one diagnostic.
+pub fn simulate(
+    source: &Source,
+    trajectory: usize,
+    options: &Options,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Run, Diagnostic> {
+    let d = source.discovery;
+    if d.equations.is_empty() {
+        return Err(refuse::nothing(d));
+    }
+    let one = source.dataset.trajectories.get(trajectory);
+    let mut record = Dataset {
+        trajectories: one.cloned().into_iter().collect(),
+        inputs: source.dataset.inputs.clone(),
+    };
+    if let Some(empty) = data::keep_window(&mut record, options.window) {
+        return Err(empty);
+    }
+    let plant = Plant::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
+    let Some(t) = record.trajectories.first().filter(|t| !t.is_empty()) else {
+        return Err(refuse::no_rows());
+    };
+    let mut notes = Vec::new();
+    let drives = drives::drives(d, source.model, &record, &plant.form, &mut notes)?;
+    let whole = Whole {
+        d,
+        model: source.model,
+        inputs: &record,
+        record: t,
+        plant: &plant,
+        drives: &drives,
+        options,
+    };
+    let mut run = whole.run(go_on, &mut notes)?;
+    run.notes = notes;
+    Ok(run)
+}
+
+/// A model that binds what a simulation reads and no more: the discovery's inputs and parameters, and the states that start it,
+/// but those whose start is `given`.
+pub fn reads(d: &Discovery, model: &Model, given: &[(Signal, f64)]) -> Model {
+    let form = Form::new(d);
+    let nowhere = Span::new(FileId(0), 0, 0);
+    let is_given = |s: &Signal| given.iter().any(|(g, _)| g == s);
+    let states = form.state.iter().filter(|s| !is_given(s));
+    let others = [&form.inputs, &form.params].into_iter().flatten();
+    // Lags of states reach before any start.
+    let lags = form.history.iter().map(|s| Signal::new(s.var));
+    let plain = states.chain(others).map(|s| Signal { shift: 0, ..*s });
+    let wanted = plain.chain(lags).map(|target| Equation {
+        target,
+        target_span: nowhere,
+        span: nowhere,
+        right: RightSide::Known(Expr::zero()),
+    });
+    Model {
+        equations: wanted.collect(),
+        ..model.clone()
+    }
+}
+
+/// One record and everything about it.
+struct Whole<'a> {
+    d: &'a Discovery,
+    model: &'a Model,
+    inputs: &'a Dataset,
+    record: &'a Trajectory,
+    plant: &'a Plant,
+    drives: &'a Drives,
+    options: &'a Options,
+}
+
+impl Whole<'_> {
+    fn run(
+        &self,
+        go_on: &mut dyn FnMut() -> bool,
+        notes: &mut Vec<Diagnostic>,
+    ) -> Result<Run, Diagnostic> {
+        let rows = self.record.len();
+        let names = self.names();
+        let mut run = Run {
+            name: self.record.name.clone(),
+            time: self.record.time.clone(),
+            simulated: names.iter().map(|s| (*s, vec![f64::NAN; rows])).collect(),
+            inputs: self.applied(rows),
+            ..Run::default()
+        };
+        let legs = self.legs();
+        let mut end = 0;
+        for (i, range) in legs.iter().enumerate() {
+            let leg = match self.leg(range.clone(), i == 0, &mut run, go_on) {
+                Ok(leg) => leg,
+                Err(why) if i == 0 => return Err(why),
+                Err(_) => {
+                    notes.push(refuse::ends_at_gap(self.record.time[range.start]));
+                    break;
+                }
+            };
+            end = leg.rows.end;
+            let stopped = leg.fault.as_ref().map(|f| f.kind);
+            run.legs.push(leg);
+            if stopped == Some(FaultKind::Stopped) {
+                break;
+            }
+        }
+        if run.legs.len() > 1 {
+            notes.push(refuse::restarts(run.legs.len() - 1));
+        }
+        run.cut(end);
+        self.compare(&mut run);
+        Ok(run)
+    }
+
+    /// State, unknowns, outputs; in discrete time the unknowns are but the next state.
+    fn names(&self) -> Vec<Signal> {
+        let f = &self.plant.form;
+        let mut names = f.state.clone();
+        if !self.d.discrete {
+            names.extend(&f.unknowns);
+        }
+        names.extend(f.outputs.iter().map(|(s, _)| *s));
+        names
+    }
+
+    fn applied(&self, rows: usize) -> Vec<(Signal, Vec<f64>)> {
+        let inputs = self.plant.form.inputs.iter();
+        let plain = inputs.filter(|s| s.shift == 0);
+        plain.map(|s| (*s, vec![f64::NAN; rows])).collect()
+    }
+
+    /// Rows between gaps. What nothing drives runs through them.
+    fn legs(&self) -> Vec<std::ops::Range<usize>> {
+        let time = &self.record.time;
+        if self.d.discrete {
+            let mut from = 0;
+            let holes = (1..time.len()).filter(|k| time[*k] - time[k - 1] != 1.0);
+            let ends = holes.chain([time.len()]);
+            return ends
+                .map(|to| std::mem::replace(&mut from, to)..to)
+                .collect();
+        }
+        if self.plant.form.inputs.is_empty() {
+            return std::iter::once(0..time.len()).collect();
+        }
+        data::pieces(time)
+    }
+
+    /// The record of one leg.
+    fn part(&self, rows: &std::ops::Range<usize>) -> Dataset {
+        let pick = |v: &[f64]| v[rows.clone()].to_vec();
+        let columns = self.record.columns.iter();
+        Dataset {
+            inputs: self.inputs.inputs.clone(),
+            trajectories: vec![Trajectory {
+                name: self.record.name.clone(),
+                time: pick(&self.record.time),
+                columns: columns.map(|(s, v)| (*s, pick(v))).collect(),
+            }],
+        }
+    }
+
+    fn leg(
+        &self,
+        rows: std::ops::Range<usize>,
+        first: bool,
+        run: &mut Run,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Leg, Diagnostic> {
+        let part = self.part(&rows);
+        let given: &[(Signal, f64)] = if first { &self.options.start } else { &[] };
+        let form = &self.plant.form;
+        let (components, noise) = start::components(self.model, &part, &form.state, given)
+            .map_err(|s| refuse::no_start(self.d, s))?;
+        let lags = form.history.iter().map(|s| s.shift.unsigned_abs() as usize);
+        let from = start::first_row(&components, rows.len(), lags.max().unwrap_or(0))
+            .ok_or_else(|| refuse::no_start_row(self.d, &form.state))?;
+        let mut starts = start::at_row(&components, from);
+        let begin = rows.start + from;
+        let guess = self.guess(&part, from);
+        let leg = self.march_leg(begin..rows.end, &guess);
+        let mut settled = 0;
+        if let Some(found) = self.settle(&leg, (&components, &noise), &starts, from, go_on) {
+            settled = found.rows;
+            for (i, s) in starts.iter_mut().enumerate() {
+                if found.error[i] > 0.0 {
+                    s.value = found.start[i];
+                    s.error = Some(found.error[i]);
+                    s.origin = Origin::Fitted;
+                }
+            }
+        }
+        let x: Vec<f64> = starts.iter().map(|s| s.value).collect();
+        let path = self.path(&leg, &x, begin, self.budget(rows.len()), go_on);
+        let count = path.rows.len();
+        let fault = path.fault.clone();
+        run.fill(begin, &path);
+        Ok(Leg {
+            rows: begin..begin + count,
+            settled,
+            start: starts,
+            fault,
+        })
+    }
+
+    fn march_leg<'b>(&'b self, rows: std::ops::Range<usize>, guess: &'b [f64]) -> march::Leg<'b> {
+        march::Leg {
+            plant: self.plant,
+            drives: &self.drives.inputs,
+            time: &self.record.time[rows],
+            sampled: &self.record.time,
+            params: &self.drives.params,
+            guess,
+            method: self.options.method,
+            step: self.options.step,
+        }
+    }
+
+    /// Unknowns as measured or estimated at the start, where Newton's method needs to begin somewhere.
+    fn guess(&self, part: &Dataset, row: usize) -> Vec<f64> {
+        let form = &self.plant.form;
+        let near = |s: &Signal| {
+            let values = start::series(self.model, part, *s)?.0;
+            values.get(row).copied().filter(|v| v.is_finite())
+        };
+        let each = form.unknowns.iter();
+        each.map(|s| {
+            if form.linear {
+                0.0
+            } else {
+                near(s).unwrap_or(0.0)
+            }
+        })
+        .collect()
+    }
+
+    fn budget(&self, rows: usize) -> u64 {
+        let adaptive = BUDGET.0 + BUDGET.1 * rows as u64;
+        let time = &self.record.time;
+        let long = time.last().zip(time.first()).map_or(0.0, |(b, a)| b - a);
+        let fixed = self.options.step.map_or(0.0, |h| 5.0 * long / h);
+        adaptive.max(fixed as u64 + 8 * rows as u64)
+    }
+
+    /// One simulation from the row `begin`.
+    fn path(
+        &self,
+        leg: &march::Leg,
+        x: &[f64],
+        begin: usize,
+        budget: u64,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Path {
+        let state = &self.plant.form.state;
+        let sizes = state.iter().map(|s| drives::size(self.record, *s));
+        let sizes: Vec<f64> = sizes.collect();
+        let largest = sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
+        let bounds = largest.map(|s| BEYOND * s).collect();
+        let mut guard = Guard::new(sizes, bounds, state.clone(), budget, go_on);
+        if !self.d.discrete {
+            return march(leg, x, &mut guard);
+        }
+        let history = self.history(begin);
+        let clock = self.record.column(Signal::TIME);
+        let clock = clock.unwrap_or(&self.record.time);
+        let clock = clock.get(begin..).unwrap_or(&[]);
+        maps::iterate(leg, x, &history, (clock, begin), &mut guard)
+    }
+
+    /// Where each lag comes from.
+    fn history(&self, begin: usize) -> Vec<(Signal, Past<'_>)> {
+        let form = &self.plant.form;
+        let past = |s: &Signal| {
+            let base = Signal::new(s.var);
+            match form.state.iter().position(|x| *x == base) {
+                Some(place) => {
+                    let before = self.record.column(base).and_then(|c| c.get(..begin));
+                    Past::State(place, before.unwrap_or(&[]))
+                }
+                None => Past::Input(self.drives.lagged(base), begin),
+            }
+        };
+        form.history.iter().map(|s| (*s, past(s))).collect()
+    }
+
+    /// A better start than the smoothed one, where sensors are noisy.
+    fn settle(
+        &self,
+        leg: &march::Leg,
+        (components, noise): (&[Component], &[Noise]),
+        starts: &[Start],
+        from: usize,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Option<super::settle::Settled> {
+        let estimated = |o: Origin| matches!(o, Origin::Smoothed | Origin::Differentiated);
+        let free: Vec<(usize, f64)> = components
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| estimated(c.origin))
+            .map(|(i, c)| (i, drives::size(self.record, c.signal)))
+            .collect();
+        if noise.is_empty() || self.d.discrete {
+            return None;
+        }
+        let names = self.names();
+        let first = self.record.time.partition_point(|t| *t < leg.time[0]);
+        let channel = |n: &Noise| {
+            let place = names.iter().position(|s| *s == n.signal)?;
+            let mut values = self.record.column(n.signal)?.get(first..)?.to_vec();
+            for row in n.outliers.iter().filter_map(|r| r.checked_sub(from)) {
+                if let Some(v) = values.get_mut(row) {
+                    *v = f64::NAN;
+                }
+            }
+            Some((place, values, n.sigma))
+        };
+        let readings = Readings {
+            channels: noise.iter().filter_map(channel).collect(),
+            rows: leg.time.len(),
+        };
+        let start: Vec<f64> = starts.iter().map(|s| s.value).collect();
+        let mut trial = |x: &[f64], rows: usize| {
+            let short = march::Leg {
+                time: leg.time.get(..rows)?,
+                step: None,
+                ..*leg
+            };
+            let path = self.path(&short, x, first, TRIAL, go_on);
+            path.fault.is_none().then_some(path.rows)
+        };
+        settle(&readings, &start, &free, &mut trial)
+    }
+
+    /// Measured columns and scores.
+    fn compare(&self, run: &mut Run) {
+        for (signal, values) in &run.simulated {
+            let Some(measured) = self.record.column(*signal) else {
+                continue;
+            };
+            let measured = measured.get(..run.time.len()).unwrap_or(measured);
+            let pair = (values.as_slice(), measured);
+            let bound = self.options.bound;
+            run.scores
+                .extend(score(*signal, &run.time, pair, &run.legs, bound));
+            run.measured.push((*signal, measured.to_vec()));
+        }
+    }
+}
+
+impl Run {
+    /// Puts a path's rows into the columns.
+    fn fill(&mut self, begin: usize, path: &Path) {
+        for (k, row) in path.rows.iter().enumerate() {
+            for ((_, column), value) in self.simulated.iter_mut().zip(row) {
+                if let Some(cell) = column.get_mut(begin + k) {
+                    *cell = *value;
+                }
+            }
+        }
+        for (k, row) in path.inputs.iter().enumerate() {
+            for ((_, column), value) in self.inputs.iter_mut().zip(row) {
+                if let Some(cell) = column.get_mut(begin + k) {
+                    *cell = *value;
+                }
+            }
+        }
+        self.work.evaluations += path.evaluations;
+        if self.work.stiff_from.is_none() {
+            self.work.stiff_from = path.stiff_from;
+        }
+    }
+
+    /// Leaves out what lies after the last row simulated.
+    fn cut(&mut self, end: usize) {
+        self.time.truncate(end);
+        let columns = self.simulated.iter_mut().chain(&mut self.inputs);
+        columns.for_each(|(_, values)| values.truncate(end));
+    }
+}
