@@ -16,4 +16,5 @@ pub mod simulate;
 pub mod solve;
 pub mod term;
 pub mod trajectory;
+pub mod validate;
 pub mod weak;

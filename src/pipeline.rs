@@ -12,6 +12,7 @@ pub use crate::library::MEMORY;
 use crate::library::{self, GENERATORS, Library};
 use crate::term::Signal;
 use crate::trajectory::Problem;
+use crate::validate::{self, Validation};
 
 mod unevaluable;
 
@@ -225,6 +226,17 @@ pub fn identify(
             })
             .collect()
     })
+}
+
+/// What was found, run on the rows used and on those held out; `None` where none were.
+pub fn validate(
+    program: &Program,
+    measured: &Measured,
+    found: &Discovery,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<Validation> {
+    let data = (&measured.dataset, &measured.held);
+    validate::validate((found, &program.model), data, go_on)
 }
 
 /// Every signal that some equation mentions, each once, sorted.

@@ -75,13 +75,17 @@ fn merit(found: &Found, shared: &[String]) -> Merit {
     }
 }
 
-/// The table of all candidates, best first.
+/// What the table shows, in words.
+const RULE: &str = "candidates by the error of their free run on data not used; of those within 1 dB of the least (or below -100 dB) the one\nwith the fewest terms is best\n";
+
+/// The table of all candidates, by their error.
 pub fn table(entries: &[CandidateEntry]) -> String {
     let width = entries.iter().map(|e| e.model.chars().count()).max();
     let width = width.unwrap_or(0).max("model".len());
-    let mut text = format!("  {:<width$}  terms  held out (dB)\n", "model");
+    let mut text = String::from(RULE);
+    text.push_str(&format!("  {:<width$}  terms  error (dB)\n", "model"));
     for e in entries {
-        let error = e.error_db.map_or("ended early".into(), |x| format!("{x:.1}"));
+        let error = e.error_db.map_or("ended".into(), |x| format!("{x:.1}"));
         let mut marks = Vec::new();
         if e.best {
             marks.push("best");
@@ -91,7 +95,7 @@ pub fn table(entries: &[CandidateEntry]) -> String {
         if !e.passes {
             marks.push("doubted");
         }
-        let line = format!("  {:<width$}  {:>5}  {error:>13}  {}", e.model, e.terms, marks.join(", "));
+        let line = format!("  {:<width$}  {:>5}  {error:>10}  {}", e.model, e.terms, marks.join(", "));
         text.push_str(line.trim_end());
         text.push('\n');
     }

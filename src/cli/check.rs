@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use super::answer;
 use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
 use super::progress::{Line, Work};

@@ -218,7 +218,8 @@ pub(super) fn find(
         limits.check()
     });
     let found = found.map_err(|d| Failure::new(inputs::render(&d, sources)));
-    let validation = |d: &Discovery| pipeline::validate(measured, d, &mut || limits.go_on());
+    let mut go_on = || limits.go_on().is_continue();
+    let mut validation = |d: &Discovery| pipeline::validate(program, measured, d, &mut go_on);
     found.map(|discovery| Found {
         validation: validation(&discovery),
         discovery,

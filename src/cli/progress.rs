@@ -63,12 +63,6 @@ impl Line {
         }
     }
 
-    /// Takes the line away until there is something to show again.
-    pub fn rest(&self) {
-        if let Some((shared, _)) = &self.drawn {
-            shared.set(State::Resting);
-        }
-    }
 }
 
 impl Drop for Line {

@@ -48,6 +48,17 @@ impl Trajectory {
         self.time.is_empty()
     }
 
+    /// These rows alone; they have to be there.
+    pub fn part(&self, rows: std::ops::Range<usize>) -> Trajectory {
+        let cut = |v: &[f64]| v[rows.clone()].to_vec();
+        Trajectory {
+            name: self.name.clone(),
+            file: self.file,
+            time: cut(&self.time),
+            columns: self.columns.iter().map(|(s, v)| (*s, cut(v))).collect(),
+        }
+    }
+
     pub fn column(&self, s: Signal) -> Option<&[f64]> {
         self.columns
             .iter()

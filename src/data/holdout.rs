@@ -77,7 +77,7 @@ pub fn hold_out(dataset: &mut Dataset, what: &HoldOut) -> Result<Dataset, Diagno
         let whole = what.files.contains(&record.file);
         let takes = |k| whole || what.stretches.iter().any(|s| s.takes(record, k));
         for (taken, from, to) in runs(record.len(), takes) {
-            let part = part(record, from, to);
+            let part = record.part(from..to);
             match taken {
                 true => held.trajectories.push(part),
                 false => left.push(part),
@@ -102,16 +102,6 @@ fn runs(rows: usize, takes: impl Fn(usize) -> bool) -> Vec<(bool, usize, usize)>
         }
     }
     out
-}
-
-fn part(t: &Trajectory, from: usize, to: usize) -> Trajectory {
-    let cut = |v: &[f64]| v[from..to].to_vec();
-    Trajectory {
-        name: t.name.clone(),
-        file: t.file,
-        time: cut(&t.time),
-        columns: t.columns.iter().map(|(s, v)| (*s, cut(v))).collect(),
-    }
 }
 
 fn empty(stretch: &Stretch, dataset: &Dataset) -> Diagnostic {

@@ -9,12 +9,14 @@ mod number;
 mod path;
 mod rust;
 mod text;
+mod validation;
 
 use crate::discover::Discovery;
 
 pub use evidence::answer;
 pub use number::significant;
 pub use text::equations;
+pub use validation::validation;
 
 /// A language that a discovery can be written in.
 pub trait Target: Sync {

@@ -182,15 +182,9 @@ impl Whole<'_> {
 
     /// The record of one leg.
     fn part(&self, rows: &std::ops::Range<usize>) -> Dataset {
-        let pick = |v: &[f64]| v[rows.clone()].to_vec();
-        let columns = self.record.columns.iter();
         Dataset {
             inputs: self.inputs.inputs.clone(),
-            trajectories: vec![Trajectory {
-                name: self.record.name.clone(),
-                time: pick(&self.record.time),
-                columns: columns.map(|(s, v)| (*s, pick(v))).collect(),
-            }],
+            trajectories: vec![self.record.part(rows.clone())],
         }
     }
 

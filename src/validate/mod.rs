@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::Dataset;
 use crate::discover::{Discovery, Reason};
-use crate::simulate::{self, Options, Run};
+use crate::lang::model::Model;
+use crate::simulate::{self, Options, Run, Source};
 use crate::term::SignalNames;
 
 pub use ranking::{EQUAL, FLOOR, Merit, Ranking, rank};
@@ -57,7 +58,7 @@ pub struct Figures {
 ///
 /// `go_on` false ends it: what was run by then stands.
 pub fn validate(
-    d: &Discovery,
+    (d, model): (&Discovery, &Model),
     (used, held): (&Dataset, &Dataset),
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Validation> {
@@ -67,7 +68,12 @@ pub fn validate(
     let mut runs = Vec::new();
     for (dataset, held_out) in [(used, false), (held, true)] {
         for record in 0..dataset.trajectories.len() {
-            let run = simulate::simulate(d, dataset, record, &Options::default(), go_on);
+            let source = Source {
+                discovery: d,
+                model,
+                dataset,
+            };
+            let run = simulate::simulate(&source, record, &Options::default(), go_on);
             runs.extend(run.ok().map(|run| free_run(d, &run, held_out)));
         }
     }
@@ -121,6 +127,9 @@ fn free_run(d: &Discovery, run: &Run, held_out: bool) -> FreeRun {
         to: run.time.last().copied().unwrap_or(0.0),
         held_out,
         scores: figures.collect(),
-        ended: run.fault().map(|f| f.reason(d)),
+        ended: run.fault().map(|f| {
+            let text = format!("the run ended at t = {}", f.time);
+            Reason::new(f.kind.code(), text)
+        }),
     }
 }

@@ -14,6 +14,7 @@ mod docs;
 mod emit;
 mod gallery;
 mod honest;
+mod holdout;
 mod hostile_results;
 mod joint;
 mod lang;
