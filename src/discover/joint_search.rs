@@ -225,7 +225,7 @@ fn together(before: Option<&Late>, more: Late) -> Option<Late> {
         return Some(more);
     };
     let samples = before.samples + more.samples;
-    (before.inputs == more.inputs && samples != 0.0).then(|| Late {
+    (before.inputs == more.inputs && samples != 0.0).then_some(Late {
         samples,
         seconds: before.seconds + more.seconds,
         gain: before.gain + more.gain,

@@ -16,6 +16,7 @@ mod gallery;
 mod honest;
 mod hostile_results;
 mod joint;
+mod known_parts;
 mod lang;
 mod lasso;
 mod library;
