@@ -1,9 +1,9 @@
 //! What the data lack, and the line that would supply it: the named constructors of the binder's diagnostics.
 
 use crate::lang::diagnostic::{Diagnostic, did_you_mean};
-use crate::lang::model::{Model, Var, VarKind};
+use crate::lang::model::{Model, RightSide, Var, VarKind};
 use crate::lang::source::Span;
-use crate::term::{Signal, SignalNames};
+use crate::term::{Expr, Signal, SignalNames};
 
 use super::csv::Table;
 use super::piece::Piece;
@@ -52,10 +52,29 @@ pub(super) fn signal(model: &Model, table: &Table, signal: Signal, var: &Var) ->
             .fact(format!("\"{header}\" looks like it"))
             .help(format!("data {{ {line} }}"));
     }
+    if let Some(target) = rate_of(model, signal) {
+        let moved = model.name(Signal::new(target.var));
+        let order = target.der + 1;
+        let (rate, next) = (model.name(target), Signal::derivative(target.var, order));
+        return d.fact(format!("{name} is what {rate} is")).help(format!(
+            "a rate of what is measured needs no column: state {moved} : order {order}, then {} for d{name} and {rate} for {name}",
+            model.name(next)
+        ));
+    }
     d.help(match var.kind {
         VarKind::Param => format!("--param {name}=VALUE, one for each trajectory or one for all"),
         _ => format!("data {{ {name} = \"HEADER\" }} with the header of its column"),
     })
+}
+
+/// What the model says the signal is the rate of: the target of `dx = v`.
+fn rate_of(model: &Model, signal: Signal) -> Option<Signal> {
+    let says = |right: &RightSide| match right {
+        RightSide::Known(e) => *e == Expr::signal(signal),
+        RightSide::Search { .. } => false,
+    };
+    let stated = model.equations.iter().find(|e| says(&e.right))?;
+    Some(stated.target).filter(|t| !model.discrete && t.der > 0)
 }
 
 /// Continuous time, and no times.

@@ -9,12 +9,14 @@ use super::joint_doubts;
 use super::watch::{Stage, Watcher};
 use crate::lang::model::{Model, VarKind};
 use crate::term::VarId;
-use crate::trajectory::{self, Found, Late, Offset, Problem};
+use crate::trajectory::{self, Fit, Found, Guide, Late, Law, Offset, Problem};
 
 /// Searches until the readings left out no longer change, at most.
 const ROUNDS: usize = 3;
-/// Searches for a delay: the first answer, found without it, may not tell it exactly.
+/// Looks for a delay: the first answer, found without it, may not tell it exactly.
 const DELAYS: usize = 2;
+/// Gain a reading of a delay that terms are searched with before it is known what those without it explain.
+const PLAIN: f64 = 0.05;
 /// Terms up to which offsets are looked for: each costs fits.
 const MOST: usize = 24;
 
@@ -28,6 +30,17 @@ pub(super) struct Settled<'a> {
     pub offset: Option<Offset>,
 }
 
+impl<'a> Settled<'a> {
+    fn new(problem: Cow<'a, Problem>, found: Found, late: Option<Late>) -> Settled<'a> {
+        Settled {
+            problem,
+            found,
+            late,
+            offset: None,
+        }
+    }
+}
+
 /// `None` if no support could be fitted at all.
 pub(super) fn settle<'a>(
     model: &Model,
@@ -36,17 +49,12 @@ pub(super) fn settle<'a>(
     watcher: &mut Watcher,
 ) -> Option<Settled<'a>> {
     let mut search = Search { watcher, at: 0 };
-    let found = search.run(problem)?;
-    let mut settled = Settled {
-        problem: Cow::Borrowed(problem),
-        found,
-        late: None,
-        offset: None,
-    };
+    let inputs = inputs(model, problem);
+    let mut settled = search.first(problem, &inputs)?;
     if options.robust {
         search.without_strays(&mut settled);
     }
-    search.with_delay(model, &mut settled);
+    search.with_delay(&inputs, &mut settled);
     if options.robust && settled.late.is_some() {
         search.without_strays(&mut settled);
     }
@@ -59,15 +67,93 @@ struct Search<'a, 'w> {
     at: usize,
 }
 
+/// Looks at a search's first fit, and ends the search if a delay of inputs explains what that leaves.
+struct Look<'s, 'a, 'w> {
+    search: &'s mut Search<'a, 'w>,
+    inputs: &'s [VarId],
+    laws: &'s [Law],
+    late: Option<Late>,
+}
+
+impl Guide for Look<'_, '_, '_> {
+    fn go_on(&mut self) -> bool {
+        self.search.go_on(self.laws)
+    }
+
+    fn first(&mut self, problem: &Problem, fit: &Fit) -> bool {
+        if unexplained(problem, fit) {
+            let late = self.search.delay(problem, fit, self.inputs);
+            let enough = PLAIN * problem.measurements() as f64;
+            self.late = late.filter(|l| l.gain > enough);
+        }
+        self.late.is_none()
+    }
+}
+
 impl Search<'_, '_> {
+    fn go_on(&mut self, laws: &[Law]) -> bool {
+        // The work is for all of them: each in turn is named.
+        self.watcher.turn_to(laws[self.at % laws.len()].equation);
+        self.at += 1;
+        self.watcher.at(Stage::Refitting(self.at)).is_none()
+    }
+
     fn run(&mut self, problem: &Problem) -> Option<Found> {
-        let laws = &problem.system.laws;
-        trajectory::search(problem, &mut || {
-            // The work is for all of them: each in turn is named.
-            self.watcher.turn_to(laws[self.at % laws.len()].equation);
-            self.at += 1;
-            self.watcher.at(Stage::Refitting(self.at)).is_none()
-        })
+        trajectory::search(problem, &mut || self.go_on(&problem.system.laws))
+    }
+
+    /// The first answer. Under an input that acts at another time a search piles up terms that make up for it: if already the
+    /// first few leave more than noise, a delay is looked for, and terms are searched with it.
+    fn first<'a>(&mut self, problem: &'a Problem, inputs: &[VarId]) -> Option<Settled<'a>> {
+        let mut late: Option<Late> = None;
+        let mut moved = Cow::Borrowed(problem);
+        for _ in 0..DELAYS {
+            let mut look = Look {
+                search: self,
+                inputs,
+                laws: &problem.system.laws,
+                late: None,
+            };
+            let found = trajectory::search(&moved, &mut look);
+            let Some(more) = look.late else {
+                return self.if_better(problem, Settled::new(moved, found?, late));
+            };
+            let Some(sum) = together(late.as_ref(), more) else {
+                break;
+            };
+            moved = Cow::Owned(trajectory::delayed(problem, &sum));
+            late = Some(sum);
+        }
+        let found = self.run(&moved)?;
+        self.if_better(problem, Settled::new(moved, found, late))
+    }
+
+    /// An answer with a delay that leaves more than noise is compared with one without.
+    fn if_better<'a>(&mut self, problem: &'a Problem, settled: Settled<'a>) -> Option<Settled<'a>> {
+        let Some(late) = &settled.late else {
+            return Some(settled);
+        };
+        if !unexplained(&settled.problem, &settled.found.best) || self.watcher.stop().is_some() {
+            return Some(settled);
+        }
+        let Some(found) = self.run(problem) else {
+            return Some(settled);
+        };
+        let without = trajectory::undelayed(problem, &found.best, late);
+        if without - settled.found.best.value >= settled.found.penalty {
+            return Some(settled);
+        }
+        Some(Settled::new(Cow::Borrowed(problem), found, None))
+    }
+
+    /// The delay under which the likelihood of few terms gains most.
+    fn delay(&mut self, problem: &Problem, fit: &Fit, inputs: &[VarId]) -> Option<Late> {
+        if inputs.is_empty() {
+            return None;
+        }
+        let proposals = trajectory::proposals(problem, fit.support(), inputs);
+        let mut go_on = || self.watcher.at(Stage::Refitting(self.at)).is_none();
+        trajectory::delay(problem, fit, &proposals, &mut go_on)
     }
 
     /// Leaves out what the laws found do not explain, and searches again.
@@ -90,8 +176,7 @@ impl Search<'_, '_> {
     /// An offset is a rival of laws that explain everything; of others nothing is known.
     fn offset(&mut self, settled: &Settled) -> Option<Offset> {
         let best = &settled.found.best;
-        let channels = trajectory::channels(&settled.problem, best);
-        if best.support().len() > MOST || channels.iter().any(joint_doubts::unexplained) {
+        if best.support().len() > MOST || unexplained(&settled.problem, best) {
             return None;
         }
         let mut go_on = || self.watcher.at(Stage::Refitting(self.at)).is_none();
@@ -99,47 +184,59 @@ impl Search<'_, '_> {
     }
 
     /// Moves inputs in time where that explains what is left, and searches again.
-    fn with_delay(&mut self, model: &Model, settled: &mut Settled) {
-        let inputs = inputs(model, &settled.problem);
-        let channels = trajectory::channels(&settled.problem, &settled.found.best);
-        if inputs.is_empty() || !channels.iter().any(joint_doubts::unexplained) {
+    fn with_delay(&mut self, inputs: &[VarId], settled: &mut Settled) {
+        if inputs.is_empty() || !unexplained(&settled.problem, &settled.found.best) {
             return;
         }
-        let whole = settled.problem.clone();
+        let (whole, known) = (settled.problem.clone(), settled.late.clone());
+        let mut moved: Option<Late> = None;
         for _ in 0..DELAYS {
-            let mut go_on = || self.watcher.at(Stage::Refitting(self.at)).is_none();
             let (problem, best) = (&settled.problem, &settled.found.best);
-            let Some(more) = trajectory::delay(problem, best, &inputs, &mut go_on) else {
+            let Some(more) = self.delay(problem, best, inputs) else {
                 return;
             };
             let before = trajectory::undelayed(problem, best, &more);
-            let mut late = match &settled.late {
-                None => Late { gain: 0.0, ..more },
-                Some(before) if before.inputs == more.inputs => Late {
-                    samples: before.samples + more.samples,
-                    seconds: before.seconds + more.seconds,
-                    gain: before.gain,
-                    ..more
-                },
-                Some(_) => return,
+            let more = Late { gain: 0.0, ..more };
+            let Some(mut late) = together(moved.as_ref(), more) else {
+                return;
             };
             let next = trajectory::delayed(&whole, &late);
             let Some(found) = self.run(&next) else {
                 return;
             };
             let gain = before - found.best.value;
-            if gain < found.penalty {
+            late.gain += gain;
+            let sum = match &known {
+                None => Some(late.clone()),
+                Some(known) => together(Some(known), late.clone()),
+            };
+            if gain < found.penalty || sum.is_none() {
                 return;
             }
-            late.gain += gain;
-            *settled = Settled {
-                problem: Cow::Owned(next),
-                found,
-                late: Some(late),
-                offset: None,
-            };
+            *settled = Settled::new(Cow::Owned(next), found, sum);
+            moved = Some(late);
         }
     }
+}
+
+/// Two delays one after the other; nothing if they are of different inputs or cancel.
+fn together(before: Option<&Late>, more: Late) -> Option<Late> {
+    let Some(before) = before else {
+        return Some(more);
+    };
+    let samples = before.samples + more.samples;
+    (before.inputs == more.inputs && samples != 0.0).then_some(Late {
+        samples,
+        seconds: before.seconds + more.seconds,
+        gain: before.gain + more.gain,
+        ..more
+    })
+}
+
+/// Whether a fit leaves more than the noise of some sensor.
+fn unexplained(problem: &Problem, fit: &Fit) -> bool {
+    let channels = trajectory::channels(problem, fit);
+    channels.iter().any(joint_doubts::unexplained)
 }
 
 /// Declared inputs that the problem's laws may contain and that move.

@@ -1,25 +1,21 @@
 //! Inputs that act later, or earlier, than they were recorded.
 //!
-//! In: a problem, the fit of a support, which variables are inputs. Out: the delay under which the same support has a larger
-//! likelihood, and the problem with that delay. Records are compared over the instants for which every delay knows the input.
+//! In: a problem, the fit of a support, delays proposed for its inputs. Out: the delay that refits say has a larger likelihood, and the
+//! problem with that delay. Records are compared over the instants for which every delay knows the input.
 
-use super::fit::{Fit, Judge, fit};
+use super::fit::{Fit, Judge, as_it_is, fit};
 use super::problem::{Point, Problem};
 use super::record::{Outside, Record};
-use super::search::last_judge;
+use super::screen::{Proposal, TRIED};
+use super::search::{first, last_judge};
 use crate::term::VarId;
 
-/// Delays tried first, in samples of the record, to both sides.
-const TRIED: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20];
-/// So many in a row that are worse than the best end the search to that side.
-const WORSE: usize = 4;
 /// Parts of a sample: what moves on a straight line may be late by these.
 const PARTS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
-/// Terms a law up to which a support is taken as it is.
+/// Terms a law up to which a support is tried as it is.
 const MOST: usize = 8;
-/// Multiples of a term's price that sparser ones are proposed for, and how many of those are tried.
-const STRENGTHS: [f64; 6] = [4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0];
-const SPARSE: usize = 2;
+/// Sets of inputs that delays are fitted for.
+const SETS: usize = 2;
 /// A record is cut by no more than this part of it.
 const CUT: usize = 5;
 
@@ -34,65 +30,57 @@ pub struct Late {
     pub gain: f64,
 }
 
-/// The delay that gains most, if it gains more than a term costs: of all inputs together, or of one of them.
+/// The delay that gains most, if it gains more than a term costs. Under a wrong input many small terms make up for it, and would under
+/// any other: a delay is fitted with the few terms that proposed it, with those found if they are few, and if neither says
+/// so, with terms chosen anew under the best proposal.
 pub fn delay(
     problem: &Problem,
     found: &Fit,
-    inputs: &[VarId],
+    proposals: &[Proposal],
     go_on: &mut dyn FnMut() -> bool,
 ) -> Option<Late> {
     let reach = reach(problem);
-    let step = step(problem)?;
-    let mut sets: Vec<Vec<VarId>> = inputs.iter().map(|v| vec![*v]).collect();
-    if inputs.len() > 1 {
-        sets.insert(0, inputs.to_vec());
-    }
-    let judge = last_judge(&cut(problem, reach, reach));
-    let starts = starts(problem, found);
-    let mut best: Option<(f64, Late)> = None;
-    for set in sets {
-        for start in &starts {
-            let Some(trial) = Trial::new(problem, start, &set, (reach, &judge)) else {
-                continue;
-            };
-            let (samples, value) = trial.best(go_on);
-            let gain = trial.undelayed - value;
-            let better = best.as_ref().is_none_or(|(before, _)| value < *before);
-            if samples != 0.0 && gain > judge.penalty && better {
-                let late = Late {
-                    inputs: set.clone(),
-                    samples,
-                    seconds: samples * step,
-                    gain,
-                };
-                best = Some((value, late));
-            }
+    let base = cut(problem, reach, reach);
+    let judge = last_judge(&base);
+    let own = cut_point(problem, &found.point, (reach, reach));
+    let as_found = as_it_is(&base, &own, &judge) + found.bent;
+    let undelayed = fit(&base, own.clone(), &judge, f64::INFINITY).map_or(as_found, |f| f.value);
+    let few = found.support().len() <= MOST * problem.system.laws.len();
+    let mut trial = |proposal: &Proposal, start: Point| {
+        let mut trial = Trial {
+            problem,
+            inputs: &proposal.inputs,
+            reach,
+            judge: &judge,
+            start,
+            best: (0.0, undelayed),
+        };
+        trial.seek(proposal.samples, go_on);
+        (undelayed - trial.best.1 > judge.penalty).then_some((trial.best, proposal.inputs.clone()))
+    };
+    let mut all = Vec::new();
+    for proposal in proposals.iter().take(SETS) {
+        all.extend(trial(
+            proposal,
+            cut_point(problem, &proposal.start, (reach, reach)),
+        ));
+        if few {
+            all.extend(trial(proposal, own.clone()));
         }
     }
-    best.map(|(_, late)| late)
-}
-
-/// Supports that delays are tried with. Under a wrong input many small terms make up for it, and would under any other: the few
-/// that explain most tell the delay.
-fn starts(problem: &Problem, found: &Fit) -> Vec<Point> {
-    let most = MOST * problem.system.laws.len();
-    if found.support().len() <= most {
-        return vec![found.point.clone()];
+    if all.is_empty() {
+        let proposal = proposals.first().filter(|p| p.samples != 0.0)?;
+        let moved = moved(problem, &proposal.inputs, proposal.samples, reach);
+        all.extend(trial(proposal, first(&moved)?.point));
     }
-    let Ok(form) = problem.form(&found.point) else {
-        return Vec::new();
-    };
-    let penalty = last_judge(problem).penalty;
-    let mut supports = form.backward(&STRENGTHS.map(|s| s * penalty));
-    supports.retain(|s| !s.is_empty() && s.len() <= most);
-    supports.dedup();
-    supports.truncate(SPARSE);
-    let point = |support: Vec<usize>| Point {
-        coefficients: form.least(&support).coefficients,
-        support,
-        ..found.point.clone()
-    };
-    supports.into_iter().map(point).collect()
+    let best = all.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
+    let ((samples, value), inputs) = best.filter(|b| b.0.0 != 0.0)?;
+    Some(Late {
+        inputs,
+        samples,
+        seconds: samples * step(problem)?,
+        gain: undelayed - value,
+    })
 }
 
 /// The criterion of a fit without the delay, over the samples that the delay leaves.
@@ -136,89 +124,74 @@ pub fn delayed(problem: &Problem, late: &Late) -> Problem {
     cut(&shifted(problem, &late.inputs, late.samples), front, back)
 }
 
+/// The problem with inputs so many samples later, over the instants for which every delay within `reach` knows them.
+pub(super) fn moved(problem: &Problem, inputs: &[VarId], samples: f64, reach: usize) -> Problem {
+    cut(&shifted(problem, inputs, samples), reach, reach)
+}
+
 /// One set of inputs, tried with delays.
 struct Trial<'a> {
     problem: &'a Problem,
     inputs: &'a [VarId],
     reach: usize,
     judge: &'a Judge,
+    /// The point of the best fit so far.
     start: Point,
-    /// Criterion without delay.
-    undelayed: f64,
-    held: bool,
+    /// The best delay and its criterion.
+    best: (f64, f64),
 }
 
-impl<'a> Trial<'a> {
-    fn new(
-        problem: &'a Problem,
-        start: &Point,
-        inputs: &'a [VarId],
-        (reach, judge): (usize, &'a Judge),
-    ) -> Option<Self> {
-        let start = cut_point(problem, start, (reach, reach));
-        let base = fit(&cut(problem, reach, reach), start, judge, f64::INFINITY)?;
-        let own = |s: &crate::term::Signal| inputs.contains(&s.var);
-        let signals = problem.system.outside.iter().enumerate();
-        let held = signals.filter(|(_, s)| own(s)).any(|(x, _)| {
+impl Trial<'_> {
+    fn try_out(&mut self, samples: f64) {
+        if samples.abs() > self.reach as f64 {
+            return;
+        }
+        let problem = moved(self.problem, self.inputs, samples, self.reach);
+        let Some(found) = fit(&problem, self.start.clone(), self.judge, f64::INFINITY) else {
+            return;
+        };
+        if found.value < self.best.1 {
+            self.best = (samples, found.value);
+            self.start = found.point;
+        }
+    }
+
+    /// The best delay about one that was proposed; no delay is one too.
+    fn seek(&mut self, proposed: f64, go_on: &mut dyn FnMut() -> bool) {
+        self.try_out(proposed);
+        if proposed != 0.0 && go_on() {
+            self.try_out(0.0);
+        }
+        let smallest = if self.held() { 1.0 } else { 0.0 };
+        for part in PARTS.into_iter().filter(|p| *p >= smallest) {
+            let middle = self.best.0;
+            for sign in [1.0, -1.0] {
+                if !go_on() {
+                    return;
+                }
+                self.try_out(middle + sign * part);
+            }
+        }
+    }
+
+    fn held(&self) -> bool {
+        let problem = self.problem;
+        let own = |s: &crate::term::Signal| self.inputs.contains(&s.var);
+        let mut signals = problem
+            .system
+            .outside
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| own(s));
+        signals.any(|(x, _)| {
             let outside = problem.records.iter().filter_map(|r| r.outside.get(x));
             outside.into_iter().any(|o| o.held)
-        });
-        Some(Trial {
-            problem,
-            inputs,
-            reach,
-            judge,
-            undelayed: base.value,
-            start: base.point,
-            held,
         })
-    }
-
-    fn value(&self, samples: f64) -> f64 {
-        let problem = shifted(self.problem, self.inputs, samples);
-        let problem = cut(&problem, self.reach, self.reach);
-        let fitted = fit(&problem, self.start.clone(), self.judge, f64::INFINITY);
-        fitted.map_or(f64::INFINITY, |f| f.value)
-    }
-
-    /// The best delay and its criterion.
-    fn best(&self, go_on: &mut dyn FnMut() -> bool) -> (f64, f64) {
-        let mut best = (0.0, self.undelayed);
-        for sign in [1.0, -1.0] {
-            let mut worse = 0;
-            for samples in TRIED.iter().filter(|s| **s <= self.reach) {
-                if !go_on() {
-                    return best;
-                }
-                let samples = sign * *samples as f64;
-                let value = self.value(samples);
-                worse = if value < best.1 { 0 } else { worse + 1 };
-                if value < best.1 {
-                    best = (samples, value);
-                } else if worse >= WORSE {
-                    break;
-                }
-            }
-        }
-        let smallest = if self.held { 1.0 } else { 0.0 };
-        for part in PARTS.iter().filter(|p| **p >= smallest) {
-            for sign in [1.0, -1.0] {
-                let samples = best.0 + sign * part;
-                if samples.abs() > self.reach as f64 || !go_on() {
-                    continue;
-                }
-                let value = self.value(samples);
-                if value < best.1 {
-                    best = (samples, value);
-                }
-            }
-        }
-        best
     }
 }
 
 /// Samples that delays may reach: so many that the longest record has enough left.
-fn reach(problem: &Problem) -> usize {
+pub(super) fn reach(problem: &Problem) -> usize {
     let longest = problem.records.iter().map(Record::len).max().unwrap_or(0);
     (longest / CUT).min(TRIED[TRIED.len() - 1])
 }

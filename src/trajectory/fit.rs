@@ -17,6 +17,8 @@ pub struct Fit {
     pub value: f64,
     /// Sum of squared residuals of each sensor's readings, groups × states.
     pub squares: Vec<f64>,
+    /// What the laws had to be bent by, in units of the criterion.
+    pub bent: f64,
     pub arrived: bool,
 }
 
@@ -33,7 +35,19 @@ pub(super) struct Judge {
 /// between terms that are the same on the data.
 const WRITTEN: f64 = 0.5;
 
+/// No floor is lower than this part of the noise that smoothing saw.
+const TRUSTED: f64 = 0.5;
+
 impl Judge {
+    /// `floor` in units of each state's spread.
+    pub fn new(problem: &Problem, floor: f64, penalty: f64) -> Judge {
+        let sensors = problem.spread.iter().cycle().zip(&problem.noise);
+        Judge {
+            floor: sensors.map(|(d, s)| (floor * d).max(TRUSTED * s)).collect(),
+            penalty,
+        }
+    }
+
     /// Cost of a support. Every coefficient and first state that is fitted leaves fewer readings to judge by, which few readings
     /// feel (Hurvich & Tsai, Biometrika 1989).
     fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {
@@ -122,7 +136,6 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
         let squares = squares(problem, &point);
         let explained = squares.iter().zip(&point.sigma);
         let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
-        // What the laws had to be bent by.
         let bent = (solved.residual - explained).max(0.0);
         let new = criterion(problem, judge, &squares) + bent + cost;
         let sigma: Vec<f64> = (0..squares.len())
@@ -139,17 +152,18 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
         let hopeless = new - beat > HOPELESS + HASTE * left as f64 * (value - new).abs();
         value = new;
         let arrived = still || level;
-        found = Some((solved.variances, squares, arrived));
+        found = Some((solved.variances, squares, bent, arrived));
         if arrived || hopeless {
             break;
         }
     }
-    let (variances, squares, arrived) = found?;
+    let (variances, squares, bent, arrived) = found?;
     value.is_finite().then_some(Fit {
         point,
         variances,
         value,
         squares,
+        bent,
         arrived,
     })
 }
@@ -164,6 +178,11 @@ fn criterion(problem: &Problem, judge: &Judge, squares: &[f64]) -> f64 {
         m * (mean / problem.spread[i % problem.states()].powi(2)).ln()
     };
     (0..squares.len()).map(channel).sum()
+}
+
+/// The criterion of a point, but for what its laws had to be bent by.
+pub(super) fn as_it_is(problem: &Problem, point: &Point, judge: &Judge) -> f64 {
+    criterion(problem, judge, &squares(problem, point)) + judge.cost(problem, &point.support)
 }
 
 fn noise(problem: &Problem, judge: &Judge, squares: &[f64], i: usize, before: &[f64]) -> f64 {

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use super::beam::{Subset, subsets};
 use super::fit::{Fit, Judge, fit};
+use super::guide::Guide;
 use super::problem::{Point, Problem};
 use super::quadratic::Quadratic;
 use super::worth::readings_as_one;
@@ -16,8 +17,6 @@ use super::worth::readings_as_one;
 const FLOORS: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5];
 /// A floor this near the noise that smoothing saw is skipped.
 const NEAR: f64 = 1.5;
-/// No floor is lower than this part of that noise.
-const TRUSTED: f64 = 0.5;
 /// Noise of the laws in the first forms, in units of the sensors'.
 const FIRST_SLACKS: [f64; 2] = [0.3, 0.03];
 /// Multiples of the penalty that supports are proposed for.
@@ -76,7 +75,17 @@ struct Level<'a> {
     form: Option<(Vec<usize>, Arc<Quadratic>)>,
 }
 
-impl Level<'_> {
+impl<'a> Level<'a> {
+    fn new(problem: &'a Problem, judge: Judge) -> Level<'a> {
+        Level {
+            problem,
+            judge,
+            tried: BTreeMap::new(),
+            best: Vec::new(),
+            form: None,
+        }
+    }
+
     /// Fits supports, but those that were, two at a time; true if one became the best.
     fn fit(&mut self, points: impl IntoIterator<Item = Point>) -> bool {
         let mut points = points.into_iter();
@@ -179,9 +188,9 @@ impl Level<'_> {
 
     /// Follows improvements until none is found among what the linearised likelihood proposes. The `last` level tries rivals too, and
     /// does `without` each single term, unless fewer samples have told already what each is worth.
-    fn improve(&mut self, (last, without): (bool, bool), go_on: &mut dyn FnMut() -> bool) {
+    fn improve(&mut self, (last, without): (bool, bool), guide: &mut dyn Guide) {
         let mut fits = 0;
-        while fits < FITS && go_on() {
+        while fits < FITS && guide.go_on() {
             let Some((current, form)) = self.about() else {
                 return;
             };
@@ -196,7 +205,7 @@ impl Level<'_> {
                 if better {
                     break;
                 }
-                if !go_on() {
+                if !guide.go_on() {
                     return;
                 }
             }
@@ -285,16 +294,16 @@ impl Level<'_> {
 /// Searches the support of all laws together. `None` if nothing could be fitted.
 ///
 /// Long records are searched on stretches first; all samples then judge what was found there, and what is proposed about it.
-pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
+pub fn search(problem: &Problem, guide: &mut dyn Guide) -> Option<Found> {
     let mut found = match problem.shortened() {
-        None => weighed(problem, go_on)?,
+        None => weighed(problem, guide)?,
         Some(short) => {
-            let found = weighed(&short, go_on)?;
+            let found = weighed(&short, guide)?;
             let start = Point {
                 paths: problem.start(&[]).paths,
                 ..found.best.point.clone()
             };
-            let all = levels(problem, vec![start], (found.as_one, false), go_on)?;
+            let all = levels(problem, vec![start], (found.as_one, false), guide)?;
             Found {
                 tried: found.tried + all.tried,
                 ..all
@@ -308,14 +317,14 @@ pub fn search(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Foun
 
 /// Laws that are only nearly right leave residuals that follow each other: the choice is then made anew, what each term earns being
 /// counted in readings that say something new.
-fn weighed(problem: &Problem, go_on: &mut dyn FnMut() -> bool) -> Option<Found> {
-    let found = levels(problem, Vec::new(), (1.0, true), go_on)?;
+fn weighed(problem: &Problem, guide: &mut dyn Guide) -> Option<Found> {
+    let found = levels(problem, Vec::new(), (1.0, true), guide)?;
     let as_one = readings_as_one(problem, &found.best);
-    if as_one <= REPEATED || !go_on() {
+    if as_one <= REPEATED || !guide.go_on() {
         return Some(found);
     }
     let start = vec![found.best.point.clone()];
-    let Some(again) = levels(problem, start, (as_one, true), go_on) else {
+    let Some(again) = levels(problem, start, (as_one, true), guide) else {
         return Some(found);
     };
     Some(Found {
@@ -330,7 +339,7 @@ fn levels(
     problem: &Problem,
     start: Vec<Point>,
     (as_one, fresh): (f64, bool),
-    go_on: &mut dyn FnMut() -> bool,
+    guide: &mut dyn Guide,
 ) -> Option<Found> {
     let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
     let noisiest = (0..problem.noise.len())
@@ -345,20 +354,14 @@ fn levels(
     if !start.is_empty() {
         floors = vec![lowest];
     }
+    let anew = start.is_empty();
     let mut carried = start;
     let mut tried = 0;
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let judge = judge(problem, floors[place], as_one);
-        let penalty = judge.penalty;
-        let mut level = Level {
-            problem,
-            judge,
-            tried: BTreeMap::new(),
-            best: Vec::new(),
-            form: None,
-        };
+        let mut level = Level::new(problem, judge(problem, floors[place], as_one));
+        let penalty = level.judge.penalty;
         let sigma = level.sigma(&problem.noise);
         let points = carried.drain(..).map(|point| Point {
             sigma: sigma.clone(),
@@ -368,7 +371,11 @@ fn levels(
         if level.best.is_empty() || fresh && (place == 0 || last) {
             level.start();
         }
-        level.improve((last, fresh), go_on);
+        let first = level.best.first().filter(|_| anew && place == 0);
+        if first.is_some_and(|fit| !guide.first(problem, fit)) {
+            return None;
+        }
+        level.improve((last, fresh), guide);
         tried += level.tried.len();
         let mut rivals: Vec<(Vec<usize>, f64)> = level
             .tried
@@ -391,7 +398,10 @@ fn levels(
 }
 
 /// Both at the same time.
-fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+pub(super) fn both<A: Send, B: Send>(
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
     std::thread::scope(|scope| {
         let other = scope.spawn(b);
         let a = a();
@@ -422,12 +432,15 @@ pub(super) fn last_judge(problem: &Problem) -> Judge {
     judge(problem, FLOORS[FLOORS.len() - 1], 1.0)
 }
 
+/// The best fit of what the smooth curves propose, under the highest floor.
+pub(super) fn first(problem: &Problem) -> Option<Fit> {
+    let mut level = Level::new(problem, judge(problem, FLOORS[0], 1.0));
+    level.start();
+    level.best.into_iter().next()
+}
+
 /// The judge of a level: its floor under the noise, relative to the spread, and how many readings count as one.
 fn judge(problem: &Problem, floor: f64, as_one: f64) -> Judge {
     let readings = (problem.measurements() as f64 / as_one).max(FEW);
-    let sensors = problem.spread.iter().cycle().zip(&problem.noise);
-    Judge {
-        floor: sensors.map(|(d, s)| (floor * d).max(TRUSTED * s)).collect(),
-        penalty: as_one * TERM * readings.ln(),
-    }
+    Judge::new(problem, floor, as_one * TERM * readings.ln())
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use sidc::data::{self, Limits};
 use sidc::discover::{Discovery, Options, Reason, Stage, Status, Step, Stop};
 use sidc::lang::source::Sources;
-use sidc::pipeline::{self, MEMORY, Measured, Program};
+use sidc::pipeline::{self, MEMORY, Measured, Program, Rows};
 use sidc::result::{Document, FailedEntry};
 use sidc::solve::SOLVERS;
 
@@ -116,7 +116,8 @@ fn measure(
     let text = file(LORENZ[1]);
     let table = data::read("lorenz.csv", text.as_bytes(), &Limits::default(), sources).unwrap();
     let mut told = 0;
-    let how = ((None, None), &Options::default());
+    let rows = Rows::default();
+    let how = (&rows, &Options::default());
     let staged = pipeline::measure(program, &[table], &[], how, sources, &mut |_| {
         told += 1;
         monitor(told)

@@ -17,6 +17,7 @@ mod honest;
 mod holdout;
 mod hostile_results;
 mod joint;
+mod known_parts;
 mod lang;
 mod lasso;
 mod library;

@@ -232,6 +232,32 @@ fn a_smooth_input_may_be_early_by_part_of_a_sample() {
     assert!(run.stdout.contains(said), "{}", run.stdout);
 }
 
+/// Two commands in two files, of which one acts late, and a library in which many terms can make up for that.
+#[test]
+fn which_of_two_commands_is_late_is_told_with_a_rich_library() {
+    let folder = tempfile::tempdir().unwrap();
+    let (u, w) = (levels(400), levels(613).split_off(213));
+    let tables: Vec<String> = (0..2)
+        .map(|file| {
+            let part = |v: &[f64], k: usize, late: usize| v[(k + file * 37).saturating_sub(late)];
+            let x = motion(360, &|k, _| part(&u, k, 0) - 0.5 * part(&w, k, 4));
+            let column = |v: &[f64]| -> Vec<f64> { (0..360).map(|k| part(v, k, 0)).collect() };
+            let x = noisy(&x, 0.005, 4 + file as u64);
+            table(&[("x", &x), ("u", &column(&u)), ("w", &column(&w))])
+        })
+        .collect();
+    let model = "state x : order 2\ninput u, w : hold\nddx ~ poly(x, dx, u, w; 4)\n";
+    let run = identify(folder.path(), model, &tables, &[]);
+    let said = "w acts 0.2 s (4 samples) later than its record";
+    assert!(run.stdout.contains(said), "{}", run.stdout);
+    assert_eq!(run.stdout.matches("doubt[").count(), 1, "{}", run.stdout);
+    assert_eq!(run.stdout.matches('*').count(), 4, "{}", run.stdout);
+    for (term, wanted) in [("x", -4.0), ("dx", -0.4), ("u", 1.0), ("w", -0.5)] {
+        let found = coefficient(&run, term);
+        assert!((found - wanted).abs() < 0.03, "{term}: {}", run.stdout);
+    }
+}
+
 #[test]
 fn a_state_without_an_equation_is_smoothed_before_it_acts() {
     let folder = tempfile::tempdir().unwrap();
