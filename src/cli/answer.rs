@@ -116,7 +116,8 @@ fn settings(args: &Args, candidate: &Candidate) -> Settings {
     };
     Settings {
         model: inputs::short_name(&candidate.path),
-        data: candidate.measured
+        data: candidate
+            .measured
             .dataset
             .trajectories
             .iter()
@@ -139,4 +140,3 @@ pub fn said(diagnostics: &[Diagnostic]) -> Vec<Reason> {
         .map(|d| Reason::new(d.code, &d.message))
         .collect()
 }
-

@@ -67,10 +67,7 @@ fn merit(found: &Found, shared: &[String]) -> Merit {
     let equations = &found.discovery.equations;
     let error = |v: &Validation| v.error(shared);
     Merit {
-        error: found
-            .validation
-            .as_ref()
-            .map_or(f64::INFINITY, error),
+        error: found.validation.as_ref().map_or(f64::INFINITY, error),
         terms: equations.iter().map(|e| e.terms.len()).sum(),
     }
 }
@@ -95,7 +92,12 @@ pub fn table(entries: &[CandidateEntry]) -> String {
         if !e.passes {
             marks.push("doubted");
         }
-        let line = format!("  {:<width$}  {:>5}  {error:>10}  {}", e.model, e.terms, marks.join(", "));
+        let line = format!(
+            "  {:<width$}  {:>5}  {error:>10}  {}",
+            e.model,
+            e.terms,
+            marks.join(", ")
+        );
         text.push_str(line.trim_end());
         text.push('\n');
     }

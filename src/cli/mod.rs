@@ -90,7 +90,11 @@ impl Failure {
 
     /// The value, unless there is something to say.
     pub fn or<T>(self, value: T) -> Result<T, Failure> {
-        if self.0.is_empty() { Ok(value) } else { Err(self) }
+        if self.0.is_empty() {
+            Ok(value)
+        } else {
+            Err(self)
+        }
     }
 
     fn print(&self) -> u8 {

@@ -62,7 +62,6 @@ impl Line {
             shared.set(State::At(work));
         }
     }
-
 }
 
 impl Drop for Line {

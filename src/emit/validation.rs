@@ -9,7 +9,15 @@ pub fn validation(v: &Validation) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let head = ["", "free run of", "signal", "error/signal", "fit", "follows"].map(String::from);
+    let head = [
+        "",
+        "free run of",
+        "signal",
+        "error/signal",
+        "fit",
+        "follows",
+    ]
+    .map(String::from);
     let width = |c: usize| {
         let cells = rows.iter().chain([&head]).map(|r| r[c].chars().count());
         cells.max().unwrap_or(0)
@@ -34,7 +42,12 @@ pub fn validation(v: &Validation) -> String {
 
 fn stretch(run: &FreeRun) -> Vec<[String; 6]> {
     let seconds = |t: f64| significant(t, 5);
-    let place = format!("{}..{} of {}", seconds(run.from), seconds(run.to), run.record);
+    let place = format!(
+        "{}..{} of {}",
+        seconds(run.from),
+        seconds(run.to),
+        run.record
+    );
     let kind = match run.held_out {
         true => "held out",
         false => "used",

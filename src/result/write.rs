@@ -12,10 +12,7 @@ use crate::term::{Language, SignalNames};
 ///
 /// # Errors
 /// Only if a figure cannot be represented, which would be a fault of this program.
-pub fn write(
-    d: &Discovery,
-    beside: Beside,
-) -> Result<String, serde_json::Error> {
+pub fn write(d: &Discovery, beside: Beside) -> Result<String, serde_json::Error> {
     let document = Document {
         sidc_result: VERSION,
         system: d.system.clone(),

@@ -27,8 +27,9 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
         ],
     ),
     ("simulate", &["term", "lang", "data", "discover"]),
-    ("emit", &["term", "lang", "discover"]),
-    ("result", &["term", "lang", "discover"]),
+    ("validate", &["term", "lang", "data", "discover", "simulate"]),
+    ("emit", &["term", "lang", "discover", "validate"]),
+    ("result", &["term", "lang", "discover", "validate"]),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.

@@ -270,7 +270,7 @@ fn windows_have_ends_or_not() {
 fn the_model_is_one_file_that_ends_in_sid() {
     refuses(&sidc(&["identify", LORENZ[1]]), 1, &["no-model", ".sid"]);
     refuses(&sidc(&["identify", LORENZ[0]]), 1, &["no-data"]);
-    let two = ["identify", LORENZ[0], "models/sir.sid", LORENZ[1]];
+    let two = ["check", LORENZ[0], "models/sir.sid", LORENZ[1]];
     refuses(&sidc(&two), 1, &["several-models", "models/sir.sid"]);
 }
 

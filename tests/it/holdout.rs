@@ -48,7 +48,10 @@ fn a_stretch_held_out_is_simulated_and_not_used() {
     assert_eq!(places.len(), 3);
     for (got, want) in places.iter().zip(expected) {
         assert_eq!(got.0, want.0);
-        assert!((got.1 - want.1).abs() < 1e-9 && (got.2 - want.2).abs() < 1e-9, "{got:?}");
+        assert!(
+            (got.1 - want.1).abs() < 1e-9 && (got.2 - want.2).abs() < 1e-9,
+            "{got:?}"
+        );
     }
     assert!(runs.iter().all(|r| r.4 < -100.0), "{runs:?}");
     assert_eq!(document["equations"][0]["evidence"]["rows"], 299);
@@ -64,7 +67,13 @@ fn a_whole_file_is_held_out() {
     assert_eq!(records, [(false, "sir_a.csv"), (true, "sir_b.csv")]);
     assert!(runs[1].4 < -60.0, "{runs:?}");
     // Named twice it is one file.
-    let twice = ["models/sir.sid", "models/data/sir_a.csv", held, "--holdout", held];
+    let twice = [
+        "models/sir.sid",
+        "models/data/sir_a.csv",
+        held,
+        "--holdout",
+        held,
+    ];
     let both = json(&twice);
     assert_eq!(both["validation"], document["validation"]);
 }
@@ -72,7 +81,11 @@ fn a_whole_file_is_held_out() {
 #[test]
 fn a_wrong_law_fails_where_it_was_not_found() {
     let folder = tempfile::tempdir().unwrap();
-    let narrow = write(folder.path(), "narrow.sid", "state x, y, z\ndx, dy, dz ~ poly(x, y, z; 1)\n");
+    let narrow = write(
+        folder.path(),
+        "narrow.sid",
+        "state x, y, z\ndx, dy, dz ~ poly(x, y, z; 1)\n",
+    );
     let document = json(&[&narrow, LORENZ[1], "--holdout=25%"]);
     let runs = runs(&document);
     assert!(runs[1].0 && runs[1].4 > -20.0, "{runs:?}");
@@ -85,7 +98,11 @@ fn the_smallest_of_equal_models_is_best() {
         let text = format!("state x, y, z\ndx, dy, dz ~ poly(x, y, z; {degree})\n");
         write(folder.path(), name, &text)
     };
-    let (one, two, three) = (model("one.sid", 1), model("two.sid", 2), model("three.sid", 3));
+    let (one, two, three) = (
+        model("one.sid", 1),
+        model("two.sid", 2),
+        model("three.sid", 3),
+    );
     let run = identify(&[&one, &two, &three, LORENZ[1]]);
     assert_eq!(run.status, 0, "{}", run.stderr);
     let table: Vec<&str> = run.stdout.lines().take_while(|l| !l.is_empty()).collect();
@@ -94,7 +111,10 @@ fn the_smallest_of_equal_models_is_best() {
 
     let document = json(&[&one, &two, &three, LORENZ[1], "--until=-40"]);
     let candidates = document["candidates"].as_array().unwrap();
-    let tried: Vec<&str> = candidates.iter().map(|c| c["model"].as_str().unwrap()).collect();
+    let tried: Vec<&str> = candidates
+        .iter()
+        .map(|c| c["model"].as_str().unwrap())
+        .collect();
     assert_eq!(tried, ["two.sid", "one.sid"], "the third is not tried");
     assert_eq!(document["settings"]["model"], "two.sid");
     assert_eq!(candidates[0]["best"], true);
@@ -119,12 +139,25 @@ fn masked(table: &[&str]) -> String {
 fn what_cannot_be_held_out_is_said() {
     let refuses = |more: &[&str], status: i32, words: &[&str]| {
         let run = identify(&[&LORENZ[..], more].concat());
-        assert_eq!((run.status, run.stdout.as_str()), (status, ""), "{}", run.stderr);
+        assert_eq!(
+            (run.status, run.stdout.as_str()),
+            (status, ""),
+            "{}",
+            run.stderr
+        );
         for word in words {
-            assert!(run.stderr.contains(word), "`{word}` not in:\n{}", run.stderr);
+            assert!(
+                run.stderr.contains(word),
+                "`{word}` not in:\n{}",
+                run.stderr
+            );
         }
     };
-    refuses(&["--holdout=20..30"], 1, &["empty-holdout", "t = 0 to t = 9.99"]);
+    refuses(
+        &["--holdout=20..30"],
+        1,
+        &["empty-holdout", "t = 0 to t = 9.99"],
+    );
     refuses(&["--holdout=.."], 1, &["nothing-left", "shorter stretch"]);
     refuses(&["--holdout=absent.csv"], 2, &["A..B", "25%", "data file"]);
     refuses(&["--holdout=0%"], 2, &["above 0 %"]);
@@ -139,5 +172,9 @@ fn faults_of_all_models_are_told_at_once() {
     let b = write(folder.path(), "b.sid", "state x\ndx ~ poly(q; 2)\n");
     let run = identify(&[&a, &b, LORENZ[1]]);
     assert_eq!(run.status, 1);
-    assert!(run.stderr.contains("`zz`") && run.stderr.contains("`q`"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("`zz`") && run.stderr.contains("`q`"),
+        "{}",
+        run.stderr
+    );
 }
