@@ -13,7 +13,7 @@ use crate::lang::diagnostic::{Diagnostic, Severity, did_you_mean};
 use crate::lang::model::{Model, VarKind};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Measured, Program};
-use crate::result::{self, Settings, SignalEntry};
+use crate::result::{self, Reading, Settings, SignalEntry};
 use crate::solve::{SOLVERS, Solver};
 use crate::term::{Signal, SignalNames, VarId};
 
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     drop(line);
     let discovery = found.map_err(|d| Failure::new(inputs::render(&d, &sources)))?;
 
-    let settings = settings(args, &files, &measured);
+    let settings = settings(args, &files, &program.model, &measured);
     let document = result::write(
         &discovery,
         &settings,
@@ -217,7 +217,13 @@ fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry> {
         .collect()
 }
 
-fn settings(args: &Args, files: &Inputs, measured: &Measured) -> Settings {
+fn settings(args: &Args, files: &Inputs, model: &Model, measured: &Measured) -> Settings {
+    let mut as_read = model.clone();
+    for input in &measured.dataset.inputs {
+        if let Some(var) = as_read.vars.get_mut(usize::from(input.var.0)) {
+            var.between = Some(input.between);
+        }
+    }
     Settings {
         model: inputs::short_name(&files.model),
         data: measured
@@ -231,6 +237,7 @@ fn settings(args: &Args, files: &Inputs, measured: &Measured) -> Settings {
         samples: args.samples.map(|n| n as usize),
         seed: args.seed,
         window: args.window,
+        reading: Reading::of(&as_read),
     }
 }
 

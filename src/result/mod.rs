@@ -3,13 +3,15 @@
 //! Pinned: first key `"sidc_result": 1`; fields are only ever added; numbers round-trip f64; no times of day, no absolute paths.
 
 mod read;
+mod reading;
 mod write;
 
 use serde::{Deserialize, Serialize};
 
 use crate::discover::{Evidence, Reason, Status};
 
-pub use read::read;
+pub use read::{Opened, open, read};
+pub use reading::{CourseEntry, Reading};
 pub use write::write;
 
 /// Version of the document that this program writes, and the newest it reads.
@@ -118,6 +120,13 @@ pub struct Settings {
     pub seed: u64,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub window: Option<(Option<f64>, Option<f64>)>,
+    /// How the data were read; absent in documents of earlier programs, whose columns are those of their signals' names.
+    #[serde(skip_serializing_if = "is_plain", default)]
+    pub reading: Reading,
+}
+
+fn is_plain(reading: &Reading) -> bool {
+    *reading == Reading::default()
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
