@@ -7,7 +7,7 @@ use crate::discover::Reason;
 use crate::emit;
 use crate::lang::diagnostic::{Diagnostic, Severity};
 use crate::pipeline::{Measured, Program};
-use crate::result::{self, CandidateEntry, Settings, SignalEntry};
+use crate::result::{self, CandidateEntry, Reading, Settings, SignalEntry};
 use crate::term::SignalNames;
 
 /// The terminal's answer.
@@ -110,6 +110,12 @@ pub fn document(
 }
 
 fn settings(args: &Args, candidate: &Candidate) -> Settings {
+    let mut as_read = candidate.program.model.clone();
+    for input in &candidate.measured.dataset.inputs {
+        if let Some(var) = as_read.vars.get_mut(usize::from(input.var.0)) {
+            var.between = Some(input.between);
+        }
+    }
     let held = |h: &Held| match h {
         Held::Stretch(stretch) => stretch.to_string(),
         Held::File(path) => inputs::short_name(path),
@@ -129,6 +135,7 @@ fn settings(args: &Args, candidate: &Candidate) -> Settings {
         seed: args.seed,
         window: args.window,
         holdout: args.holdout.iter().map(held).collect(),
+        reading: Reading::of(&as_read),
     }
 }
 

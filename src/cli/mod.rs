@@ -11,6 +11,7 @@ mod limits;
 mod list;
 mod output;
 mod progress;
+mod simulate;
 mod smooth;
 mod values;
 
@@ -42,6 +43,7 @@ struct Cli {
 const EXAMPLES: &str = "Examples:
   sidc check pendulum.sid data.csv                  what the model means, and what the data lack
   sidc identify pendulum.sid data.csv -o R.json     find the equations
+  sidc simulate R.json new.csv                      run them along other data, and compare
   sidc export R.json --to latex                     write them down
   sidc smooth pendulum.sid data.csv -o smooth.csv   curves, derivatives and the noise of each sensor
 Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt, a limit or Ctrl-C";
@@ -50,6 +52,7 @@ Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage �
 enum Command {
     Check(check::Args),
     Identify(identify::Args),
+    Simulate(simulate::Args),
     Smooth(smooth::Args),
     Fmt(fmt::Args),
     Export(export::Args),
@@ -61,6 +64,7 @@ pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Check(args) => check::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
         Command::Smooth(args) => smooth::run(&args),
         Command::Fmt(args) => fmt::run(&args),
         Command::Export(args) => export::run(&args),

@@ -3,6 +3,7 @@
 //! Pinned: first key `"sidc_result": 1`; fields are only ever added; numbers round-trip f64; no times of day, no absolute paths.
 
 mod read;
+mod reading;
 mod write;
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::discover::{Evidence, Reason, Status};
 use crate::validate::Validation;
 
-pub use read::read;
+pub use read::{Opened, open, read};
+pub use reading::{CourseEntry, Reading};
 pub use write::write;
 
 /// Version of the document that this program writes, and the newest it reads.
@@ -154,6 +156,13 @@ pub struct Settings {
     /// What equations were not found from, as it was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub holdout: Vec<String>,
+    /// How the data were read; absent in documents of earlier programs, whose columns are those of their signals' names.
+    #[serde(skip_serializing_if = "is_plain", default)]
+    pub reading: Reading,
+}
+
+fn is_plain(reading: &Reading) -> bool {
+    *reading == Reading::default()
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,19 +1,35 @@
-//! Text → document → discovery: names and terms go through the language's own parser.
+//! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
 use super::{Document, EquationEntry, TimeKind, VERSION};
 use crate::discover::{Discovery, Equation, Failed, FoundTerm};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{LibKind, RightSide};
+use crate::lang::model::{LibKind, Model, RightSide};
 use crate::lang::parse::token::is_name;
 use crate::lang::source::Sources;
 use crate::lang::{self, Vocabulary};
 use crate::term::{SignalNames, Term};
 
+/// A result and what it takes to read other data as it was found from.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    pub discovery: Discovery,
+    /// Declares the discovery's variables, with data block, courses of inputs, noise and units.
+    pub model: Model,
+}
+
+/// Reads the discovery of a result document.
+///
+/// # Errors
+/// As [`open`].
+pub fn read(name: &str, text: &str) -> Result<Discovery, Diagnostic> {
+    open(name, text).map(|opened| opened.discovery)
+}
+
 /// Reads a result document.
 ///
 /// # Errors
 /// One diagnostic for text that is no result of this program's, a newer version (named), or terms that do not parse.
-pub fn read(name: &str, text: &str) -> Result<Discovery, Diagnostic> {
+pub fn open(name: &str, text: &str) -> Result<Opened, Diagnostic> {
     let value: serde_json::Value =
         serde_json::from_str(text).map_err(|e| not_json(name, &e.to_string()))?;
     match value.get("sidc_result").and_then(serde_json::Value::as_u64) {
@@ -23,16 +39,18 @@ pub fn read(name: &str, text: &str) -> Result<Discovery, Diagnostic> {
     }
     let document: Document =
         serde_json::from_value(value).map_err(|e| damaged(name, &e.to_string()))?;
-    discovery(name, &document)
+    opened(name, &document)
 }
 
-fn discovery(name: &str, doc: &Document) -> Result<Discovery, Diagnostic> {
+fn opened(name: &str, doc: &Document) -> Result<Opened, Diagnostic> {
     plain_words(name, doc)?;
+    let reading = &doc.settings.reading;
+    let block = reading.block().map_err(|why| damaged(name, &why))?;
     let mut sources = Sources::default();
-    let file = sources.add(name, as_model(doc));
+    let file = sources.add(name, as_model(doc) + &block);
     let vocabulary = Vocabulary { generators: vec![] };
     let (model, found) = lang::compile(file, &sources, &vocabulary);
-    let Some(model) = model else {
+    let Some(mut model) = model else {
         let first = found.iter().find(|d| d.is_error());
         let why = first.map_or_else(String::new, |d| d.message.clone());
         return Err(damaged(name, &why));
@@ -70,7 +88,16 @@ fn discovery(name: &str, doc: &Document) -> Result<Discovery, Diagnostic> {
             });
         }
     }
-    Ok(d)
+    if model.data.entries.len() != reading.columns.len() {
+        return Err(damaged(name, "its data block is not one entry a signal"));
+    }
+    model.discrete = d.discrete;
+    let applied = reading.apply(&mut model);
+    applied.map_err(|why| damaged(name, &why))?;
+    Ok(Opened {
+        discovery: d,
+        model,
+    })
 }
 
 /// Every piece of text that becomes part of a model is what it claims to be, and nothing else: a name is a word, and no term or

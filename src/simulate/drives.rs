@@ -3,6 +3,8 @@
 //!
 //! In: the record, the form. Out: a drive for each input, a number for each parameter, notes on what was assumed.
 
+use std::cell::RefCell;
+
 use super::course::{Course, Drive};
 use super::refusals as refuse;
 use super::start;
@@ -47,9 +49,14 @@ pub(super) fn drives(
         model,
         record,
         trajectory: t,
+        driven: RefCell::default(),
     };
     let inputs = form.inputs.iter();
     let inputs: Result<Vec<Drive>, Diagnostic> = inputs.map(|s| find.drive(*s, notes)).collect();
+    let inputs = inputs?;
+    if !find.driven.borrow().is_empty() {
+        notes.push(refuse::driven(d, &find.driven.borrow()));
+    }
     let mut params = Vec::new();
     for s in &form.params {
         let value = t.column(*s).and_then(|c| c.iter().find(|v| v.is_finite()));
@@ -63,7 +70,7 @@ pub(super) fn drives(
     }
     notes.dedup();
     Ok(Drives {
-        inputs: inputs?,
+        inputs,
         params,
         lagged,
     })
@@ -74,6 +81,8 @@ struct Find<'a> {
     model: &'a Model,
     record: &'a Dataset,
     trajectory: &'a Trajectory,
+    /// States without an equation.
+    driven: RefCell<Vec<Signal>>,
 }
 
 impl Find<'_> {
@@ -82,7 +91,7 @@ impl Find<'_> {
         let input = self.d.variable_of(s.var).map(|v| v.kind) == Some(VarKind::Input);
         if let Some(samples) = self.trajectory.column(s) {
             if !input {
-                notes.push(refuse::driven(self.d, s));
+                self.driven.borrow_mut().push(s);
             }
             let course = self.course(s, samples, input, notes);
             return course.map(Drive::Course);
@@ -103,7 +112,7 @@ impl Find<'_> {
             _ => {
                 let estimated = start::series(self.model, self.record, s);
                 let (samples, _) = estimated.ok_or_else(|| refuse::no_drive(self.d, s))?;
-                notes.push(refuse::driven(self.d, s));
+                self.driven.borrow_mut().push(s);
                 let course = self.course(s, &samples, false, &mut Vec::new());
                 course.map(Drive::Course)
             }

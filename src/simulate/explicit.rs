@@ -8,7 +8,7 @@ use super::fault::FaultKind;
 use super::flow::{Ended, Flow, Guard};
 
 /// Error of a step, relative to a state and its typical size together.
-pub(super) const TOLERANCE: f64 = 1e-10;
+pub(super) const TOLERANCE: f64 = 1e-13;
 /// h·λ at which the method is at its limit of stability, in so many steps one after another.
 const STABILITY: (f64, usize) = (3.25, 15);
 /// Steps between two stops that are too many for an explicit method, whatever the reason.

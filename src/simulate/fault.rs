@@ -8,6 +8,8 @@ pub struct Fault {
     pub kind: FaultKind,
     /// Seconds; the sample's number in discrete time.
     pub time: f64,
+    /// Targets of the equations concerned.
+    pub equations: Vec<Signal>,
     /// State, inputs and parameters there, each with its value.
     pub at: Vec<(Signal, f64)>,
 }

@@ -4,7 +4,7 @@
 //! of a simulated state is its simulated value, or the measured one before the start.
 
 use super::course::Drive;
-use super::fault::Fault;
+use super::fault::{Fault, FaultKind};
 use super::flow::{Ended, Guard};
 use super::march::{Leg, Path};
 use crate::term::Signal;
@@ -59,6 +59,12 @@ pub(super) fn iterate(
     path.fault = ended.err().map(|(kind, time)| Fault {
         kind,
         time,
+        equations: match kind {
+            FaultKind::Singular => leg.plant.dependent(&work),
+            FaultKind::NotFinite(s) | FaultKind::NoSolution(s) => vec![s],
+            FaultKind::Diverged { signal, .. } => vec![signal],
+            _ => Vec::new(),
+        },
         at: leg.plant.point(&work),
     });
     path

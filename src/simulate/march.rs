@@ -4,7 +4,7 @@
 
 use super::course::{Drive, Line};
 use super::explicit::{Explicit, Reached};
-use super::fault::Fault;
+use super::fault::{Fault, FaultKind};
 use super::flow::{Ended, Flow, Guard};
 use super::plant::Plant;
 use super::run::Method;
@@ -50,11 +50,7 @@ pub(super) fn march(leg: &Leg, start: &[f64], guard: &mut Guard) -> Path {
         path: Path::default(),
     };
     if let Err((kind, time)) = trip.run(guard) {
-        trip.path.fault = Some(Fault {
-            kind,
-            time,
-            at: trip.point(),
-        });
+        trip.path.fault = Some(trip.fault(kind, time, guard));
     }
     trip.path.evaluations = trip.flow.work.calls;
     trip.path
@@ -268,11 +264,40 @@ impl Trip<'_> {
         Ok(())
     }
 
-    fn point(&self) -> Vec<(crate::term::Signal, f64)> {
-        let mut point = self.leg.plant.point(&self.flow.work);
-        for ((_, value), x) in point.iter_mut().zip(&self.x) {
-            *value = *x;
+    fn fault(&mut self, kind: FaultKind, time: f64, guard: &Guard) -> Fault {
+        let mut rates = vec![0.0; self.x.len()];
+        // The slots are then those of the last good state.
+        let moves = self.flow.rates(time, &self.x, &mut rates);
+        let plant = self.leg.plant;
+        let weak = plant.dependent(&self.flow.work);
+        let fastest = || {
+            let speeds = rates.iter().zip(&guard.sizes).map(|(r, s)| r.abs() / s);
+            let fastest = speeds.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+            fastest
+                .map(|(i, _)| plant.target_of(i))
+                .into_iter()
+                .collect()
+        };
+        let (kind, equations) = match kind {
+            FaultKind::Singular => (kind, weak),
+            // What steps cannot follow is mostly a mass matrix on its way to zero.
+            FaultKind::StepTooSmall if !weak.is_empty() => (FaultKind::Singular, weak),
+            FaultKind::StepTooSmall if moves.is_ok() => (kind, fastest()),
+            FaultKind::NotFinite(s) | FaultKind::NoSolution(s) => (kind, vec![s]),
+            FaultKind::Diverged { signal, .. } => {
+                let place = plant.form.state.iter().position(|s| *s == signal);
+                (
+                    kind,
+                    place.map(|i| plant.target_of(i)).into_iter().collect(),
+                )
+            }
+            _ => (kind, Vec::new()),
+        };
+        Fault {
+            kind,
+            time,
+            equations,
+            at: plant.point(&self.flow.work),
         }
-        point
     }
 }

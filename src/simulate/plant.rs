@@ -3,6 +3,8 @@
 //! In: a [`Form`]. Out: the unknowns q and ẋ from the state and everything given, or what is wrong with them. M q = f is solved
 //! by elimination; where M and f depend on q the same solve is repeated, which is Newton's method from the last q.
 
+use nalgebra::DMatrix;
+
 use super::elimination;
 use super::fault::FaultKind;
 use super::routine::Routine;
@@ -15,6 +17,8 @@ const NEWTON: usize = 50;
 const ARRIVED: f64 = 1e-13;
 /// What rounding may leave of the last step.
 const CLOSE: f64 = 1e-8;
+/// Condition at which equations that cannot be followed any more are called dependent.
+const DEPENDENT: f64 = 1e-4;
 
 /// A system ready to run.
 #[derive(Clone, Debug, Default)]
@@ -238,8 +242,38 @@ impl Plant {
         f.inputs.len() + f.params.len() + f.history.len()
     }
 
+    /// Targets of the equations that (nearly) depend on each other where the masses were last evaluated; none if all is well.
+    pub fn dependent(&self, work: &Work) -> Vec<Signal> {
+        let n = work.q.len();
+        let Some(masses) = self.rates.outputs.get(..n * n).filter(|_| self.coupled) else {
+            return Vec::new();
+        };
+        let mut mass = DMatrix::from_fn(n, n, |i, j| work.slots[masses[i * n + j]]);
+        for mut row in mass.row_iter_mut() {
+            let size = row.amax();
+            row /= size;
+        }
+        if mass.iter().any(|m| !m.is_finite()) {
+            return Vec::new();
+        }
+        let svd = mass.svd(true, false);
+        let values = svd.singular_values.iter().enumerate();
+        let Some((k, least)) = values.min_by(|a, b| a.1.total_cmp(b.1)) else {
+            return Vec::new();
+        };
+        if *least > DEPENDENT * svd.singular_values.amax() {
+            return Vec::new();
+        }
+        let shares: Vec<f64> = match &svd.u {
+            Some(u) => u.column(k).iter().map(|x| x.abs()).collect(),
+            None => Vec::new(),
+        };
+        let named = self.form.unknowns.iter().zip(&shares);
+        named.filter(|(_, x)| **x > 0.1).map(|(s, _)| *s).collect()
+    }
+
     /// The equation that moves a state, at the end of its chain.
-    fn target_of(&self, state: usize) -> Signal {
+    pub fn target_of(&self, state: usize) -> Signal {
         let rates = self.form.rates.iter().skip(state);
         let unknown = rates.filter_map(|r| match r {
             Rate::Unknown(i) => self.form.unknowns.get(*i),

@@ -10,8 +10,8 @@ use super::plant::Plant;
 use super::refusals as refuse;
 use super::run::{Leg, Options, Origin, Run, Start};
 use super::score::score;
-use super::settle::{Readings, settle};
-use super::start::{self, Component, Noise};
+use super::settle::{Readings, left_by, settle};
+use super::start::{self, Candidates, Noise};
 use crate::data::{self, Dataset, Trajectory};
 use crate::discover::{Discovery, Form};
 use crate::lang::diagnostic::Diagnostic;
@@ -23,6 +23,10 @@ use crate::term::{Expr, Signal};
 const BUDGET: (u64, u64) = (20_000_000, 2_000);
 /// Evaluations that one trial of a start may take.
 const TRIAL: u64 = 200_000;
+/// Rows that a start is looked for in.
+const BEGINNING: usize = 2_000;
+/// What a start may leave of the first readings, in standard deviations of the noise, to show that there is no such noise.
+const CLOSE: f64 = 0.2;
 /// A state beyond so many of its sizes has left the world of its data.
 const BEYOND: f64 = 1e6;
 
@@ -195,29 +199,28 @@ impl Whole<'_> {
         run: &mut Run,
         go_on: &mut dyn FnMut() -> bool,
     ) -> Result<Leg, Diagnostic> {
-        let part = self.part(&rows);
         let given: &[(Signal, f64)] = if first { &self.options.start } else { &[] };
         let form = &self.plant.form;
-        let (components, noise) = start::components(self.model, &part, &form.state, given)
-            .map_err(|s| refuse::no_start(self.d, s))?;
         let lags = form.history.iter().map(|s| s.shift.unsigned_abs() as usize);
-        let from = start::first_row(&components, rows.len(), lags.max().unwrap_or(0))
-            .ok_or_else(|| refuse::no_start_row(self.d, &form.state))?;
-        let mut starts = start::at_row(&components, from);
+        let lags = lags.max().unwrap_or(0);
+        let candidates = |rows: std::ops::Range<usize>| {
+            let part = self.part(&rows);
+            let found = start::candidates(self.model, &part, &form.state, given);
+            let found = found.map_err(|s| refuse::no_start(self.d, s))?;
+            let row = start::first_row(&found.raw, rows.len(), lags);
+            Ok((part, found, row))
+        };
+        // The beginning tells where it starts, unless it has gaps.
+        let short = rows.start..rows.end.min(rows.start + BEGINNING);
+        let (mut part, mut found, mut row) = candidates(short.clone())?;
+        if row.is_none() && short != rows {
+            (part, found, row) = candidates(rows.clone())?;
+        }
+        let from = row.ok_or_else(|| refuse::no_start_row(self.d, &form.state))?;
         let begin = rows.start + from;
         let guess = self.guess(&part, from);
         let leg = self.march_leg(begin..rows.end, &guess);
-        let mut settled = 0;
-        if let Some(found) = self.settle(&leg, (&components, &noise), &starts, from, go_on) {
-            settled = found.rows;
-            for (i, s) in starts.iter_mut().enumerate() {
-                if found.error[i] > 0.0 {
-                    s.value = found.start[i];
-                    s.error = Some(found.error[i]);
-                    s.origin = Origin::Fitted;
-                }
-            }
-        }
+        let (starts, settled) = self.start(&leg, &found, (begin, from), go_on);
         let x: Vec<f64> = starts.iter().map(|s| s.value).collect();
         let path = self.path(&leg, &x, begin, self.budget(rows.len()), go_on);
         let count = path.rows.len();
@@ -311,52 +314,79 @@ impl Whole<'_> {
         form.history.iter().map(|s| (*s, past(s))).collect()
     }
 
-    /// A better start than the smoothed one, where sensors are noisy.
-    fn settle(
+    /// The start at a leg's first row, and how many rows went into it. What smoothing takes for noise may be a motion that it
+    /// does not follow: readings from which the equations follow closer than that noise are taken as they are.
+    fn start(
         &self,
         leg: &march::Leg,
-        (components, noise): (&[Component], &[Noise]),
-        starts: &[Start],
-        from: usize,
+        candidates: &Candidates,
+        (begin, from): (usize, usize),
         go_on: &mut dyn FnMut() -> bool,
-    ) -> Option<super::settle::Settled> {
-        let estimated = |o: Origin| matches!(o, Origin::Smoothed | Origin::Differentiated);
-        let free: Vec<(usize, f64)> = components
-            .iter()
-            .enumerate()
-            .filter(|(_, c)| estimated(c.origin))
-            .map(|(i, c)| (i, drives::size(self.record, c.signal)))
-            .collect();
-        if noise.is_empty() || self.d.discrete {
-            return None;
+    ) -> (Vec<Start>, usize) {
+        let raw = start::at_row(&candidates.raw, from);
+        let mut starts = start::at_row(&candidates.smooth, from);
+        if starts.is_empty() || starts.iter().any(|s| !s.value.is_finite()) {
+            return (raw, 0);
         }
         let names = self.names();
-        let first = self.record.time.partition_point(|t| *t < leg.time[0]);
-        let channel = |n: &Noise| {
-            let place = names.iter().position(|s| *s == n.signal)?;
-            let mut values = self.record.column(n.signal)?.get(first..)?.to_vec();
-            for row in n.outliers.iter().filter_map(|r| r.checked_sub(from)) {
-                if let Some(v) = values.get_mut(row) {
-                    *v = f64::NAN;
-                }
-            }
-            Some((place, values, n.sigma))
-        };
         let readings = Readings {
-            channels: noise.iter().filter_map(channel).collect(),
+            channels: candidates
+                .noise
+                .iter()
+                .filter_map(|n| self.channel(&names, n, (begin, from)))
+                .collect(),
             rows: leg.time.len(),
         };
-        let start: Vec<f64> = starts.iter().map(|s| s.value).collect();
         let mut trial = |x: &[f64], rows: usize| {
             let short = march::Leg {
                 time: leg.time.get(..rows)?,
                 step: None,
                 ..*leg
             };
-            let path = self.path(&short, x, first, TRIAL, go_on);
+            let path = self.path(&short, x, begin, TRIAL, go_on);
             path.fault.is_none().then_some(path.rows)
         };
-        settle(&readings, &start, &free, &mut trial)
+        let values = |starts: &[Start]| starts.iter().map(|s| s.value).collect::<Vec<f64>>();
+        let left = left_by(&readings, &values(&raw), &mut trial);
+        if left.is_some_and(|left| left <= CLOSE) {
+            return (raw, 0);
+        }
+        let estimated = |s: &Start| matches!(s.origin, Origin::Smoothed | Origin::Differentiated);
+        let free = starts.iter().enumerate().filter(|(_, s)| estimated(s));
+        let free: Vec<(usize, f64)> = free
+            .map(|(i, s)| (i, drives::size(self.record, s.signal)))
+            .collect();
+        let Some(found) = settle(&readings, &values(&starts), &free, &mut trial) else {
+            return (starts, 0);
+        };
+        for (i, _) in free {
+            let (Some(s), Some(value), Some(error)) =
+                (starts.get_mut(i), found.start.get(i), found.error.get(i))
+            else {
+                continue;
+            };
+            s.value = *value;
+            s.error = Some(*error);
+            s.origin = Origin::Fitted;
+        }
+        (starts, found.rows)
+    }
+
+    /// A noisy channel's readings from a leg's first row on, outliers left out.
+    fn channel(
+        &self,
+        names: &[Signal],
+        noise: &Noise,
+        (begin, from): (usize, usize),
+    ) -> Option<(usize, Vec<f64>, f64)> {
+        let place = names.iter().position(|s| *s == noise.signal)?;
+        let mut values = self.record.column(noise.signal)?.get(begin..)?.to_vec();
+        for row in noise.outliers.iter().filter_map(|r| r.checked_sub(from)) {
+            if let Some(v) = values.get_mut(row) {
+                *v = f64::NAN;
+            }
+        }
+        Some((place, values, noise.sigma))
     }
 
     /// Measured columns and scores.

@@ -79,12 +79,17 @@ pub(super) fn ends_at_gap(time: f64) -> Diagnostic {
     )
 }
 
-pub(super) fn driven(d: &Discovery, s: Signal) -> Diagnostic {
-    let name = d.name(s);
+pub(super) fn driven(d: &Discovery, signals: &[Signal]) -> Diagnostic {
+    let names: Vec<String> = signals.iter().map(|s| d.name(*s)).collect();
+    let (have, drive) = match names.len() {
+        1 => ("has", "its measurement drives"),
+        _ => ("have", "their measurements drive"),
+    };
     Diagnostic::note(
         "driven-by-measurement",
         format!(
-            "{name} has no equation: its measurement drives the others, linear between samples"
+            "{} {have} no equation: {drive} the others, linear between samples",
+            names.join(", ")
         ),
     )
 }

@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 /// Rows of the first stretch for each component that is free.
 const ROWS: usize = 6;
-/// Part of the record that may go into its start.
+/// Part of the record that may go into its start; of a short one so many rows, but no more than half.
 const SHARE: usize = 10;
+const FEW: usize = 100;
 /// Root mean square of the residuals, in standard deviations of the noise, up to which equations follow.
 const FOLLOWS: f64 = 1.5;
 /// Gauss–Newton steps for one stretch.
@@ -32,6 +33,17 @@ pub(super) struct Settled {
     pub rows: usize,
 }
 
+/// Root mean square of what a start leaves over the first stretch, in standard deviations of the noise; `None` if it fails.
+pub(super) fn left_by(
+    readings: &Readings,
+    start: &[f64],
+    run: &mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>,
+) -> Option<f64> {
+    let rows = (2 * ROWS).max(ROWS * start.len()).min(readings.rows);
+    let left = residuals(readings, &run(start, rows)?, rows);
+    (!left.is_empty()).then(|| left.norm() / (left.len() as f64).sqrt())
+}
+
 /// `free`: components to be moved, each with its size. `run(start, rows)` simulates so many rows, `None` if it fails.
 pub(super) fn settle(
     readings: &Readings,
@@ -39,7 +51,9 @@ pub(super) fn settle(
     free: &[(usize, f64)],
     run: &mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>,
 ) -> Option<Settled> {
-    let most = (readings.rows / SHARE).min(2000);
+    let most = (readings.rows / SHARE)
+        .max(readings.rows.min(2 * FEW) / 2)
+        .min(2000);
     let mut rows = (ROWS * free.len()).max(ROWS * 2);
     let mut best: Option<Settled> = None;
     while rows <= most {

@@ -33,78 +33,52 @@ pub(super) struct Noise {
     pub outliers: Vec<usize>,
 }
 
+/// What a leg's start can be made of.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Candidates {
+    /// As read, derivatives from interpolation.
+    pub raw: Vec<Component>,
+    /// The same with what is smoothed in its place; empty if no sensor is noisy.
+    pub smooth: Vec<Component>,
+    pub noise: Vec<Noise>,
+}
+
 /// All components; `Err` is one that nobody measured and that cannot be estimated.
-pub(super) fn components(
+pub(super) fn candidates(
     model: &Model,
     leg: &Dataset,
     state: &[Signal],
     given: &[(Signal, f64)],
-) -> Result<(Vec<Component>, Vec<Noise>), Signal> {
+) -> Result<Candidates, Signal> {
+    let mut out = Candidates::default();
     let Some(trajectory) = leg.trajectories.first() else {
-        return Ok(Default::default());
+        return Ok(out);
     };
-    let mut noise = Vec::new();
-    let mut out = Vec::new();
     for signal in state {
         if let Some((_, value)) = given.iter().find(|(s, _)| s == signal) {
-            out.push(Component {
+            out.raw.push(Component {
                 signal: *signal,
                 origin: Origin::Given,
                 values: vec![*value; trajectory.len()],
                 error: None,
             });
+            out.smooth.extend(out.raw.last().cloned());
             continue;
         }
-        out.push(component(model, leg, trajectory, *signal, &mut noise).ok_or(*signal)?);
+        let raw = raw(model, leg, trajectory, *signal).ok_or(*signal)?;
+        let smooth = smooth(model, leg, trajectory, *signal, &mut out.noise);
+        out.smooth.push(smooth.unwrap_or_else(|| raw.clone()));
+        out.raw.push(raw);
     }
-    Ok((out, noise))
+    if out.noise.is_empty() {
+        out.smooth.clear();
+    }
+    Ok(out)
 }
 
-fn component(
-    model: &Model,
-    leg: &Dataset,
-    trajectory: &Trajectory,
-    signal: Signal,
-    noise: &mut Vec<Noise>,
-) -> Option<Component> {
-    let read = (0..=signal.der).rev().find_map(|der| {
-        let below = Signal { der, ..signal };
-        let values = trajectory.column(below)?;
-        values
-            .iter()
-            .any(|v| v.is_finite())
-            .then_some((below, values))
-    });
-    let (below, values) = read?;
-    let order = usize::from(signal.der - below.der);
-    let smooth = match model.discrete {
-        true => None,
-        false => smoothed(model, leg, trajectory, below, values),
-    };
-    if let Some(s) = smooth {
-        if !noise.iter().any(|n| n.signal == below) {
-            noise.push(Noise {
-                signal: below,
-                sigma: s.sigma,
-                outliers: s.outliers.clone(),
-            });
-        }
-        let rows = [&s.values, &s.slope, &s.curvature];
-        if let (Some(found), Some(error)) = (rows.get(order), s.error.get(order)) {
-            // Before its first reading a smoothed signal is a guess.
-            let first = values.iter().position(|v| v.is_finite()).unwrap_or(0);
-            let known = found.iter().enumerate();
-            return Some(Component {
-                signal,
-                origin: Origin::Smoothed,
-                values: known
-                    .map(|(i, v)| if i < first { f64::NAN } else { *v })
-                    .collect(),
-                error: Some(error.clone()),
-            });
-        }
-    }
-    if order == 0 {
+fn raw(model: &Model, leg: &Dataset, trajectory: &Trajectory, signal: Signal) -> Option<Component> {
+    let finite = |v: &&[f64]| v.iter().any(|v| v.is_finite());
+    if let Some(values) = trajectory.column(signal).filter(finite) {
         return Some(Component {
             signal,
             origin: Origin::Measured,
@@ -118,6 +92,47 @@ fn component(
         origin: Origin::Differentiated,
         values,
         error: Some(error),
+    })
+}
+
+/// A component from the smoothed signal at or below it, if that is noisy.
+fn smooth(
+    model: &Model,
+    leg: &Dataset,
+    trajectory: &Trajectory,
+    signal: Signal,
+    noise: &mut Vec<Noise>,
+) -> Option<Component> {
+    if model.discrete {
+        return None;
+    }
+    let mut below = (0..=signal.der).rev().map(|der| Signal { der, ..signal });
+    let (below, values) = below.find_map(|b| {
+        let values = trajectory.column(b)?;
+        let known = values.iter().any(|v| v.is_finite());
+        known.then_some((b, values))
+    })?;
+    let order = usize::from(signal.der - below.der);
+    let s = smoothed(model, leg, trajectory, below, values)?;
+    if !noise.iter().any(|n| n.signal == below) {
+        noise.push(Noise {
+            signal: below,
+            sigma: s.sigma,
+            outliers: s.outliers.clone(),
+        });
+    }
+    let rows = [&s.values, &s.slope, &s.curvature];
+    let (found, error) = rows.get(order).zip(s.error.get(order))?;
+    // Before its first reading a smoothed signal is a guess.
+    let first = values.iter().position(|v| v.is_finite()).unwrap_or(0);
+    let known = found.iter().enumerate();
+    Some(Component {
+        signal,
+        origin: Origin::Smoothed,
+        values: known
+            .map(|(i, v)| if i < first { f64::NAN } else { *v })
+            .collect(),
+        error: Some(error.clone()),
     })
 }
 

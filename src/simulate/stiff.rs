@@ -12,7 +12,7 @@ use super::fault::FaultKind;
 use super::flow::{Ended, Flow, Guard};
 
 /// Error of a step, relative to a state and its typical size together.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-10;
 /// Steps taken back one after another, each an eighth of the one before.
 const RETRIES: usize = 20;
 
