@@ -169,6 +169,7 @@ fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) ->
         trajectories(measured)
     ));
     text.push_str(&emit::answer(d));
+    text.push_str(&emit::consequences(d));
     text.push('\n');
     text.push_str(&signals_text(program, measured));
     text
