@@ -9,12 +9,7 @@ use crate::term::{Atom, Expr, Signal};
 /// True if every equation is a sum of numbers times single states, inputs, lagged samples and unknowns, and a constant.
 pub fn affine(form: &Form) -> bool {
     let known = |s: Signal| {
-        let places = [
-            &form.state,
-            &form.inputs,
-            &form.history,
-            &form.unknowns,
-        ];
+        let places = [&form.state, &form.inputs, &form.history, &form.unknowns];
         places.iter().any(|names| names.contains(&s))
     };
     let line = |e: &Expr| {

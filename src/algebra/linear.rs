@@ -15,6 +15,10 @@ use crate::term::Signal;
 const SINGULAR: f64 = 1e12;
 /// Largest |f| that counts as none, relative to the terms it is the sum of.
 const ROUNDING: f64 = 1e-12;
+/// Size of a slope that is rounding, relative to what was added up to it.
+const CANCELLED: f64 = 1e-15;
+/// Nudge of the point, in units of its last digit, that a slope has to survive.
+const NUDGE: f64 = 4.0 * f64::EPSILON;
 /// Newton steps towards an input that holds the point.
 const STEPS: usize = 20;
 /// Rotations that a singular value decomposition may take.
@@ -92,18 +96,46 @@ pub fn linear(form: &Form, point: &Point) -> Result<Linear, NoLinear> {
         terms.map(|(w, t)| (w * t.eval(&at)).abs()).sum::<f64>()
     });
     let sizes = DVector::from_iterator(form.rows.len(), sizes);
+    let reliable = (inverse.abs() * right.abs()).scale(CANCELLED);
+    let mut slopes = &inverse * right;
+    slopes.zip_apply(&reliable, |x, least| {
+        if x.abs() <= least {
+            *x = 0.0;
+        }
+    });
     let local = Local {
         q: &q,
         sizes: inverse.abs() * sizes,
-        slopes: inverse * right,
+        slopes,
     };
     l.fill_rates(form, &local, point);
     l.fill_outputs(form, &signals, &local.slopes, &at)?;
     Ok(l)
 }
 
+/// The same, where slopes that only the last digits of the point make are zero: of cos θ at θ = π/2.
+pub(super) fn clean(form: &Form, point: &Point) -> Result<Linear, NoLinear> {
+    let mut l = linear(form, point)?;
+    let moved = point.0.iter().map(|(s, x)| (*s, x * (1.0 + NUDGE)));
+    let Ok(other) = linear(form, &Point(moved.collect())) else {
+        return Ok(l);
+    };
+    let clear = |x: &mut f64, y: f64| {
+        if x.abs() <= 4.0 * (*x - y).abs() {
+            *x = 0.0;
+        }
+    };
+    l.a.zip_apply(&other.a, clear);
+    l.b.zip_apply(&other.b, clear);
+    l.c.zip_apply(&other.c, clear);
+    l.d.zip_apply(&other.d, clear);
+    let outputs = l.output.iter_mut().zip(&other.output);
+    outputs.for_each(|(x, y)| clear(x, *y));
+    Ok(l)
+}
+
 /// The inputs `free` that bring the point to rest, the rest of it held; `None` if Newton's method finds none.
-pub fn balance(form: &Form, point: &Point, free: &[Signal]) -> Option<Vec<f64>> {
+pub(super) fn balance(form: &Form, point: &Point, free: &[Signal]) -> Option<Vec<f64>> {
     let mut point = point.clone();
     for _ in 0..STEPS {
         let l = linear(form, &point).ok()?;
@@ -115,7 +147,10 @@ pub fn balance(form: &Form, point: &Point, free: &[Signal]) -> Option<Vec<f64>> 
         let b = l.b.select_columns(&columns?);
         let svd = b.try_svd(true, true, f64::EPSILON, ROTATIONS)?;
         let step = svd
-            .solve(&-DVector::from_vec(l.drift), f64::EPSILON * svd.singular_values.max())
+            .solve(
+                &-DVector::from_vec(l.drift),
+                f64::EPSILON * svd.singular_values.max(),
+            )
             .ok()?;
         for (s, moved) in free.iter().zip(step.iter()) {
             point.0.insert(*s, point.value(*s) + moved);
@@ -198,7 +233,7 @@ fn right_slopes(
 
 impl Linear {
     /// States, inputs and outputs; the matrices are still empty.
-    fn frame(form: &Form) -> Linear {
+    pub fn frame(form: &Form) -> Linear {
         let mut l = Linear {
             states: form.state.clone(),
             inputs: form.inputs.clone(),
@@ -249,7 +284,8 @@ impl Linear {
             }
             let value = unknown.and_then(|j| local.q.get(j).copied());
             let size = unknown.map_or(0.0, |j| local.sizes[j]);
-            self.at_point.push(value.unwrap_or_else(|| point.value(*rate)));
+            self.at_point
+                .push(value.unwrap_or_else(|| point.value(*rate)));
             self.drift.push(size);
         }
         self.tell_drift_from_rounding(point);
@@ -263,12 +299,20 @@ impl Linear {
         };
         let moved = self.a.abs() * known(&self.states) + self.b.abs() * known(&self.inputs);
         let rows = self.states.iter().zip(&self.at_point).zip(moved.iter());
+        let mut values = Vec::new();
         for (drift, ((state, value), moved)) in self.drift.iter_mut().zip(rows) {
-            let before = if self.discrete { point.value(*state) } else { 0.0 };
+            let before = if self.discrete {
+                point.value(*state)
+            } else {
+                0.0
+            };
             let size = *drift + moved + before.abs();
             let left = value - before;
-            *drift = if left.abs() <= ROUNDING * size { 0.0 } else { left };
+            let none = left.abs() <= ROUNDING * size;
+            *drift = if none { 0.0 } else { left };
+            values.push(if none { before } else { *value });
         }
+        self.at_point = values;
     }
 
     fn fill_outputs(

@@ -10,6 +10,7 @@ mod fraction;
 mod kink;
 mod linear;
 mod modes;
+mod near;
 mod pythagoras;
 mod solved;
 
@@ -17,8 +18,8 @@ pub use affine::affine;
 pub use block::{Block, blocks};
 pub use expand::expanded;
 pub use fraction::Fraction;
-pub use kink::{Kink, Side, kinks};
-pub use linear::{Linear, NoLinear, Point, balance, linear};
+pub use linear::{Linear, NoLinear, Point, linear};
 pub use modes::{Mode, Stability, modes, reach, stability};
+pub use near::{Bend, Near, apart, near};
 pub use pythagoras::shortened;
 pub use solved::{LARGEST_TIE, LONGEST, Unsolved, solved};

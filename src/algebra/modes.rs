@@ -93,7 +93,11 @@ pub fn modes(a: &DMatrix<f64>, discrete: bool) -> Option<Vec<Mode>> {
         .into_iter()
         .map(|(re, im)| Mode { re, im, discrete }.without_rounding(size))
         .collect();
-    all.sort_by(|x, y| y.growth().total_cmp(&x.growth()).then(x.im.total_cmp(&y.im)));
+    all.sort_by(|x, y| {
+        y.growth()
+            .total_cmp(&x.growth())
+            .then(x.im.total_cmp(&y.im))
+    });
     Some(all)
 }
 

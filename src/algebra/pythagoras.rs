@@ -141,10 +141,7 @@ mod tests {
     fn squares_that_add_up_to_one_go() {
         let one = Expr::number(1.0);
         assert_eq!(shortened(&(sin(1).pow(2.0) + cos(1).pow(2.0))), one);
-        assert_eq!(
-            shortened(&(one.clone() - cos(1).pow(2.0))),
-            sin(1).pow(2.0)
-        );
+        assert_eq!(shortened(&(one.clone() - cos(1).pow(2.0))), sin(1).pow(2.0));
         let three = one.clone() + sin(1).pow(2.0).scale(3.0) + cos(1).pow(2.0).scale(2.0);
         assert_eq!(
             shortened(&three),

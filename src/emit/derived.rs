@@ -15,6 +15,8 @@ pub(super) struct Derived {
     pub ties: Vec<Tie>,
     /// A, B of a linear system with two states or more.
     pub linear: Option<Linear>,
+    /// How many states a linear system has, if they are too many for that.
+    pub too_wide: Option<usize>,
 }
 
 /// Equations that are solved together: mass · unknowns = force.
@@ -36,7 +38,14 @@ pub(super) enum Solved {
 impl Derived {
     pub fn of(d: &Discovery) -> Derived {
         let form = Form::new(d);
-        let linear = linear(&form);
+        let states = match algebra::affine(&form) {
+            true => Linear::frame(&form).states.len(),
+            false => 0,
+        };
+        let linear = match (2..=WIDEST).contains(&states) {
+            true => algebra::linear(&form, &Point::default()).ok(),
+            false => None,
+        };
         let ties = algebra::blocks(&form).into_iter();
         let ties = ties.filter(|b| b.linear || b.rows.len() > 1).map(|block| {
             let rows = || block.rows.iter().filter_map(|i| form.rows.get(*i));
@@ -62,21 +71,16 @@ impl Derived {
         Derived {
             ties: ties.collect(),
             linear,
+            too_wide: Some(states).filter(|n| *n > WIDEST),
         }
     }
 }
 
-fn linear(form: &Form) -> Option<Linear> {
-    if !algebra::affine(form) {
-        return None;
-    }
-    let found = algebra::linear(form, &Point::default()).ok()?;
-    (2..=WIDEST).contains(&found.states.len()).then_some(found)
-}
-
 fn reason(why: Unsolved) -> String {
     match why {
-        Unsolved::Nonlinear => "the unknowns do not occur linearly".into(),
+        Unsolved::Nonlinear => {
+            "some unknown does not occur linearly, so there is no mass matrix either".into()
+        }
         Unsolved::ManyUnknowns(n) => {
             format!("{n} equations are tied, and more than {LARGEST_TIE} are not solved in symbols")
         }

@@ -10,6 +10,8 @@ use crate::algebra::{Fraction, Linear};
 use crate::discover::Discovery;
 use crate::term::{Expr, Language, SignalNames};
 
+/// Widest matrix equation: it cannot be broken.
+const WIDEST: usize = 120;
 /// Widest cell of a matrix that does not fit as a whole.
 const CELL: usize = 24;
 
@@ -21,7 +23,18 @@ pub(super) fn text(d: &Discovery, derived: &Derived) -> String {
         out.push_str(&solved(d, tie));
     }
     if let Some(linear) = &derived.linear {
-        out.push_str(&format!("\n{}:\n{}", law(linear), state_space(d, linear)));
+        let (x, u) = match linear.discrete {
+            true => ("x[k]", "u[k]"),
+            false => ("x", "u"),
+        };
+        let law = law(linear, x, u);
+        out.push_str(&format!("\nlinear system, {law}:\n"));
+        out.push_str(&state_space(d, linear));
+    }
+    if let Some(n) = derived.too_wide {
+        out.push_str(&format!(
+            "\nlinear system of {n} states: sidc linearize prints A and B\n"
+        ));
     }
     out
 }
@@ -46,10 +59,10 @@ fn mass(d: &Discovery, tie: &Tie) -> String {
     let mut force: Vec<Vec<String>> = tie.force.iter().map(|e| vec![line(d, e)]).collect();
     let names: Vec<Vec<String>> = tie.unknowns.iter().map(|q| vec![d.name(*q)]).collect();
     let mut below = String::new();
-    if total(&[&cells, &names, &force]) > WIDTH {
+    if total(&[&cells, &names, &force]) > WIDEST {
         below.push_str(&name_forces(d, tie, &mut force));
     }
-    if total(&[&cells, &names, &force]) > WIDTH {
+    if total(&[&cells, &names, &force]) > WIDEST {
         below = name_masses(d, tie, &mut cells) + &below;
     }
     let (cells, names, force) = (boxed(&cells), boxed(&names), boxed(&force));
@@ -159,23 +172,19 @@ fn divisor(d: &Discovery, below: &Expr) -> String {
     }
 }
 
-/// What A and B stand in.
-fn law(l: &Linear) -> String {
-    let law = match l.discrete {
-        true => "linear system, x[k+1] = A x[k]",
-        false => "linear system, dx/dt = A x",
-    };
-    let input = match (l.inputs.is_empty(), l.discrete) {
-        (true, _) => "",
-        (false, true) => " + B u[k]",
-        (false, false) => " + B u",
+/// What A and B stand in, of these states and inputs.
+pub(super) fn law(l: &Linear, x: &str, u: &str) -> String {
+    let left = if l.discrete { "x[k+1]" } else { "dx/dt" };
+    let input = match l.inputs.is_empty() {
+        true => String::new(),
+        false => format!(" + B {u}"),
     };
     let constant = if l.rests() { "" } else { " + f" };
-    format!("{law}{input}{constant}")
+    format!("{left} = A {x}{input}{constant}")
 }
 
 /// A, B and f, then C, D and the outputs' values, as tables; a row is named by what it gives.
-pub fn state_space(d: &Discovery, l: &Linear) -> String {
+pub(super) fn state_space(d: &Discovery, l: &Linear) -> String {
     let f = (!l.rests()).then_some(l.drift.as_slice());
     let rates = Rows {
         names: &l.rates,
@@ -268,4 +277,3 @@ fn side(letter: &str, columns: &[Vec<String>]) -> Vec<String> {
     };
     (0..rows).map(row).collect()
 }
-

@@ -5,6 +5,8 @@
 mod derived;
 mod evidence;
 mod latex;
+mod latex_matrix;
+mod linearization;
 mod matrix;
 mod names;
 mod number;
@@ -15,7 +17,7 @@ mod text;
 use crate::discover::Discovery;
 
 pub use evidence::answer;
-pub use matrix::state_space;
+pub use linearization::{bends, linearization};
 pub use number::significant;
 pub use text::equations;
 

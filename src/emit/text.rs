@@ -1,8 +1,6 @@
 //! Equations for people: one line where it fits, one term a line where not; never a fitted term left out.
 
 use super::Target;
-use super::derived::Derived;
-use super::matrix;
 use super::number::significant;
 use crate::discover::{Discovery, Equation};
 use crate::term::{Language, Precedence, SignalNames, Term, write_term};
@@ -22,8 +20,7 @@ impl Target for Text {
     }
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
-        let derived = Derived::of(d);
-        Ok(equations(d).concat() + &matrix::text(d, &derived))
+        Ok(equations(d).concat() + &super::consequences(d))
     }
 }
 

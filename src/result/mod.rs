@@ -2,6 +2,7 @@
 //!
 //! Pinned: first key `"sidc_result": 1`; fields are only ever added; numbers round-trip f64; no times of day, no absolute paths.
 
+mod linearization;
 mod read;
 mod write;
 
@@ -9,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::discover::{Evidence, Reason, Status};
 
+pub use linearization::linearization;
 pub use read::read;
 pub use write::write;
 

@@ -26,8 +26,9 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "trajectory",
         ],
     ),
-    ("emit", &["term", "lang", "discover"]),
-    ("result", &["term", "lang", "discover"]),
+    ("algebra", &["term", "discover"]),
+    ("emit", &["term", "lang", "discover", "algebra"]),
+    ("result", &["term", "lang", "discover", "algebra"]),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.
