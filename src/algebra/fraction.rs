@@ -44,16 +44,6 @@ impl Fraction {
         (sum.is_finite() && below.is_finite()).then_some(Fraction { factor, sum, below })
     }
 
-    /// Terms above and below.
-    pub fn len(&self) -> usize {
-        self.sum.terms().len() + self.below.terms().len()
-    }
-
-    /// True if it is zero.
-    pub fn is_empty(&self) -> bool {
-        self.sum.terms().len() == 0
-    }
-
     /// Value at one instant.
     pub fn eval(&self, at: &impl Fn(Signal) -> f64) -> f64 {
         self.factor.eval(at) * self.sum.eval(at) / self.below.eval(at)

@@ -25,8 +25,8 @@ pub struct Kink {
 /// The system as it is on one side.
 #[derive(Clone, Debug)]
 pub struct Side {
-    /// This is positive there.
-    pub positive: Expr,
+    /// ±x, whichever is positive there; of `min` and `max` the argument that is taken.
+    pub chosen: Expr,
     pub form: Form,
 }
 
@@ -84,42 +84,30 @@ fn tied(f: Func, args: &[Expr], at: &impl Fn(Signal) -> f64) -> Vec<Expr> {
 
 fn kink(form: &Form, f: Func, args: Vec<Expr>, choices: Vec<Expr>) -> Kink {
     let side = |chosen: &Expr| {
-        let other = choices.iter().find(|c| *c != chosen);
-        let other = other.cloned().unwrap_or_default();
-        let (positive, swap): (Expr, Box<dyn Fn(&Atom) -> Option<Expr>>) = match f.name {
-            "abs" | "sign" => {
-                let x = args.first().cloned().unwrap_or_default();
-                let sign = if *chosen == x { 1.0 } else { -1.0 };
-                let value = chosen.clone();
-                let swap = move |atom: &Atom| match atom {
-                    Atom::Call(g, a) if a.first() == Some(&x) => match g.name {
-                        "abs" => Some(value.clone()),
-                        "sign" => Some(Expr::number(sign)),
-                        _ => None,
-                    },
-                    _ => None,
-                };
-                (chosen.clone(), Box::new(swap))
+        let sign = if args.first() == Some(chosen) {
+            1.0
+        } else {
+            -1.0
+        };
+        let swap = |atom: &Atom| match (atom, f.name) {
+            (Atom::Call(g, a), "abs" | "sign") if a.as_ref() == args.as_slice() => match g.name {
+                "abs" => Some(chosen.clone()),
+                "sign" => Some(Expr::number(sign)),
+                _ => None,
+            },
+            (Atom::Call(g, a), _) if *g == f && a.as_ref() == args.as_slice() => {
+                Some(chosen.clone())
             }
-            name => {
-                let toward = if name == "max" { 1.0 } else { -1.0 };
-                let (args, value) = (args.clone(), chosen.clone());
-                let swap = move |atom: &Atom| match atom {
-                    Atom::Call(g, a) if *g == f && a.as_ref() == args.as_slice() => {
-                        Some(value.clone())
-                    }
-                    _ => None,
-                };
-                ((chosen.clone() - other).scale(toward), Box::new(swap))
-            }
+            _ => None,
         };
         Side {
-            positive,
             form: rewritten_form(form, &swap),
+            chosen: chosen.clone(),
         }
     };
+    let sides = choices.iter().map(side).collect();
     Kink {
-        sides: choices.iter().map(side).collect(),
+        sides,
         call: Expr::call(f, args),
     }
 }

@@ -32,7 +32,7 @@ pub struct Near {
 pub struct Bend {
     /// `abs(x)`
     pub call: Expr,
-    /// What is positive on each side, and the linear system there, if there is one.
+    /// What is positive, or taken, on each side, and the linear system there, if there is one.
     pub sides: Vec<(Expr, Option<Linear>)>,
 }
 
@@ -68,7 +68,7 @@ fn bends(form: &Form, point: &Point) -> Vec<Bend> {
     let all = kinks(form, point).into_iter().map(|kink| Bend {
         call: kink.call,
         sides: (kink.sides.into_iter())
-            .map(|s| (s.positive, clean(&s.form, point).ok()))
+            .map(|s| (s.chosen, clean(&s.form, point).ok()))
             .collect(),
     });
     all.filter(|b| {

@@ -13,7 +13,7 @@ use crate::term::Expr;
 /// Most unknowns that are solved for together.
 pub const LARGEST_TIE: usize = 3;
 /// Most terms of all numerators, and of the longest denominator, together.
-pub const LONGEST: usize = 60;
+pub const LONGEST: usize = 40;
 
 /// Why there is no solved form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -22,6 +22,7 @@ pub fn pairs(option: &str, texts: &[String]) -> Result<Vec<(String, f64)>, Failu
 
 fn pair(option: &str, piece: &str) -> Result<(String, f64), Failure> {
     let refuse = |why: String| {
+        let piece = shown(piece);
         Failure::new(format!(
             "error[point-value]: {option} {piece}: {why}\n  = help: {option} theta=pi/2,dtheta=-0.1"
         ))
@@ -35,7 +36,19 @@ fn pair(option: &str, piece: &str) -> Result<(String, f64), Failure> {
     }
     match number(value.trim()) {
         Some(x) => Ok((normalise(&name), x)),
-        None => Err(refuse(format!("`{}` is not a finite number", value.trim()))),
+        None => Err(refuse(format!(
+            "`{}` is not a finite number",
+            shown(value.trim())
+        ))),
+    }
+}
+
+/// What can stand in a message: one line, not too long.
+fn shown(text: &str) -> String {
+    let escaped = text.escape_debug().to_string();
+    match escaped.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", escaped.get(..end).unwrap_or_default()),
+        None => escaped,
     }
 }
 
@@ -96,7 +109,8 @@ pub fn resolve(
                 format!("the equations have no such name{hint}")
             });
             return Err(Failure::new(format!(
-                "error[{code}]: {option} {name}: {why}\n  = known: {}",
+                "error[{code}]: {option} {}: {why}\n  = known: {}",
+                shown(name),
                 known.join(", ")
             )));
         };

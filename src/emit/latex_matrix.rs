@@ -1,15 +1,17 @@
 //! Tied equations as a matrix equation and solved, linear systems as A and B, in LaTeX for amsmath.
 //!
 //! In: what follows from a discovery, and how its signals are written. Out: display equations; nothing if nothing follows.
-//! Never drops a term: long sums are broken into lines.
+//! Never drops a term: long sums are broken into lines that fit a page.
 
 use super::derived::{Derived, Solved, Tie, simplest_first};
 use crate::algebra::{Fraction, Linear};
 use crate::discover::Discovery;
-use crate::term::{Expr, Notation, Precedence, Signal, Term, write_expr, write_term};
+use crate::term::{Expr, Notation, Precedence, Signal, Term, write_term};
 
-/// Terms in one line of a long sum.
-const IN_A_LINE: usize = 4;
+/// Characters in the width of a page, roughly.
+const PAGE: usize = 52;
+/// Least width for a sum, however little a matrix leaves of the page.
+const LEAST: usize = 24;
 /// Columns that amsmath gives a matrix.
 const COLUMNS: usize = 10;
 
@@ -22,22 +24,43 @@ pub(super) fn matrices(d: &Discovery, notation: &impl Notation) -> String {
     ties.chain(linear).collect()
 }
 
-/// The terms with their signs, `a + b - c`, in lines of a few each.
-fn lines(n: &impl Notation, terms: &[(f64, &Term)]) -> Vec<String> {
-    let written = |(i, (w, t)): (usize, &(f64, &Term))| {
+/// The terms with their signs, `a + b - c`, in lines of that many characters, roughly.
+fn lines(n: &impl Notation, terms: &[(f64, &Term)], width: usize) -> Vec<String> {
+    if terms.is_empty() {
+        return vec!["0".into()];
+    }
+    let mut lines: Vec<String> = Vec::new();
+    for (i, (w, t)) in terms.iter().enumerate() {
         let sign = match (i, *w < 0.0) {
             (0, false) => "",
             (0, true) => "-",
             (_, false) => "+ ",
             (_, true) => "- ",
         };
-        format!("{sign}{}", weighted(n, w.abs(), t))
-    };
-    let all: Vec<String> = terms.iter().enumerate().map(written).collect();
-    match all.is_empty() {
-        true => vec!["0".into()],
-        false => all.chunks(IN_A_LINE).map(|c| c.join(" ")).collect(),
+        let text = format!("{sign}{}", weighted(n, w.abs(), t));
+        match lines.last_mut() {
+            Some(line) if size(line) + size(&text) < width => *line = format!("{line} {text}"),
+            _ => lines.push(text),
+        }
     }
+    lines
+}
+
+/// Characters that a formula takes on paper, roughly: a Greek letter is one, brackets and spacing commands are what they show.
+fn size(tex: &str) -> usize {
+    let mut out = 0;
+    for (i, piece) in tex.split('\\').enumerate() {
+        let word = piece.chars().take_while(char::is_ascii_alphabetic).count();
+        let shown = piece.chars().skip(word).filter(|c| !"{}^_, ".contains(*c));
+        out += shown.count();
+        out += match piece.get(..word) {
+            _ if i == 0 => word,
+            Some("left" | "right" | "dot" | "ddot" | "dddot" | "mathrm" | "") => 0,
+            Some("sin" | "cos" | "tan" | "exp" | "ln" | "operatorname") => 3,
+            _ => 1,
+        };
+    }
+    out
 }
 
 fn weighted(n: &impl Notation, size: f64, t: &Term) -> String {
@@ -51,9 +74,9 @@ fn weighted(n: &impl Notation, size: f64, t: &Term) -> String {
     }
 }
 
-/// A sum as one piece, in several lines if it is long.
-fn piece(n: &impl Notation, e: &Expr) -> String {
-    let lines = lines(n, &simplest_first(e));
+/// A sum as one piece, in several lines if it is wider than that.
+fn piece(n: &impl Notation, e: &Expr, width: usize) -> String {
+    let lines = lines(n, &simplest_first(e), width);
     match lines.as_slice() {
         [one] => one.clone(),
         many => format!(
@@ -89,10 +112,12 @@ fn mass(n: &impl Notation, tie: &Tie) -> String {
     }
     let rows = tie.mass.iter();
     let rows: Vec<Vec<String>> = rows
-        .map(|row| row.iter().map(|e| piece(n, e)).collect())
+        .map(|row| row.iter().map(|e| piece(n, e, LEAST)).collect())
         .collect();
+    let taken = rows.iter().map(|row| row.iter().map(|c| size(c) + 2).sum());
+    let left = PAGE.saturating_sub(taken.max().unwrap_or(0)).max(LEAST);
     let unknowns = column(tie.unknowns.iter().map(|q| n.signal(*q)));
-    let force = column(tie.force.iter().map(|e| piece(n, e)));
+    let force = column(tie.force.iter().map(|e| piece(n, e, left)));
     display(
         &format!("{}{unknowns}  =\n{force}", pmatrix(&rows)),
         rows.len(),
@@ -114,7 +139,7 @@ fn solved(n: &impl Notation, tie: &Tie) -> String {
 }
 
 fn fraction(n: &impl Notation, f: &Fraction) -> String {
-    let (above, below) = (piece(n, &f.sum), write_expr(n, &f.below).0);
+    let (above, below) = (piece(n, &f.sum, PAGE), piece(n, &f.below, PAGE));
     let whole = f.below.as_number() == Some(1.0);
     let factor = match f.factor.is_one() {
         true => String::new(),

@@ -6,7 +6,7 @@ use super::matrix::{law, state_space};
 use super::number::significant;
 use crate::algebra::{Bend, Linear, Mode, Near, Point, Stability, apart};
 use crate::discover::{Discovery, Reason};
-use crate::term::{Expr, Language, Signal, SignalNames};
+use crate::term::{Atom, Expr, Language, Signal, SignalNames};
 
 /// The whole answer. `named` are the signals whose value was given.
 pub fn linearization(d: &Discovery, near: &Near, point: &Point, named: &[Signal]) -> String {
@@ -38,7 +38,11 @@ fn place(d: &Discovery, l: &Linear, point: &Point, named: &[Signal]) -> String {
         true => format!("{system} near zero\n"),
         false => format!("{system} near {}\n", said.join(", ")),
     };
+    let terms = d.equations.iter().flat_map(|e| &e.terms);
+    let timed = terms.map(|t| &t.term).any(|t| t.mentions(Signal::TIME));
+    let time = [Signal::TIME];
     let all = l.states.iter().chain(&l.inputs);
+    let all = all.chain(time.iter().filter(|_| timed));
     let unsaid: Vec<Signal> = all.copied().filter(|s| !named.contains(s)).collect();
     let (lags, zeros): (Vec<Signal>, Vec<Signal>) = unsaid.iter().partition(|s| s.shift < 0);
     if !zeros.is_empty() && !said.is_empty() {
@@ -72,9 +76,10 @@ fn rest(d: &Discovery, near: &Near) -> String {
     if l.rests() {
         return "equilibrium: the point stays where it is\n".into();
     }
-    let moving = l.rates.iter().zip(&l.drift).filter(|(_, f)| **f != 0.0);
-    let moving = moving.map(|(rate, f)| match l.discrete {
-        true => format!("{} by {}", d.name(*rate), significant(*f, 6)),
+    let rows = l.rates.iter().zip(&l.states).zip(&l.drift);
+    let moving = rows.filter(|(_, f)| **f != 0.0);
+    let moving = moving.map(|((rate, state), f)| match l.discrete {
+        true => format!("{} moves by {}", d.name(*state), significant(*f, 6)),
         false => format!("{} = {}", d.name(*rate), significant(*f, 6)),
     });
     let moving: Vec<String> = moving.collect();
@@ -214,18 +219,16 @@ pub fn bends(d: &Discovery, near: &Near) -> Vec<Reason> {
 }
 
 fn bend(d: &Discovery, b: &Bend, l: &Linear) -> String {
-    let call = Language(d).expr(&b.call);
     let places = places(d, b, l);
+    let place = meeting(d, b);
     let mut text = match places.iter().any(|p| p.jumps) {
-        true => format!("`{call}` jumps at this point; A and B leave the jump out"),
-        false => {
-            format!("`{call}` has no derivative at this point; A and B hold the mean of its sides")
-        }
+        true => format!("the equations jump {place}; A and B leave the jump out"),
+        false => format!("the equations have a kink {place}; A and B hold the mean of its sides"),
     };
     for Place { what, values, .. } in places {
-        let sides = b.sides.iter().zip(values).map(|((positive, _), value)| {
+        let sides = b.sides.iter().zip(values).map(|((chosen, _), value)| {
             let value = value.map_or("nothing finite".into(), |x| significant(x, 6));
-            format!("{value} where {}", condition(d, positive))
+            format!("{value} where {}", condition(d, b, chosen))
         });
         let sides: Vec<String> = sides.collect();
         text.push_str(&format!("\n  = {what}: {}", sides.join(", ")));
@@ -233,12 +236,29 @@ fn bend(d: &Discovery, b: &Bend, l: &Linear) -> String {
     text
 }
 
-/// `x > 0`, `x < 0`
-fn condition(d: &Discovery, positive: &Expr) -> String {
-    let below = positive.terms().all(|(w, _)| w < 0.0);
-    match below {
-        true => format!("{} < 0", Language(d).expr(&positive.clone().scale(-1.0))),
-        false => format!("{} > 0", Language(d).expr(positive)),
+/// The argument of an `abs` or a `sign`.
+fn argument(b: &Bend) -> Option<&Expr> {
+    let (_, term) = b.call.terms().next()?;
+    match term.factors().next()? {
+        (Atom::Call(f, args), _) if matches!(f.name, "abs" | "sign") => args.first(),
+        _ => None,
+    }
+}
+
+/// `at x = 0`
+fn meeting(d: &Discovery, b: &Bend) -> String {
+    match argument(b) {
+        Some(x) => format!("at {} = 0", Language(d).expr(x)),
+        None => format!("at a tie of {}", Language(d).expr(&b.call)),
+    }
+}
+
+/// `x > 0`, `x < 0`, `x is taken`
+fn condition(d: &Discovery, b: &Bend, chosen: &Expr) -> String {
+    match argument(b) {
+        Some(x) if x == chosen => format!("{} > 0", Language(d).expr(x)),
+        Some(x) => format!("{} < 0", Language(d).expr(x)),
+        None => format!("{} is taken", Language(d).expr(chosen)),
     }
 }
 
