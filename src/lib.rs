@@ -3,6 +3,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod algebra;
 pub mod cli;
 pub mod data;
 pub mod dictionary;

@@ -39,6 +39,7 @@ pub fn text(
         trajectories(measured)
     ));
     text.push_str(&emit::answer(d));
+    text.push_str(&emit::consequences(d));
     text.push('\n');
     if let Some(validation) = &found.validation {
         text.push_str(&emit::validation(validation));

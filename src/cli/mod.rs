@@ -8,8 +8,10 @@ mod fmt;
 mod identify;
 mod inputs;
 mod limits;
+mod linearize;
 mod list;
 mod output;
+mod point;
 mod progress;
 mod simulate;
 mod smooth;
@@ -45,6 +47,7 @@ const EXAMPLES: &str = "Examples:
   sidc identify pendulum.sid data.csv -o R.json     find the equations
   sidc simulate R.json new.csv                      run them along other data, and compare
   sidc export R.json --to latex                     write them down
+  sidc linearize R.json --at theta=pi               A and B near a point, eigenvalues, stability
   sidc smooth pendulum.sid data.csv -o smooth.csv   curves, derivatives and the noise of each sensor
 Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt, a limit or Ctrl-C";
 
@@ -56,6 +59,7 @@ enum Command {
     Smooth(smooth::Args),
     Fmt(fmt::Args),
     Export(export::Args),
+    Linearize(linearize::Args),
     List(list::Args),
 }
 
@@ -68,6 +72,7 @@ pub fn run() -> ExitCode {
         Command::Smooth(args) => smooth::run(&args),
         Command::Fmt(args) => fmt::run(&args),
         Command::Export(args) => export::run(&args),
+        Command::Linearize(args) => linearize::run(&args),
         Command::List(args) => list::run(&args),
     };
     ExitCode::from(result.unwrap_or_else(|said| said.print()))

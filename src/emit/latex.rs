@@ -1,6 +1,7 @@
 //! LaTeX: an `align*` block with \dot, \ddot and Greek letters, for amsmath.
 
 use super::Target;
+use super::latex_matrix;
 use super::number::significant;
 use crate::discover::{Discovery, Equation};
 use crate::term::{Func, Notation, Precedence, Signal, SignalNames, write_term};
@@ -30,8 +31,9 @@ impl Target for Latex {
             })
             .collect();
         Ok(format!(
-            "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
-            lines.join(" \\\\\n")
+            "\\begin{{align*}}\n{}\n\\end{{align*}}\n{}",
+            lines.join(" \\\\\n"),
+            latex_matrix::matrices(d, &notation)
         ))
     }
 }

@@ -2,8 +2,12 @@
 //!
 //! Emitters see only the [`Discovery`]; where parentheses go is decided once, by the printer in `term`.
 
+mod derived;
 mod evidence;
 mod latex;
+mod latex_matrix;
+mod linearization;
+mod matrix;
 mod names;
 mod number;
 mod path;
@@ -14,6 +18,7 @@ mod validation;
 use crate::discover::Discovery;
 
 pub use evidence::answer;
+pub use linearization::{bends, linearization};
 pub use number::significant;
 pub use text::equations;
 pub use validation::validation;
@@ -33,6 +38,12 @@ pub trait Target: Sync {
 
 /// Every target; the command line and "did you mean" read this.
 pub static TARGETS: &[&dyn Target] = &[&text::Text, &latex::Latex, &rust::Rust];
+
+/// What follows from the equations, as plain text after a blank line: coupled ones as a matrix equation and solved, linear
+/// systems as A and B. Empty for a single or uncoupled nonlinear system.
+pub fn consequences(d: &Discovery) -> String {
+    matrix::text(d, &derived::Derived::of(d))
+}
 
 /// Looks a target up by name.
 pub fn target(name: &str) -> Option<&'static dyn Target> {

@@ -3,12 +3,12 @@
 use super::Target;
 use super::number::significant;
 use crate::discover::{Discovery, Equation};
-use crate::term::{Language, Precedence, SignalNames, write_term};
+use crate::term::{Language, Precedence, SignalNames, Term, write_term};
 
 pub(super) struct Text;
 
 /// Widest line before terms go on lines of their own.
-const WIDTH: usize = 100;
+pub(super) const WIDTH: usize = 100;
 
 impl Target for Text {
     fn name(&self) -> &'static str {
@@ -16,11 +16,11 @@ impl Target for Text {
     }
 
     fn about(&self) -> &'static str {
-        "equations as the terminal shows them, six significant digits"
+        "equations and their matrices as the terminal shows them, six significant digits"
     }
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
-        Ok(equations(d).concat())
+        Ok(equations(d).concat() + &super::consequences(d))
     }
 }
 
@@ -38,17 +38,9 @@ pub fn equations(d: &Discovery) -> Vec<String> {
         .collect()
 }
 
-fn layout(left: &str, terms: &[(bool, String)]) -> String {
-    if terms.is_empty() {
-        return format!("{left}0\n");
-    }
-    let line: Vec<String> = terms
-        .iter()
-        .enumerate()
-        .map(|(i, t)| first_or_next(i, t))
-        .collect();
-    let line = format!("{left}{}\n", line.join(" "));
-    if line.chars().count() <= WIDTH {
+pub(super) fn layout(left: &str, terms: &[(bool, String)]) -> String {
+    let line = format!("{left}{}\n", in_one_line(terms));
+    if terms.is_empty() || line.chars().count() <= WIDTH {
         return line;
     }
     let indent = " ".repeat(left.chars().count());
@@ -63,6 +55,15 @@ fn layout(left: &str, terms: &[(bool, String)]) -> String {
         .collect()
 }
 
+/// `a + b - c`; 0 if there is none.
+pub(super) fn in_one_line(terms: &[(bool, String)]) -> String {
+    let parts = terms.iter().enumerate().map(|(i, t)| first_or_next(i, t));
+    match terms.is_empty() {
+        true => "0".into(),
+        false => parts.collect::<Vec<String>>().join(" "),
+    }
+}
+
 fn first_or_next(i: usize, (negative, text): &(bool, String)) -> String {
     match (i, negative) {
         (0, false) => text.clone(),
@@ -72,20 +73,21 @@ fn first_or_next(i: usize, (negative, text): &(bool, String)) -> String {
     }
 }
 
-/// Sign, and `1.29032*F`, as the language has it; a coefficient that rounds to 1 is left out, the constant is its number.
+/// The terms of an equation, in its order.
 fn signed_terms(d: &Discovery, e: &Equation) -> Vec<(bool, String)> {
-    e.terms
-        .iter()
-        .map(|t| {
-            let size = significant(t.coefficient.abs(), 6);
-            let (term, binds) = write_term(&Language(d), &t.term);
-            let text = match (t.term.is_one(), size.as_str()) {
-                (true, _) => size,
-                (_, "1") if binds >= Precedence::Product => term,
-                _ if binds < Precedence::Product => format!("{size}*({term})"),
-                _ => format!("{size}*{term}"),
-            };
-            (t.coefficient < 0.0, text)
-        })
-        .collect()
+    let terms = e.terms.iter();
+    terms.map(|t| signed(d, t.coefficient, &t.term)).collect()
+}
+
+/// Sign, and `1.29032*F`, as the language has it; a coefficient that rounds to 1 is left out, the constant is its number.
+pub(super) fn signed(d: &Discovery, coefficient: f64, term: &Term) -> (bool, String) {
+    let size = significant(coefficient.abs(), 6);
+    let (text, binds) = write_term(&Language(d), term);
+    let text = match (term.is_one(), size.as_str()) {
+        (true, _) => size,
+        (_, "1") if binds >= Precedence::Product => text,
+        _ if binds < Precedence::Product => format!("{size}*({text})"),
+        _ => format!("{size}*{text}"),
+    };
+    (coefficient < 0.0, text)
 }

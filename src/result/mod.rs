@@ -2,6 +2,7 @@
 //!
 //! Pinned: first key `"sidc_result": 1`; fields are only ever added; numbers round-trip f64; no times of day, no absolute paths.
 
+mod linearization;
 mod read;
 mod reading;
 mod write;
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::discover::{Evidence, Reason, Status};
 use crate::validate::Validation;
 
+pub use linearization::linearization;
 pub use read::{Opened, open, read};
 pub use reading::{CourseEntry, Reading};
 pub use write::write;

@@ -28,8 +28,15 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ),
     ("simulate", &["term", "lang", "data", "discover"]),
     ("validate", &["term", "lang", "data", "discover", "simulate"]),
-    ("emit", &["term", "lang", "discover", "validate"]),
-    ("result", &["term", "lang", "discover", "validate"]),
+    ("algebra", &["term", "discover"]),
+    (
+        "emit",
+        &["term", "lang", "discover", "validate", "algebra"],
+    ),
+    (
+        "result",
+        &["term", "lang", "discover", "validate", "algebra"],
+    ),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.

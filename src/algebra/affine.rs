@@ -1,0 +1,28 @@
+//! Is a system linear, with constant coefficients?
+//!
+//! In: a form. Out: yes or no, from how the equations are written. Never evaluates.
+
+use super::expand::expanded;
+use crate::discover::Form;
+use crate::term::{Atom, Expr, Signal};
+
+/// True if every equation is a sum of numbers times single states, inputs, lagged samples and unknowns, and a constant.
+pub fn affine(form: &Form) -> bool {
+    let known = |s: Signal| {
+        let places = [&form.state, &form.inputs, &form.history, &form.unknowns];
+        places.iter().any(|names| names.contains(&s))
+    };
+    let line = |e: &Expr| {
+        expanded(e).is_some_and(|e| {
+            e.terms().all(|(_, t)| {
+                let mut factors = t.factors();
+                match (factors.next(), factors.next()) {
+                    (None, _) => true,
+                    (Some((Atom::Signal(s), 1.0)), None) => known(*s),
+                    _ => false,
+                }
+            })
+        })
+    };
+    form.rows.iter().all(|r| line(&r.right)) && form.outputs.iter().all(|(_, e)| line(e))
+}

@@ -1,0 +1,253 @@
+//! What a linear system does by itself, and what its inputs reach.
+//!
+//! In: A and B as numbers. Out: eigenvalues with their damping and time, whether they decay, the dimension of what the inputs
+//! reach. Never knows what the states are called.
+
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
+
+/// Eigenvalues nearer to each other than this, relative to A, are looked at together: what rounding makes of a double one.
+const CLUSTER: f64 = 1e-7;
+/// Relative size of a part that is rounding.
+const ROUNDING: f64 = 1e-12;
+/// Relative length of a direction, orthogonal to those reached before, that counts as new.
+const NEW: f64 = 1e-9;
+
+/// An eigenvalue, or a pair re ± i·im.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mode {
+    pub re: f64,
+    /// Zero or more; a pair if above.
+    pub im: f64,
+    pub discrete: bool,
+}
+
+/// What the eigenvalues say, with how many are the reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    Stable,
+    /// So many neither grow nor decay, the rest decays.
+    Border(usize),
+    /// So many grow.
+    Unstable(usize),
+}
+
+impl Mode {
+    /// Eigenvalues that this stands for.
+    pub fn count(&self) -> usize {
+        if self.im > 0.0 { 2 } else { 1 }
+    }
+
+    /// Above zero if it grows: the real part, or what |λ| is above 1.
+    pub fn growth(&self) -> f64 {
+        let beyond = self.re.hypot(self.im) - 1.0;
+        match self.discrete {
+            // On the circle up to rounding of the two parts.
+            true if beyond.abs() <= 4.0 * f64::EPSILON => 0.0,
+            true => beyond,
+            false => self.re,
+        }
+    }
+
+    /// The continuous eigenvalue with the same motion, per second or per sample: λ itself, or its logarithm.
+    fn rate(&self) -> (f64, f64) {
+        match self.discrete {
+            true => (self.re.hypot(self.im).ln(), self.im.atan2(self.re)),
+            false => (self.re, self.im),
+        }
+    }
+
+    /// ω₀ = |λ|, in radians per second or sample, of a pair.
+    pub fn frequency(&self) -> Option<f64> {
+        let (re, im) = self.rate();
+        (self.im > 0.0).then(|| re.hypot(im))
+    }
+
+    /// ζ = −Re λ / |λ| of a pair.
+    pub fn damping(&self) -> Option<f64> {
+        let (re, im) = self.rate();
+        (self.im > 0.0).then(|| -re / re.hypot(im))
+    }
+
+    /// Time in which it decays to 1/e, or grows by e if negative; in seconds or samples. `None` if it does neither.
+    pub fn time_constant(&self) -> Option<f64> {
+        let time = -1.0 / self.rate().0;
+        (time.is_finite() && self.growth() != 0.0).then_some(time)
+    }
+}
+
+/// The eigenvalues of A, those that grow or last longest first; `None` if they were not found.
+pub fn modes(a: &DMatrix<f64>, discrete: bool) -> Option<Vec<Mode>> {
+    let mut balanced = a.clone();
+    if a.nrows() > 1 {
+        nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced);
+    }
+    let size = balanced.norm();
+    let m = Mat::from_fn(a.nrows(), a.ncols(), |i, j| balanced[(i, j)]);
+    let found = m.eigenvalues().ok()?;
+    // One of each pair, and all that are real.
+    let pairs = found.iter().map(|z| (z.re, z.im));
+    let mut all: Vec<(f64, f64)> = pairs.filter(|(_, im)| *im >= 0.0).collect();
+    all.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.total_cmp(&y.1)));
+    let mut all: Vec<Mode> = together(&all, size)
+        .into_iter()
+        .map(|(re, im)| Mode { re, im, discrete }.without_rounding(size))
+        .collect();
+    all.sort_by(|x, y| {
+        y.growth()
+            .total_cmp(&x.growth())
+            .then(x.im.total_cmp(&y.im))
+    });
+    Some(all)
+}
+
+/// Rounding moves an m-fold eigenvalue by its m-th root, but hardly the mean of the m: each cluster becomes its mean.
+fn together(all: &[(f64, f64)], size: f64) -> Vec<(f64, f64)> {
+    let near = |x: &(f64, f64), y: &(f64, f64)| (x.0 - y.0).hypot(x.1 - y.1) <= CLUSTER * size;
+    all.iter()
+        .flat_map(|x| {
+            let members: Vec<&(f64, f64)> = all.iter().filter(|y| near(x, y)).collect();
+            // Near the real axis a pair may be what rounding makes of a double real one.
+            let real = members.iter().any(|y| y.1 == 0.0) || x.1 <= CLUSTER * size;
+            let (count, sum) = members.iter().fold((0.0, (0.0, 0.0)), |(n, s), y| {
+                let twice = if real && y.1 > 0.0 { 2.0 } else { 1.0 };
+                (n + twice, (s.0 + twice * y.0, s.1 + y.1))
+            });
+            let copies = if real && x.1 > 0.0 { 2 } else { 1 };
+            let im = if real { 0.0 } else { sum.1 / count };
+            vec![(sum.0 / count, im); copies]
+        })
+        .collect()
+}
+
+impl Mode {
+    fn without_rounding(self, size: f64) -> Mode {
+        let tiny = |x: f64| x.abs() <= ROUNDING * size;
+        let zeroed = |x: f64| if tiny(x) { 0.0 } else { x };
+        let mut mode = Mode {
+            re: zeroed(self.re),
+            im: zeroed(self.im),
+            ..self
+        };
+        if self.discrete && (self.growth().abs() <= ROUNDING * size.max(1.0)) {
+            let length = mode.re.hypot(mode.im);
+            (mode.re, mode.im) = (mode.re / length, mode.im / length);
+        }
+        mode
+    }
+}
+
+/// What the eigenvalues say together.
+pub fn stability(modes: &[Mode]) -> Stability {
+    let count = |which: fn(f64) -> bool| -> usize {
+        let these = modes.iter().filter(|m| which(m.growth()));
+        these.map(Mode::count).sum()
+    };
+    match (count(|g| g > 0.0), count(|g| g == 0.0)) {
+        (0, 0) => Stability::Stable,
+        (0, n) => Stability::Border(n),
+        (n, _) => Stability::Unstable(n),
+    }
+}
+
+/// Dimension of the states that the inputs reach: the rank of (B, AB, …, Aⁿ⁻¹B), by orthogonal steps instead of powers.
+pub fn reach(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
+    let n = a.nrows();
+    if n == 0 || b.ncols() == 0 {
+        return 0;
+    }
+    // The units of the states are balanced, those of the inputs do not matter.
+    let mut balanced = a.clone();
+    let scales = match n {
+        1 => DVector::from_element(1, 1.0),
+        _ => nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced),
+    };
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let mut next: Vec<DVector<f64>> = (b.column_iter())
+        .map(|c| c.component_div(&scales))
+        .collect();
+    while let Some(v) = next.pop() {
+        let size = v.norm();
+        if size == 0.0 || !size.is_finite() {
+            continue;
+        }
+        let mut rest = v / size;
+        for _ in 0..2 {
+            for q in &basis {
+                let along = q.dot(&rest);
+                rest.axpy(-along, q, 1.0);
+            }
+        }
+        let left = rest.norm();
+        if left > NEW && basis.len() < n {
+            let q = rest / left;
+            next.insert(0, &balanced * &q);
+            basis.push(q);
+        }
+    }
+    basis.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(n: usize, values: &[f64], discrete: bool) -> Vec<Mode> {
+        modes(&DMatrix::from_row_slice(n, n, values), discrete).unwrap()
+    }
+
+    #[test]
+    fn defective_zeros_are_zeros() {
+        // Two free masses and a spring: the centre of mass has a double zero with one eigenvector.
+        let a = [
+            0.0, 1.0, 0.0, 0.0, //
+            -3.7, -0.2, 3.7, 0.2, //
+            0.0, 0.0, 0.0, 1.0, //
+            11.3, 0.7, -11.3, -0.7,
+        ];
+        let all = of(4, &a, false);
+        assert_eq!(stability(&all), Stability::Border(2));
+        assert_eq!((all[0].re, all[0].im), (0.0, 0.0));
+        let pair = all.last().unwrap();
+        assert!((pair.frequency().unwrap().powi(2) - 15.0).abs() < 1e-9);
+        assert!((pair.re + 0.45).abs() < 1e-12);
+    }
+
+    #[test]
+    fn slow_poles_of_stiff_systems_are_not_zeros() {
+        let all = of(2, &[-1e5, 0.0, 0.0, -1e-5], false);
+        assert_eq!(stability(&all), Stability::Stable);
+        assert_eq!(all[0].time_constant(), Some(1e5));
+        let grows = of(2, &[-1e5, 3.0, 0.0, 1e-5], false);
+        assert_eq!(stability(&grows), Stability::Unstable(1));
+    }
+
+    #[test]
+    fn a_cycle_lies_on_the_unit_circle() {
+        let cycle = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let all = of(3, &cycle, true);
+        assert_eq!(stability(&all), Stability::Border(3));
+        assert_eq!(all.iter().map(Mode::count).sum::<usize>(), 3);
+        assert_eq!(stability(&of(1, &[-0.5], true)), Stability::Stable);
+        assert_eq!(stability(&of(1, &[-1.5], true)), Stability::Unstable(1));
+        // Twice zero is a delay of two samples, gone after them.
+        let delay = of(2, &[0.0, 0.0, 1.0, 0.0], true);
+        assert_eq!(stability(&delay), Stability::Stable);
+    }
+
+    #[test]
+    fn what_inputs_reach() {
+        let a = DMatrix::from_row_slice(3, 3, &[0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -6.0, -11.0, -6.0]);
+        let column = |v: [f64; 3]| DMatrix::from_column_slice(3, 1, &v);
+        assert_eq!(reach(&a, &column([0.0, 0.0, 1.0])), 3);
+        // An eigenvector reaches nothing but itself.
+        assert_eq!(reach(&a, &column([1.0, -1.0, 1.0])), 1);
+        assert_eq!(reach(&a, &DMatrix::zeros(3, 1)), 0);
+        assert_eq!(reach(&a, &DMatrix::zeros(3, 0)), 0);
+        // Units of a millionth do not hide a direction.
+        let scale = DMatrix::from_diagonal(&DVector::from_vec(vec![1e6, 1.0, 1e-6]));
+        let inverse = scale.clone().try_inverse().unwrap();
+        let scaled = &scale * &a * inverse;
+        assert_eq!(reach(&scaled, &(scale * column([0.0, 0.0, 1.0]))), 3);
+    }
+}
