@@ -2,12 +2,18 @@
 //!
 //! Emitters see only the [`Discovery`]; where parentheses go is decided once, by the printer in `term`.
 
+mod c;
 mod evidence;
+mod infix;
 mod latex;
+mod matlab;
 mod names;
 mod number;
 mod path;
+mod program;
+mod python;
 mod rust;
+mod sympy;
 mod text;
 
 use crate::discover::Discovery;
@@ -30,7 +36,15 @@ pub trait Target: Sync {
 }
 
 /// Every target; the command line and "did you mean" read this.
-pub static TARGETS: &[&dyn Target] = &[&text::Text, &latex::Latex, &rust::Rust];
+pub static TARGETS: &[&dyn Target] = &[
+    &text::Text,
+    &latex::Latex,
+    &rust::Rust,
+    &c::C,
+    &python::Python,
+    &sympy::Sympy,
+    &matlab::Matlab,
+];
 
 /// Looks a target up by name.
 pub fn target(name: &str) -> Option<&'static dyn Target> {
