@@ -1,7 +1,8 @@
-//! LaTeX: an `align*` block with \dot, \ddot and Greek letters, for amsmath.
+//! LaTeX: a document with one `align*` block; \dot, \ddot and Greek letters. It needs amsmath, nothing else.
 
 use super::Target;
 use super::latex_matrix;
+use super::names::plain;
 use super::number::significant;
 use crate::discover::{Discovery, Equation};
 use crate::term::{Func, Notation, Precedence, Signal, SignalNames, write_term};
@@ -14,7 +15,7 @@ impl Target for Latex {
     }
 
     fn about(&self) -> &'static str {
-        "an align* block for amsmath"
+        "a document with the equations in an align* block"
     }
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
@@ -30,9 +31,20 @@ impl Target for Latex {
                 )
             })
             .collect();
+        let system = d
+            .system
+            .as_deref()
+            .map_or_else(String::new, |s| format!(" {}", plain(s)));
+        let equations = match lines.is_empty() {
+            true => String::new(),
+            false => format!(
+                "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
+                lines.join(" \\\\\n")
+            ),
+        };
         Ok(format!(
-            "\\begin{{align*}}\n{}\n\\end{{align*}}\n{}",
-            lines.join(" \\\\\n"),
+            "% Written by sidc: the identified system{system}.\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n\
+             {equations}{}\\end{{document}}\n",
             latex_matrix::matrices(d, &notation)
         ))
     }

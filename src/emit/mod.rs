@@ -2,16 +2,22 @@
 //!
 //! Emitters see only the [`Discovery`]; where parentheses go is decided once, by the printer in `term`.
 
+mod c;
 mod derived;
 mod evidence;
+mod infix;
 mod latex;
 mod latex_matrix;
 mod linearization;
+mod matlab;
 mod matrix;
 mod names;
 mod number;
 mod path;
+mod program;
+mod python;
 mod rust;
+mod sympy;
 mod text;
 mod validation;
 
@@ -37,7 +43,15 @@ pub trait Target: Sync {
 }
 
 /// Every target; the command line and "did you mean" read this.
-pub static TARGETS: &[&dyn Target] = &[&text::Text, &latex::Latex, &rust::Rust];
+pub static TARGETS: &[&dyn Target] = &[
+    &text::Text,
+    &latex::Latex,
+    &rust::Rust,
+    &c::C,
+    &python::Python,
+    &sympy::Sympy,
+    &matlab::Matlab,
+];
 
 /// What follows from the equations, as plain text after a blank line: coupled ones as a matrix equation and solved, linear
 /// systems as A and B. Empty for a single or uncoupled nonlinear system.

@@ -1,42 +1,64 @@
-//! Identifiers that are safe in a target language, whatever the model calls its signals.
+//! Names that are safe in a target language, whatever the model calls its signals: as identifiers, in comments, in strings.
+//!
+//! In: names as users wrote them. Out: text of which no language takes any part for its own. Never knows a language: the
+//! words that one reserves are given.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::term::Signal;
 
+/// Most characters of a name that an identifier keeps: MATLAB reads 63, and numbers may follow.
+const LONGEST: usize = 40;
+
 /// One ASCII identifier per signal; distinct signals get distinct identifiers.
+#[derive(Clone)]
 pub(super) struct Identifiers {
     by_signal: BTreeMap<Signal, String>,
+    taken: BTreeSet<String>,
 }
 
 impl Identifiers {
     /// `reserved` are words of the target language and names that the emitted code uses itself.
-    pub fn new(signals: impl IntoIterator<Item = (Signal, String)>, reserved: &[&str]) -> Self {
-        let mut by_signal: BTreeMap<Signal, String> = BTreeMap::new();
-        let mut taken: Vec<String> = reserved.iter().map(|r| r.to_string()).collect();
+    pub fn new<'a>(
+        signals: impl IntoIterator<Item = (Signal, String)>,
+        reserved: impl IntoIterator<Item = &'a str>,
+    ) -> Self {
+        let mut identifiers = Identifiers {
+            by_signal: BTreeMap::new(),
+            taken: reserved.into_iter().map(String::from).collect(),
+        };
         for (signal, name) in signals {
-            let base = ascii(&name);
-            let mut candidate = base.clone();
-            let mut k = 1;
-            while taken.contains(&candidate) {
-                k += 1;
-                candidate = format!("{base}_{k}");
-            }
-            taken.push(candidate.clone());
-            by_signal.insert(signal, candidate);
+            let name = identifiers.fresh(&name);
+            identifiers.by_signal.insert(signal, name);
         }
-        Identifiers { by_signal }
+        identifiers
     }
 
     pub fn get(&self, s: Signal) -> &str {
         self.by_signal.get(&s).map_or("missing", String::as_str)
     }
+
+    /// An identifier that nothing else has, as close to `name` as can be.
+    pub fn fresh(&mut self, name: &str) -> String {
+        let base = ascii(name);
+        let mut candidate = base.clone();
+        let mut k = 1;
+        while self.taken.contains(&candidate) {
+            k += 1;
+            candidate = format!("{base}_{k}");
+        }
+        self.taken.insert(candidate.clone());
+        candidate
+    }
 }
 
 /// Letters, digits and single underscores; other characters become their code point.
-fn ascii(name: &str) -> String {
+pub(super) fn ascii(name: &str) -> String {
     let mut out = String::new();
     for c in name.chars() {
+        if out.len() > LONGEST {
+            break;
+        }
         if c.is_ascii_alphanumeric() {
             out.push(c);
         } else if matches!(c, '_' | '(' | ')' | ',' | ' ') {
@@ -51,5 +73,43 @@ fn ascii(name: &str) -> String {
     match out.chars().next() {
         Some(c) if c.is_ascii_alphabetic() => out.to_string(),
         _ => format!("v{out}"),
+    }
+}
+
+/// A name for comments and strings: what no language reads as anything but text, all else as its code point.
+pub(super) fn plain(name: &str) -> String {
+    let piece = |c: char| match c {
+        '_' | '(' | ')' | ',' | ' ' | '.' | '-' => c.to_string(),
+        c if c.is_alphanumeric() => c.to_string(),
+        c => format!("<{:X}>", c as u32),
+    };
+    name.chars().map(piece).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_words_everywhere() {
+        assert_eq!(ascii("lag(y, 1)"), "lag_y_1");
+        assert_eq!(ascii("θ"), "u3b8");
+        assert_eq!(ascii("1x"), "v1x");
+        assert_eq!(ascii(""), "v");
+        assert!(ascii(&"long".repeat(100)).len() < 50);
+        assert_eq!(plain("lag(θ, 1)"), "lag(θ, 1)");
+        assert_eq!(plain("*/ \"x\"\n\\%{"), "<2A><2F> <22>x<22><A><5C><25><7B>");
+    }
+
+    #[test]
+    fn no_two_names_are_one() {
+        let all = ["a b", "a_b", "a(b", "x", "x"];
+        let signals = all.iter().enumerate();
+        let signals =
+            signals.map(|(i, n)| (Signal::shifted(Signal::TIME.var, i as i32), n.to_string()));
+        let names = Identifiers::new(signals, ["x"]);
+        let given: BTreeSet<&String> = names.by_signal.values().collect();
+        assert_eq!(given.len(), all.len());
+        assert!(!given.contains(&"x".to_string()));
     }
 }

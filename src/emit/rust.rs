@@ -1,13 +1,19 @@
-//! Rust: a function of time, state and input that compiles without dependencies.
+//! Rust: functions of time, state and input that compile without dependencies.
 //!
-//! Coupled equations become M(x) q = f(x) with a small elimination for the highest derivatives in the emitted code.
+//! Coupled equations are solved for the highest derivatives in the emitted code, by a small elimination; where they are not linear
+//! in them, by Newton's method.
 
 use super::Target;
-use super::names::Identifiers;
-use crate::discover::{Discovery, Form, Rate};
-use crate::term::{Expr, Func, Notation, Precedence, Signal, SignalNames, Term, write_term};
+use super::infix::{Infix, Syntax};
+use super::names::{Identifiers, plain};
+use super::program::{Function, Name, Newton, Program, Solve, Step};
+use crate::discover::Discovery;
+use crate::term::{Func, Node, Signal};
 
 pub(super) struct Rust;
+
+/// Longest list that stays on one line.
+const SHORT: usize = 80;
 
 impl Target for Rust {
     fn name(&self) -> &'static str {
@@ -15,199 +21,217 @@ impl Target for Rust {
     }
 
     fn about(&self) -> &'static str {
-        "a function of time, state and input; no dependencies"
+        "functions of time, state and input, and their Jacobians; no dependencies"
     }
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
-        let form = Form::new(d);
-        if !form.linear {
-            return Err("the equations are not linear in their highest derivatives".into());
+        let program = Program::new(d)?;
+        program.check_calls("Rust", |f| f.spelling.rust)?;
+        let names = Identifiers::new(program.names.iter().cloned(), RESERVED.iter().copied());
+        let mut out = header(d, &program);
+        for f in &program.functions {
+            out.push_str(&function(&program, f, &names));
         }
-        let names = identifiers(d, &form);
-        let code = Code { names: &names };
-        let mut out = header(d, &form);
-        if !form.rows.is_empty() {
-            out.push_str(&rates(d, &form, &code));
-        }
-        if !form.outputs.is_empty() {
-            out.push_str(&outputs(d, &form, &code));
-        }
-        if form.coupled() {
-            out.push_str(SOLVE);
-        }
+        out.push_str(&helpers(&program));
         Ok(out)
     }
 }
 
-fn header(d: &Discovery, form: &Form) -> String {
-    let mut out = String::from("// Written by sidc: the identified system as code.\n");
-    let list = |signals: &[Signal]| -> String {
-        let names: Vec<String> = signals.iter().map(|s| d.name(*s)).collect();
-        names.join(", ")
-    };
-    let parts = [
-        ("state", &form.state, "the state"),
-        ("input", &form.inputs, "the inputs"),
-        ("parameter", &form.params, "the parameters"),
-        ("history", &form.history, "earlier samples"),
-    ];
-    for (argument, signals, what) in parts {
-        if !signals.is_empty() {
-            out.push_str(&format!("// {argument} is {what}: {}\n", list(signals)));
+fn header(d: &Discovery, program: &Program) -> String {
+    let system = program
+        .system
+        .as_deref()
+        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let mut out = format!("// Written by sidc: the identified system{system} as code.\n");
+    for a in &program.arguments {
+        if !a.signals.is_empty() {
+            out.push_str(&format!(
+                "// {} is {}: {}\n",
+                a.name,
+                a.about,
+                plain(&a.names.join(", "))
+            ));
         }
     }
-    out.push('\n');
+    let outputs = program.outputs(d);
+    if !outputs.is_empty() {
+        out.push_str(&format!("// outputs are {}\n", plain(&outputs.join(", "))));
+    }
     out
 }
 
-/// The arguments after `t`, in a fixed order; absent groups are left out.
-fn arguments(form: &Form) -> String {
-    let groups = [
-        ("state", form.state.len(), true),
-        ("input", form.inputs.len(), false),
-        ("parameter", form.params.len(), false),
-        ("history", form.history.len(), false),
-    ];
-    groups
+fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
+    let infix = Infix::new(&Words, &f.body, names);
+    let (rows, columns) = f.size;
+    let arguments: String = program
+        .arguments
         .iter()
-        .filter(|(_, n, always)| *always || *n > 0)
-        .map(|(name, n, _)| format!(", {name}: &[f64; {n}]"))
+        .map(|a| format!(", {}: &[f64; {}]", a.name, a.signals.len()))
+        .collect();
+    let result = match f.kind.is_matrix() {
+        true => format!("[[f64; {columns}]; {rows}]"),
+        false => format!("[f64; {rows}]"),
+    };
+    let mut out = format!(
+        "\n/// {}\n#[allow(unused_variables, non_snake_case, clippy::all)]\npub fn {}(t: f64{arguments}) -> {result} {{\n",
+        f.kind.about(program.discrete),
+        f.kind.name(program.discrete)
+    );
+    for read in &f.body.reads {
+        let argument = program.arguments.get(read.argument).map_or("", |a| a.name);
+        out.push_str(&format!(
+            "    let {} = {argument}[{}];\n",
+            infix.signal(read.signal),
+            read.place
+        ));
+    }
+    for step in &f.body.steps {
+        out.push_str(&statement(&infix, step));
+    }
+    out.push_str(&results(&infix, f));
+    out
+}
+
+fn statement(infix: &Infix<Words>, step: &Step) -> String {
+    match step {
+        Step::Let(name, node) => {
+            let value = match name {
+                Name::Node(_) => infix.value(*node),
+                Name::Signal(_) => infix.text(*node),
+            };
+            format!("    let {} = {value};\n", infix.name(*name))
+        }
+        Step::Solve(s) => solved(infix, s),
+        Step::Newton(n) => newton(infix, n),
+    }
+}
+
+fn solved(infix: &Infix<Words>, s: &Solve) -> String {
+    let row = |row: &Vec<Option<Signal>>| {
+        bracketed(&row.iter().map(|s| wanted(infix, s)).collect::<Vec<_>>())
+    };
+    let names: Vec<String> = s.signals.iter().map(row).collect();
+    format!(
+        "    let {} = {};\n",
+        bracketed(&names),
+        system(infix, &s.mass, &s.right, "    ")
+    )
+}
+
+fn wanted(infix: &Infix<Words>, s: &Option<Signal>) -> String {
+    s.map_or_else(|| "_".to_string(), |s| infix.signal(s))
+}
+
+/// A call of `solve`; matrices that do not fit on a line have a line a row.
+fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>], indent: &str) -> String {
+    let rows = |rows: &[Vec<usize>]| -> Vec<String> {
+        rows.iter()
+            .map(|row| bracketed(&infix.texts(row)))
+            .collect()
+    };
+    let (mass, right) = (rows(mass), rows(right));
+    let (short_mass, short_right) = (bracketed(&mass), bracketed(&right));
+    if short_mass.len() + short_right.len() < SHORT {
+        return format!("solve({short_mass}, {short_right})");
+    }
+    let matrix = |rows: &[String], short: &str| match short.len() < SHORT {
+        true => format!("{indent}    {short},\n"),
+        false => {
+            let lines: String = rows
+                .iter()
+                .map(|row| format!("{indent}        {row},\n"))
+                .collect();
+            format!("{indent}    [\n{lines}{indent}    ],\n")
+        }
+    };
+    format!(
+        "solve(\n{}{}{indent})",
+        matrix(&mass, &short_mass),
+        matrix(&right, &short_right)
+    )
+}
+
+fn newton(infix: &Infix<Words>, n: &Newton) -> String {
+    let names = |all: &[Option<Signal>]| {
+        bracketed(&all.iter().map(|s| wanted(infix, s)).collect::<Vec<_>>())
+    };
+    let lets: String = n
+        .inside
+        .iter()
+        .map(|node| {
+            format!(
+                "        let {} = {};\n",
+                infix.name(Name::Node(*node)),
+                infix.value(*node)
+            )
+        })
+        .collect();
+    let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
+    let step = system(infix, &n.mass, &right, "        ");
+    format!(
+        "    let {} = newton(|{}| {{\n{lets}        {step}\n    }});\n",
+        names(&n.asked),
+        names(&n.moving)
+    )
+}
+
+fn results(infix: &Infix<Words>, f: &Function) -> String {
+    if !f.kind.is_matrix() {
+        let entries: Vec<String> = f
+            .body
+            .results
+            .iter()
+            .flat_map(|row| infix.texts(row))
+            .collect();
+        return match entries.iter().map(String::len).sum::<usize>() {
+            0..SHORT => format!("    {}\n}}\n", bracketed(&entries)),
+            _ => format!(
+                "    [\n        {},\n    ]\n}}\n",
+                entries.join(",\n        ")
+            ),
+        };
+    }
+    let (rows, columns) = f.size;
+    if f.entries().is_empty() {
+        return format!("    [[0.0; {columns}]; {rows}]\n}}\n");
+    }
+    let mut out = format!("    let mut slope = [[0.0; {columns}]; {rows}];\n");
+    for (i, j, node) in f.entries() {
+        out.push_str(&format!("    slope[{i}][{j}] = {};\n", infix.text(node)));
+    }
+    out.push_str("    slope\n}\n");
+    out
+}
+
+fn bracketed(all: &[String]) -> String {
+    format!("[{}]", all.join(", "))
+}
+
+/// The helpers that the code calls.
+fn helpers(program: &Program) -> String {
+    let newton = program.makes(|s| matches!(s, Step::Newton(_)));
+    let solve = newton || program.makes(|s| matches!(s, Step::Solve(_)));
+    let all = [
+        (solve, SOLVE),
+        (newton, NEWTON),
+        (program.computes(|n| matches!(n, Node::Root(_))), ROOT),
+        (
+            program.calls().iter().any(|f| f.spelling.rust == "sign"),
+            SIGN,
+        ),
+    ];
+    all.iter()
+        .filter(|(used, _)| *used)
+        .map(|(_, text)| *text)
         .collect()
-}
-
-fn bindings(form: &Form, code: &Code, used: &dyn Fn(Signal) -> bool) -> String {
-    let groups = [
-        ("state", &form.state),
-        ("input", &form.inputs),
-        ("parameter", &form.params),
-        ("history", &form.history),
-    ];
-    let mut out = String::new();
-    for (letter, signals) in groups {
-        for (i, s) in signals.iter().enumerate() {
-            if used(*s) {
-                out.push_str(&format!(
-                    "    let {} = {letter}[{i}];\n",
-                    code.names.get(*s)
-                ));
-            }
-        }
-    }
-    out
-}
-
-fn rates(d: &Discovery, form: &Form, code: &Code) -> String {
-    let (name, doc) = if d.discrete {
-        ("next", "The next state.")
-    } else {
-        ("derivatives", "The time derivative of the state.")
-    };
-    let mut all: Vec<&Expr> = Vec::new();
-    for row in &form.rows {
-        all.push(&row.force);
-        all.extend(&row.mass);
-    }
-    let n = form.state.len();
-    let mut out = format!(
-        "/// {doc}\n#[allow(unused_variables, non_snake_case, clippy::all)]\npub fn {name}(t: f64{}) -> [f64; {n}] {{\n",
-        arguments(form)
-    );
-    out.push_str(&bindings(form, code, &|s| mentioned(&all, s)));
-    out.push_str(&unknowns(form, code));
-    let entries: Vec<String> = form
-        .rates
-        .iter()
-        .map(|r| match r {
-            Rate::State(i) => format!("state[{i}]"),
-            Rate::Unknown(i) => format!("unknown[{i}]"),
-        })
-        .collect();
-    out.push_str(&format!("    [{}]\n}}\n", entries.join(", ")));
-    out
-}
-
-/// `let q = [...]`, directly or through the elimination.
-fn unknowns(form: &Form, code: &Code) -> String {
-    let m = form.rows.len();
-    let forces: Vec<String> = form
-        .rows
-        .iter()
-        .map(|r| format!("        {},\n", code.sum(&r.force)))
-        .collect();
-    if !form.coupled() {
-        return format!(
-            "    let unknown: [f64; {m}] = [\n{}    ];\n",
-            forces.concat()
-        );
-    }
-    let mut mass = String::new();
-    for row in &form.rows {
-        let entries: Vec<String> = row.mass.iter().map(|e| code.sum(e)).collect();
-        mass.push_str(&format!("        [{}],\n", entries.join(", ")));
-    }
-    format!(
-        "    let mass: [[f64; {m}]; {m}] = [\n{mass}    ];\n    let force: [f64; {m}] = [\n{}    ];\n    let unknown = solve(mass, force);\n",
-        forces.concat()
-    )
-}
-
-fn outputs(d: &Discovery, form: &Form, code: &Code) -> String {
-    let all: Vec<&Expr> = form.outputs.iter().map(|(_, w)| w).collect();
-    let names: Vec<String> = form.outputs.iter().map(|(s, _)| d.name(*s)).collect();
-    let n = form.outputs.len();
-    let mut out = format!(
-        "\n/// The outputs [{}].\n#[allow(unused_variables, non_snake_case, clippy::all)]\npub fn outputs(t: f64{}) -> [f64; {n}] {{\n",
-        names.join(", "),
-        arguments(form)
-    );
-    out.push_str(&bindings(form, code, &|s| mentioned(&all, s)));
-    out.push_str(&highest_derivatives(form, code, &|s| mentioned(&all, s)));
-    let entries: Vec<String> = all
-        .iter()
-        .map(|w| format!("        {},\n", code.sum(w)))
-        .collect();
-    out.push_str(&format!("    [\n{}    ]\n}}\n", entries.concat()));
-    out
-}
-
-/// What an output takes from the equations of motion: an accelerometer measures the highest derivative.
-fn highest_derivatives(form: &Form, code: &Code, used: &dyn Fn(Signal) -> bool) -> String {
-    let needed: Vec<String> = form
-        .rates
-        .iter()
-        .enumerate()
-        .filter_map(|(i, rate)| match rate {
-            Rate::Unknown(j) => Some((i, *form.unknowns.get(*j)?)),
-            Rate::State(_) => None,
-        })
-        .filter(|(_, s)| used(*s))
-        .map(|(i, s)| format!("    let {} = rate[{i}];\n", code.names.get(s)))
-        .collect();
-    if needed.is_empty() {
-        return String::new();
-    }
-    let groups = [
-        (", input", form.inputs.len()),
-        (", parameter", form.params.len()),
-        (", history", form.history.len()),
-    ];
-    let rest = groups.iter().filter(|(_, n)| *n > 0).map(|(name, _)| *name);
-    format!(
-        "    let rate = derivatives(t, state{});\n{}",
-        rest.collect::<String>(),
-        needed.concat()
-    )
-}
-
-fn mentioned(all: &[&Expr], s: Signal) -> bool {
-    all.iter().any(|e| e.mentions(s))
 }
 
 /// Gaussian elimination with row exchanges; NaN where the matrix is singular.
 const SOLVE: &str = "
-/// Solves the small linear system for the highest derivatives; NaN where it is singular.
+/// Solves a small linear system, column by column of the right side; NaN where it is singular.
+#[inline]
 #[allow(clippy::all)]
-fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
+fn solve<const N: usize, const K: usize>(mut a: [[f64; N]; N], mut b: [[f64; K]; N]) -> [[f64; K]; N] {
     for k in 0..N {
         let mut pivot = k;
         for i in k + 1..N {
@@ -218,128 +242,121 @@ fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
         a.swap(k, pivot);
         b.swap(k, pivot);
         if a[k][k] == 0.0 {
-            return [f64::NAN; N];
+            return [[f64::NAN; K]; N];
         }
         for i in k + 1..N {
             let factor = a[i][k] / a[k][k];
-            for j in k..N {
+            for j in k + 1..N {
                 a[i][j] -= factor * a[k][j];
             }
-            b[i] -= factor * b[k];
+            for c in 0..K {
+                b[i][c] -= factor * b[k][c];
+            }
         }
     }
     for k in (0..N).rev() {
-        for j in k + 1..N {
-            b[k] -= a[k][j] * b[j];
+        for c in 0..K {
+            for j in k + 1..N {
+                b[k][c] -= a[k][j] * b[j][c];
+            }
+            b[k][c] /= a[k][k];
         }
-        b[k] /= a[k][k];
     }
     b
 }
 ";
 
-/// Words of Rust, and names that the emitted code uses.
+const NEWTON: &str = "
+/// Repeats the solve from zero on until the unknowns stay; NaN if they never do.
+#[allow(clippy::all)]
+fn newton<const N: usize>(step: impl Fn([f64; N]) -> [[f64; 1]; N]) -> [f64; N] {
+    let mut unknown = [0.0; N];
+    for _ in 0..50 {
+        let next = step(unknown).map(|[x]| x);
+        let mut moved = 0.0;
+        let mut size = 0.0;
+        for i in 0..N {
+            moved = f64::max(moved, f64::abs(next[i] - unknown[i]));
+            size = f64::max(size, f64::abs(next[i]));
+        }
+        unknown = next;
+        if moved <= 1e-12 * size {
+            return unknown;
+        }
+    }
+    [f64::NAN; N]
+}
+";
+
+const ROOT: &str = "
+/// The square root; that of -0.0 is 0.0.
+#[inline]
+fn root(x: f64) -> f64 {
+    if x == f64::NEG_INFINITY { f64::INFINITY } else { (x + 0.0).sqrt() }
+}
+";
+
+const SIGN: &str = "
+/// -1, 0 or 1.
+#[inline]
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { x } else { x.signum() }
+}
+";
+
+struct Words;
+
+impl Syntax for Words {
+    fn number(&self, x: f64) -> String {
+        match x {
+            f64::INFINITY => "f64::INFINITY".into(),
+            x if x.is_nan() => "f64::NAN".into(),
+            x => format!("{x:?}"),
+        }
+    }
+
+    fn function(&self, f: Func) -> String {
+        match f.spelling.rust {
+            "sign" => "sign".into(),
+            method => format!("f64::{method}"),
+        }
+    }
+
+    fn root(&self, x: &str) -> String {
+        format!("root({x})")
+    }
+
+    fn power(&self, x: &str, p: &str) -> String {
+        format!("f64::powf({x}, {p})")
+    }
+}
+
+/// Words of Rust, constructors that a pattern would match instead of bind, and names that the emitted code uses.
 #[rustfmt::skip]
 const RESERVED: &[&str] = &[
     "as", "async", "await", "break", "const", "continue", "crate", "dyn", "else", "enum", "extern", "false", "fn", "for", "gen",
     "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "self", "Self", "static", "struct",
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
-    "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "f64", "N", "t", "state", "input", "parameter", "history", "unknown",
-    "mass", "force", "rate", "solve", "derivatives", "next", "outputs",
+    "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history",
+    "slope", "solve", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
 ];
 
-fn identifiers(d: &Discovery, form: &Form) -> Identifiers {
-    let groups = [
-        &form.state,
-        &form.inputs,
-        &form.params,
-        &form.history,
-        &form.unknowns,
-    ];
-    let signals = groups.into_iter().flatten().map(|s| (*s, d.name(*s)));
-    Identifiers::new(signals, RESERVED)
-}
+#[cfg(test)]
+mod tests {
+    use super::RESERVED;
+    use crate::emit::program::Kind;
 
-struct Code<'a> {
-    names: &'a Identifiers,
-}
-
-impl Code<'_> {
-    fn sum(&self, e: &Expr) -> String {
-        if e.terms().len() == 0 {
-            return "0.0".into();
-        }
-        let parts: Vec<String> = e.terms().map(|(c, t)| self.weighted(c, t)).collect();
-        parts.join(" + ")
-    }
-
-    fn weighted(&self, c: f64, t: &Term) -> String {
-        let c = literal(c);
-        if t.is_one() {
-            return c;
-        }
-        let (text, binds) = write_term(self, t);
-        // Parentheses around a quotient keep the order of roundings that the evaluator has.
-        if binds < Precedence::Power {
-            format!("{c} * ({text})")
-        } else {
-            format!("{c} * {text}")
-        }
-    }
-}
-
-impl Notation for Code<'_> {
-    fn signal(&self, s: Signal) -> String {
-        if s == Signal::TIME {
-            "t".into()
-        } else {
-            self.names.get(s).to_string()
-        }
-    }
-
-    fn number(&self, x: f64) -> String {
-        literal(x)
-    }
-
-    fn call(&self, f: Func, args: &[String]) -> String {
-        let first = args.first().map_or("", String::as_str);
-        match (f.name, args) {
-            // f64::signum(0.0) is 1.
-            ("sign", _) => {
-                format!("(if ({first}) == 0.0 {{ 0.0 }} else {{ f64::signum({first}) }})")
+    #[test]
+    fn every_function_is_reserved() {
+        for kind in [
+            Kind::Rates,
+            Kind::Jacobian,
+            Kind::InputJacobian,
+            Kind::Outputs,
+        ] {
+            for discrete in [false, true] {
+                assert!(RESERVED.contains(&kind.name(discrete)));
             }
-            (_, [_, rest @ ..]) if !rest.is_empty() => {
-                rest.iter().fold(first.to_string(), |a, b| {
-                    format!("f64::{}({a}, {b})", f.rust)
-                })
-            }
-            _ => format!("f64::{}({first})", f.rust),
         }
     }
-
-    fn power(&self, base: &str, p: f64) -> (String, Precedence) {
-        let text = if p.fract() == 0.0 && p.abs() <= 1024.0 {
-            format!("f64::powi({base}, {p})")
-        } else {
-            format!("f64::powf({base}, {})", literal(p))
-        };
-        (text, Precedence::Atom)
-    }
-
-    fn product(&self, factors: &[String]) -> String {
-        factors.join(" * ")
-    }
-
-    fn quotient(&self, above: &str, below: &[String]) -> String {
-        match below {
-            [one] => format!("{above} / {one}"),
-            many => format!("{above} / ({})", many.join(" * ")),
-        }
-    }
-}
-
-/// A literal that reads back to the same f64.
-fn literal(x: f64) -> String {
-    let text = format!("{x:?}");
-    if x < 0.0 { format!("({text})") } else { text }
 }

@@ -20,10 +20,46 @@ pub struct Function {
     pub domain: &'static str,
     /// LaTeX operator.
     pub latex: &'static str,
-    /// Rust method or function of f64: called as `(arg).name(rest…)`.
-    pub rust: &'static str,
+    /// What it is called in code.
+    pub spelling: Spelling,
     /// What f(−x) is.
     pub symmetry: Symmetry,
+}
+
+/// What a function is called in each language that code is written in; empty where the language has none, and the target refuses.
+///
+/// A function of more than two arguments is written as calls of two, from left to right.
+#[derive(Clone, Copy, Debug)]
+pub struct Spelling {
+    /// Function of `f64`, or a helper that the target brings (`sign`).
+    pub rust: &'static str,
+    /// Function of `math.h`, or a helper that the target brings.
+    pub c: &'static str,
+    pub numpy: &'static str,
+    pub sympy: &'static str,
+    /// MATLAB and Octave. `real_` in front: its complex values become NaN.
+    pub matlab: &'static str,
+}
+
+/// The same word in every language.
+const fn all(name: &'static str) -> Spelling {
+    spelled(name, name, name, name, name)
+}
+
+const fn spelled(
+    rust: &'static str,
+    c: &'static str,
+    numpy: &'static str,
+    sympy: &'static str,
+    matlab: &'static str,
+) -> Spelling {
+    Spelling {
+        rust,
+        c,
+        numpy,
+        sympy,
+        matlab,
+    }
 }
 
 /// How a function of one argument answers a change of its sign.
@@ -54,7 +90,7 @@ const fn one(
     slope: fn(&[Expr], usize) -> Expr,
     domain: &'static str,
     latex: &'static str,
-    rust: &'static str,
+    spelling: Spelling,
 ) -> Function {
     Function {
         name,
@@ -63,7 +99,7 @@ const fn one(
         slope,
         domain,
         latex,
-        rust,
+        spelling,
         symmetry: Symmetry::None,
     }
 }
@@ -112,22 +148,22 @@ fn picks(f: &str, toward: f64, x: &[Expr], i: usize) -> Expr {
 /// Every function; the order is also the order of factors in a printed term.
 #[rustfmt::skip]
 pub static FUNCTIONS: &[Function] = &[
-    one("sin",  |x| x[0].sin(),  |x, _| of("cos", &x[0]), "", r"\sin", "sin").odd(),
-    one("cos",  |x| x[0].cos(),  |x, _| of("sin", &x[0]).scale(-1.0), "", r"\cos", "cos").even(),
-    one("tan",  |x| x[0].tan(),  |x, _| one_plus(1.0, of("tan", &x[0])), "", r"\tan", "tan").odd(),
-    one("asin", |x| x[0].asin(), |x, _| one_plus(-1.0, x[0].clone()).pow(-0.5), "arguments in [-1, 1]", r"\arcsin", "asin").odd(),
-    one("acos", |x| x[0].acos(), |x, _| one_plus(-1.0, x[0].clone()).pow(-0.5).scale(-1.0), "arguments in [-1, 1]", r"\arccos", "acos"),
-    one("atan", |x| x[0].atan(), |x, _| one_plus(1.0, x[0].clone()).pow(-1.0), "", r"\arctan", "atan").odd(),
-    one("sinh", |x| x[0].sinh(), |x, _| of("cosh", &x[0]), "arguments below 710", r"\sinh", "sinh").odd(),
-    one("cosh", |x| x[0].cosh(), |x, _| of("sinh", &x[0]), "arguments below 710", r"\cosh", "cosh").even(),
-    one("tanh", |x| x[0].tanh(), |x, _| one_plus(-1.0, of("tanh", &x[0])), "", r"\tanh", "tanh").odd(),
-    one("exp",  |x| x[0].exp(),  |x, _| of("exp", &x[0]), "arguments below 709", r"\exp", "exp"),
-    one("log",  |x| x[0].ln(),   |x, _| x[0].clone().pow(-1.0), "positive arguments", r"\ln", "ln"),
-    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", "sqrt"),
-    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", "abs").even(),
-    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", "sign").odd(),
-    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::INFINITY, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", rust: "min", symmetry: Symmetry::None },
-    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NEG_INFINITY, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", rust: "max", symmetry: Symmetry::None },
+    one("sin",  |x| x[0].sin(),  |x, _| of("cos", &x[0]), "", r"\sin", all("sin")).odd(),
+    one("cos",  |x| x[0].cos(),  |x, _| of("sin", &x[0]).scale(-1.0), "", r"\cos", all("cos")).even(),
+    one("tan",  |x| x[0].tan(),  |x, _| one_plus(1.0, of("tan", &x[0])), "", r"\tan", all("tan")).odd(),
+    one("asin", |x| x[0].asin(), |x, _| one_plus(-1.0, x[0].clone()).pow(-0.5), "arguments in [-1, 1]", r"\arcsin", spelled("asin", "asin", "arcsin", "asin", "real_asin")).odd(),
+    one("acos", |x| x[0].acos(), |x, _| one_plus(-1.0, x[0].clone()).pow(-0.5).scale(-1.0), "arguments in [-1, 1]", r"\arccos", spelled("acos", "acos", "arccos", "acos", "real_acos")),
+    one("atan", |x| x[0].atan(), |x, _| one_plus(1.0, x[0].clone()).pow(-1.0), "", r"\arctan", spelled("atan", "atan", "arctan", "atan", "atan")).odd(),
+    one("sinh", |x| x[0].sinh(), |x, _| of("cosh", &x[0]), "arguments below 710", r"\sinh", all("sinh")).odd(),
+    one("cosh", |x| x[0].cosh(), |x, _| of("sinh", &x[0]), "arguments below 710", r"\cosh", all("cosh")).even(),
+    one("tanh", |x| x[0].tanh(), |x, _| one_plus(-1.0, of("tanh", &x[0])), "", r"\tanh", all("tanh")).odd(),
+    one("exp",  |x| x[0].exp(),  |x, _| of("exp", &x[0]), "arguments below 709", r"\exp", all("exp")),
+    one("log",  |x| x[0].ln(),   |x, _| x[0].clone().pow(-1.0), "positive arguments", r"\ln", spelled("ln", "log", "log", "log", "real_log")),
+    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", spelled("sqrt", "sqrt", "sqrt", "sqrt", "real_sqrt")),
+    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even(),
+    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd(),
+    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None },
+    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None },
 ];
 
 /// A function by its place in [`FUNCTIONS`].

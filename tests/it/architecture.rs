@@ -49,7 +49,10 @@ const SIBLINGS: &[(&str, &[&str])] = &[
         "src/solve",
         &["homotopy", "interior_point", "clarabel", "omp", "stlsq"],
     ),
-    ("src/emit", &["text", "latex", "rust"]),
+    (
+        "src/emit",
+        &["text", "latex", "rust", "c", "python", "sympy", "matlab"],
+    ),
 ];
 
 fn sources(folder: &Path) -> Vec<PathBuf> {

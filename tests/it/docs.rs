@@ -8,10 +8,11 @@ use std::path::Path;
 
 use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
 
-const DOCUMENTS: [&str; 5] = [
+const DOCUMENTS: [&str; 6] = [
     "README.md",
     "docs/guide.md",
     "docs/command-line.md",
+    "docs/exports.md",
     "docs/noise.md",
     "models/README.md",
 ];

@@ -1,0 +1,112 @@
+// Written by sidc: the identified system pendulum_on_cart as code.
+// state is the state: y, dy, theta, dtheta
+// input is the inputs: F
+
+/// The time derivative of the state.
+#[allow(unused_variables, non_snake_case, clippy::all)]
+pub fn derivatives(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [f64; 4] {
+    let dy = state[1];
+    let theta = state[2];
+    let dtheta = state[3];
+    let F = input[0];
+    let cos_theta = f64::cos(theta);
+    let sin_theta = f64::sin(theta);
+    let [[ddy], [ddtheta]] = solve(
+        [[1.0, 0.1774193548387097 * cos_theta], [2.0 * cos_theta, 1.0]],
+        [
+            [-0.06451612903225806 * dy + 0.1774193548387097 * (dtheta * dtheta * sin_theta) + 1.2903225806451613 * F],
+            [-0.14545454545454545 * dtheta - 19.6 * sin_theta],
+        ],
+    );
+    [dy, ddy, dtheta, ddtheta]
+}
+
+/// The partial derivatives of `derivatives` (rows) by the state (columns).
+#[allow(unused_variables, non_snake_case, clippy::all)]
+pub fn jacobian(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 4]; 4] {
+    let dy = state[1];
+    let theta = state[2];
+    let dtheta = state[3];
+    let F = input[0];
+    let cos_theta = f64::cos(theta);
+    let w1 = 0.1774193548387097 * cos_theta;
+    let w2 = 2.0 * cos_theta;
+    let w3 = dtheta * dtheta;
+    let sin_theta = f64::sin(theta);
+    let [[ddy], [ddtheta]] = solve(
+        [[1.0, w1], [w2, 1.0]],
+        [
+            [-0.06451612903225806 * dy + 0.1774193548387097 * (w3 * sin_theta) + 1.2903225806451613 * F],
+            [-0.14545454545454545 * dtheta - 19.6 * sin_theta],
+        ],
+    );
+    let [[ddy_by_dy, ddy_by_theta, ddy_by_dtheta], [ddtheta_by_dy, ddtheta_by_theta, ddtheta_by_dtheta]] = solve(
+        [[1.0, w1], [w2, 1.0]],
+        [
+            [-0.06451612903225806, 0.1774193548387097 * (cos_theta * w3) + 0.1774193548387097 * (sin_theta * ddtheta), 0.3548387096774194 * (dtheta * sin_theta)],
+            [0.0, 2.0 * (sin_theta * ddy) - 19.6 * cos_theta, -0.14545454545454545],
+        ],
+    );
+    let mut slope = [[0.0; 4]; 4];
+    slope[0][1] = 1.0;
+    slope[1][1] = ddy_by_dy;
+    slope[1][2] = ddy_by_theta;
+    slope[1][3] = ddy_by_dtheta;
+    slope[2][3] = 1.0;
+    slope[3][1] = ddtheta_by_dy;
+    slope[3][2] = ddtheta_by_theta;
+    slope[3][3] = ddtheta_by_dtheta;
+    slope
+}
+
+/// The partial derivatives of `derivatives` (rows) by the input (columns).
+#[allow(unused_variables, non_snake_case, clippy::all)]
+pub fn jacobian_input(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 1]; 4] {
+    let theta = state[2];
+    let cos_theta = f64::cos(theta);
+    let [[ddy_by_F], [ddtheta_by_F]] = solve(
+        [[1.0, 0.1774193548387097 * cos_theta], [2.0 * cos_theta, 1.0]],
+        [[1.2903225806451613], [0.0]],
+    );
+    let mut slope = [[0.0; 1]; 4];
+    slope[1][0] = ddy_by_F;
+    slope[3][0] = ddtheta_by_F;
+    slope
+}
+
+/// Solves a small linear system, column by column of the right side; NaN where it is singular.
+#[inline]
+#[allow(clippy::all)]
+fn solve<const N: usize, const K: usize>(mut a: [[f64; N]; N], mut b: [[f64; K]; N]) -> [[f64; K]; N] {
+    for k in 0..N {
+        let mut pivot = k;
+        for i in k + 1..N {
+            if a[i][k].abs() > a[pivot][k].abs() {
+                pivot = i;
+            }
+        }
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        if a[k][k] == 0.0 {
+            return [[f64::NAN; K]; N];
+        }
+        for i in k + 1..N {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..N {
+                a[i][j] -= factor * a[k][j];
+            }
+            for c in 0..K {
+                b[i][c] -= factor * b[k][c];
+            }
+        }
+    }
+    for k in (0..N).rev() {
+        for c in 0..K {
+            for j in k + 1..N {
+                b[k][c] -= a[k][j] * b[j][c];
+            }
+            b[k][c] /= a[k][k];
+        }
+    }
+    b
+}

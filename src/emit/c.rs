@@ -1,0 +1,387 @@
+//! C99: functions of time, state and input that need nothing but `math.h`.
+//!
+//! Coupled equations are solved for the highest derivatives in the emitted code, by a small elimination; where they are not linear
+//! in them, by Newton's method. Compiles without a warning under `-std=c99 -Wall -Wextra -pedantic`.
+
+use super::Target;
+use super::infix::{Infix, Syntax};
+use super::names::{Identifiers, plain};
+use super::program::{Function, Kind, Name, Newton, Program, Solve, Step};
+use crate::discover::Discovery;
+use crate::term::{Func, Node, Signal};
+
+pub(super) struct C;
+
+impl Target for C {
+    fn name(&self) -> &'static str {
+        "c"
+    }
+
+    fn about(&self) -> &'static str {
+        "C99 functions of time, state and input, and their Jacobians; math.h alone"
+    }
+
+    fn emit(&self, d: &Discovery) -> Result<String, String> {
+        let program = Program::new(d)?;
+        program.check_calls("C", |f| f.spelling.c)?;
+        let names = Identifiers::new(program.names.iter().cloned(), RESERVED.iter().copied());
+        let mut out = header(d, &program);
+        out.push_str(&helpers(&program));
+        for f in &program.functions {
+            out.push_str(&function(&program, f, &names));
+        }
+        Ok(out)
+    }
+}
+
+fn header(d: &Discovery, program: &Program) -> String {
+    let system = program
+        .system
+        .as_deref()
+        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let mut out = format!("/* Written by sidc: the identified system{system} as code (C99).\n *\n");
+    for a in &program.arguments {
+        if !a.signals.is_empty() {
+            out.push_str(&format!(
+                " * {} is {}: {}\n",
+                a.name,
+                a.about,
+                plain(&a.names.join(", "))
+            ));
+        }
+    }
+    let outputs = program.outputs(d);
+    if !outputs.is_empty() {
+        out.push_str(&format!(
+            " * output are the outputs: {}\n",
+            plain(&outputs.join(", "))
+        ));
+    }
+    out.push_str(" *\n");
+    for f in &program.functions {
+        out.push_str(&format!(" * {};\n", signature(program, f)));
+    }
+    out.push_str(" */\n#include <math.h>\n");
+    out
+}
+
+fn signature(program: &Program, f: &Function) -> String {
+    let arguments: String = program
+        .arguments
+        .iter()
+        .map(|a| format!(", const double *{}", a.name))
+        .collect();
+    format!(
+        "void sidc_{}(double t{arguments}, double *{})",
+        f.kind.name(program.discrete),
+        result(f.kind)
+    )
+}
+
+/// What a function writes to.
+fn result(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Rates => "rate",
+        Kind::Jacobian | Kind::InputJacobian => "slope",
+        Kind::Outputs => "output",
+    }
+}
+
+fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
+    let infix = Infix::new(&Words, &f.body, names);
+    let about = f.kind.about(program.discrete);
+    let (rows, columns) = f.size;
+    let layout = match f.kind.is_matrix() {
+        true => format!(" slope[{columns}*i + j] is row i of {rows}, column j of {columns}."),
+        false => format!(" {} has {rows} entries.", result(f.kind)),
+    };
+    let mut out = format!("\n/* {about}{layout} */\n{}\n{{\n", signature(program, f));
+    if !f.body.mentions_time() {
+        out.push_str("    (void)t;\n");
+    }
+    for (i, a) in program.arguments.iter().enumerate() {
+        if !f.body.reads.iter().any(|r| r.argument == i) {
+            out.push_str(&format!("    (void){};\n", a.name));
+        }
+    }
+    for read in &f.body.reads {
+        let argument = program.arguments.get(read.argument).map_or("", |a| a.name);
+        out.push_str(&constant(
+            &infix.signal(read.signal),
+            &format!("{argument}[{}]", read.place),
+            1,
+        ));
+    }
+    for step in &f.body.steps {
+        out.push_str(&statement(&infix, step));
+    }
+    out.push_str(&results(&infix, f));
+    out.push_str("}\n");
+    out
+}
+
+fn constant(name: &str, value: &str, depth: usize) -> String {
+    format!("{}const double {name} = {value};\n", "    ".repeat(depth))
+}
+
+fn statement(infix: &Infix<Words>, step: &Step) -> String {
+    match step {
+        Step::Let(name, node) => {
+            let value = match name {
+                Name::Node(_) => infix.value(*node),
+                Name::Signal(_) => infix.text(*node),
+            };
+            constant(&infix.name(*name), &value, 1)
+        }
+        Step::Solve(s) => solved(infix, s),
+        Step::Newton(n) => newton(infix, n),
+    }
+}
+
+/// The matrices live in a block of their own, so that their names are free for the next.
+fn solved(infix: &Infix<Words>, s: &Solve) -> String {
+    let asked = s.signals.concat();
+    let names: Vec<String> = asked.iter().flatten().map(|s| infix.signal(*s)).collect();
+    let mut out = format!("    double {};\n    {{\n", names.join(", "));
+    out.push_str(&system(infix, &s.mass, &s.right));
+    for (place, s) in asked.iter().enumerate() {
+        if let Some(s) = s {
+            out.push_str(&format!("        {} = right[{place}];\n", infix.signal(*s)));
+        }
+    }
+    out.push_str("    }\n");
+    out
+}
+
+fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>]) -> String {
+    let columns = right.first().map_or(0, Vec::len);
+    let matrix = |name: &str, rows: &[Vec<usize>]| {
+        let rows: Vec<String> = rows
+            .iter()
+            .map(|row| format!("            {}", infix.texts(row).join(", ")))
+            .collect();
+        format!(
+            "        double {name}[] = {{\n{}\n        }};\n",
+            rows.join(",\n")
+        )
+    };
+    format!(
+        "{}{}        sidc_solve({}, {columns}, mass, right);\n",
+        matrix("mass", mass),
+        matrix("right", right),
+        mass.len()
+    )
+}
+
+fn newton(infix: &Infix<Words>, n: &Newton) -> String {
+    let size = n.signals.len();
+    let entries = |all: &[Option<Signal>], depth| -> String {
+        let named = all.iter().enumerate().filter_map(|(i, s)| Some((i, (*s)?)));
+        named
+            .map(|(i, s)| constant(&infix.signal(s), &format!("unknown[{i}]"), depth))
+            .collect()
+    };
+    let zeros = vec!["0.0"; size].join(", ");
+    let mut out = format!("    double unknown[] = {{{zeros}}};\n    int settled = 0;\n");
+    out.push_str("    for (int step = 1; step <= 50 && !settled; step++) {\n");
+    out.push_str(&entries(&n.moving, 2));
+    for node in &n.inside {
+        out.push_str(&constant(
+            &infix.name(Name::Node(*node)),
+            &infix.value(*node),
+            2,
+        ));
+    }
+    let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
+    out.push_str(&system(infix, &n.mass, &right));
+    out.push_str(&format!(
+        "        settled = sidc_settled({size}, unknown, right, step == 50);\n    }}\n"
+    ));
+    out.push_str(&entries(&n.asked, 1));
+    out
+}
+
+fn results(infix: &Infix<Words>, f: &Function) -> String {
+    let name = result(f.kind);
+    if !f.kind.is_matrix() {
+        let entries = f.body.results.iter().flatten().enumerate();
+        return entries
+            .map(|(i, node)| format!("    {name}[{i}] = {};\n", infix.text(*node)))
+            .collect();
+    }
+    let (rows, columns) = f.size;
+    let mut out = format!(
+        "    for (int i = 0; i < {}; i++) {{\n        {name}[i] = 0.0;\n    }}\n",
+        rows * columns
+    );
+    for (i, j, node) in f.entries() {
+        out.push_str(&format!(
+            "    {name}[{}] = {};\n",
+            columns * i + j,
+            infix.text(node)
+        ));
+    }
+    out
+}
+
+/// The helpers that the code calls.
+fn helpers(program: &Program) -> String {
+    let newton = program.makes(|s| matches!(s, Step::Newton(_)));
+    let solve = newton || program.makes(|s| matches!(s, Step::Solve(_)));
+    let all = [
+        (program.computes(|n| matches!(n, Node::Root(_))), ROOT),
+        (
+            program.calls().iter().any(|f| f.spelling.c == "sidc_sign"),
+            SIGN,
+        ),
+        (solve, SOLVE),
+        (newton, NEWTON),
+    ];
+    all.iter()
+        .filter(|(used, _)| *used)
+        .map(|(_, text)| *text)
+        .collect()
+}
+
+/// Gaussian elimination with row exchanges; NaN where the matrix is singular.
+const SOLVE: &str = "
+/* Solves a (n x n) times x = b (n x columns) in place of b; NaN where a is singular. */
+static inline void sidc_solve(int n, int columns, double *a, double *b)
+{
+    for (int k = 0; k < n; k++) {
+        int pivot = k;
+        for (int i = k + 1; i < n; i++) {
+            if (fabs(a[i * n + k]) > fabs(a[pivot * n + k])) {
+                pivot = i;
+            }
+        }
+        if (pivot != k) {
+            for (int j = k; j < n; j++) {
+                const double kept = a[k * n + j];
+                a[k * n + j] = a[pivot * n + j];
+                a[pivot * n + j] = kept;
+            }
+            for (int j = 0; j < columns; j++) {
+                const double kept = b[k * columns + j];
+                b[k * columns + j] = b[pivot * columns + j];
+                b[pivot * columns + j] = kept;
+            }
+        }
+        if (a[k * n + k] == 0.0) {
+            for (int i = 0; i < n * columns; i++) {
+                b[i] = NAN;
+            }
+            return;
+        }
+        for (int i = k + 1; i < n; i++) {
+            const double factor = a[i * n + k] / a[k * n + k];
+            for (int j = k + 1; j < n; j++) {
+                a[i * n + j] -= factor * a[k * n + j];
+            }
+            for (int j = 0; j < columns; j++) {
+                b[i * columns + j] -= factor * b[k * columns + j];
+            }
+        }
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        for (int j = 0; j < columns; j++) {
+            for (int i = k + 1; i < n; i++) {
+                b[k * columns + j] -= a[k * n + i] * b[i * columns + j];
+            }
+            b[k * columns + j] /= a[k * n + k];
+        }
+    }
+}
+";
+
+const NEWTON: &str = "
+/* Takes the next unknowns and tells if they stay; after the last step, NaN if they do not. */
+static int sidc_settled(int n, double *unknown, const double *next, int last)
+{
+    double moved = 0.0, size = 0.0;
+    for (int i = 0; i < n; i++) {
+        moved = fmax(moved, fabs(next[i] - unknown[i]));
+        size = fmax(size, fabs(next[i]));
+        unknown[i] = next[i];
+    }
+    const int settled = moved <= 1e-12 * size;
+    for (int i = 0; i < n && last && !settled; i++) {
+        unknown[i] = NAN;
+    }
+    return settled;
+}
+";
+
+const ROOT: &str = "
+/* The square root; that of -0.0 is 0.0. */
+static inline double sidc_root(double x)
+{
+    return x == -INFINITY ? INFINITY : sqrt(x + 0.0);
+}
+";
+
+const SIGN: &str = "
+/* -1, 0 or 1. */
+static inline double sidc_sign(double x)
+{
+    return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : x;
+}
+";
+
+struct Words;
+
+impl Syntax for Words {
+    fn number(&self, x: f64) -> String {
+        match x {
+            f64::INFINITY => "INFINITY".into(),
+            x if x.is_nan() => "NAN".into(),
+            x => format!("{x:?}"),
+        }
+    }
+
+    fn function(&self, f: Func) -> String {
+        f.spelling.c.into()
+    }
+
+    fn root(&self, x: &str) -> String {
+        format!("sidc_root({x})")
+    }
+
+    fn power(&self, x: &str, p: &str) -> String {
+        format!("pow({x}, {p})")
+    }
+}
+
+/// Words of C and C++, functions that are called, macros that compilers and `math.h` define, and names that the emitted code
+/// uses.
+#[rustfmt::skip]
+const RESERVED: &[&str] = &[
+    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum", "extern", "float", "for", "goto",
+    "if", "inline", "int", "long", "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
+    "typedef", "union", "unsigned", "void", "volatile", "while", "asm", "typeof", "bool", "true", "false", "nullptr", "alignas",
+    "alignof", "constexpr", "static_assert", "thread_local", "and", "and_eq", "bitand", "bitor", "catch", "class", "compl", "concept",
+    "delete", "dynamic_cast", "explicit", "export", "friend", "mutable", "namespace", "new", "noexcept", "not", "not_eq", "operator",
+    "or", "or_eq", "private", "protected", "public", "template", "this", "throw", "try", "typeid", "typename", "using", "virtual",
+    "wchar_t", "xor", "xor_eq",
+    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "fabs", "fmin", "fmax", "pow",
+    "INFINITY", "NAN", "HUGE", "HUGE_VAL", "HUGE_VALF", "HUGE_VALL", "FP_NAN", "FP_INFINITE", "FP_ZERO", "FP_SUBNORMAL", "FP_NORMAL",
+    "FP_ILOGB0", "FP_ILOGBNAN", "FP_FAST_FMA", "MATH_ERRNO", "MATH_ERREXCEPT", "math_errhandling", "MAXFLOAT", "SNAN", "DOMAIN",
+    "SING", "OVERFLOW", "UNDERFLOW", "TLOSS", "PLOSS", "X_TLOSS", "M_E", "M_LOG2E", "M_LOG10E", "M_LN2", "M_LN10", "M_PI", "M_PI_2",
+    "M_PI_4", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2", "linux", "unix", "i386", "near", "far", "NULL", "signgam",
+    "t", "state", "input", "parameter", "history", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
+    "i", "sidc_solve", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
+    "sidc_jacobian_input", "sidc_outputs",
+];
+
+#[cfg(test)]
+mod tests {
+    use super::RESERVED;
+    use crate::term::FUNCTIONS;
+
+    #[test]
+    fn every_function_is_reserved() {
+        for f in FUNCTIONS {
+            assert!(RESERVED.contains(&f.spelling.c), "{}", f.spelling.c);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! The programs that docs/exports.md shows print what it shows. `SIDC_WRITE_DOCS=1` writes the outputs anew.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use super::languages::{absent, finished, python, runs};
+use super::pendulum;
+use crate::program::{file, root};
+use sidc::emit;
+
+const PAGE: &str = "docs/exports.md";
+
+/// A program, and what is shown to come out.
+struct Example {
+    language: String,
+    code: String,
+    shown: String,
+}
+
+fn examples(page: &str) -> Vec<Example> {
+    let mut blocks = Vec::new();
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        if let Some(language) = line.strip_prefix("```") {
+            let inside = lines.by_ref().take_while(|l| *l != "```");
+            let text: String = inside.map(|l| format!("{l}\n")).collect();
+            blocks.push((language.to_string(), text));
+        }
+    }
+    let pairs = blocks.windows(2);
+    pairs
+        .filter(|pair| {
+            matches!(pair[0].0.as_str(), "c" | "python" | "matlab") && pair[1].0 == "text"
+        })
+        .map(|pair| Example {
+            language: pair[0].0.clone(),
+            code: pair[0].1.clone(),
+            shown: pair[1].1.clone(),
+        })
+        .collect()
+}
+
+/// What the program prints; `None` if its language is not here.
+fn run(example: &Example, folder: &Path) -> Option<String> {
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
+    match example.language.as_str() {
+        "c" => {
+            write("use.c", &example.code);
+            if !runs(Path::new("cc"), &["--version"]) {
+                absent("a C compiler");
+                return None;
+            }
+            let args = [
+                "-std=c99",
+                "-Wall",
+                "-Wextra",
+                "-Werror",
+                "pendulum.c",
+                "use.c",
+                "-o",
+                "use",
+                "-lm",
+            ];
+            finished(Command::new("cc").args(args).current_dir(folder));
+            Some(finished(&mut Command::new(folder.join("use"))))
+        }
+        "python" => {
+            write("use.py", &example.code);
+            let python = python("numpy, scipy, sympy")?;
+            Some(finished(
+                Command::new(python)
+                    .args(["-B", "use.py"])
+                    .current_dir(folder),
+            ))
+        }
+        _ => {
+            write("use_model.m", &example.code);
+            if !runs(Path::new("octave-cli"), &["--version"]) {
+                absent("octave-cli");
+                return None;
+            }
+            let args = ["--quiet", "--no-init-file", "use_model.m"];
+            Some(finished(
+                Command::new("octave-cli").args(args).current_dir(folder),
+            ))
+        }
+    }
+}
+
+#[test]
+fn shown_programs_print_what_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("c", "pendulum.c"),
+        ("python", "pendulum.py"),
+        ("sympy", "pendulum_sympy.py"),
+        ("matlab", "pendulum_on_cart.m"),
+    ];
+    for (target, name) in files {
+        let code = emit::target(target).unwrap().emit(&pendulum()).unwrap();
+        fs::write(folder.path().join(name), code).unwrap();
+    }
+    let write = std::env::var_os("SIDC_WRITE_DOCS").is_some();
+    let mut page = file(PAGE);
+    let all = examples(&page);
+    assert_eq!(all.len(), 4);
+    for example in all {
+        let Some(printed) = run(&example, folder.path()) else {
+            continue;
+        };
+        let trimmed: String = printed
+            .lines()
+            .map(|l| format!("{}\n", l.trim_end()))
+            .collect();
+        if write {
+            let block = |text: &str| format!("{}```\n\n```text\n{text}```", example.code);
+            page = page.replace(&block(&example.shown), &block(&trimmed));
+        } else {
+            assert_eq!(trimmed, example.shown, "{}", example.code);
+        }
+    }
+    if write {
+        fs::write(root().join(PAGE), page).unwrap();
+    }
+}
