@@ -4,13 +4,20 @@ use super::identify::{self, Args, Candidate, Found};
 use super::limits::Limits;
 use super::{Failure, inputs};
 use crate::data::Stretch;
+use crate::emit;
 use crate::lang::source::Sources;
 use crate::result::CandidateEntry;
 use crate::term::SignalNames;
-use crate::validate::{Merit, Validation, rank};
+use crate::validate::{self, FOLLOWED, Merit, Validation, rank};
 
 /// What is held out of several models unless the user says what: a quarter of every record, at its end.
 pub const HELD_OUT: Stretch = Stretch::Last(0.25);
+
+/// Runs that are compared are cut into halves, quarters, … of the records held out until some candidate follows them, or so many
+/// times.
+const HALVINGS: usize = 6;
+/// Rows that the shortest part of a record keeps.
+const ROWS: usize = 40;
 
 /// Identifies all, or all up to the first that is good enough, and concludes with the best.
 pub fn run(
@@ -20,34 +27,74 @@ pub fn run(
     limits: &Limits,
 ) -> Result<u8, Failure> {
     let shared = shared(all);
-    let mut tried: Vec<(Found, Merit)> = Vec::new();
+    let mut tried: Vec<Found> = Vec::new();
+    let mut merits: Vec<Merit> = Vec::new();
+    let mut enough = None;
     for candidate in all {
         let found = identify::find(args, candidate, sources, limits)?;
-        let merit = merit(&found, &shared);
-        let enough = args.until.is_some_and(|bound| merit.error <= bound);
-        tried.push((found, merit));
-        if enough {
+        let merit = merit(&found, found.validation.as_ref(), &shared);
+        merits.push(merit);
+        tried.push(found);
+        if args.until.is_some_and(|bound| merit.error <= bound) {
+            enough = Some(merits.len() - 1);
             break;
         }
     }
-    let merits: Vec<Merit> = tried.iter().map(|(_, m)| *m).collect();
+    let mut seconds = longest(&all[0], 1);
+    if enough.is_none() {
+        for halving in 1..=HALVINGS {
+            let parts = 1 << halving;
+            let followed = merits.iter().any(|m| m.error <= FOLLOWED);
+            if followed || rows(&all[0], parts) < ROWS {
+                break;
+            }
+            merits = restarted(all, &tried, parts, (&shared, limits));
+            seconds = longest(&all[0], parts);
+        }
+    }
     let ranking = rank(&merits);
-    let first = args
-        .until
-        .and_then(|bound| merits.iter().position(|m| m.error <= bound));
-    let best = first.or(ranking.best).or(ranking.order.first().copied());
+    let best = enough.or(ranking.best).or(ranking.order.first().copied());
     let entry = |&i: &usize| CandidateEntry {
         model: inputs::short_name(&all[i].path),
         terms: merits[i].terms,
         error_db: merits[i].error.is_finite().then_some(merits[i].error),
-        passes: tried[i].0.discovery.passes(),
+        seconds,
+        passes: tried[i].discovery.passes(),
         front: ranking.front[i],
         best: Some(i) == best,
     };
     let entries: Vec<CandidateEntry> = ranking.order.iter().map(entry).collect();
-    let best = best.and_then(|i| Some((all.get(i)?, &tried.get(i)?.0)));
+    let best = best.and_then(|i| Some((all.get(i)?, tried.get(i)?)));
     let (candidate, found) = best.ok_or_else(|| Failure::new("error[no-model]: no model"))?;
     identify::conclude(args, candidate, found, &entries)
+}
+
+/// Merits by shorter runs.
+fn restarted(
+    all: &[Candidate],
+    tried: &[Found],
+    parts: usize,
+    (shared, limits): (&[String], &Limits),
+) -> Vec<Merit> {
+    let mut go_on = || limits.go_on().is_continue();
+    let one = |(candidate, found): (&Candidate, &Found)| {
+        let (model, held) = (&candidate.program.model, &candidate.measured.held);
+        let runs = validate::restarted((&found.discovery, model), held, parts, &mut go_on);
+        merit(found, Some(&runs), shared)
+    };
+    all.iter().zip(tried).map(one).collect()
+}
+
+/// Seconds (samples in discrete time) of the longest part of a record held out.
+fn longest(candidate: &Candidate, parts: usize) -> f64 {
+    let records = candidate.measured.held.trajectories.iter();
+    let spans = records.filter_map(|t| Some(t.time.last()? - t.time.first()?));
+    spans.fold(0.0, f64::max) / parts as f64
+}
+
+fn rows(candidate: &Candidate, parts: usize) -> usize {
+    let records = candidate.measured.held.trajectories.iter();
+    records.map(|t| t.len() / parts).max().unwrap_or(0)
 }
 
 /// States that every candidate has equations for: what they are compared by.
@@ -63,23 +110,24 @@ fn shared(all: &[Candidate]) -> Vec<String> {
     names
 }
 
-fn merit(found: &Found, shared: &[String]) -> Merit {
+fn merit(found: &Found, runs: Option<&Validation>, shared: &[String]) -> Merit {
     let equations = &found.discovery.equations;
-    let error = |v: &Validation| v.error(shared);
     Merit {
-        error: found.validation.as_ref().map_or(f64::INFINITY, error),
+        error: runs.map_or(f64::INFINITY, |v| v.error(shared)),
         terms: equations.iter().map(|e| e.terms.len()).sum(),
     }
 }
-
-/// What the table shows, in words.
-const RULE: &str = "candidates by the error of their free run on data not used; of those within 1 dB of the least (or below -100 dB) the one\nwith the fewest terms is best\n";
 
 /// The table of all candidates, by their error.
 pub fn table(entries: &[CandidateEntry]) -> String {
     let width = entries.iter().map(|e| e.model.chars().count()).max();
     let width = width.unwrap_or(0).max("model".len());
-    let mut text = String::from(RULE);
+    let seconds = entries.first().map_or(0.0, |e| e.seconds);
+    let mut text = format!(
+        "candidates by the error of their free runs on data not used, {} long; of those within 1 dB of the least\n\
+         (or below -100 dB) the one with the fewest terms is best\n",
+        emit::significant(seconds, 3)
+    );
     text.push_str(&format!("  {:<width$}  terms  error (dB)\n", "model"));
     for e in entries {
         let error = e.error_db.map_or("ended".into(), |x| format!("{x:.1}"));

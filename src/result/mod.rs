@@ -69,6 +69,8 @@ pub struct CandidateEntry {
     /// Error to signal of its run on data not used, decibels; absent if the run ended early.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub error_db: Option<f64>,
+    /// How long the runs compared are: shorter than the records held out where no candidate follows those.
+    pub seconds: f64,
     pub passes: bool,
     /// No other has both fewer terms and a smaller error.
     pub front: bool,

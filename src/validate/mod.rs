@@ -7,13 +7,13 @@ mod ranking;
 
 use serde::{Deserialize, Serialize};
 
-use crate::data::Dataset;
+use crate::data::{Dataset, Trajectory};
 use crate::discover::{Discovery, Reason};
 use crate::lang::model::Model;
 use crate::simulate::{self, Options, Run, Source};
 use crate::term::SignalNames;
 
-pub use ranking::{EQUAL, FLOOR, Merit, Ranking, rank};
+pub use ranking::{FOLLOWED, Merit, Ranking, rank};
 
 /// An exact run: JSON knows no infinity.
 const EXACT: f64 = -400.0;
@@ -65,24 +65,50 @@ pub fn validate(
     if held.trajectories.is_empty() {
         return None;
     }
-    let mut runs = Vec::new();
-    for (dataset, held_out) in [(used, false), (held, true)] {
-        for record in 0..dataset.trajectories.len() {
-            let source = Source {
-                discovery: d,
-                model,
-                dataset,
-            };
-            let run = simulate::simulate(&source, record, &Options::default(), go_on);
-            runs.extend(run.ok().map(|run| free_run(d, &run, held_out)));
-        }
-    }
+    let mut runs = run_all((d, model), used, false, go_on);
+    runs.extend(run_all((d, model), held, true, go_on));
     Some(Validation { runs })
+}
+
+/// The same on the data held out alone, every record cut into so many parts: each starts anew from what was measured.
+pub fn restarted(
+    (d, model): (&Discovery, &Model),
+    held: &Dataset,
+    parts: usize,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Validation {
+    let cut = |t: &Trajectory| -> Vec<Trajectory> {
+        let at = |k: usize| k * t.len() / parts.max(1);
+        (0..parts).map(|k| t.part(at(k)..at(k + 1))).collect()
+    };
+    let pieces = Dataset {
+        trajectories: held.trajectories.iter().flat_map(cut).collect(),
+        inputs: held.inputs.clone(),
+    };
+    Validation {
+        runs: run_all((d, model), &pieces, true, go_on),
+    }
+}
+
+fn run_all(
+    (d, model): (&Discovery, &Model),
+    dataset: &Dataset,
+    held_out: bool,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Vec<FreeRun> {
+    let source = Source {
+        discovery: d,
+        model,
+        dataset,
+    };
+    let mut one = |record| simulate::simulate(&source, record, &Options::default(), go_on).ok();
+    let all = (0..dataset.trajectories.len()).filter_map(&mut one);
+    all.map(|run| free_run(d, &run, held_out)).collect()
 }
 
 impl Validation {
     /// Error to signal on the data held out, decibels: the mean over states of the errors' energy over the signal's, for the
-    /// variables of these names. Infinite if a run ended early, or nothing was run.
+    /// variables of these names. Infinite if a run ended early, or one of them was not run.
     pub fn error(&self, states: &[String]) -> f64 {
         let held = || self.runs.iter().filter(|r| r.held_out);
         if held().any(|r| r.ended.is_some()) {
@@ -94,10 +120,10 @@ impl Validation {
             let signal: f64 = all().map(|s| s.mse * s.rows as f64 / ratio(s)).sum();
             (signal > 0.0).then(|| error / signal)
         };
-        let ratios: Vec<f64> = states.iter().filter_map(|s| of(s)).collect();
-        match ratios.len() {
-            0 => f64::INFINITY,
-            n => decibels(ratios.iter().sum::<f64>() / n as f64),
+        let ratios: Option<Vec<f64>> = states.iter().map(|s| of(s)).collect();
+        match ratios.as_deref() {
+            None | Some([]) => f64::INFINITY,
+            Some(all) => decibels(all.iter().sum::<f64>() / all.len() as f64),
         }
     }
 }

@@ -4,9 +4,13 @@
 //! Figures 2.1 and 2.2 of the thesis: the first that is good enough, or the best of all.
 
 /// Errors below this count as equal, decibels: there they are rounding, and the step of an integrator.
-pub const FLOOR: f64 = -100.0;
+const FLOOR: f64 = -100.0;
 /// Errors within so many decibels count as equal, so that the smaller model is preferred.
-pub const EQUAL: f64 = 1.0;
+const EQUAL: f64 = 1.0;
+
+/// A candidate with an error above this does not follow its data, decibels: where all are, shorter runs tell more. Chaos takes
+/// every model away from its data in the end, the right one too.
+pub const FOLLOWED: f64 = -20.0;
 
 /// What a candidate is judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]

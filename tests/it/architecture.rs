@@ -27,12 +27,12 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
         ],
     ),
     ("simulate", &["term", "lang", "data", "discover"]),
-    ("validate", &["term", "lang", "data", "discover", "simulate"]),
-    ("algebra", &["term", "discover"]),
     (
-        "emit",
-        &["term", "lang", "discover", "validate", "algebra"],
+        "validate",
+        &["term", "lang", "data", "discover", "simulate"],
     ),
+    ("algebra", &["term", "discover"]),
+    ("emit", &["term", "lang", "discover", "validate", "algebra"]),
     (
         "result",
         &["term", "lang", "discover", "validate", "algebra"],
