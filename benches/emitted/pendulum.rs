@@ -11,7 +11,7 @@ pub fn derivatives(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [f64; 4] {
     let F = input[0];
     let cos_theta = f64::cos(theta);
     let sin_theta = f64::sin(theta);
-    let [[ddy], [ddtheta]] = solve(
+    let [[ddy], [ddtheta]] = solve_2(
         [[1.0, 0.1774193548387097 * cos_theta], [2.0 * cos_theta, 1.0]],
         [
             [-0.06451612903225806 * dy + 0.1774193548387097 * (dtheta * dtheta * sin_theta) + 1.2903225806451613 * F],
@@ -33,14 +33,14 @@ pub fn jacobian(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 4]; 4] {
     let w2 = 2.0 * cos_theta;
     let w3 = dtheta * dtheta;
     let sin_theta = f64::sin(theta);
-    let [[ddy], [ddtheta]] = solve(
+    let [[ddy], [ddtheta]] = solve_2(
         [[1.0, w1], [w2, 1.0]],
         [
             [-0.06451612903225806 * dy + 0.1774193548387097 * (w3 * sin_theta) + 1.2903225806451613 * F],
             [-0.14545454545454545 * dtheta - 19.6 * sin_theta],
         ],
     );
-    let [[ddy_by_dy, ddy_by_theta, ddy_by_dtheta], [ddtheta_by_dy, ddtheta_by_theta, ddtheta_by_dtheta]] = solve(
+    let [[ddy_by_dy, ddy_by_theta, ddy_by_dtheta], [ddtheta_by_dy, ddtheta_by_theta, ddtheta_by_dtheta]] = solve_2(
         [[1.0, w1], [w2, 1.0]],
         [
             [-0.06451612903225806, 0.1774193548387097 * (cos_theta * w3) + 0.1774193548387097 * (sin_theta * ddtheta), 0.3548387096774194 * (dtheta * sin_theta)],
@@ -64,7 +64,7 @@ pub fn jacobian(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 4]; 4] {
 pub fn jacobian_input(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 1]; 4] {
     let theta = state[2];
     let cos_theta = f64::cos(theta);
-    let [[ddy_by_F], [ddtheta_by_F]] = solve(
+    let [[ddy_by_F], [ddtheta_by_F]] = solve_2(
         [[1.0, 0.1774193548387097 * cos_theta], [2.0 * cos_theta, 1.0]],
         [[1.2903225806451613], [0.0]],
     );
@@ -74,39 +74,26 @@ pub fn jacobian_input(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 1]; 
     slope
 }
 
-/// Solves a small linear system, column by column of the right side; NaN where it is singular.
+/// Solves a linear system of two unknowns, column by column of the right side; NaN where it is singular.
 #[inline]
 #[allow(clippy::all)]
-fn solve<const N: usize, const K: usize>(mut a: [[f64; N]; N], mut b: [[f64; K]; N]) -> [[f64; K]; N] {
-    for k in 0..N {
-        let mut pivot = k;
-        for i in k + 1..N {
-            if a[i][k].abs() > a[pivot][k].abs() {
-                pivot = i;
-            }
-        }
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        if a[k][k] == 0.0 {
-            return [[f64::NAN; K]; N];
-        }
-        for i in k + 1..N {
-            let factor = a[i][k] / a[k][k];
-            for j in k + 1..N {
-                a[i][j] -= factor * a[k][j];
-            }
-            for c in 0..K {
-                b[i][c] -= factor * b[k][c];
-            }
-        }
+fn solve_2<const K: usize>(a: [[f64; 2]; 2], b: [[f64; K]; 2]) -> [[f64; K]; 2] {
+    let swap = a[1][0].abs() > a[0][0].abs();
+    let ([first, second], [upper, lower]) = if swap {
+        ([a[1], a[0]], [b[1], b[0]])
+    } else {
+        (a, b)
+    };
+    let factor = second[0] / first[0];
+    let last = second[1] - factor * first[1];
+    if first[0] == 0.0 || last == 0.0 {
+        return [[f64::NAN; K]; 2];
     }
-    for k in (0..N).rev() {
-        for c in 0..K {
-            for j in k + 1..N {
-                b[k][c] -= a[k][j] * b[j][c];
-            }
-            b[k][c] /= a[k][k];
-        }
+    let mut solved = [upper, lower];
+    for c in 0..K {
+        let y = (lower[c] - factor * upper[c]) / last;
+        solved[0][c] = (upper[c] - first[1] * y) / first[0];
+        solved[1][c] = y;
     }
-    b
+    solved
 }

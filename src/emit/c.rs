@@ -166,11 +166,19 @@ fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>]) -> St
         )
     };
     format!(
-        "{}{}        sidc_solve({}, {columns}, mass, right);\n",
+        "{}{}        {}{columns}, mass, right);\n",
         matrix("mass", mass),
         matrix("right", right),
-        mass.len()
+        solver(mass.len())
     )
+}
+
+/// The beginning of a call: up to two unknowns have an elimination without loops.
+fn solver(n: usize) -> String {
+    match n {
+        1 | 2 => format!("sidc_solve_{n}("),
+        n => format!("sidc_solve({n}, "),
+    }
 }
 
 fn newton(infix: &Infix<Words>, n: &Newton) -> String {
@@ -227,14 +235,15 @@ fn results(infix: &Infix<Words>, f: &Function) -> String {
 /// The helpers that the code calls.
 fn helpers(program: &Program) -> String {
     let newton = program.makes(|s| matches!(s, Step::Newton(_)));
-    let solve = newton || program.makes(|s| matches!(s, Step::Solve(_)));
     let all = [
         (program.computes(|n| matches!(n, Node::Root(_))), ROOT),
         (
             program.calls().iter().any(|f| f.spelling.c == "sidc_sign"),
             SIGN,
         ),
-        (solve, SOLVE),
+        (program.solves(|n| n == 1), SOLVE_1),
+        (program.solves(|n| n == 2), SOLVE_2),
+        (program.solves(|n| n > 2), SOLVE),
         (newton, NEWTON),
     ];
     all.iter()
@@ -242,6 +251,34 @@ fn helpers(program: &Program) -> String {
         .map(|(_, text)| *text)
         .collect()
 }
+
+const SOLVE_1: &str = "
+/* Solves a times x = b (1 x columns) in place of b; NaN where a is zero. */
+static inline void sidc_solve_1(int columns, const double *a, double *b)
+{
+    for (int j = 0; j < columns; j++) {
+        b[j] = a[0] == 0.0 ? NAN : b[j] / a[0];
+    }
+}
+";
+
+const SOLVE_2: &str = "
+/* Solves a (2 x 2) times x = b (2 x columns) in place of b; NaN where a is singular. */
+static inline void sidc_solve_2(int columns, const double *a, double *b)
+{
+    const int first = fabs(a[2]) > fabs(a[0]), second = 1 - first;
+    const double pivot = a[2 * first], above = a[2 * first + 1];
+    const double factor = a[2 * second] / pivot;
+    const double last = a[2 * second + 1] - factor * above;
+    for (int j = 0; j < columns; j++) {
+        const double upper = b[columns * first + j];
+        const double y = (b[columns * second + j] - factor * upper) / last;
+        const double x = (upper - above * y) / pivot;
+        b[j] = pivot == 0.0 || last == 0.0 ? NAN : x;
+        b[columns + j] = pivot == 0.0 || last == 0.0 ? NAN : y;
+    }
+}
+";
 
 /// Gaussian elimination with row exchanges; NaN where the matrix is singular.
 const SOLVE: &str = "
@@ -369,7 +406,7 @@ const RESERVED: &[&str] = &[
     "SING", "OVERFLOW", "UNDERFLOW", "TLOSS", "PLOSS", "X_TLOSS", "M_E", "M_LOG2E", "M_LOG10E", "M_LN2", "M_LN10", "M_PI", "M_PI_2",
     "M_PI_4", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2", "linux", "unix", "i386", "near", "far", "NULL", "signgam",
     "t", "state", "input", "parameter", "history", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
-    "i", "sidc_solve", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
+    "i", "sidc_solve", "sidc_solve_1", "sidc_solve_2", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
     "sidc_jacobian_input", "sidc_outputs",
 ];
 

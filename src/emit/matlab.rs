@@ -242,7 +242,7 @@ fn results(infix: &Infix<Words>, f: &Function) -> String {
 
 /// The helpers that the code calls.
 fn helpers(program: &Program) -> String {
-    let solves = program.makes(|s| !matches!(s, Step::Let(..)));
+    let solves = program.solves(|_| true);
     let powers = program.computes(|n| matches!(n, Node::Root(_) | Node::Power(..)));
     let mut out = String::new();
     if solves {

@@ -227,7 +227,7 @@ fn bracketed(all: &[String]) -> String {
 /// The helpers that the code calls.
 fn helpers(program: &Program) -> String {
     let newton = program.makes(|s| matches!(s, Step::Newton(_)));
-    let solve = newton || program.makes(|s| matches!(s, Step::Solve(_)));
+    let solve = program.solves(|_| true);
     let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
     let all = [(reads, NUMBERS), (solve, SOLVE), (newton, NEWTON)];
     all.iter()

