@@ -25,6 +25,8 @@ mod noise;
 mod pendulum;
 mod program;
 mod sensors;
+mod simulate;
+mod simulate_command;
 mod smooth;
 mod solve;
 mod weak;
