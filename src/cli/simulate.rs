@@ -77,6 +77,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     sources.add(name.as_str(), "");
     let tables = inputs::tables(data, args.memory_limit, &mut sources)?;
     let (dataset, mut said) = data::bind(&model, &tables, &args.params, &mut sources);
+    // A library is nobody's concern here.
+    said.retain(|d| d.code != "constant-column");
     said.iter_mut().for_each(|d| to_user_of_result(d, &name));
     let whole = !said.iter().any(Diagnostic::is_error);
     inputs::report((whole.then_some(()), said), &sources, notes)?;
@@ -166,10 +168,10 @@ fn to_user_of_result(d: &mut Diagnostic, name: &str) {
     let advice = d.help.as_deref().unwrap_or_default();
     if d.is_error() && advice.starts_with("data {") {
         d.help = Some(format!(
-            "{name} reads its columns as its model did; name them so in the file, or identify with {advice}"
+            "{name} reads its columns as its model did: name the column so, or identify again with {advice}"
         ));
     }
-    if d.code == "input-between" {
+    if d.code == "input-between" || d.code == "slope-disagrees" {
         d.help = None;
     }
 }

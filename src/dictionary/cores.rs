@@ -9,6 +9,12 @@ use std::thread;
 /// Multiplications below which a second thread costs more than it saves: starting one takes some 30 µs.
 const WORTH_A_THREAD: usize = 2_000_000;
 
+/// Keeps faer to the thread that calls it, once and for all. Another crate switches its threads on, and sums that are cut otherwise on
+/// other machines end in other digits. Every dictionary says so before anybody factorises its columns.
+pub(super) fn no_others() {
+    faer::set_global_parallelism(faer::Par::Seq);
+}
+
 /// Threads for so many multiplications (or memory accesses of like cost): one, or every core.
 pub(super) fn threads_for(work: usize) -> usize {
     static CORES: OnceLock<usize> = OnceLock::new();

@@ -19,6 +19,7 @@ impl Dense {
     /// `values` holds the columns one after another; its length is a multiple of `rows`.
     pub fn new(rows: usize, values: Vec<f64>) -> Self {
         debug_assert!(rows > 0 && values.len().is_multiple_of(rows));
+        cores::no_others();
         let norms = values.chunks_exact(rows.max(1)).map(length).collect();
         Dense {
             rows,
@@ -29,6 +30,7 @@ impl Dense {
 
     /// Takes columns over with what is known of their lengths.
     pub(super) fn filled(rows: usize, filled: Filled) -> Self {
+        cores::no_others();
         let columns = filled.values.chunks_exact(rows.max(1));
         let exact = |(squares, column): (&f64, &[f64])| {
             if is_safe(*squares) {

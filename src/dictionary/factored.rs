@@ -68,6 +68,7 @@ impl Factored {
         empty: &[usize],
     ) -> Result<Factored, NotFinite> {
         let slots = blocks.iter().map(Block::slots).sum();
+        super::cores::no_others();
         let mut factored = Factored {
             rows,
             left,

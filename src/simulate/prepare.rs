@@ -20,7 +20,7 @@ use crate::lang::source::{FileId, Span};
 use crate::term::{Expr, Signal};
 
 /// Evaluations that a run may take, and more for each row.
-const BUDGET: (u64, u64) = (20_000_000, 2_000);
+const BUDGET: (u64, u64) = (10_000_000, 2_000);
 /// Evaluations that one trial of a start may take.
 const TRIAL: u64 = 200_000;
 /// Rows that a start is looked for in.

@@ -86,7 +86,7 @@ pub(super) fn driven(d: &Discovery, signals: &[Signal]) -> Diagnostic {
         _ => ("have", "their measurements drive"),
     };
     Diagnostic::note(
-        "driven-by-measurement",
+        "driven-state",
         format!(
             "{} {have} no equation: {drive} the others, linear between samples",
             names.join(", ")

@@ -29,7 +29,11 @@ pub(super) fn score(
     let square = sum(&|(s, m)| (s - m).powi(2));
     let energy = sum(&|(_, m)| m * m);
     let mean = sum(&|(_, m)| *m) / n;
-    let spread = sum(&|(_, m)| (m - mean).powi(2));
+    // Of a signal that does not move nothing is explained.
+    let spread = match sum(&|(_, m)| (m - mean).powi(2)) {
+        spread if spread > 1e-24 * energy => spread,
+        _ => f64::NAN,
+    };
     let bound = bound * deviation(measured);
     // From each leg's start to its first row beyond the bound, or to the end that a fault put to it.
     let follows = legs.iter().filter_map(|l| {

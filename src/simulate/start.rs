@@ -147,7 +147,12 @@ fn smoothed(
     let breaks = data::breaks(model, leg, trajectory, signal);
     let sigma = model.noise(signal);
     let found = data::smooth(&trajectory.time, values, sigma, &breaks, true)?;
-    (found.lambda > 0.0 && found.sigma > CLEAN * deviation(values)).then_some(found)
+    let spread = deviation(values);
+    let size = values.iter().filter(|v| v.is_finite());
+    let size = size.fold(0.0, |m: f64, v| m.max(v.abs()));
+    // What is left of a signal that stands still is rounding.
+    let moves = spread > 1e-12 * size;
+    (moves && found.lambda > 0.0 && found.sigma > CLEAN * spread).then_some(found)
 }
 
 /// A signal along a leg as `identify` would have it, measured or differentiated, with its errors; NaN where unknown.

@@ -8,8 +8,9 @@ use std::path::Path;
 
 use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
 
-const DOCUMENTS: [&str; 6] = [
+const DOCUMENTS: &[&str] = &[
     "README.md",
+    "docs/simulate.md",
     "docs/guide.md",
     "docs/command-line.md",
     "docs/exports.md",

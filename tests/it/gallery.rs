@@ -18,18 +18,18 @@ use super::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc}
 /// Relative error of a coefficient where the header says nothing.
 const USUAL: f64 = 1e-3;
 
-type Equations = BTreeMap<String, BTreeMap<String, f64>>;
+pub type Equations = BTreeMap<String, BTreeMap<String, f64>>;
 
-struct Header {
-    data: Vec<String>,
+pub struct Header {
+    pub data: Vec<String>,
     /// Target and right side.
-    expected: Vec<(String, String)>,
+    pub expected: Vec<(String, String)>,
     within: f64,
     doubts: BTreeSet<String>,
 }
 
 impl Header {
-    fn of(name: &str, text: &str) -> Header {
+    pub fn of(name: &str, text: &str) -> Header {
         let comments: Vec<&str> = text
             .lines()
             .skip_while(|l| !l.starts_with('#'))
@@ -105,7 +105,7 @@ fn found(document: &Value) -> Vec<(String, String)> {
 
 /// Right sides in the normal form of the program: a model of the same variables that states each as a known output, since a
 /// target may stand on its own right side.
-fn normal(equations: &[(String, String)], document: &Value) -> Equations {
+pub fn normal(equations: &[(String, String)], document: &Value) -> Equations {
     let discrete = document["time"] == "discrete";
     let mut text = String::new();
     for v in document["variables"].as_array().unwrap() {

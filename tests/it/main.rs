@@ -28,6 +28,8 @@ mod noise;
 mod pendulum;
 mod program;
 mod sensors;
+mod simulate;
+mod simulate_command;
 mod smooth;
 mod solve;
 mod symbolic;
