@@ -15,4 +15,5 @@ pub mod result;
 pub mod solve;
 pub mod term;
 pub mod trajectory;
+pub mod units;
 pub mod weak;

@@ -9,6 +9,7 @@ mod number;
 mod path;
 mod rust;
 mod text;
+mod units;
 
 use crate::discover::Discovery;
 

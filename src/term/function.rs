@@ -24,6 +24,21 @@ pub struct Function {
     pub rust: &'static str,
     /// What f(−x) is.
     pub symmetry: Symmetry,
+    /// What units it takes and gives.
+    pub units: UnitRule,
+}
+
+/// What a function does with units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnitRule {
+    /// Takes pure numbers and gives one.
+    Pure,
+    /// All arguments and the value have one unit.
+    Kept,
+    /// The value has the root of the argument's unit.
+    Root,
+    /// Any argument; the value is a pure number.
+    Lost,
 }
 
 /// How a function of one argument answers a change of its sign.
@@ -46,6 +61,11 @@ impl Function {
         self.symmetry = Symmetry::Odd;
         self
     }
+
+    const fn with_units(mut self, rule: UnitRule) -> Function {
+        self.units = rule;
+        self
+    }
 }
 
 const fn one(
@@ -65,6 +85,7 @@ const fn one(
         latex,
         rust,
         symmetry: Symmetry::None,
+        units: UnitRule::Pure,
     }
 }
 
@@ -123,11 +144,11 @@ pub static FUNCTIONS: &[Function] = &[
     one("tanh", |x| x[0].tanh(), |x, _| one_plus(-1.0, of("tanh", &x[0])), "", r"\tanh", "tanh").odd(),
     one("exp",  |x| x[0].exp(),  |x, _| of("exp", &x[0]), "arguments below 709", r"\exp", "exp"),
     one("log",  |x| x[0].ln(),   |x, _| x[0].clone().pow(-1.0), "positive arguments", r"\ln", "ln"),
-    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", "sqrt"),
-    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", "abs").even(),
-    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", "sign").odd(),
-    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::INFINITY, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", rust: "min", symmetry: Symmetry::None },
-    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NEG_INFINITY, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", rust: "max", symmetry: Symmetry::None },
+    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", "sqrt").with_units(UnitRule::Root),
+    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", "abs").even().with_units(UnitRule::Kept),
+    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", "sign").odd().with_units(UnitRule::Lost),
+    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::INFINITY, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", rust: "min", symmetry: Symmetry::None, units: UnitRule::Kept },
+    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NEG_INFINITY, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", rust: "max", symmetry: Symmetry::None, units: UnitRule::Kept },
 ];
 
 /// A function by its place in [`FUNCTIONS`].

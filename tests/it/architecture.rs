@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 /// Each room and the rooms it may know. What is not listed may know everything.
 const MAY_KNOW: &[(&str, &[&str])] = &[
     ("term", &[]),
-    ("lang", &["term"]),
+    ("units", &["term"]),
+    ("lang", &["term", "units"]),
     ("library", &["term", "lang"]),
     ("data", &["term", "lang"]),
     ("dictionary", &["library", "term", "data"]),
@@ -24,10 +25,11 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "solve",
             "weak",
             "trajectory",
+            "units",
         ],
     ),
-    ("emit", &["term", "lang", "discover"]),
-    ("result", &["term", "lang", "discover"]),
+    ("emit", &["term", "lang", "discover", "units"]),
+    ("result", &["term", "lang", "discover", "units"]),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.

@@ -27,4 +27,5 @@ mod program;
 mod sensors;
 mod smooth;
 mod solve;
+mod units;
 mod weak;
