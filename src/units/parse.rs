@@ -163,11 +163,12 @@ impl<'t> Reader<'t> {
             }
             let next = self.factor()?;
             if below {
+                let all = self.text.get(start..self.at).unwrap_or("");
                 return Err(fault(
                     start..self.at,
                     "a unit with two readings".into(),
                     "is all of this below the line?".into(),
-                    "put what is below the line in parentheses: \"J/(kg*K)\"",
+                    &format!("put what is below the line in parentheses: \"/({all})\""),
                 ));
             }
             unit = unit.times(&next).ok_or_else(|| self.too_high(start))?;

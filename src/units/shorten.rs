@@ -65,10 +65,10 @@ fn candidates(base: &Unit) -> Vec<Unit> {
     all
 }
 
-/// The first that is shorter than all before it.
+/// The first that is shorter than all before it, and has no more words.
 fn consider(best: &mut Unit, candidates: Vec<Unit>) {
     for c in candidates {
-        if c.length() < best.length() {
+        if c.length() < best.length() && c.words.len() <= best.words.len() {
             *best = c;
         }
     }

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::complain::{self, Summand};
+use super::complain::{self, Joint, Summand};
 use super::scope::{Scope, Value};
 use super::{Checker, Vocabulary};
 use crate::lang::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
@@ -100,10 +100,15 @@ impl<'f> Pass<'_, 'f> {
     }
 
     fn item(&mut self, e: &'f Ast) {
-        if self.checker.is_library(e) {
-            self.library(e);
-        } else if !matches!(e.kind, ExprKind::Range(..)) {
-            self.measure(e);
+        match &e.kind {
+            _ if self.checker.is_library(e) => self.library(e),
+            ExprKind::Range(..) => {}
+            ExprKind::Sum(parts) => {
+                self.alike(&signed(parts), Joint::Item);
+            }
+            _ => {
+                self.measure(e);
+            }
         }
     }
 
@@ -111,11 +116,7 @@ impl<'f> Pass<'_, 'f> {
         match &e.kind {
             ExprKind::Name(text) => self.name(text),
             ExprKind::Negate(x) | ExprKind::Group(x) => self.measure(x),
-            ExprKind::Sum(parts) => {
-                let parts: Vec<(bool, &Ast)> =
-                    parts.iter().map(|(s, x)| (*s == Sign::Minus, x)).collect();
-                self.alike(&parts, true)
-            }
+            ExprKind::Sum(parts) => self.alike(&signed(parts), Joint::Sum),
             ExprKind::Product(parts) => self.product(parts),
             ExprKind::Power(base, exponent) => {
                 let base = self.measure(base);
@@ -174,7 +175,7 @@ impl<'f> Pass<'_, 'f> {
     }
 
     /// A sum, or arguments that are compared: all of one unit.
-    fn alike(&mut self, parts: &[(bool, &'f Ast)], added: bool) -> Measure {
+    fn alike(&mut self, parts: &[(bool, &'f Ast)], joint: Joint) -> Measure {
         let measured: Vec<Measure> = parts.iter().map(|(_, x)| self.measure(x)).collect();
         if measured.iter().any(|m| matches!(m, Measure::Unknown)) {
             return Measure::Unknown;
@@ -193,7 +194,7 @@ impl<'f> Pass<'_, 'f> {
             return Measure::Any;
         };
         let odd = with_units.find(|s| first.unit.likeness(s.unit) != Likeness::Same);
-        let fault = odd.map(|second| complain::unit_sum(&first, &second, added));
+        let fault = odd.map(|second| complain::unit_sum(&first, &second, joint));
         let unit = first.unit.clone();
         if let Some(d) = fault {
             self.say(d);
@@ -225,7 +226,7 @@ impl<'f> Pass<'_, 'f> {
             }
             UnitRule::Kept | UnitRule::Root => {
                 let args: Vec<(bool, &Ast)> = call.args.iter().map(|x| (false, x)).collect();
-                let value = self.alike(&args, false);
+                let value = self.alike(&args, Joint::Comparison);
                 if f.units == UnitRule::Root {
                     value.power(0.5)
                 } else {
@@ -257,6 +258,14 @@ impl<'f> Pass<'_, 'f> {
         let time = time.and_then(|v| v.unit.as_ref()) == Some(&unit);
         self.say(complain::unit_argument(function, &argument, time));
     }
+}
+
+/// The parts of a sum, and whether each is taken off.
+fn signed(parts: &[(Sign, Ast)]) -> Vec<(bool, &Ast)> {
+    parts
+        .iter()
+        .map(|(sign, x)| (*sign == Sign::Minus, x))
+        .collect()
 }
 
 impl Measure {

@@ -30,12 +30,25 @@ pub struct Summand<'a> {
     pub subtracted: bool,
 }
 
+/// What holds the parts together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Joint {
+    /// A sum that is a whole item of a list.
+    Item,
+    Sum,
+    /// The arguments of `min`.
+    Comparison,
+}
+
 /// Longest text that is repeated in a fix.
 const SHORT: usize = 40;
 
-pub fn unit_sum(first: &Summand, second: &Summand, added: bool) -> Diagnostic {
+pub fn unit_sum(first: &Summand, second: &Summand, joint: Joint) -> Diagnostic {
     let (a, b) = (first.unit, second.unit);
-    let cannot = if added { "added" } else { "compared" };
+    let cannot = match joint {
+        Joint::Comparison => "compared",
+        _ => "added",
+    };
     let d = Diagnostic::error("unit-sum", format!("{a} and {b} cannot be {cannot}"))
         .at(second.at, format!("in {b}"))
         .also(first.at, format!("in {a}"));
@@ -48,20 +61,18 @@ pub fn unit_sum(first: &Summand, second: &Summand, added: bool) -> Diagnostic {
             .help("scale one of them in the data block, and declare the same unit for both");
     }
     let (x, y) = (first.text, second.text);
-    let ratio = a.per(b).map(|u| u.to_string());
-    let long = x.len() + y.len() > SHORT;
-    match ratio.filter(|_| !long) {
-        Some(ratio) if added => {
-            let sign = if second.subtracted { '-' } else { '+' };
-            d.help(format!(
-                "a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}; as two terms write `<{x}, {y}>`"
-            ))
-        }
-        Some(ratio) => d.help(format!(
-            "a number carries a unit: `2*{y}` with the 2 in {ratio}"
-        )),
-        None => d.help("a number carries a unit: multiply one of the two by its own"),
-    }
+    let ratio = a.per(b).filter(|_| x.len() + y.len() <= SHORT);
+    let Some(ratio) = ratio else {
+        return d.help("a number carries a unit: multiply one of the two by its own");
+    };
+    let sign = if second.subtracted { '-' } else { '+' };
+    d.help(match joint {
+        Joint::Comparison => format!("a number carries a unit: `2*{y}` with the 2 in {ratio}"),
+        Joint::Sum => format!("a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}"),
+        Joint::Item => format!(
+            "two terms are `<{x}, {y}>`; in one, a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}"
+        ),
+    })
 }
 
 /// `sin(x)` of metres.
