@@ -17,5 +17,6 @@ pub mod simulate;
 pub mod solve;
 pub mod term;
 pub mod trajectory;
+pub mod units;
 pub mod validate;
 pub mod weak;

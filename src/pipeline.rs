@@ -51,6 +51,7 @@ pub fn vocabulary() -> Vocabulary {
                 name: g.name(),
                 usage: g.usage(),
                 discrete_only: g.discrete_only(),
+                of_angles: g.of_angles(),
             })
             .collect(),
     }

@@ -9,10 +9,11 @@ use super::limits::{self, Limits};
 use super::progress::{Line, Work};
 use super::{Failure, output, status};
 use crate::discover::Options;
+use crate::lang::model::Model;
 use crate::lang::source::Sources;
 use crate::library::{self, Block, Library, readable, readable_bytes};
 use crate::pipeline::{self, Program, Rows};
-use crate::term::{Language, SignalNames};
+use crate::term::{Language, Signal, SignalNames, VarId};
 
 /// Check a model, and whether the data fit it
 #[derive(clap::Args)]
@@ -77,6 +78,7 @@ fn describe(program: &Program) -> String {
     if let Some(name) = &model.system {
         text.push_str(&format!("system {name}\n"));
     }
+    text.push_str(&units(model));
     for (equation, library) in model.equations.iter().zip(&program.libraries) {
         let target = model.name(equation.target);
         text.push_str(&match library {
@@ -85,6 +87,27 @@ fn describe(program: &Program) -> String {
         });
     }
     text
+}
+
+/// `units: y m, F N, t s; targets ddy m/s^2`, of what has one.
+fn units(model: &Model) -> String {
+    const SHOWN: usize = 24;
+    let list = |signals: &mut dyn Iterator<Item = Signal>| {
+        let mut each =
+            signals.filter_map(|s| Some(format!("{} {}", model.name(s), model.unit(s)?)));
+        let mut names: Vec<String> = each.by_ref().take(SHOWN).collect();
+        names.extend(each.next().map(|_| "…".into()));
+        names.join(", ")
+    };
+    // Time comes last: it has a unit wherever anything has.
+    let ids = (1..model.vars.len()).chain([0]).map(|i| VarId(i as u16));
+    let variables = list(&mut ids.map(Signal::new));
+    let targets = list(&mut model.equations.iter().map(|e| e.target));
+    match (variables.is_empty(), targets.is_empty()) {
+        (true, _) => String::new(),
+        (false, true) => format!("units: {variables}\n"),
+        (false, false) => format!("units: {variables}; targets {targets}\n"),
+    }
 }
 
 /// `3,281 candidate terms of 6,561 (symmetry y, theta, F; degree ≤ 4)`

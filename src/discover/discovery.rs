@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lang::model::{Model, VarKind};
 use crate::term::{Signal, SignalNames, Term, VarId};
+use crate::units::{self, Unit};
 
 /// The identified system.
 #[derive(Clone, Debug, Default)]
@@ -23,6 +24,8 @@ pub struct Variable {
     pub kind: VarKind,
     /// Highest derivative that exists.
     pub order: u8,
+    /// What it is counted in, if declared.
+    pub unit: Option<Unit>,
 }
 
 /// target = Σ coefficient · term, in model units.
@@ -236,6 +239,7 @@ impl Discovery {
                     name: v.name.clone(),
                     kind: v.kind,
                     order: v.order,
+                    unit: v.unit.clone(),
                 })
                 .collect(),
             equations: Vec::new(),
@@ -246,6 +250,18 @@ impl Discovery {
     /// True if every equation that was asked for passes.
     pub fn passes(&self) -> bool {
         self.failed.is_empty() && self.equations.iter().all(|e| e.status != Status::Doubt)
+    }
+
+    /// What a signal is counted in, if that was said.
+    pub fn unit(&self, s: Signal) -> Option<Unit> {
+        let of = |id: VarId| self.variable_of(id)?.unit.as_ref();
+        units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
+    }
+
+    /// The unit of a term's coefficient, and of its standard error; `None` where some signal has none.
+    pub fn coefficient_unit(&self, target: Signal, term: &Term) -> Option<Unit> {
+        let term = units::of_term(term, &|s| self.unit(s))?;
+        units::coefficient(&self.unit(target)?, &term)
     }
 
     pub fn variable_of(&self, id: VarId) -> Option<&Variable> {

@@ -6,13 +6,14 @@ use crate::discover::{
 use crate::term::SignalNames;
 
 use super::number::significant;
-use super::{path, text};
+use super::{path, text, units};
 
 /// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found.
 pub fn answer(d: &Discovery) -> String {
     let mut out = String::new();
     for (e, lines) in d.equations.iter().zip(text::equations(d)) {
         out.push_str(&lines);
+        out.push_str(&units::lines(d, e));
         for line in remarks(e) {
             out.push_str(&format!("    {line}\n"));
         }

@@ -19,6 +19,7 @@ mod python;
 mod rust;
 mod sympy;
 mod text;
+mod units;
 mod validation;
 
 use crate::discover::Discovery;

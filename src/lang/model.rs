@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 use super::source::Span;
 use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
+use crate::units::{self, Unit};
 
 #[derive(Clone, Debug, Default)]
 pub struct Model {
@@ -47,7 +48,8 @@ pub struct Var {
     pub order: u8,
     /// Standard deviation of the sensor's noise by order of derivative, each in model units.
     pub noise: BTreeMap<u8, f64>,
-    pub unit: Option<String>,
+    /// What it is counted in; that of time is seconds in a model that declares any.
+    pub unit: Option<Unit>,
     /// How an input moves between samples, if declared.
     pub between: Option<Between>,
     /// Where it was declared; `None` for time.
@@ -214,6 +216,12 @@ impl Model {
     /// Standard deviation of a signal's measurement, if it was said.
     pub fn noise(&self, s: Signal) -> Option<f64> {
         self.var(s.var)?.noise.get(&s.der).copied()
+    }
+
+    /// What a signal is counted in, if that was said.
+    pub fn unit(&self, s: Signal) -> Option<Unit> {
+        let of = |id: VarId| self.var(id)?.unit.as_ref();
+        units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
     }
 
     /// Declared variables of one kind, in order of declaration.

@@ -54,6 +54,10 @@ pub trait Generator: Sync {
     fn discrete_only(&self) -> bool {
         false
     }
+    /// True if its atoms are angles, which have no unit.
+    fn of_angles(&self) -> bool {
+        false
+    }
     /// How many terms `atoms` atoms give, by arithmetic alone; also checks the numbers.
     fn count(&self, atoms: usize, numbers: &[NumberArg]) -> Result<u128, Misuse>;
     /// For a generator of monomials: with which exponents. Its terms are then kept as products of the powers of each atom, and

@@ -29,6 +29,9 @@ pub struct Document {
     /// `continuous` or `discrete`.
     #[serde(default)]
     pub time: TimeKind,
+    /// What time is counted in; absent if no variable has a unit.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub time_unit: Option<String>,
     pub variables: Vec<VariableEntry>,
     pub equations: Vec<EquationEntry>,
     #[serde(default)]
@@ -92,6 +95,9 @@ pub struct VariableEntry {
     pub kind: String,
     #[serde(default)]
     pub order: u8,
+    /// As declared, in the spelling of docs/language.md; absent if it was not.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unit: Option<String>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -125,6 +131,9 @@ pub struct KnotEntry {
 pub struct TermEntry {
     pub term: String,
     pub coefficient: f64,
+    /// Of the coefficient and its standard error; absent where some signal has none. Not read back: it follows from the variables'.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unit: Option<String>,
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub fixed: bool,
     #[serde(skip_serializing_if = "Option::is_none", default)]

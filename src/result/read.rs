@@ -8,6 +8,7 @@ use crate::lang::parse::token::is_name;
 use crate::lang::source::Sources;
 use crate::lang::{self, Vocabulary};
 use crate::term::{SignalNames, Term};
+use crate::units;
 
 /// A result and what it takes to read other data as it was found from.
 #[derive(Clone, Debug)]
@@ -65,6 +66,7 @@ fn opened(name: &str, doc: &Document) -> Result<Opened, Diagnostic> {
     let mut d = Discovery::of(&model);
     d.system = doc.system.clone();
     d.discrete = doc.time == TimeKind::Discrete;
+    read_units(name, doc, &mut d)?;
     for (entry, equation) in doc.equations.iter().zip(&model.equations) {
         let terms = terms(&equation.right);
         if terms.len() != entry.terms.len() {
@@ -98,6 +100,19 @@ fn opened(name: &str, doc: &Document) -> Result<Opened, Diagnostic> {
         discovery: d,
         model,
     })
+}
+
+/// The units of time and of the variables, in the order of the document.
+fn read_units(name: &str, doc: &Document, d: &mut Discovery) -> Result<(), Diagnostic> {
+    let written = doc.variables.iter().map(|v| v.unit.as_deref());
+    let all = std::iter::once(doc.time_unit.as_deref()).chain(written);
+    for (variable, text) in d.variables.iter_mut().zip(all) {
+        let Some(text) = text else { continue };
+        let (unit, _) = units::parse(text)
+            .map_err(|fault| damaged(name, &format!("{text:?} is no unit: {}", fault.cause)))?;
+        variable.unit = Some(unit);
+    }
+    Ok(())
 }
 
 /// Every piece of text that becomes part of a model is what it claims to be, and nothing else: a name is a word, and no term or

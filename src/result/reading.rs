@@ -1,4 +1,4 @@
-//! How the data of a result were read, so that others can be read alike: the data block, courses of inputs, noise, units.
+//! How the data of a result were read, so that others can be read alike: the data block, courses of inputs, noise.
 //!
 //! In: a model. Out: plain text and numbers for the document; and back, lines of a data block that the language's own parser
 //! reads. Text that could be anything else than one entry's arithmetic is refused.
@@ -29,9 +29,6 @@ pub struct Reading {
     /// Signal → standard deviation of its sensor, in units of the model, where it was said.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub noise: BTreeMap<String, f64>,
-    /// Variable → unit.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
-    pub unit: BTreeMap<String, String>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -64,9 +61,6 @@ impl Reading {
             for (der, sigma) in &var.noise {
                 let name = model.name(Signal::derivative(id, *der));
                 out.noise.insert(name, *sigma);
-            }
-            if let Some(unit) = &var.unit {
-                out.unit.insert(var.name.clone(), unit.clone());
             }
         }
         out
@@ -111,11 +105,6 @@ impl Reading {
                 CourseEntry::Hold => Between::Hold,
                 CourseEntry::Linear => Between::Linear,
             });
-        }
-        for (name, unit) in &self.unit {
-            let var = model.vars.iter_mut().find(|v| v.name == *name);
-            let var = var.ok_or_else(|| format!("{name:?} is no variable"))?;
-            var.unit = Some(unit.chars().filter(|c| !c.is_control()).collect());
         }
         for (name, sigma) in &self.noise {
             let signal = signal(model, name).ok_or_else(|| format!("{name:?} is no signal"))?;

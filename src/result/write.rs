@@ -6,7 +6,7 @@ use super::{
 };
 use crate::discover::{Discovery, Equation, FoundTerm, PathKnot};
 use crate::lang::model::VarKind;
-use crate::term::{Language, SignalNames};
+use crate::term::{Language, Signal, SignalNames};
 
 /// The document as JSON text, ending in a newline.
 ///
@@ -21,6 +21,7 @@ pub fn write(d: &Discovery, beside: Beside) -> Result<String, serde_json::Error>
         } else {
             TimeKind::Continuous
         },
+        time_unit: d.unit(Signal::TIME).map(|u| u.to_string()),
         variables: d.variables.iter().skip(1).map(variable).collect(),
         equations: d.equations.iter().map(|e| equation(d, e)).collect(),
         failed: d
@@ -52,36 +53,38 @@ fn variable(v: &crate::discover::Variable) -> VariableEntry {
         name: v.name.clone(),
         kind: kind.into(),
         order: v.order,
+        unit: v.unit.as_ref().map(ToString::to_string),
     }
 }
 
 fn equation(d: &Discovery, e: &Equation) -> EquationEntry {
     EquationEntry {
         target: d.name(e.target),
-        terms: terms(d, &e.terms),
+        terms: terms(d, e.target, &e.terms),
         status: e.status,
         reasons: e.reasons.clone(),
         evidence: e.evidence.clone(),
-        path: e.path.iter().map(|k| knot(d, k)).collect(),
+        path: e.path.iter().map(|k| knot(d, e.target, k)).collect(),
     }
 }
 
-fn terms(d: &Discovery, terms: &[FoundTerm]) -> Vec<TermEntry> {
+fn terms(d: &Discovery, target: Signal, terms: &[FoundTerm]) -> Vec<TermEntry> {
     let entry = |t: &FoundTerm| TermEntry {
         term: Language(d).term(&t.term),
         coefficient: t.coefficient,
+        unit: d.coefficient_unit(target, &t.term).map(|u| u.to_string()),
         fixed: t.fixed,
         standard_error: t.standard_error.filter(|s| s.is_finite()),
     };
     terms.iter().map(entry).collect()
 }
 
-fn knot(d: &Discovery, k: &PathKnot) -> KnotEntry {
+fn knot(d: &Discovery, target: Signal, k: &PathKnot) -> KnotEntry {
     KnotEntry {
         number: k.number,
         penalty: k.penalty,
         residual: k.residual,
-        terms: terms(d, &k.terms),
+        terms: terms(d, target, &k.terms),
         gap: k.gap,
     }
 }

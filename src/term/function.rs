@@ -24,6 +24,21 @@ pub struct Function {
     pub spelling: Spelling,
     /// What f(−x) is.
     pub symmetry: Symmetry,
+    /// What units it takes and gives.
+    pub units: UnitRule,
+}
+
+/// What a function does with units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnitRule {
+    /// Takes pure numbers and gives one.
+    Pure,
+    /// All arguments and the value have one unit.
+    Kept,
+    /// The value has the root of the argument's unit.
+    Root,
+    /// Any argument; the value is a pure number.
+    Lost,
 }
 
 /// What a function is called in each language that code is written in; empty where the language has none, and the target refuses.
@@ -82,6 +97,11 @@ impl Function {
         self.symmetry = Symmetry::Odd;
         self
     }
+
+    const fn with_units(mut self, rule: UnitRule) -> Function {
+        self.units = rule;
+        self
+    }
 }
 
 const fn one(
@@ -101,6 +121,7 @@ const fn one(
         latex,
         spelling,
         symmetry: Symmetry::None,
+        units: UnitRule::Pure,
     }
 }
 
@@ -159,11 +180,11 @@ pub static FUNCTIONS: &[Function] = &[
     one("tanh", |x| x[0].tanh(), |x, _| one_plus(-1.0, of("tanh", &x[0])), "", r"\tanh", all("tanh")).odd(),
     one("exp",  |x| x[0].exp(),  |x, _| of("exp", &x[0]), "arguments below 709", r"\exp", all("exp")),
     one("log",  |x| x[0].ln(),   |x, _| x[0].clone().pow(-1.0), "positive arguments", r"\ln", spelled("ln", "log", "log", "log", "real_log")),
-    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", spelled("sqrt", "sqrt", "sqrt", "sqrt", "real_sqrt")),
-    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even(),
-    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd(),
-    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None },
-    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None },
+    one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", spelled("sqrt", "sqrt", "sqrt", "sqrt", "real_sqrt")).with_units(UnitRule::Root),
+    one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even().with_units(UnitRule::Kept),
+    one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd().with_units(UnitRule::Lost),
+    Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None, units: UnitRule::Kept },
+    Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None, units: UnitRule::Kept },
 ];
 
 /// A function by its place in [`FUNCTIONS`].

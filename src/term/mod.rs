@@ -15,7 +15,7 @@ mod tape;
 
 pub(crate) use expr::power;
 pub use expr::{Atom, Expr, Term};
-pub use function::{FUNCTIONS, Func, Function, Symmetry};
+pub use function::{FUNCTIONS, Func, Function, Symmetry, UnitRule};
 pub use graph::{Graph, Node};
 pub use parity::Parity;
 pub use print::{Language, Notation, Precedence, write_expr, write_term};

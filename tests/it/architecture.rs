@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 /// Each room and the rooms it may know. What is not listed may know everything.
 const MAY_KNOW: &[(&str, &[&str])] = &[
     ("term", &[]),
-    ("lang", &["term"]),
+    ("units", &["term"]),
+    ("lang", &["term", "units"]),
     ("library", &["term", "lang"]),
     ("data", &["term", "lang"]),
     ("dictionary", &["library", "term", "data"]),
@@ -24,6 +25,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "solve",
             "weak",
             "trajectory",
+            "units",
         ],
     ),
     ("simulate", &["term", "lang", "data", "discover"]),
@@ -32,10 +34,13 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
         &["term", "lang", "data", "discover", "simulate"],
     ),
     ("algebra", &["term", "discover"]),
-    ("emit", &["term", "lang", "discover", "validate", "algebra"]),
+    (
+        "emit",
+        &["term", "lang", "discover", "validate", "algebra", "units"],
+    ),
     (
         "result",
-        &["term", "lang", "discover", "validate", "algebra"],
+        &["term", "lang", "discover", "validate", "algebra", "units"],
     ),
 ];
 

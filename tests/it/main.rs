@@ -33,4 +33,5 @@ mod simulate_command;
 mod smooth;
 mod solve;
 mod symbolic;
+mod units;
 mod weak;

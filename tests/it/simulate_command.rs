@@ -31,7 +31,7 @@ fn with_reading(reading: &str) -> String {
 #[test]
 fn documents_say_how_data_are_read() {
     let reading = r#"{"columns": {"t": "\"time\" * 0.001", "x": "unwrap(\"Angle # {1}\", 360.0) / 57.5", "dx": null},
-        "between": {"u": "linear"}, "noise": {"x": 0.01}, "unit": {"x": "rad"}}"#;
+        "between": {"u": "linear"}, "noise": {"x": 0.01}}"#;
     let opened = result::open("r.json", &with_reading(reading)).unwrap();
     let model = &opened.model;
     assert_eq!(model.data.entries.len(), 3);

@@ -7,6 +7,7 @@ use crate::lang::ast::{Attribute, Expr, ExprKind, Keyword, StatementKind};
 use crate::lang::model::{Between, Var, VarKind};
 use crate::lang::source::Span;
 use crate::term::{Signal, VarId};
+use crate::units::{self, Unit};
 
 /// More variables than any model needs, and few enough for a [`VarId`].
 const MAX_VARIABLES: usize = 10_000;
@@ -16,7 +17,7 @@ const MAX_ORDER: u8 = 9;
 struct Attributes {
     order: u8,
     noise: Option<f64>,
-    unit: Option<String>,
+    unit: Option<Unit>,
     between: Option<Between>,
 }
 
@@ -48,6 +49,12 @@ impl Checker<'_> {
                 self.declare(*keyword, names, attributes);
             }
         }
+        // Seconds mean something only beside other units.
+        if self.scope.vars.iter().any(|v| v.unit.is_some())
+            && let Some(time) = self.scope.vars.first_mut()
+        {
+            time.unit.get_or_insert_with(Unit::second);
+        }
     }
 
     fn declare(&mut self, keyword: Keyword, names: &[Expr], attributes: &[Attribute]) {
@@ -63,6 +70,11 @@ impl Checker<'_> {
             .flatten()
             .collect();
         let a = self.attributes(keyword, attributes);
+        if let ([(name, span)], Some(unit), [_]) = (declared.as_slice(), &a.unit, attributes)
+            && (name == "t" && keyword == Keyword::Input)
+        {
+            return self.declare_time(*span, unit.clone());
+        }
         for (name, span) in declared {
             self.add_variable(Var {
                 name,
@@ -73,6 +85,17 @@ impl Checker<'_> {
                 between: a.between,
                 span: Some(span),
             });
+        }
+    }
+
+    /// `input t : unit "year"`: all that can be said of time.
+    fn declare_time(&mut self, span: Span, unit: Unit) {
+        let Some(time) = self.scope.vars.first_mut() else {
+            return;
+        };
+        match time.span.replace(span) {
+            Some(first) => self.say(complain::twice(span, first, "unit of time")),
+            None => time.unit = Some(unit),
         }
     }
 
@@ -206,16 +229,36 @@ impl Checker<'_> {
     }
 
     /// `unit "m"`
-    fn unit(&mut self, a: &Attribute) -> Option<String> {
-        match a.value.as_ref().map(|v| &v.kind) {
-            Some(ExprKind::Text(text)) => Some(text.trim().to_string()),
-            _ => self.fail(complain::attribute_value(
+    fn unit(&mut self, a: &Attribute) -> Option<Unit> {
+        let Some((at, text)) = a.value.as_ref().and_then(|v| self.quoted(v)) else {
+            return self.fail(complain::attribute_value(
                 a.key.span,
                 "unit",
                 "a text in quotes",
                 "unit \"m\"",
-            )),
+            ));
+        };
+        let place = |range: std::ops::Range<usize>| {
+            Span::new(at.file, at.start + range.start, at.start + range.end)
+        };
+        match units::parse(text) {
+            Ok((unit, suspects)) => {
+                for s in suspects {
+                    self.say(complain::unit_unknown(place(s.at.clone()), &s));
+                }
+                Some(unit)
+            }
+            Err(fault) => self.fail(complain::unit_text(place(fault.at.clone()), &fault)),
         }
+    }
+
+    /// What stands between the quotes, and where.
+    fn quoted(&self, e: &Expr) -> Option<(Span, &str)> {
+        let ExprKind::Text(_) = e.kind else {
+            return None;
+        };
+        let inner = Span::new(e.span.file, e.span.start + 1, e.span.end.checked_sub(1)?);
+        Some((inner, self.text(inner)))
     }
 
     /// `hold` or `linear`

@@ -16,6 +16,7 @@ mod measure;
 mod restrict;
 mod scope;
 mod sets;
+mod units;
 mod unknown;
 
 use std::collections::BTreeSet;
@@ -35,6 +36,8 @@ pub struct GeneratorSignature {
     pub usage: &'static str,
     /// Only for models with `next`.
     pub discrete_only: bool,
+    /// Its atoms become angles: pure numbers.
+    pub of_angles: bool,
 }
 
 /// The names the language takes from outside.
@@ -70,6 +73,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
     model.symmetries = c.symmetries();
     model.degree = c.degree_limit();
     model.data = c.data_blocks();
+    c.units();
     model.vars = std::mem::take(&mut c.scope.vars);
     c.notes(&model);
     let failed = !file.broken.is_empty() || c.found.iter().any(Diagnostic::is_error);

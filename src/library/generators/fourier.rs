@@ -22,6 +22,10 @@ impl Generator for Fourier {
         "sin(k*atom) and cos(k*atom), k = 1 … n"
     }
 
+    fn of_angles(&self) -> bool {
+        true
+    }
+
     fn count(&self, atoms: usize, numbers: &[NumberArg]) -> Result<u128, Misuse> {
         let (from, to) = whole_range(numbers, "number of harmonics", 1, USAGE)?;
         Ok(2 * atoms as u128 * u128::from(to - from + 1))

@@ -100,7 +100,12 @@ impl Draw {
             .filter(|n| self.variables.iter().all(|v| v.name != *n))
             .collect();
         let name = self.random.pick(&free).to_string();
-        self.variables.push(Variable { name, kind, order });
+        self.variables.push(Variable {
+            name,
+            kind,
+            order,
+            unit: None,
+        });
         VarId(self.variables.len() as u16 - 1)
     }
 
@@ -110,6 +115,7 @@ impl Draw {
             name: "t".into(),
             kind: VarKind::Input,
             order: 0,
+            unit: None,
         });
         let discrete = self.laws == Laws::Discrete;
         let mut targets = Vec::new();

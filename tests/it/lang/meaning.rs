@@ -89,7 +89,7 @@ fn declarations() {
     assert_eq!(names, ["t", "y", "theta", "F", "z", "m"]);
     assert_eq!(m.vars[1].order, 2);
     assert_eq!(m.vars[1].noise.get(&0), Some(&0.1));
-    assert_eq!(m.vars[1].unit.as_deref(), Some("m"));
+    assert_eq!(m.vars[1].unit.as_ref().unwrap().to_string(), "m");
     assert_eq!(m.vars[3].between, Some(Between::Hold));
     assert_eq!(m.vars[4].kind, VarKind::Output);
     assert_eq!(m.equations[0].target, Signal::derivative(VarId(1), 2));

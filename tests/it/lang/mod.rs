@@ -19,6 +19,7 @@ pub fn vocabulary() -> Vocabulary {
         name,
         usage,
         discrete_only,
+        of_angles: name == "fourier",
     };
     Vocabulary {
         generators: vec![

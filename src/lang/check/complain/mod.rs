@@ -7,9 +7,11 @@ mod equations;
 mod names;
 mod restrict;
 mod terms;
+mod units;
 
 pub use data::*;
 pub use equations::*;
 pub use names::*;
 pub use restrict::*;
 pub use terms::*;
+pub use units::*;

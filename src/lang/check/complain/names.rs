@@ -39,7 +39,9 @@ pub fn taken(at: Span, name: &str) -> Diagnostic {
     )
     .at(at, "cannot be declared")
     .help(match name {
-        "t" => "use `t` without declaring it, or choose another name such as `t1`",
+        "t" => {
+            "use `t` without declaring it; `input t : unit \"h\"` alone says what it is counted in"
+        }
         _ => "use `pi` without declaring it, or choose another name",
     })
 }
