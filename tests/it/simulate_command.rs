@@ -307,7 +307,12 @@ fn every_truth_of_the_gallery_follows_its_data() {
         }
         let value: Value = serde_json::from_str(&run.stdout).unwrap();
         // Hares and lynxes are real: their truth is a sketch.
-        let limit = if name == "lotka_volterra" { 0.0 } else { -35.0 };
+        // And one accelerometer of the carts is poor.
+        let limit = match name.as_str() {
+            "lotka_volterra" => 0.0,
+            "two_carts" => -20.0,
+            _ => -35.0,
+        };
         for run in value["runs"].as_array().unwrap() {
             for score in run["scores"].as_array().unwrap() {
                 let ratio = score["error_to_signal_db"].as_f64().unwrap_or(-400.0);
