@@ -52,7 +52,7 @@ fn pivot(matrix: &mut [f64], right: &mut [f64], k: usize) -> bool {
     let best = (k..n)
         .max_by(|a, b| size(a).total_cmp(&size(b)))
         .unwrap_or(k);
-    if !(size(&best) > RANK) {
+    if size(&best).is_nan() || size(&best) <= RANK {
         return false;
     }
     if best != k {
@@ -66,7 +66,7 @@ fn pivot(matrix: &mut [f64], right: &mut [f64], k: usize) -> bool {
 fn two(matrix: &[f64], right: &mut [f64]) -> bool {
     let &[a, b, c, d] = matrix else { return false };
     let determinant = a * d - b * c;
-    if !(determinant.abs() > RANK) {
+    if determinant.is_nan() || determinant.abs() <= RANK {
         return false;
     }
     let (p, q) = (right[0], right[1]);
