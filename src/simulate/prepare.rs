@@ -25,7 +25,7 @@ const STEPS: f64 = 1e9;
 /// Evaluations that one trial of a start may take.
 const TRIAL: u64 = 200_000;
 /// Rows that a start is looked for in.
-const BEGINNING: usize = 2_000;
+const BEGINNING: usize = 1_000;
 /// What a start may leave of the first readings, in standard deviations of the noise, to show that there is no such noise.
 const CLOSE: f64 = 0.2;
 /// A state beyond so many of its sizes has left the world of its data.
