@@ -52,7 +52,7 @@ pub(super) fn settle(
 ) -> Option<Settled> {
     let most = (readings.rows / SHARE)
         .max(readings.rows.min(2 * FEW) / 2)
-        .min(2000);
+        .min(1000);
     let mut rows = (ROWS * free.len()).max(ROWS * 2);
     let mut best: Option<Settled> = None;
     while rows <= most {
