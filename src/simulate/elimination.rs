@@ -52,7 +52,7 @@ fn pivot(matrix: &mut [f64], right: &mut [f64], k: usize) -> bool {
     let best = (k..n)
         .max_by(|a, b| size(a).total_cmp(&size(b)))
         .unwrap_or(k);
-    if !(size(&best) > RANK) {
+    if size(&best).is_nan() || size(&best) <= RANK {
         return false;
     }
     if best != k {
@@ -66,7 +66,7 @@ fn pivot(matrix: &mut [f64], right: &mut [f64], k: usize) -> bool {
 fn two(matrix: &[f64], right: &mut [f64]) -> bool {
     let &[a, b, c, d] = matrix else { return false };
     let determinant = a * d - b * c;
-    if !(determinant.abs() > RANK) {
+    if determinant.is_nan() || determinant.abs() <= RANK {
         return false;
     }
     let (p, q) = (right[0], right[1]);
@@ -82,14 +82,14 @@ mod tests {
     #[test]
     fn solutions_solve_and_dependent_rows_are_seen() {
         for n in 1..6 {
-            let entry = |i: usize, j: usize| ((7 * i + 3 * j + i * j) % 11) as f64 - 4.5;
+            let entry = |i: usize, j: usize| f64::sin((1 + i * i + 3 * j) as f64 * (1 + j) as f64);
             let matrix: Vec<f64> = (0..n * n).map(|k| entry(k / n, k % n)).collect();
             let truth: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
             let times = |i: usize| (0..n).map(|j| matrix[i * n + j] * truth[j]).sum::<f64>();
             let mut right: Vec<f64> = (0..n).map(times).collect();
             assert!(solve(&mut matrix.clone(), &mut right), "{n}");
             for (x, t) in right.iter().zip(&truth) {
-                assert!((x - t).abs() < 1e-12 * t.abs().max(1.0), "{n}: {right:?}");
+                assert!((x - t).abs() < 1e-10 * t, "{n}: {right:?}");
             }
         }
         for n in 2..5 {

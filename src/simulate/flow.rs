@@ -110,7 +110,7 @@ impl<'a> Guard<'a> {
     /// After a step: whether the state is still one, and there is work left.
     pub fn check(&mut self, t: f64, x: &[f64], calls: u64) -> Result<(), Ended> {
         for ((x, bound), name) in x.iter().zip(&self.bounds).zip(&self.names) {
-            if !(x.abs() <= *bound) {
+            if x.is_nan() || x.abs() > *bound {
                 let signal = *name;
                 let bound = *bound;
                 return Err((FaultKind::Diverged { signal, bound }, t));

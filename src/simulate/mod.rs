@@ -13,6 +13,7 @@ mod maps;
 mod march;
 mod plant;
 mod prepare;
+mod reads;
 mod refusals;
 mod routine;
 mod run;
@@ -22,7 +23,8 @@ mod start;
 mod stiff;
 
 pub use fault::{Fault, FaultKind};
-pub use prepare::{reads, simulate};
+pub use prepare::simulate;
+pub use reads::reads;
 pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Window, Work};
 
 use crate::data::Dataset;

@@ -15,16 +15,17 @@ use super::start::{self, Candidates, Noise};
 use crate::data::{self, Dataset, Trajectory};
 use crate::discover::{Discovery, Form};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{Equation, Model, RightSide};
-use crate::lang::source::{FileId, Span};
-use crate::term::{Expr, Signal};
+use crate::lang::model::Model;
+use crate::term::Signal;
 
 /// Evaluations that a run may take, and more for each row.
 const BUDGET: (u64, u64) = (10_000_000, 2_000);
+/// Fixed steps that a run may be cut into.
+const STEPS: f64 = 1e9;
 /// Evaluations that one trial of a start may take.
 const TRIAL: u64 = 200_000;
 /// Rows that a start is looked for in.
-const BEGINNING: usize = 2_000;
+const BEGINNING: usize = 1_000;
 /// What a start may leave of the first readings, in standard deviations of the noise, to show that there is no such noise.
 const CLOSE: f64 = 0.2;
 /// A state beyond so many of its sizes has left the world of its data.
@@ -59,6 +60,14 @@ pub fn simulate(
     let Some(t) = record.trajectories.first().filter(|t| !t.is_empty()) else {
         return Err(refuse::no_rows());
     };
+    let long = t
+        .time
+        .last()
+        .zip(t.time.first())
+        .map_or(0.0, |(b, a)| b - a);
+    if let Some(h) = options.step.filter(|h| long / h > STEPS) {
+        return Err(refuse::steps(h, long / h, STEPS));
+    }
     let mut notes = Vec::new();
     let drives = drives::drives(d, source.model, &record, &plant.form, &mut notes)?;
     let whole = Whole {
@@ -73,29 +82,6 @@ pub fn simulate(
     let mut run = whole.run(go_on, &mut notes)?;
     run.notes = notes;
     Ok(run)
-}
-
-/// A model that binds what a simulation reads and no more: the discovery's inputs and parameters, and the states that start it,
-/// but those whose start is `given`.
-pub fn reads(d: &Discovery, model: &Model, given: &[(Signal, f64)]) -> Model {
-    let form = Form::new(d);
-    let nowhere = Span::new(FileId(0), 0, 0);
-    let is_given = |s: &Signal| given.iter().any(|(g, _)| g == s);
-    let states = form.state.iter().filter(|s| !is_given(s));
-    let others = [&form.inputs, &form.params].into_iter().flatten();
-    // Lags of states reach before any start.
-    let lags = form.history.iter().map(|s| Signal::new(s.var));
-    let plain = states.chain(others).map(|s| Signal { shift: 0, ..*s });
-    let wanted = plain.chain(lags).map(|target| Equation {
-        target,
-        target_span: nowhere,
-        span: nowhere,
-        right: RightSide::Known(Expr::zero()),
-    });
-    Model {
-        equations: wanted.collect(),
-        ..model.clone()
-    }
 }
 
 /// One record and everything about it.
@@ -402,36 +388,5 @@ impl Whole<'_> {
                 .extend(score(*signal, &run.time, pair, &run.legs, bound));
             run.measured.push((*signal, measured.to_vec()));
         }
-    }
-}
-
-impl Run {
-    /// Puts a path's rows into the columns.
-    fn fill(&mut self, begin: usize, path: &Path) {
-        for (k, row) in path.rows.iter().enumerate() {
-            for ((_, column), value) in self.simulated.iter_mut().zip(row) {
-                if let Some(cell) = column.get_mut(begin + k) {
-                    *cell = *value;
-                }
-            }
-        }
-        for (k, row) in path.inputs.iter().enumerate() {
-            for ((_, column), value) in self.inputs.iter_mut().zip(row) {
-                if let Some(cell) = column.get_mut(begin + k) {
-                    *cell = *value;
-                }
-            }
-        }
-        self.work.evaluations += path.evaluations;
-        if self.work.stiff_from.is_none() {
-            self.work.stiff_from = path.stiff_from;
-        }
-    }
-
-    /// Leaves out what lies after the last row simulated.
-    fn cut(&mut self, end: usize) {
-        self.time.truncate(end);
-        let columns = self.simulated.iter_mut().chain(&mut self.inputs);
-        columns.for_each(|(_, values)| values.truncate(end));
     }
 }

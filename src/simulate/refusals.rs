@@ -60,6 +60,14 @@ pub(super) fn no_start_row(d: &Discovery, state: &[Signal]) -> Diagnostic {
     .help("look for empty cells, or give the start: --start NAME=VALUE,…")
 }
 
+pub(super) fn steps(h: f64, count: f64, most: f64) -> Diagnostic {
+    Diagnostic::error(
+        "too-many-steps",
+        format!("steps of {h:e} s are {count:.1e} of them; at most {most:.0e} are made"),
+    )
+    .help("take a longer --step, or none: error control takes the steps that are needed")
+}
+
 pub(super) fn restarts(count: usize) -> Diagnostic {
     let gaps = if count == 1 { "gap" } else { "gaps" };
     Diagnostic::note(

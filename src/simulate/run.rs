@@ -1,6 +1,7 @@
 //! What a simulation is asked and what it answers.
 
 use super::fault::Fault;
+use super::march::Path;
 use crate::lang::diagnostic::Diagnostic;
 use crate::term::Signal;
 
@@ -78,6 +79,35 @@ impl Run {
     /// The first thing that ended a leg early.
     pub fn fault(&self) -> Option<&Fault> {
         self.legs.iter().find_map(|l| l.fault.as_ref())
+    }
+
+    /// Puts a path's rows into the columns.
+    pub(super) fn fill(&mut self, begin: usize, path: &Path) {
+        for (k, row) in path.rows.iter().enumerate() {
+            for ((_, column), value) in self.simulated.iter_mut().zip(row) {
+                if let Some(cell) = column.get_mut(begin + k) {
+                    *cell = *value;
+                }
+            }
+        }
+        for (k, row) in path.inputs.iter().enumerate() {
+            for ((_, column), value) in self.inputs.iter_mut().zip(row) {
+                if let Some(cell) = column.get_mut(begin + k) {
+                    *cell = *value;
+                }
+            }
+        }
+        self.work.evaluations += path.evaluations;
+        if self.work.stiff_from.is_none() {
+            self.work.stiff_from = path.stiff_from;
+        }
+    }
+
+    /// Leaves out what lies after the last row simulated.
+    pub(super) fn cut(&mut self, end: usize) {
+        self.time.truncate(end);
+        let columns = self.simulated.iter_mut().chain(&mut self.inputs);
+        columns.for_each(|(_, values)| values.truncate(end));
     }
 
     pub fn column(&self, s: Signal) -> Option<&[f64]> {

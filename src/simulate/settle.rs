@@ -18,6 +18,9 @@ const STEPS: usize = 12;
 /// Step of a difference quotient, relative to the component's size: far above what integration leaves.
 const STEP: f64 = 1e-6;
 
+/// Simulates so many rows from a start; `None` if that fails.
+pub(super) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>;
+
 /// What was read.
 pub(super) struct Readings {
     /// Places of the signals in a simulated row, their readings by row of the leg (NaN: none), their noise.
@@ -34,11 +37,7 @@ pub(super) struct Settled {
 }
 
 /// Root mean square of what a start leaves over the first stretch, in standard deviations of the noise; `None` if it fails.
-pub(super) fn left_by(
-    readings: &Readings,
-    start: &[f64],
-    run: &mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>,
-) -> Option<f64> {
+pub(super) fn left_by(readings: &Readings, start: &[f64], run: Trial) -> Option<f64> {
     let rows = (2 * ROWS).max(ROWS * start.len()).min(readings.rows);
     let left = residuals(readings, &run(start, rows)?, rows);
     (!left.is_empty()).then(|| left.norm() / (left.len() as f64).sqrt())
@@ -49,11 +48,11 @@ pub(super) fn settle(
     readings: &Readings,
     start: &[f64],
     free: &[(usize, f64)],
-    run: &mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>,
+    run: Trial,
 ) -> Option<Settled> {
     let most = (readings.rows / SHARE)
         .max(readings.rows.min(2 * FEW) / 2)
-        .min(2000);
+        .min(1000);
     let mut rows = (ROWS * free.len()).max(ROWS * 2);
     let mut best: Option<Settled> = None;
     while rows <= most {
@@ -73,7 +72,7 @@ fn fit(
     start: &[f64],
     free: &[(usize, f64)],
     rows: usize,
-    run: &mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>,
+    run: Trial,
 ) -> Option<Settled> {
     let mut x = start.to_vec();
     let mut left = residuals(readings, &run(&x, rows)?, rows);
@@ -106,7 +105,7 @@ fn fit(
     }
     let count = left.len().checked_sub(free.len()).filter(|n| *n > 0)?;
     let scatter = (left.norm_squared() / count as f64).sqrt();
-    if !(scatter <= FOLLOWS) {
+    if scatter.is_nan() || scatter > FOLLOWS {
         return None;
     }
     let covariance = normal.try_inverse()?;
@@ -144,7 +143,7 @@ fn slopes(
     left: &DVector<f64>,
     free: &[(usize, f64)],
     rows: usize,
-    run: &mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>,
+    run: Trial,
 ) -> Option<DMatrix<f64>> {
     let mut columns = Vec::new();
     for (place, size) in free {
