@@ -20,7 +20,7 @@ pub fn text(
     let (program, measured, d) = (&candidate.program, &candidate.measured, &found.discovery);
     let mut text = String::new();
     if !others.is_empty() {
-        text.push_str(&candidates::table(others));
+        text.push_str(&candidates::table(others, program.model.discrete));
         text.push('\n');
     }
     let rows = measured.rows();

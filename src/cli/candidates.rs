@@ -119,14 +119,15 @@ fn merit(found: &Found, runs: Option<&Validation>, shared: &[String]) -> Merit {
 }
 
 /// The table of all candidates, by their error.
-pub fn table(entries: &[CandidateEntry]) -> String {
+pub fn table(entries: &[CandidateEntry], discrete: bool) -> String {
     let width = entries.iter().map(|e| e.model.chars().count()).max();
     let width = width.unwrap_or(0).max("model".len());
     let seconds = entries.first().map_or(0.0, |e| e.seconds);
     let mut text = format!(
-        "candidates by the error of their free runs on data not used, {} long; of those within 1 dB of the least\n\
+        "candidates by the error of their free runs on data not used, {} {} long; of those within 1 dB of the least\n\
          (or below -100 dB) the one with the fewest terms is best\n",
-        emit::significant(seconds, 3)
+        emit::significant(seconds, 3),
+        if discrete { "samples" } else { "s" }
     );
     text.push_str(&format!("  {:<width$}  terms  error (dB)\n", "model"));
     for e in entries {

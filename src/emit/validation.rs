@@ -1,7 +1,8 @@
 //! Free runs as a table: how well the equations follow the data, used and held out.
 
 use super::number::significant;
-use crate::validate::{Figures, FreeRun, Validation};
+use crate::simulate::Figures;
+use crate::validate::{FreeRun, Validation};
 
 /// One line a signal and stretch; empty if nothing was run.
 pub fn validation(v: &Validation) -> String {
@@ -67,7 +68,7 @@ fn stretch(run: &FreeRun) -> Vec<[String; 6]> {
 }
 
 fn figures(f: &Figures) -> [String; 6] {
-    let follows = match f.follows {
+    let follows = match f.follows_seconds {
         None => "to the end".into(),
         Some(s) => format!("for {}", significant(s, 3)),
     };
@@ -75,8 +76,12 @@ fn figures(f: &Figures) -> [String; 6] {
         String::new(),
         String::new(),
         f.signal.clone(),
-        format!("{:.1} dB", f.error_to_signal),
-        format!("{:.2} %", f.fit),
+        figure(f.error_to_signal_db, 1, "dB"),
+        figure(f.fit_percent, 2, "%"),
         follows,
     ]
+}
+
+fn figure(x: Option<f64>, decimals: usize, unit: &str) -> String {
+    x.map_or("–".into(), |x| format!("{x:.decimals$} {unit}"))
 }

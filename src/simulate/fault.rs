@@ -1,6 +1,6 @@
 //! Why a simulation ended before its record did.
 
-use crate::term::Signal;
+use crate::term::{Signal, SignalNames};
 
 /// What went wrong, where, and in which equation.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +43,36 @@ impl FaultKind {
             FaultKind::StepTooSmall => "step-too-small",
             FaultKind::TooMuchWork => "too-much-work",
             FaultKind::Stopped => "run-stopped",
+        }
+    }
+}
+
+impl Fault {
+    /// What happened, without when.
+    pub fn text(&self, names: &impl SignalNames) -> String {
+        let named: Vec<String> = self.equations.iter().map(|s| names.name(*s)).collect();
+        let equations = match named.as_slice() {
+            [] => "the equations".into(),
+            [one] => format!("the equation of {one}"),
+            many => format!("the equations of {}", many.join(" and ")),
+        };
+        match self.kind {
+            FaultKind::NotFinite(_) => format!("{equations} has no finite value"),
+            FaultKind::Singular => format!(
+                "the mass matrix is singular: {equations} say the same there, and no longer determine their unknowns"
+            ),
+            FaultKind::NoSolution(_) => {
+                format!("Newton's method finds nothing that fulfils {equations}")
+            }
+            FaultKind::Diverged { signal, bound } => format!(
+                "{} has left the world of its data (±{bound:.2e}), moved by {equations}",
+                names.name(signal),
+            ),
+            FaultKind::StepTooSmall => {
+                format!("no step is small enough to follow {equations}: a singularity")
+            }
+            FaultKind::TooMuchWork => "its steps had become too many and too small".into(),
+            FaultKind::Stopped => "stopped by hand or by the time limit".into(),
         }
     }
 }

@@ -8,6 +8,7 @@ mod drives;
 mod elimination;
 mod explicit;
 mod fault;
+mod figures;
 mod flow;
 mod maps;
 mod march;
@@ -23,6 +24,7 @@ mod start;
 mod stiff;
 
 pub use fault::{Fault, FaultKind};
+pub use figures::Figures;
 pub use prepare::simulate;
 pub use reads::reads;
 pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Window, Work};

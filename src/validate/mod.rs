@@ -10,13 +10,12 @@ use serde::{Deserialize, Serialize};
 use crate::data::{Dataset, Trajectory};
 use crate::discover::{Discovery, Reason};
 use crate::lang::model::Model;
-use crate::simulate::{self, Options, Run, Source};
-use crate::term::SignalNames;
+use crate::simulate::{self, Figures, Options, Run, Source};
+
+/// Decibels of runs without any error.
+const EXACT: f64 = -400.0;
 
 pub use ranking::{FOLLOWED, Merit, Ranking, rank};
-
-/// An exact run: JSON knows no infinity.
-const EXACT: f64 = -400.0;
 
 /// Free runs from the measured start of each record, or piece of one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -37,21 +36,6 @@ pub struct FreeRun {
     /// Why it ended early.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub ended: Option<Reason>,
-}
-
-/// How one signal follows its measurement; what the figures mean is said at [`simulate::Score`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
-    pub signal: String,
-    pub rows: usize,
-    pub mse: f64,
-    pub mae: f64,
-    pub error_to_signal: f64,
-    pub fit: f64,
-    pub r_squared: f64,
-    /// Seconds; absent if it follows to the end.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub follows: Option<f64>,
 }
 
 /// Runs the equations on the data used and on those held out; `None` where nothing was held out.
@@ -116,45 +100,40 @@ impl Validation {
         }
         let of = |name: &str| -> Option<f64> {
             let all = || held().flat_map(|r| &r.scores).filter(|s| s.signal == name);
-            let error: f64 = all().map(|s| s.mse * s.rows as f64).sum();
-            let signal: f64 = all().map(|s| s.mse * s.rows as f64 / ratio(s)).sum();
+            let figures: Option<Vec<(f64, f64)>> = all().map(energies).collect();
+            let figures = figures?;
+            let error: f64 = figures.iter().map(|(error, _)| error).sum();
+            let signal: f64 = figures.iter().map(|(_, signal)| signal).sum();
             (signal > 0.0).then(|| error / signal)
         };
         let ratios: Option<Vec<f64>> = states.iter().map(|s| of(s)).collect();
         match ratios.as_deref() {
             None | Some([]) => f64::INFINITY,
-            Some(all) => decibels(all.iter().sum::<f64>() / all.len() as f64),
+            Some(all) => {
+                let mean = all.iter().sum::<f64>() / all.len() as f64;
+                (10.0 * mean.log10()).max(EXACT)
+            }
         }
     }
 }
 
-fn ratio(f: &Figures) -> f64 {
-    10f64.powf(f.error_to_signal / 10.0)
-}
-
-fn decibels(ratio: f64) -> f64 {
-    (10.0 * ratio.log10()).max(EXACT)
+/// Energies of a run's error and of its signal.
+fn energies(f: &Figures) -> Option<(f64, f64)> {
+    let error = f.mean_squared_error? * f.rows as f64;
+    let ratio = 10f64.powf(f.error_to_signal_db? / 10.0);
+    // Of an exact run the signal's energy is not known, nor needed: any is more than its error's.
+    Some((error, if error > 0.0 { error / ratio } else { 1.0 }))
 }
 
 fn free_run(d: &Discovery, run: &Run, held_out: bool) -> FreeRun {
-    let figures = run.scores.iter().map(|s| Figures {
-        signal: d.name(s.signal),
-        rows: s.rows,
-        mse: s.mse,
-        mae: s.mae,
-        error_to_signal: s.error_to_signal.max(EXACT),
-        fit: s.fit,
-        r_squared: s.r_squared,
-        follows: s.follows,
-    });
     FreeRun {
         record: run.name.clone(),
         from: run.time.first().copied().unwrap_or(0.0),
         to: run.time.last().copied().unwrap_or(0.0),
         held_out,
-        scores: figures.collect(),
+        scores: run.scores.iter().map(|s| Figures::of(d, s)).collect(),
         ended: run.fault().map(|f| {
-            let text = format!("the run ended at t = {}", f.time);
+            let text = format!("{} at t = {}", f.text(d), f.time);
             Reason::new(f.kind.code(), text)
         }),
     }

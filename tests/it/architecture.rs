@@ -36,11 +36,15 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("algebra", &["term", "discover"]),
     (
         "emit",
-        &["term", "lang", "discover", "validate", "algebra", "units"],
+        &[
+            "term", "lang", "discover", "simulate", "validate", "algebra", "units",
+        ],
     ),
     (
         "result",
-        &["term", "lang", "discover", "validate", "algebra", "units"],
+        &[
+            "term", "lang", "discover", "simulate", "validate", "algebra", "units",
+        ],
     ),
 ];
 

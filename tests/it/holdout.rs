@@ -27,7 +27,7 @@ fn runs(document: &serde_json::Value) -> Vec<(bool, String, f64, f64, f64)> {
     let runs = document["validation"]["runs"].as_array().unwrap();
     let worst = |r: &serde_json::Value| {
         let scores = r["scores"].as_array().unwrap().iter();
-        let errors = scores.map(|s| s["error_to_signal"].as_f64().unwrap());
+        let errors = scores.map(|s| s["error_to_signal_db"].as_f64().unwrap());
         errors.fold(f64::NEG_INFINITY, f64::max)
     };
     let run = |r: &serde_json::Value| {

@@ -6,7 +6,7 @@ use super::super::Failure;
 use crate::discover::Discovery;
 use crate::emit::significant;
 use crate::lang::diagnostic::{Diagnostic, Severity};
-use crate::simulate::{Fault, FaultKind, Leg, Options, Origin, Run, Score, Start};
+use crate::simulate::{Fault, Figures, Leg, Options, Origin, Run, Score, Start};
 use crate::term::{Signal, SignalNames};
 
 /// What a user reads: for each run its starts, its end, its scores.
@@ -93,7 +93,7 @@ fn ended(d: &Discovery, run: &Run, fault: &Fault) -> String {
         fault.kind.code(),
         clock(d),
         significant(fault.time, 6),
-        why(d, fault)
+        fault.text(d)
     );
     let values: Vec<String> = fault
         .at
@@ -106,34 +106,6 @@ fn ended(d: &Discovery, run: &Run, fault: &Fault) -> String {
     let rows: usize = run.legs.iter().map(|l| l.rows.len()).sum();
     text.push_str(&format!("    kept: {rows} rows\n"));
     text
-}
-
-fn why(d: &Discovery, fault: &Fault) -> String {
-    let named: Vec<String> = fault.equations.iter().map(|s| d.name(*s)).collect();
-    let equations = match named.as_slice() {
-        [] => "the equations".into(),
-        [one] => format!("the equation of {one}"),
-        many => format!("the equations of {}", many.join(" and ")),
-    };
-    match fault.kind {
-        FaultKind::NotFinite(_) => format!("{equations} has no finite value"),
-        FaultKind::Singular => format!(
-            "the mass matrix is singular: {equations} say the same there, and no longer determine their unknowns"
-        ),
-        FaultKind::NoSolution(_) => {
-            format!("Newton's method finds nothing that fulfils {equations}")
-        }
-        FaultKind::Diverged { signal, bound } => format!(
-            "{} has left the world of its data (±{}), moved by {equations}",
-            d.name(signal),
-            significant(bound, 3)
-        ),
-        FaultKind::StepTooSmall => {
-            format!("no step is small enough to follow {equations}: a singularity")
-        }
-        FaultKind::TooMuchWork => "its steps had become too many and too small".into(),
-        FaultKind::Stopped => "stopped by hand or by the time limit".into(),
-    }
 }
 
 fn scores(d: &Discovery, run: &Run) -> String {
@@ -300,7 +272,7 @@ struct RunEntry<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     stiff_from: Option<f64>,
     legs: Vec<LegEntry>,
-    scores: Vec<ScoreEntry>,
+    scores: Vec<Figures>,
     notes: Vec<NoteEntry<'a>>,
 }
 
@@ -334,20 +306,6 @@ struct FaultEntry {
     state: Vec<(String, f64)>,
 }
 
-/// Figures that are not finite are `null`.
-#[derive(Serialize)]
-struct ScoreEntry {
-    signal: String,
-    rows: usize,
-    mean_squared_error: f64,
-    mean_absolute_error: f64,
-    error_to_signal_db: f64,
-    fit_percent: f64,
-    r_squared: f64,
-    follows_seconds: Option<f64>,
-    bound: f64,
-}
-
 #[derive(Serialize)]
 struct NoteEntry<'a> {
     code: &'a str,
@@ -368,17 +326,6 @@ pub fn document(d: &Discovery, result: &str, runs: &[Run]) -> Result<String, Fai
 }
 
 fn run_entry<'a>(d: &Discovery, run: &'a Run) -> RunEntry<'a> {
-    let score = |s: &Score| ScoreEntry {
-        signal: d.name(s.signal),
-        rows: s.rows,
-        mean_squared_error: s.mse,
-        mean_absolute_error: s.mae,
-        error_to_signal_db: s.error_to_signal,
-        fit_percent: s.fit,
-        r_squared: s.r_squared,
-        follows_seconds: s.follows,
-        bound: s.bound,
-    };
     let note = |n: &'a Diagnostic| NoteEntry {
         code: n.code,
         severity: match n.severity {
@@ -394,7 +341,7 @@ fn run_entry<'a>(d: &Discovery, run: &'a Run) -> RunEntry<'a> {
         evaluations: run.work.evaluations,
         stiff_from: run.work.stiff_from,
         legs: run.legs.iter().map(|l| leg_entry(d, run, l)).collect(),
-        scores: run.scores.iter().map(score).collect(),
+        scores: run.scores.iter().map(|s| Figures::of(d, s)).collect(),
         notes: run.notes.iter().map(note).collect(),
     }
 }
@@ -421,7 +368,7 @@ fn leg_entry(d: &Discovery, run: &Run, leg: &Leg) -> LegEntry {
         start: leg.start.iter().map(start).collect(),
         ended: leg.fault.as_ref().map(|f| FaultEntry {
             code: f.kind.code(),
-            text: why(d, f),
+            text: f.text(d),
             time: f.time,
             equations: f.equations.iter().map(|s| d.name(*s)).collect(),
             state: f.at.iter().map(|(s, v)| (d.name(*s), *v)).collect(),
