@@ -4,6 +4,7 @@
 
 use crate::data::{self, Dataset, Provenance, Samples, SignalMonitor, Table};
 use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
+use crate::identifiability;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
@@ -189,16 +190,20 @@ pub fn identify(
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
         let found = discover::discover_jointly(&program.model, problem, options, watch);
-        return Ok(found.unwrap_or_else(|| discover::nothing_fits(&program.model, problem)));
+        let Some((mut discovery, samples)) = found else {
+            return Ok(discover::nothing_fits(&program.model, problem));
+        };
+        judge(program, &samples, options, &mut discovery);
+        return Ok(discovery);
     }
-    discover::discover(
+    let found = discover::discover(
         &program.model,
         &program.libraries,
         (&measured.dataset, &measured.samples),
         options,
         watch,
-    )
-    .map_err(|bad| {
+    );
+    let mut discovery = found.map_err(|bad| {
         bad.into_iter()
             .map(|refusal| match refusal {
                 Refusal::Unevaluable((i, value)) => {
@@ -206,8 +211,21 @@ pub fn identify(
                 }
                 Refusal::Contradiction(diagnostic) => diagnostic,
             })
-            .collect()
-    })
+            .collect::<Vec<Diagnostic>>()
+    })?;
+    judge(program, &measured.samples, options, &mut discovery);
+    Ok(discovery)
+}
+
+/// What the rows can tell apart, into the evidence.
+fn judge(program: &Program, samples: &Samples, options: &Options, discovery: &mut Discovery) {
+    identifiability::judge(
+        &program.model,
+        &program.libraries,
+        samples,
+        options,
+        discovery,
+    );
 }
 
 /// Every signal that some equation mentions, each once, sorted.

@@ -63,6 +63,9 @@ pub struct Args {
     /// Show after each equation the answers for larger tolerances, from the first term on
     #[arg(long)]
     path: bool,
+    /// Show all evidence: what the data tell apart, what they do not, and from which rows
+    #[arg(long)]
+    evidence: bool,
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,
@@ -168,7 +171,7 @@ fn answer(args: &Args, program: &Program, measured: &Measured, d: &Discovery) ->
         d.system.as_deref().unwrap_or("system"),
         trajectories(measured)
     ));
-    text.push_str(&emit::answer(d));
+    text.push_str(&emit::answer(d, args.evidence));
     text.push('\n');
     text.push_str(&signals_text(program, measured));
     text

@@ -6,14 +6,14 @@ use crate::discover::{
 use crate::term::SignalNames;
 
 use super::number::significant;
-use super::{path, text};
+use super::{identifiability, path, text};
 
-/// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found.
-pub fn answer(d: &Discovery) -> String {
+/// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found. `whole` asks for all evidence.
+pub fn answer(d: &Discovery, whole: bool) -> String {
     let mut out = String::new();
     for (e, lines) in d.equations.iter().zip(text::equations(d)) {
         out.push_str(&lines);
-        for line in remarks(e) {
+        for line in remarks(e, whole) {
             out.push_str(&format!("    {line}\n"));
         }
         out.push_str(&path::table(d, e));
@@ -25,7 +25,7 @@ pub fn answer(d: &Discovery) -> String {
     out
 }
 
-fn remarks(e: &Equation) -> Vec<String> {
+fn remarks(e: &Equation, whole: bool) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
@@ -43,6 +43,10 @@ fn remarks(e: &Equation) -> Vec<String> {
                 .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
         );
     }
+    lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
+        true => identifiability::whole(i),
+        false => identifiability::brief(i),
+    }));
     lines
 }
 

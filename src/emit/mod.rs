@@ -3,6 +3,7 @@
 //! Emitters see only the [`Discovery`]; where parentheses go is decided once, by the printer in `term`.
 
 mod evidence;
+mod identifiability;
 mod latex;
 mod names;
 mod number;

@@ -1,0 +1,247 @@
+//! What the data can tell apart, equation by equation: rank, relations, equivalent models, excitation, and what to record next.
+//!
+//! In: a model, its libraries, the rows, the [`Discovery`]. Out: an [`Identifiability`] in the evidence of each equation, and the
+//! doubt `tie` where another support of equal size does as well. Never changes an equation, never reads or prints.
+
+mod advice;
+mod cause;
+mod equivalents;
+mod excitation;
+mod findings;
+mod frame;
+mod gram;
+mod isometry;
+mod project;
+mod relations;
+mod shortfall;
+mod signals;
+mod spectrum;
+mod tell;
+
+use std::collections::BTreeMap;
+
+use cause::{Reduced, cause};
+use equivalents::{Equivalent, equivalents};
+use findings::Told;
+use frame::Frame;
+use gram::Gram;
+use relations::{Null, OF_TERMS, Search};
+
+use crate::data::Samples;
+use crate::discover::{Discovery, Equation, Identifiability, Options, Pair, Relation, Status, tie};
+use crate::lang::model::Model;
+use crate::library::Library;
+use crate::term::{Atom, Language, Term};
+
+/// Pairs, relations and supports that are listed.
+const PAIRS: usize = 5;
+const RELATIONS: usize = 12;
+const EQUIVALENT: usize = 8;
+const IDLE: usize = 12;
+/// Columns around which relations are searched, beside the support.
+const SEEDS: usize = 12;
+/// Rest up to which an exchange is told as a relation of the two terms alone.
+const ALIKE: f64 = 0.3;
+
+/// Puts into the evidence of every equation what its rows tell apart.
+pub fn judge(
+    model: &Model,
+    libraries: &[Option<Library>],
+    samples: &Samples,
+    options: &Options,
+    discovery: &mut Discovery,
+) {
+    let mut all = Vec::new();
+    for equation in &discovery.equations {
+        let places = model.equations.iter().zip(libraries);
+        let own = places.filter(|(e, _)| e.target == equation.target);
+        let library = own.filter_map(|(_, l)| l.as_ref()).next();
+        let judged = library.and_then(|l| of(model, l, samples, options, equation));
+        all.push(judged);
+    }
+    for (equation, judged) in discovery.equations.iter_mut().zip(all) {
+        if let Some(judged) = judged {
+            attach(equation, judged);
+        }
+    }
+}
+
+/// What the rows tell apart for one equation; `None` where it has no evidence or no rows.
+pub fn of(
+    model: &Model,
+    library: &Library,
+    samples: &Samples,
+    options: &Options,
+    equation: &Equation,
+) -> Option<Identifiability> {
+    let frame = Frame::new(model, library, samples, equation, options)?;
+    let gram = Gram::of(&frame);
+    let language = Language(model);
+    let name = |p: usize| language.term(frame.term(p));
+    let equivalent = equivalents(&frame, &gram);
+    let told = told(&frame, &gram, library, &equivalent);
+    let findings = findings::findings(&frame, library, &told);
+    let pairs = gram.worst(PAIRS);
+    let named = |e: &Equivalent| -> Vec<String> { e.places.iter().map(|p| name(*p)).collect() };
+    Some(Identifiability {
+        rows: frame.rows(),
+        columns: frame.columns.len(),
+        candidates: frame.candidates,
+        rank: gram.rank(),
+        tolerance: gram::TOLERANCE,
+        coherence: pairs.first().map_or(0.0, |p| p.2.abs()),
+        condition: gram.condition(&frame.support),
+        neighbour: neighbour(&frame, &gram).map(|(p, c)| (name(p), c)),
+        pairs: pairs
+            .iter()
+            .map(|(i, j, cosine)| Pair {
+                first: name(*i),
+                second: name(*j),
+                cosine: *cosine,
+            })
+            .collect(),
+        isometry: isometry::isometry(&gram, frame.support.len()),
+        idle: frame.idle.iter().take(IDLE).map(|t| language.term(t)).collect(),
+        idle_more: frame.idle.len().saturating_sub(IDLE),
+        relations: told.iter().take(RELATIONS).map(|t| written(&frame, t)).collect(),
+        equivalent: equivalent.iter().take(EQUIVALENT).map(named).collect(),
+        equivalent_more: equivalent.len().saturating_sub(EQUIVALENT),
+        excitation: excitation::excitation(&frame, library),
+        leverage: excitation::leverage(&frame),
+        findings,
+    })
+}
+
+/// Another support of equal size that rows explain as well is a doubt; where the trajectory was estimated, refits decide.
+fn attach(equation: &mut Equation, judged: Identifiability) {
+    let Some(evidence) = &mut equation.evidence else {
+        return;
+    };
+    let said = equation.reasons.iter().any(|r| r.code == "tie");
+    let refitted = evidence.together.is_some();
+    if !said && !refitted && let Some(reason) = tie(&judged.equivalent) {
+        equation.reasons.push(reason);
+        equation.status = Status::Doubt;
+    }
+    evidence.identifiability = Some(Box::new(judged));
+}
+
+/// The column that, beside the support, makes the largest condition number.
+fn neighbour(frame: &Frame, gram: &Gram) -> Option<(usize, f64)> {
+    let others = (0..gram.len()).filter(|p| !frame.support.contains(p));
+    let with = |p: usize| gram.condition(&[frame.support.as_slice(), &[p]].concat());
+    let mut worst: Option<(usize, f64)> = None;
+    for p in others {
+        let condition = with(p);
+        if worst.is_none_or(|(_, c)| condition > c) {
+            worst = Some((p, condition));
+        }
+    }
+    worst
+}
+
+/// Every relation that is worth telling, those that allow an exchange first.
+fn told(
+    frame: &Frame,
+    gram: &Gram,
+    library: &Library,
+    equivalent: &[Equivalent],
+) -> Vec<Told> {
+    let search = Search {
+        gram,
+        columns: frame.columns.iter().map(|c| &c.unit[..]).collect(),
+        limits: OF_TERMS,
+    };
+    let mut all = signals::relations(frame, library);
+    for e in equivalent {
+        if let Some(null) = exchange(frame, &search, e) {
+            let mut t = tell(frame, &null);
+            t.exchange = Some((frame.term(e.out).clone(), frame.term(e.into).clone()));
+            all.push(t);
+        }
+    }
+    let found = search.around(&seeds(frame));
+    all.extend(found.iter().map(|null| tell(frame, null)));
+    let mut kept: Vec<Told> = Vec::new();
+    let mut met: BTreeMap<String, usize> = BTreeMap::new();
+    for t in all {
+        let key = tell::equation(frame, &t.reduced, None);
+        let same = met.get(&key).and_then(|at| kept.get_mut(*at));
+        match same {
+            Some(first) => {
+                first.exchange = first.exchange.take().or(t.exchange);
+                for touched in t.touches {
+                    if !first.touches.contains(&touched) {
+                        first.touches.push(touched);
+                    }
+                }
+            }
+            None => {
+                met.insert(key, kept.len());
+                kept.push(t);
+            }
+        }
+    }
+    kept.sort_by_key(|t| (t.exchange.is_none(), t.touches.is_empty() && !t.concerns));
+    kept
+}
+
+/// The relation behind an exchange: of the two terms if they are alike, else of the whole support and what comes.
+fn exchange(frame: &Frame, search: &Search, e: &Equivalent) -> Option<Null> {
+    if !frame.support.contains(&e.out) || frame.support.contains(&e.into) {
+        return None;
+    }
+    let pair = search.nearest(&[e.out, e.into])?;
+    if pair.size < ALIKE {
+        return Some(pair);
+    }
+    let together = [frame.support.as_slice(), &[e.into]].concat();
+    let all = search.nearest(&together).filter(|n| {
+        let has = |p: &usize| n.places.contains(p);
+        has(&e.out) && has(&e.into)
+    });
+    Some(all.unwrap_or(pair))
+}
+
+/// The support, then bare signals and the constant.
+fn seeds(frame: &Frame) -> Vec<usize> {
+    let mut seeds = frame.support.clone();
+    let bare = |t: &Term| {
+        let mut factors = t.factors();
+        match (factors.next(), factors.next()) {
+            (None, _) => true,
+            (Some((Atom::Signal(_), power)), None) => power == 1.0,
+            _ => false,
+        }
+    };
+    let places = 0..frame.columns.len();
+    let more = places.filter(|p| bare(frame.term(*p)) && !frame.support.contains(p));
+    seeds.extend(more.take(SEEDS));
+    seeds
+}
+
+fn tell(frame: &Frame, null: &Null) -> Told {
+    let reduced = Reduced::new(frame, null);
+    let touched = null.places.iter().filter(|p| frame.support.contains(p));
+    Told {
+        reason: cause(frame, &reduced),
+        touches: touched.map(|p| frame.term(*p).clone()).collect(),
+        exchange: None,
+        concerns: null.places.iter().any(|p| frame.support.contains(p)),
+        reduced,
+    }
+}
+
+fn written(frame: &Frame, t: &Told) -> Relation {
+    let language = Language(frame.model);
+    let whole = |(w, r): &(f64, Term)| (language.term(&r.mul(&t.reduced.common)), *w);
+    Relation {
+        terms: t.reduced.terms.iter().map(whole).collect(),
+        text: tell::sentence(frame, &t.reduced, t.touches.first()),
+        size: t.reduced.size,
+        cause: t.reason.cause,
+        why: tell::why(frame, &t.reason),
+        touches: t.touches.iter().map(|t| language.term(t)).collect(),
+        exchanges: t.exchange.is_some(),
+    }
+}
