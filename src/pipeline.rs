@@ -2,9 +2,11 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
+use std::ops::ControlFlow;
+
 use crate::data::{self, Dataset, Provenance, Samples, SignalMonitor, Table};
 use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
-use crate::identifiability;
+use crate::identifiability::{self, Rows};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
@@ -33,6 +35,9 @@ pub struct Measured {
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
+
+/// Samples from which on readings are not differentiated only to say what is missing.
+const READ: usize = 20_000;
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.
 const MOST_THREADS: usize = 8;
@@ -191,9 +196,17 @@ pub fn identify(
     if let Some(problem) = &measured.joint {
         let found = discover::discover_jointly(&program.model, problem, options, watch);
         let Some((mut discovery, samples)) = found else {
-            return Ok(discover::nothing_fits(&program.model, problem));
+            let mut nothing = discover::nothing_fits(&program.model, problem);
+            judge_fitted(
+                program,
+                measured,
+                &Samples::default(),
+                options,
+                &mut nothing,
+            );
+            return Ok(nothing);
         };
-        judge(program, &samples, options, &mut discovery);
+        judge_fitted(program, measured, &samples, options, &mut discovery);
         return Ok(discovery);
     }
     let found = discover::discover(
@@ -213,19 +226,46 @@ pub fn identify(
             })
             .collect::<Vec<Diagnostic>>()
     })?;
-    judge(program, &measured.samples, options, &mut discovery);
-    Ok(discovery)
-}
-
-/// What the rows can tell apart, into the evidence.
-fn judge(program: &Program, samples: &Samples, options: &Options, discovery: &mut Discovery) {
+    let rows = Rows {
+        samples: &measured.samples,
+        read: None,
+    };
     identifiability::judge(
         &program.model,
         &program.libraries,
-        samples,
+        rows,
         options,
-        discovery,
+        &mut discovery,
     );
+    Ok(discovery)
+}
+
+/// What the rows of a fitted trajectory tell apart, and what the readings say where it is not explained.
+fn judge_fitted(
+    program: &Program,
+    measured: &Measured,
+    samples: &Samples,
+    options: &Options,
+    discovery: &mut Discovery,
+) {
+    let dataset = &measured.dataset;
+    let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
+    let read = (rows < READ && identifiability::wants_readings(discovery)).then(|| {
+        let mut signals = needed(program);
+        let targets = program.model.equations.iter().map(|e| e.target);
+        signals.extend(targets.map(|t| Signal::derivative(t.var, t.der + 1)));
+        signals.sort_unstable();
+        signals.dedup();
+        data::samples(&program.model, dataset, &signals, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .0
+    });
+    let rows = Rows {
+        samples,
+        read: read.as_ref(),
+    };
+    identifiability::judge(&program.model, &program.libraries, rows, options, discovery);
 }
 
 /// Every signal that some equation mentions, each once, sorted.

@@ -18,6 +18,13 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
         }
         out.push_str(&path::table(d, e));
     }
+    if whole {
+        let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
+        let judged = judged.filter_map(|e| e.identifiability.as_deref());
+        for line in identifiability::ranges(judged) {
+            out.push_str(&format!("{line}\n"));
+        }
+    }
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
         out.push_str(&reasons("failed", &f.reasons));
@@ -45,7 +52,7 @@ fn remarks(e: &Equation, whole: bool) -> Vec<String> {
     }
     lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
         true => identifiability::whole(i),
-        false => identifiability::brief(i),
+        false => identifiability::brief(i, &e.reasons),
     }));
     lines
 }

@@ -3,7 +3,7 @@
 //! In: an [`Identifiability`]. Out: lines. Never judges: causes and figures come as they are.
 
 use super::number::significant;
-use crate::discover::{Excitation, Finding, Identifiability, Leverage, Relation};
+use crate::discover::{Cause, Excitation, Finding, Identifiability, Leverage, Reason, Relation};
 
 /// Sentences that are said unasked, for one equation.
 const UNASKED: usize = 3;
@@ -11,12 +11,26 @@ const UNASKED: usize = 3;
 const LISTED: usize = 12;
 
 /// At most three lines: what bears on the equation, and what to do about it.
-pub(super) fn brief(i: &Identifiability) -> Vec<String> {
-    let matters = i.findings.iter().filter(|f| f.matters);
+pub(super) fn brief(i: &Identifiability, doubts: &[Reason]) -> Vec<String> {
+    // A doubt has said it already.
+    let said = doubts.iter().any(|r| r.code == "dependent-states");
+    let fresh = |f: &&Finding| f.matters && !(said && f.cause == Cause::Conserved);
+    let matters = i.findings.iter().filter(fresh);
     matters.take(UNASKED).map(finding).collect()
 }
 
-/// All of it.
+/// Ranges and spectra of all signals, each once.
+pub(super) fn ranges<'a>(all: impl Iterator<Item = &'a Identifiability>) -> Vec<String> {
+    let mut seen: Vec<&Excitation> = Vec::new();
+    for e in all.flat_map(|i| &i.excitation) {
+        if seen.iter().all(|s| s.signal != e.signal) {
+            seen.push(e);
+        }
+    }
+    seen.into_iter().map(excitation).collect()
+}
+
+/// All that concerns one equation.
 pub(super) fn whole(i: &Identifiability) -> Vec<String> {
     let mut lines = vec![scope(i)];
     lines.extend(condition(i));
@@ -47,11 +61,14 @@ pub(super) fn whole(i: &Identifiability) -> Vec<String> {
         lines.push(format!("never exercised: {}{more}", i.idle.join(", ")));
     }
     lines.extend(i.relations.iter().take(LISTED).map(relation));
-    lines.extend(i.equivalent.iter().map(|s| format!("as good: {{{}}}", s.join(", "))));
+    lines.extend(
+        i.equivalent
+            .iter()
+            .map(|s| format!("as good: {{{}}}", s.join(", "))),
+    );
     if i.equivalent_more > 0 {
         lines.push(format!("as good: {} more", i.equivalent_more));
     }
-    lines.extend(i.excitation.iter().map(excitation));
     lines.extend(i.leverage.iter().map(leverage));
     lines.extend(i.findings.iter().filter(|f| f.matters).map(finding));
     lines
@@ -157,7 +174,11 @@ fn counted(count: usize, what: &str) -> String {
 fn cosine(x: f64) -> String {
     let off = 1.0 - x.abs();
     match off < 1e-3 {
-        true => format!("{}1 − {}", if x < 0.0 { "−" } else { "" }, short(off.max(0.0))),
+        true => format!(
+            "{}1 − {}",
+            if x < 0.0 { "−" } else { "" },
+            short(off.max(0.0))
+        ),
         false => significant(x, 3),
     }
 }

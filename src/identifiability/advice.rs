@@ -81,11 +81,7 @@ pub(super) fn advice(frame: &Frame, reason: &Reason, exchange: Option<&Exchange>
             );
             match widened.map(|(_, samples)| range(about, &samples)) {
                 Some((a, b)) => Advice {
-                    text: format!(
-                        "let {name} range over {} to {}",
-                        figure(a, 2),
-                        figure(b, 2)
-                    ),
+                    text: format!("let {name} range over {} to {}", figure(a, 2), figure(b, 2)),
                     reach: Some(b - a),
                 },
                 None => Advice::plain(format!("let {name} range further")),
@@ -102,7 +98,11 @@ pub(super) fn advice(frame: &Frame, reason: &Reason, exchange: Option<&Exchange>
             );
             match mirrored {
                 Some((s, _)) => {
-                    let far = if most.abs() > least.abs() { most } else { least };
+                    let far = if most.abs() > least.abs() {
+                        most
+                    } else {
+                        least
+                    };
                     let reach = -far * s;
                     Advice {
                         text: format!("let {name} change its sign and reach {}", figure(reach, 2)),
@@ -113,7 +113,11 @@ pub(super) fn advice(frame: &Frame, reason: &Reason, exchange: Option<&Exchange>
             }
         }
         Cause::ConstantSignal => {
-            let size = if *most == 0.0 && *least == 0.0 { 1.0 } else { most.abs().max(least.abs()) };
+            let size = if *most == 0.0 && *least == 0.0 {
+                1.0
+            } else {
+                most.abs().max(least.abs())
+            };
             let stepped = reached(
                 &|row, s| {
                     if row.late {
@@ -267,7 +271,11 @@ fn separation(frame: &Frame, exchange: &Exchange, samples: &Samples) -> Option<f
     let columns: Vec<Vec<f64>> = (exchange.kept.iter().chain([exchange.into]))
         .map(|t| evaluate(t, samples))
         .collect();
-    let finite = columns.iter().flatten().chain(&target).all(|v| v.is_finite());
+    let finite = columns
+        .iter()
+        .flatten()
+        .chain(&target)
+        .all(|v| v.is_finite());
     if gone.is_empty() || !finite {
         return None;
     }

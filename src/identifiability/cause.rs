@@ -115,12 +115,17 @@ pub(super) fn cause(frame: &Frame, reduced: &Reduced) -> Reason {
     }
     if let Some(argument) = argument(reduced, &signals) {
         let (least, most) = range(&argument, &frame.samples);
-        let small = least < 0.0 && most > 0.0 || least.abs().max(most.abs()) < 2.0 * (most - least);
+        let from_zero = least.abs().max(most.abs()) < 2.0 * (most - least);
+        // Powers are no more alike near zero than elsewhere: they are where a signal mostly has one value.
+        if is_powers(reduced) || !from_zero {
+            let (least, most) = mostly(&argument, &frame.samples);
+            return Reason {
+                cause: Cause::NarrowRange,
+                about: Some((argument, least, most)),
+            };
+        }
         return Reason {
-            cause: match small {
-                true => Cause::SmallRange,
-                false => Cause::NarrowRange,
-            },
+            cause: Cause::SmallRange,
             about: Some((argument, least, most)),
         };
     }
@@ -139,7 +144,10 @@ pub(super) fn cause(frame: &Frame, reduced: &Reduced) -> Reason {
         };
     }
     let states = signals.iter().all(|s| frame.is_state(*s) && s.shift == 0);
-    if states && !signals.is_empty() {
+    let linear = |t: &Term| t.is_one() || is_bare(t);
+    let sum = reduced.terms.iter().all(|(_, t)| linear(t));
+    // A curve in the space of states obeys many equations nearly; exactly, or as a sum, it is a law of the states.
+    if states && !signals.is_empty() && (sum || (reduced.has_one() && reduced.size < SHARP)) {
         return plain(Cause::Conserved);
     }
     plain(Cause::Coincidence)
@@ -153,6 +161,33 @@ pub(super) fn range(e: &Expr, samples: &Samples) -> (f64, f64) {
         (a.min(k * v), b.max(k * v))
     });
     (ends.0, ends.1)
+}
+
+/// Ends of the middle 95 % of the values.
+fn mostly(e: &Expr, samples: &Samples) -> (f64, f64) {
+    let (k, term) = e.clone().into_term();
+    let mut values: Vec<f64> = evaluate(&term, samples).iter().map(|v| k * v).collect();
+    values.sort_by(f64::total_cmp);
+    let at = |part: f64| {
+        let place = (part * values.len().saturating_sub(1) as f64).round() as usize;
+        values.get(place).copied().unwrap_or(f64::NAN)
+    };
+    (at(0.025), at(0.975))
+}
+
+/// Whether all terms are products of powers of signals.
+fn is_powers(reduced: &Reduced) -> bool {
+    let mut atoms = reduced.terms.iter().flat_map(|(_, t)| t.factors());
+    atoms.all(|(atom, _)| matches!(atom, Atom::Signal(_)))
+}
+
+/// Whether a term is one signal.
+pub(super) fn is_bare(t: &Term) -> bool {
+    let mut factors = t.factors();
+    match (factors.next(), factors.next()) {
+        (Some((Atom::Signal(_), power)), None) => power == 1.0,
+        _ => false,
+    }
 }
 
 fn is_input(frame: &Frame, s: Signal) -> bool {

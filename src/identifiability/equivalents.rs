@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 use super::frame::Frame;
 use super::gram::Gram;
 use super::project::dot;
+use crate::term::Language;
 
 /// Difference of the criterion under which two supports of equal size are a tie (as the choice of the support has it).
 const TIE: f64 = 6.0;
@@ -64,6 +65,44 @@ pub(super) fn equivalents(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
                     return found;
                 }
             }
+        }
+    }
+    found
+}
+
+/// Supports that refits with the trajectory found to be ties, of the same size: each exchange of one term, the most alike first.
+pub(super) fn refitted(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
+    let language = Language(frame.model);
+    let names: Vec<String> = frame
+        .columns
+        .iter()
+        .map(|c| language.term(&c.term))
+        .collect();
+    let place = |name: &String| names.iter().position(|n| n == name);
+    let own = sorted(frame.support.clone());
+    let mut found: Vec<Equivalent> = Vec::new();
+    for tie in &frame.evidence.ties {
+        let Some(places) = tie.iter().map(place).collect::<Option<Vec<usize>>>() else {
+            continue;
+        };
+        if places.len() != own.len() {
+            continue;
+        }
+        let mut gone: Vec<usize> = own
+            .iter()
+            .copied()
+            .filter(|p| !places.contains(p))
+            .collect();
+        for into in places.iter().filter(|p| !own.contains(p)) {
+            let alike = |p: &usize| gram.at(*p, *into).abs();
+            let nearest =
+                (0..gone.len()).max_by(|a, b| alike(&gone[*a]).total_cmp(&alike(&gone[*b])));
+            let Some(at) = nearest else { continue };
+            found.push(Equivalent {
+                places: sorted(places.clone()),
+                out: gone.swap_remove(at),
+                into: *into,
+            });
         }
     }
     found

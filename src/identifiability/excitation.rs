@@ -12,6 +12,8 @@ use crate::term::{Language, Signal, SignalNames};
 
 /// Difference of steps that still counts as even.
 const EVEN: f64 = 1e-3;
+/// Spread over size of a signal that has no spectrum.
+const STILL: f64 = 1e-9;
 /// Share of the rows whose weight is told.
 const TOP: f64 = 0.01;
 
@@ -27,7 +29,8 @@ pub(super) fn excitation(frame: &Frame, library: &Library) -> Vec<Excitation> {
         let count = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / count;
         let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
-        let shape = stretch.as_ref().and_then(|(rows, rate)| {
+        let moves = square.sqrt() > STILL * mean.abs();
+        let shape = stretch.as_ref().filter(|_| moves).and_then(|(rows, rate)| {
             let shape = spectrum(values.get(rows.clone())?)?;
             Some((shape, *rate))
         });

@@ -6,11 +6,13 @@
 use super::advice::{Exchange, advice};
 use super::cause::{Reason, Reduced};
 use super::frame::Frame;
-use super::shortfall::{Shortfall, shortfall};
+use super::shortfall::{Asked, Shortfall, shortfall};
 use super::tell::{figure, percent, sentence, why};
-use crate::discover::{Cause, Finding, Status};
+use crate::data::Samples;
+use crate::discover::{Cause, Finding, Reason as Doubt, Status};
+use crate::lang::model::Model;
 use crate::library::Library;
-use crate::term::{Language, SignalNames, Term};
+use crate::term::{Language, Signal, SignalNames, Term};
 
 /// Rest under which a relation holds exactly, as far as coefficients are concerned.
 const EXACT: f64 = 1e-6;
@@ -20,7 +22,7 @@ const ROWS_A_CHOICE: f64 = 10.0;
 const UNCERTAIN: f64 = 0.3;
 const WANTED: f64 = 0.1;
 /// Doubts that say that something is not explained.
-const UNEXPLAINED: [&str; 8] = [
+pub(super) const UNEXPLAINED: [&str; 9] = [
     "misfit",
     "poor-fit",
     "not-sparse",
@@ -29,6 +31,7 @@ const UNEXPLAINED: [&str; 8] = [
     "inconsistent-rows",
     "solver-inaccurate",
     "coloured-residuals",
+    "no-trajectory",
 ];
 
 /// A relation with all that is known of it.
@@ -43,36 +46,87 @@ pub(super) struct Told {
     pub concerns: bool,
 }
 
-pub(super) fn findings(frame: &Frame, library: &Library, told: &[Told]) -> Vec<Finding> {
+impl Told {
+    /// The term that stands on the left: the derivative that is given by lower ones, or a term of the equation.
+    pub fn lead(&self) -> Option<Term> {
+        match (&self.reason.about, self.reason.cause) {
+            (Some((about, _, _)), Cause::WrongOrder) => Some(about.clone().into_term().1),
+            _ => self.touches.first().cloned(),
+        }
+    }
+}
+
+/// `read` are rows with the target as it was read, where the frame's are those of a fit.
+pub(super) fn findings(
+    frame: &Frame,
+    library: &Library,
+    read: &Samples,
+    told: &[Told],
+) -> Vec<Finding> {
     let mut all = Vec::new();
     all.extend(few_rows(frame));
     let mut order: Vec<&Told> = told.iter().collect();
-    order.sort_by_key(|t| (!matters(t), t.reduced.size > EXACT, t.reason.cause));
+    order.sort_by_key(|t| (!matters(frame, t), !holds(frame, t), t.reason.cause));
     let (first, rest): (Vec<&Told>, Vec<&Told>) =
         (order.into_iter()).partition(|t| t.reason.cause == Cause::WrongOrder);
     all.extend(first.iter().map(|t| of_relation(frame, t)));
-    let unexplained = |r: &crate::discover::Reason| UNEXPLAINED.contains(&r.code.as_str());
-    if frame.equation.reasons.iter().any(unexplained) {
-        all.extend(lacking(frame, library));
+    if first.is_empty() && frame.equation.status == Status::Doubt {
+        all.extend(lacking(frame, library, read));
     }
+    all.extend(idle(frame, &all));
     all.extend(rest.iter().map(|t| of_relation(frame, t)));
     all.extend(weak(frame));
     all
 }
 
+/// Whether a relation holds as far as the data can tell.
+fn holds(frame: &Frame, t: &Told) -> bool {
+    t.reduced.size < frame.noise.relative.max(EXACT)
+}
+
 /// Whether a relation bears on the equation that was found.
-fn matters(t: &Told) -> bool {
-    let exact = t.reduced.size < EXACT;
-    let exchanged = t.exchange.is_some();
+fn matters(frame: &Frame, t: &Told) -> bool {
+    let doubted = frame.equation.status == Status::Doubt;
     match t.reason.cause {
-        Cause::Conserved | Cause::WrongOrder => exchanged || (exact && t.concerns),
-        _ => exchanged,
+        _ if t.exchange.is_some() => true,
+        Cause::Conserved => holds(frame, t) && t.concerns,
+        Cause::WrongOrder => holds(frame, t) && (doubted || t.concerns),
+        _ => false,
     }
 }
 
+/// Signals without which columns of the library are zero.
+fn idle(frame: &Frame, known: &[Finding]) -> Option<Finding> {
+    let mut still: Vec<Signal> = Vec::new();
+    for term in &frame.idle {
+        term.for_each_signal(&mut |s| {
+            let zero = |c: &crate::data::Column| c.values.iter().all(|v| *v == 0.0);
+            if frame.samples.column(s).is_some_and(zero) && !still.contains(&s) {
+                still.push(s);
+            }
+        });
+    }
+    if still.is_empty() || !known.is_empty() {
+        return None;
+    }
+    let names: Vec<String> = still.iter().map(|s| frame.model.name(*s)).collect();
+    let count = frame.idle.len();
+    Some(Finding {
+        cause: Cause::ConstantSignal,
+        text: format!(
+            "{} is 0 on every row, and so {} of the library's terms: none of them can be found",
+            names.join(" and "),
+            count
+        ),
+        advice: format!("let {} move", names.join(" and ")),
+        reach: None,
+        matters: frame.equation.status == Status::Doubt,
+    })
+}
+
 fn of_relation(frame: &Frame, t: &Told) -> Finding {
-    let lead = t.touches.first();
-    let advice = match (&t.exchange, matters(t)) {
+    let lead = t.lead();
+    let advice = match (&t.exchange, matters(frame, t)) {
         (Some((out, into)), _) => {
             let kept = frame.support.iter().map(|p| frame.term(*p).clone());
             let exchange = Exchange {
@@ -90,12 +144,12 @@ fn of_relation(frame: &Frame, t: &Told) -> Finding {
         cause: t.reason.cause,
         text: format!(
             "{}: {}",
-            sentence(frame, &t.reduced, lead),
+            sentence(frame, &t.reduced, lead.as_ref()),
             why(frame, &t.reason)
         ),
         advice: text,
         reach,
-        matters: matters(t),
+        matters: matters(frame, t),
     }
 }
 
@@ -127,48 +181,78 @@ fn step(frame: &Frame) -> Option<f64> {
     steps.get(steps.len() / 2).copied()
 }
 
-fn lacking(frame: &Frame, library: &Library) -> Option<Finding> {
-    let (shortfall, part) = shortfall(frame, library)?;
-    let target = frame.model.name(frame.equation.target);
-    let open = percent(part);
-    Some(match shortfall {
-        Shortfall::Term(term, factor) => {
-            let term = Language(frame.model).term(&term);
-            Finding {
-                cause: Cause::MissingTerm,
-                text: format!(
-                    "the whole library leaves {open} of {target}; {term}, which it lacks, would leave {} times less",
-                    figure(factor, 2)
+/// What the library lacks, as far as a doubt asks for it.
+fn lacking(frame: &Frame, library: &Library, read: &Samples) -> Option<Finding> {
+    let unexplained = |r: &Doubt| UNEXPLAINED.contains(&r.code.as_str());
+    let asked = Asked {
+        library,
+        equation: frame.equation,
+        unexplained: frame.equation.reasons.iter().any(unexplained),
+    };
+    let shortfall = shortfall(&asked, read)?;
+    Some(told(frame.model, frame.equation.target, &shortfall))
+}
+
+/// A shortfall in words.
+pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Finding {
+    let var = model.variable(target.var);
+    let name = model.name(target);
+    let finding = |cause, text, advice| Finding {
+        cause,
+        text,
+        advice,
+        reach: None,
+        matters: true,
+    };
+    match shortfall {
+        Shortfall::Term { term, factor, part } => {
+            let term = Language(model).term(term);
+            finding(
+                Cause::MissingTerm,
+                format!(
+                    "the whole library leaves {} of {name}; {term}, which it lacks, would leave {} times less",
+                    percent(*part),
+                    figure(*factor, 2)
                 ),
-                advice: format!("add {term} to the library"),
-                reach: None,
-                matters: true,
-            }
+                format!("add {term} to the library"),
+            )
         }
-        Shortfall::Order(rest) => {
-            let var = frame.equation.target.var;
-            let order = frame.equation.target.der + 1;
-            Finding {
-                cause: Cause::WrongOrder,
-                text: format!(
-                    "the whole library leaves {open} of {target}, but all except {} of its derivative follows from it: {} moves by a \
-                     law of order {order} or more",
-                    percent(rest),
-                    frame.model.variable(var)
+        Shortfall::Higher { rest, part } => {
+            let order = target.der + 1;
+            finding(
+                Cause::WrongOrder,
+                format!(
+                    "the whole library leaves {} of {name}, but all except {} of its derivative follows from it: {var} moves by a law \
+                     of order {order} or more",
+                    percent(*part),
+                    percent(*rest)
                 ),
-                advice: format!("declare {} with order {order}", frame.model.variable(var)),
-                reach: None,
-                matters: true,
-            }
+                format!("declare {var} with order {order}"),
+            )
         }
-        Shortfall::Unknown => Finding {
-            cause: Cause::MissingTerm,
-            text: format!("the whole library leaves {open} of {target}, and no simple term of the measured signals explains it"),
-            advice: "look for an input or a state that is not measured".into(),
-            reach: None,
-            matters: true,
-        },
-    })
+        Shortfall::Lower { rest } => {
+            let order = target.der - 1;
+            let lower = model.name(Signal::derivative(target.var, order));
+            finding(
+                Cause::WrongOrder,
+                format!(
+                    "the library's terms without {lower} give all of it but {}: {var} moves by a law of order {order}",
+                    percent(*rest)
+                ),
+                format!(
+                    "declare {var} with order {order}, or excite it so that {lower} moves on its own"
+                ),
+            )
+        }
+        Shortfall::Unknown { part } => finding(
+            Cause::MissingTerm,
+            format!(
+                "the whole library leaves {} of {name}, and no simple term of the measured signals explains it",
+                percent(*part)
+            ),
+            "look for an input or a state that is not measured".into(),
+        ),
+    }
 }
 
 /// Terms whose coefficients could as well be zero.

@@ -39,8 +39,6 @@ pub(super) struct Frame<'a> {
     pub all: &'a Samples,
     /// The rows used.
     pub samples: Samples,
-    /// Row weights.
-    pub weights: Vec<f64>,
     pub columns: Vec<Column>,
     /// Places of the terms found among the columns, in the order of the equation.
     pub support: Vec<usize>,
@@ -133,7 +131,6 @@ impl<'a> Frame<'a> {
             evidence,
             all,
             samples,
-            weights: error.row.clone(),
             columns,
             support,
             coefficients: found.iter().map(|(_, a)| *a).collect(),
@@ -246,7 +243,12 @@ fn along(phi: &dyn Dictionary, library: &Library, support: &[usize]) -> Vec<usiz
     let mut near: Vec<(usize, f64)> = Vec::new();
     for direction in basis.directions() {
         let found = phi.strongest(direction, ALONG, 0.0);
-        near.extend(found.columns.iter().filter(|(s, _)| !library.is_empty_slot(*s)));
+        near.extend(
+            found
+                .columns
+                .iter()
+                .filter(|(s, _)| !library.is_empty_slot(*s)),
+        );
     }
     near.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()).then(a.0.cmp(&b.0)));
     let mut slots: Vec<usize> = support.to_vec();

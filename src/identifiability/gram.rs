@@ -4,6 +4,7 @@
 //! again on the columns themselves.
 
 use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::solvers::Qr;
 use faer::{Accum, Mat, MatRef, Par, Side};
 use nalgebra::DMatrix;
 
@@ -11,6 +12,10 @@ use super::frame::Frame;
 
 /// Singular values under this part of the largest are zero: what products leave of sixteen digits.
 pub(super) const TOLERANCE: f64 = 1e-7;
+/// The same for the columns themselves.
+const FINE: f64 = 1e-10;
+/// Multiplications that a factorisation of the columns may take.
+const DIRECT: usize = 300_000_000;
 /// Rows multiplied at once: they stay in a core's cache.
 const AT_ONCE: usize = 256;
 
@@ -116,6 +121,27 @@ impl Gram {
         let part = DMatrix::from_fn(k, k, |i, j| self.at(places[i], places[j]));
         let values = part.symmetric_eigenvalues();
         Some((values.min().max(0.0).sqrt(), values.max().max(0.0).sqrt()))
+    }
+}
+
+/// Numerical rank of a frame's columns, and the part of the largest singular value under which one is zero: by the columns
+/// themselves where that is quick, else by their products.
+pub(super) fn rank(frame: &Frame, gram: &Gram) -> (usize, f64) {
+    let (m, n) = (frame.rows(), frame.columns.len());
+    if m * n * n > DIRECT {
+        return (gram.rank(), TOLERANCE);
+    }
+    let columns = Mat::from_fn(m, n, |i, j| frame.unit(j)[i]);
+    let core = match m > n {
+        true => Qr::new(columns.as_ref()).thin_R().to_owned(),
+        false => columns,
+    };
+    match core.singular_values() {
+        Ok(values) => {
+            let most = values.iter().copied().fold(0.0, f64::max);
+            (values.iter().filter(|v| **v > FINE * most).count(), FINE)
+        }
+        Err(_) => (gram.rank(), TOLERANCE),
     }
 }
 

@@ -20,18 +20,21 @@ mod tell;
 
 use std::collections::BTreeMap;
 
-use cause::{Reduced, cause};
-use equivalents::{Equivalent, equivalents};
+use cause::{Reduced, cause, is_bare};
+use equivalents::{Equivalent, equivalents, refitted};
 use findings::Told;
 use frame::Frame;
 use gram::Gram;
 use relations::{Null, OF_TERMS, Search};
 
 use crate::data::Samples;
-use crate::discover::{Discovery, Equation, Identifiability, Options, Pair, Relation, Status, tie};
+use crate::discover::{
+    Discovery, Equation, Failed, Finding, Identifiability, Options, Pair, Reason, Relation, Status,
+    tie,
+};
 use crate::lang::model::Model;
 use crate::library::Library;
-use crate::term::{Atom, Language, Term};
+use crate::term::{Language, Signal, Term};
 
 /// Pairs, relations and supports that are listed.
 const PAIRS: usize = 5;
@@ -43,52 +46,103 @@ const SEEDS: usize = 12;
 /// Rest up to which an exchange is told as a relation of the two terms alone.
 const ALIKE: f64 = 0.3;
 
-/// Puts into the evidence of every equation what its rows tell apart.
+/// The rows equations were found from.
+#[derive(Clone, Copy)]
+pub struct Rows<'a> {
+    pub samples: &'a Samples,
+    /// The same with targets as they were read (estimated), where the rows are those of a fitted trajectory.
+    pub read: Option<&'a Samples>,
+}
+
+/// Whether targets as read are of use: something is not explained, and what is missing shows in them.
+pub fn wants_readings(discovery: &Discovery) -> bool {
+    let failed = discovery.failed.iter().flat_map(|f| &f.reasons);
+    let doubts = discovery.equations.iter().flat_map(|e| &e.reasons);
+    let open = |r: &Reason| findings::UNEXPLAINED.contains(&r.code.as_str()) || r.code == "tie";
+    doubts.chain(failed).any(open)
+}
+
+/// Puts into the evidence of every equation what its rows tell apart. An equation that failed hears what its library lacks.
 pub fn judge(
     model: &Model,
     libraries: &[Option<Library>],
-    samples: &Samples,
+    rows: Rows,
     options: &Options,
     discovery: &mut Discovery,
 ) {
-    let mut all = Vec::new();
-    for equation in &discovery.equations {
+    let library = |target: Signal| {
         let places = model.equations.iter().zip(libraries);
-        let own = places.filter(|(e, _)| e.target == equation.target);
-        let library = own.filter_map(|(_, l)| l.as_ref()).next();
-        let judged = library.and_then(|l| of(model, l, samples, options, equation));
-        all.push(judged);
-    }
-    for (equation, judged) in discovery.equations.iter_mut().zip(all) {
-        if let Some(judged) = judged {
+        let mut own = places.filter(move |(e, _)| e.target == target);
+        own.find_map(|(_, l)| l.as_ref())
+    };
+    for equation in &mut discovery.equations {
+        let own = library(equation.target);
+        if let Some(judged) = own.and_then(|l| of(model, l, rows, options, equation)) {
             attach(equation, judged);
         }
     }
+    for failed in &mut discovery.failed {
+        let lacks = library(failed.target).and_then(|l| lacking(model, l, rows, failed));
+        if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
+            reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
+        }
+    }
+}
+
+/// What the library of an equation lacks that was not found though its target was read.
+fn lacking(model: &Model, library: &Library, rows: Rows, failed: &Failed) -> Option<Finding> {
+    let unexplained = |r: &Reason| findings::UNEXPLAINED.contains(&r.code.as_str());
+    let equation = Equation {
+        target: failed.target,
+        terms: Vec::new(),
+        status: Status::Doubt,
+        reasons: Vec::new(),
+        evidence: None,
+        path: Vec::new(),
+    };
+    let asked = shortfall::Asked {
+        library,
+        equation: &equation,
+        unexplained: failed.reasons.iter().any(unexplained),
+    };
+    let found = shortfall::shortfall(&asked, rows.read?).filter(|_| asked.unexplained)?;
+    Some(findings::told(model, failed.target, &found))
 }
 
 /// What the rows tell apart for one equation; `None` where it has no evidence or no rows.
 pub fn of(
     model: &Model,
     library: &Library,
-    samples: &Samples,
+    rows: Rows,
     options: &Options,
     equation: &Equation,
 ) -> Option<Identifiability> {
-    let frame = Frame::new(model, library, samples, equation, options)?;
+    let frame = Frame::new(model, library, rows.samples, equation, options)?;
     let gram = Gram::of(&frame);
     let language = Language(model);
     let name = |p: usize| language.term(frame.term(p));
-    let equivalent = equivalents(&frame, &gram);
+    let mut equivalent = equivalents(&frame, &gram);
+    let refits = refitted(&frame, &gram);
+    equivalent.extend(refits);
     let told = told(&frame, &gram, library, &equivalent);
-    let findings = findings::findings(&frame, library, &told);
+    let findings = findings::findings(&frame, library, rows.read.unwrap_or(rows.samples), &told);
     let pairs = gram.worst(PAIRS);
-    let named = |e: &Equivalent| -> Vec<String> { e.places.iter().map(|p| name(*p)).collect() };
+    let (rank, tolerance) = gram::rank(&frame, &gram);
+    let mut supports: Vec<Vec<String>> = Vec::new();
+    for e in &equivalent {
+        let names: Vec<String> = e.places.iter().map(|p| name(*p)).collect();
+        if !supports.contains(&names) {
+            supports.push(names);
+        }
+    }
+    let equivalent_more = supports.len().saturating_sub(EQUIVALENT);
+    supports.truncate(EQUIVALENT);
     Some(Identifiability {
         rows: frame.rows(),
         columns: frame.columns.len(),
         candidates: frame.candidates,
-        rank: gram.rank(),
-        tolerance: gram::TOLERANCE,
+        rank,
+        tolerance,
         coherence: pairs.first().map_or(0.0, |p| p.2.abs()),
         condition: gram.condition(&frame.support),
         neighbour: neighbour(&frame, &gram).map(|(p, c)| (name(p), c)),
@@ -101,11 +155,20 @@ pub fn of(
             })
             .collect(),
         isometry: isometry::isometry(&gram, frame.support.len()),
-        idle: frame.idle.iter().take(IDLE).map(|t| language.term(t)).collect(),
+        idle: frame
+            .idle
+            .iter()
+            .take(IDLE)
+            .map(|t| language.term(t))
+            .collect(),
         idle_more: frame.idle.len().saturating_sub(IDLE),
-        relations: told.iter().take(RELATIONS).map(|t| written(&frame, t)).collect(),
-        equivalent: equivalent.iter().take(EQUIVALENT).map(named).collect(),
-        equivalent_more: equivalent.len().saturating_sub(EQUIVALENT),
+        relations: told
+            .iter()
+            .take(RELATIONS)
+            .map(|t| written(&frame, t))
+            .collect(),
+        equivalent: supports,
+        equivalent_more,
         excitation: excitation::excitation(&frame, library),
         leverage: excitation::leverage(&frame),
         findings,
@@ -119,7 +182,10 @@ fn attach(equation: &mut Equation, judged: Identifiability) {
     };
     let said = equation.reasons.iter().any(|r| r.code == "tie");
     let refitted = evidence.together.is_some();
-    if !said && !refitted && let Some(reason) = tie(&judged.equivalent) {
+    if !said
+        && !refitted
+        && let Some(reason) = tie(&judged.equivalent)
+    {
         equation.reasons.push(reason);
         equation.status = Status::Doubt;
     }
@@ -128,7 +194,8 @@ fn attach(equation: &mut Equation, judged: Identifiability) {
 
 /// The column that, beside the support, makes the largest condition number.
 fn neighbour(frame: &Frame, gram: &Gram) -> Option<(usize, f64)> {
-    let others = (0..gram.len()).filter(|p| !frame.support.contains(p));
+    let none = frame.support.is_empty();
+    let others = (0..gram.len()).filter(|p| !none && !frame.support.contains(p));
     let with = |p: usize| gram.condition(&[frame.support.as_slice(), &[p]].concat());
     let mut worst: Option<(usize, f64)> = None;
     for p in others {
@@ -141,12 +208,7 @@ fn neighbour(frame: &Frame, gram: &Gram) -> Option<(usize, f64)> {
 }
 
 /// Every relation that is worth telling, those that allow an exchange first.
-fn told(
-    frame: &Frame,
-    gram: &Gram,
-    library: &Library,
-    equivalent: &[Equivalent],
-) -> Vec<Told> {
+fn told(frame: &Frame, gram: &Gram, library: &Library, equivalent: &[Equivalent]) -> Vec<Told> {
     let search = Search {
         gram,
         columns: frame.columns.iter().map(|c| &c.unit[..]).collect(),
@@ -165,7 +227,11 @@ fn told(
     let mut kept: Vec<Told> = Vec::new();
     let mut met: BTreeMap<String, usize> = BTreeMap::new();
     for t in all {
-        let key = tell::equation(frame, &t.reduced, None);
+        let mut names: Vec<String> = (t.reduced.terms.iter())
+            .map(|(_, t)| Language(frame.model).term(t))
+            .collect();
+        names.sort();
+        let key = names.join(", ");
         let same = met.get(&key).and_then(|at| kept.get_mut(*at));
         match same {
             Some(first) => {
@@ -206,14 +272,7 @@ fn exchange(frame: &Frame, search: &Search, e: &Equivalent) -> Option<Null> {
 /// The support, then bare signals and the constant.
 fn seeds(frame: &Frame) -> Vec<usize> {
     let mut seeds = frame.support.clone();
-    let bare = |t: &Term| {
-        let mut factors = t.factors();
-        match (factors.next(), factors.next()) {
-            (None, _) => true,
-            (Some((Atom::Signal(_), power)), None) => power == 1.0,
-            _ => false,
-        }
-    };
+    let bare = |t: &Term| t.is_one() || is_bare(t);
     let places = 0..frame.columns.len();
     let more = places.filter(|p| bare(frame.term(*p)) && !frame.support.contains(p));
     seeds.extend(more.take(SEEDS));
@@ -237,7 +296,7 @@ fn written(frame: &Frame, t: &Told) -> Relation {
     let whole = |(w, r): &(f64, Term)| (language.term(&r.mul(&t.reduced.common)), *w);
     Relation {
         terms: t.reduced.terms.iter().map(whole).collect(),
-        text: tell::sentence(frame, &t.reduced, t.touches.first()),
+        text: tell::sentence(frame, &t.reduced, t.lead().as_ref()),
         size: t.reduced.size,
         cause: t.reason.cause,
         why: tell::why(frame, &t.reason),

@@ -60,7 +60,9 @@ impl Search<'_> {
         let mut kept: Vec<Null> = Vec::new();
         for null in found {
             let inside = |k: &Null| k.places.iter().all(|p| null.places.contains(p));
-            let padded = kept.iter().any(|k| inside(k) && k.size < 1e6 * null.size.max(1e-15));
+            let padded = kept
+                .iter()
+                .any(|k| inside(k) && k.size < 1e6 * null.size.max(1e-15));
             if !padded {
                 kept.push(null);
             }
@@ -134,7 +136,14 @@ impl Search<'_> {
     fn triples(&self, seed: usize) -> Vec<(f64, Vec<usize>)> {
         let n = self.gram.len();
         if n > TRIPLES {
-            return self.grow(seed, &self.pairs(seed).into_iter().map(|p| p.1).collect::<Vec<_>>());
+            return self.grow(
+                seed,
+                &self
+                    .pairs(seed)
+                    .into_iter()
+                    .map(|p| p.1)
+                    .collect::<Vec<_>>(),
+            );
         }
         let own = self.gram.column(seed);
         let mut best: Vec<(f64, usize, usize)> = Vec::new();
@@ -160,7 +169,9 @@ impl Search<'_> {
         }
         best.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         best.truncate(BEAM);
-        let named = best.into_iter().map(|(left, k, j)| (left, vec![seed, k, j]));
+        let named = best
+            .into_iter()
+            .map(|(left, k, j)| (left, vec![seed, k, j]));
         named.collect()
     }
 

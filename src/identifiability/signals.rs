@@ -53,8 +53,18 @@ pub(super) fn relations(frame: &Frame, library: &Library) -> Vec<Told> {
         let mut terms: Vec<(f64, Term)> = places
             .map(|(p, w)| (w / columns[*p].2, Term::signal(columns[*p].0)))
             .collect();
-        let level: f64 = null.places.iter().zip(&terms).map(|(p, (w, _))| w * means[*p]).sum();
-        let scale: f64 = null.places.iter().zip(&terms).map(|(p, (w, _))| (w * means[*p]).abs()).sum();
+        let level: f64 = null
+            .places
+            .iter()
+            .zip(&terms)
+            .map(|(p, (w, _))| w * means[*p])
+            .sum();
+        let scale: f64 = null
+            .places
+            .iter()
+            .zip(&terms)
+            .map(|(p, (w, _))| (w * means[*p]).abs())
+            .sum();
         let spread: f64 = 1.0 / (frame.rows() as f64).sqrt();
         if level.abs() > (10.0 * null.size * spread).max(1e-9 * scale) {
             terms.push((-level, Term::one()));
@@ -67,7 +77,9 @@ pub(super) fn relations(frame: &Frame, library: &Library) -> Vec<Told> {
         let signals = reduced.signals();
         let mut concerns = false;
         for place in &frame.support {
-            frame.term(*place).for_each_signal(&mut |s| concerns |= signals.contains(&s));
+            frame
+                .term(*place)
+                .for_each_signal(&mut |s| concerns |= signals.contains(&s));
         }
         Told {
             reason: cause(frame, &reduced),
@@ -77,6 +89,11 @@ pub(super) fn relations(frame: &Frame, library: &Library) -> Vec<Told> {
             reduced,
         }
     });
-    let known = [Cause::Conserved, Cause::Feedback, Cause::Law, Cause::WrongOrder];
+    let known = [
+        Cause::Conserved,
+        Cause::Feedback,
+        Cause::Law,
+        Cause::WrongOrder,
+    ];
     told.filter(|t| known.contains(&t.reason.cause)).collect()
 }

@@ -80,7 +80,10 @@ fn transform(real: &mut [f64], imaginary: &mut [f64]) {
             for k in 0..half {
                 let (s, c) = (step * k as f64).sin_cos();
                 let (i, j) = (start + k, start + k + half);
-                let (a, b) = (real[j] * c - imaginary[j] * s, real[j] * s + imaginary[j] * c);
+                let (a, b) = (
+                    real[j] * c - imaginary[j] * s,
+                    real[j] * s + imaginary[j] * c,
+                );
                 (real[j], imaginary[j]) = (real[i] - a, imaginary[i] - b);
                 real[i] += a;
                 imaginary[i] += b;
@@ -96,14 +99,19 @@ mod tests {
 
     #[test]
     fn one_sine_is_one_line() {
-        let wave: Vec<f64> = (0..1000).map(|k| 3.0 + (0.05 * TAU * f64::from(k)).sin()).collect();
+        let wave: Vec<f64> = (0..1000)
+            .map(|k| 3.0 + (0.05 * TAU * f64::from(k)).sin())
+            .collect();
         let s = spectrum(&wave).unwrap();
         assert!((s.line - 0.05).abs() < 1e-3 && s.share > 0.999, "{s:?}");
         let two: Vec<f64> = (wave.iter().enumerate())
             .map(|(k, x)| x + (0.2 * TAU * k as f64).cos())
             .collect();
         let s = spectrum(&two).unwrap();
-        assert!((s.share - 0.5).abs() < 0.02 && (s.band - 0.2).abs() < 0.01, "{s:?}");
+        assert!(
+            (s.share - 0.5).abs() < 0.02 && (s.band - 0.2).abs() < 0.01,
+            "{s:?}"
+        );
         assert!(spectrum(&[1.0; 100]).is_none());
     }
 }

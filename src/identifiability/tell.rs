@@ -30,7 +30,11 @@ fn rounded(x: f64, digits: usize) -> f64 {
 pub(super) fn equation(frame: &Frame, reduced: &Reduced, lead: Option<&Term>) -> String {
     let language = Language(frame.model);
     let mut terms = reduced.terms.clone();
-    terms.sort_by(|a, b| a.1.degree().total_cmp(&b.1.degree()).then_with(|| a.1.cmp(&b.1)));
+    terms.sort_by(|a, b| {
+        a.1.degree()
+            .total_cmp(&b.1.degree())
+            .then_with(|| a.1.cmp(&b.1))
+    });
     let sum = |terms: &[(f64, Term)], scale: f64| -> String {
         let weighted = |(w, t): &(f64, Term)| Expr::from((rounded(w * scale, 4), t.clone()));
         language.expr(&terms.iter().map(weighted).sum())
@@ -51,11 +55,7 @@ pub(super) fn equation(frame: &Frame, reduced: &Reduced, lead: Option<&Term>) ->
 }
 
 /// How near the relation is, as a clause: two terms are compared, more are an equation.
-pub(super) fn sentence(
-    frame: &Frame,
-    reduced: &Reduced,
-    lead: Option<&Term>,
-) -> String {
+pub(super) fn sentence(frame: &Frame, reduced: &Reduced, lead: Option<&Term>) -> String {
     let language = Language(frame.model);
     let equation = equation(frame, reduced, lead);
     let names: Vec<String> = (reduced.terms.iter())
@@ -103,7 +103,7 @@ pub(super) fn why(frame: &Frame, reason: &Reason) -> String {
         ),
         Cause::SmallRange => format!("|{name}| ≤ {size}"),
         Cause::NarrowRange => format!(
-            "{name} stays between {} and {}",
+            "{name} is mostly between {} and {}",
             figure(least, 4),
             figure(most, 4)
         ),
