@@ -253,7 +253,9 @@ fn judge_fitted(
     let read = (rows < READ && identifiability::wants_readings(discovery)).then(|| {
         let mut signals = needed(program);
         let targets = program.model.equations.iter().map(|e| e.target);
-        signals.extend(targets.map(|t| Signal::derivative(t.var, t.der + 1)));
+        // Lower derivatives may be missing in the library, the next one shows a higher order.
+        let around = |t: Signal| (0..=t.der + 1).map(move |der| Signal::derivative(t.var, der));
+        signals.extend(targets.flat_map(around));
         signals.sort_unstable();
         signals.dedup();
         data::samples(&program.model, dataset, &signals, &mut |_| {

@@ -1,6 +1,6 @@
 //! Sixty planted cases: is the cause named, and does no wrong answer pass?
 //!
-//!     cargo run --release --example planted -- [NAME…] [--show]
+//!     cargo run --release --example planted -- [NAME…] [--seed=N] [--show]
 //!
 //! Prints a line a case and a table of causes; with `--show` what the program says of each.
 
@@ -19,9 +19,12 @@ use std::time::Instant;
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let show = arguments.iter().any(|a| a == "--show");
-    let wanted: Vec<&String> = arguments.iter().filter(|a| *a != "--show").collect();
+    let seed = arguments
+        .iter()
+        .find_map(|a| a.strip_prefix("--seed=")?.parse().ok());
+    let wanted: Vec<&String> = arguments.iter().filter(|a| !a.starts_with("--")).collect();
     let mut kinds: BTreeMap<&str, [usize; 4]> = BTreeMap::new();
-    for case in cases::cases() {
+    for case in cases::cases(seed.unwrap_or(0)) {
         if !wanted.is_empty() && !wanted.iter().any(|w| case.name.starts_with(w.as_str())) {
             continue;
         }

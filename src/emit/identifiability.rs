@@ -132,7 +132,7 @@ fn excitation(e: &Excitation) -> String {
         short(e.most),
         short(e.spread)
     );
-    if let Some((frequency, share)) = e.line {
+    if let Some((frequency, share)) = e.line.filter(|(f, _)| *f > 0.0) {
         out.push_str(&format!(
             "; {} % of its power at {} Hz",
             significant(100.0 * share, 2),
@@ -140,7 +140,7 @@ fn excitation(e: &Excitation) -> String {
         ));
     }
     if let Some(band) = e.band {
-        out.push_str(&format!(", 95 % under {} Hz", short(band)));
+        out.push_str(&format!("; 95 % under {} Hz", short(band)));
     }
     out
 }

@@ -3,6 +3,8 @@
 //! In: unit columns. Out: figures. Products of columns carry half the digits of the columns: relations found here are measured
 //! again on the columns themselves.
 
+use std::ops::Range;
+
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::Qr;
 use faer::{Accum, Mat, MatRef, Par, Side};
@@ -16,6 +18,8 @@ pub(super) const TOLERANCE: f64 = 1e-7;
 const FINE: f64 = 1e-10;
 /// Multiplications that a factorisation of the columns may take.
 const DIRECT: usize = 300_000_000;
+/// Multiplications below which a second thread costs more than it saves.
+const ALONE: usize = 20_000_000;
 /// Rows multiplied at once: they stay in a core's cache.
 const AT_ONCE: usize = 256;
 
@@ -26,32 +30,24 @@ pub(super) struct Gram {
 }
 
 impl Gram {
-    pub fn new<'a>(columns: &[&'a [f64]]) -> Gram {
+    /// In two halves of the rows, side by side: the same two on every machine, so that sums come out the same.
+    pub fn new(columns: &[&[f64]]) -> Gram {
         let n = columns.len();
         let rows = columns.first().map_or(0, |c| c.len());
-        let mut values = Mat::zeros(n, n);
-        let mut part = vec![0.0; AT_ONCE * n];
-        for start in (0..rows).step_by(AT_ONCE) {
-            let count = AT_ONCE.min(rows - start);
-            for (out, column) in part.chunks_exact_mut(AT_ONCE).zip(columns) {
-                out[..count].copy_from_slice(&column[start..start + count]);
-            }
-            let block = MatRef::from_column_major_slice_with_stride(&part, count, n, AT_ONCE);
-            triangular::matmul(
-                values.as_mut(),
-                BlockStructure::TriangularLower,
-                Accum::Add,
-                block.transpose(),
-                BlockStructure::Rectangular,
-                block,
-                BlockStructure::Rectangular,
-                1.0,
-                Par::Seq,
-            );
-        }
+        let middle = rows / 2;
+        let (mut values, other) = match n * n * rows > ALONE {
+            true => std::thread::scope(|scope| {
+                let late = scope.spawn(|| products(columns, middle..rows));
+                let early = products(columns, 0..middle);
+                (early, late.join().ok())
+            }),
+            false => (products(columns, 0..middle), None),
+        };
+        let other = other.unwrap_or_else(|| products(columns, middle..rows));
         for j in 0..n {
-            for i in 0..j {
-                values[(i, j)] = values[(j, i)];
+            for i in j..n {
+                values[(i, j)] += other[(i, j)];
+                values[(j, i)] = values[(i, j)];
             }
         }
         Gram { values }
@@ -143,6 +139,32 @@ pub(super) fn rank(frame: &Frame, gram: &Gram) -> (usize, f64) {
         }
         Err(_) => (gram.rank(), TOLERANCE),
     }
+}
+
+/// ΦᵀΦ over some rows, lower half.
+fn products(columns: &[&[f64]], rows: Range<usize>) -> Mat<f64> {
+    let n = columns.len();
+    let mut values = Mat::zeros(n, n);
+    let mut part = vec![0.0; AT_ONCE * n];
+    for start in rows.clone().step_by(AT_ONCE) {
+        let count = AT_ONCE.min(rows.end - start);
+        for (out, column) in part.chunks_exact_mut(AT_ONCE).zip(columns) {
+            out[..count].copy_from_slice(&column[start..start + count]);
+        }
+        let block = MatRef::from_column_major_slice_with_stride(&part, count, n, AT_ONCE);
+        triangular::matmul(
+            values.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            block.transpose(),
+            BlockStructure::Rectangular,
+            block,
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
+    }
+    values
 }
 
 fn worst_first(all: &mut Vec<(usize, usize, f64)>, most: usize) {

@@ -58,7 +58,11 @@ pub struct Rows<'a> {
 pub fn wants_readings(discovery: &Discovery) -> bool {
     let failed = discovery.failed.iter().flat_map(|f| &f.reasons);
     let doubts = discovery.equations.iter().flat_map(|e| &e.reasons);
-    let open = |r: &Reason| findings::UNEXPLAINED.contains(&r.code.as_str()) || r.code == "tie";
+    let others = ["tie", "not-settled"];
+    let open = |r: &Reason| {
+        let code = r.code.as_str();
+        findings::UNEXPLAINED.contains(&code) || others.contains(&code)
+    };
     doubts.chain(failed).any(open)
 }
 
@@ -121,13 +125,18 @@ pub fn of(
     let gram = Gram::of(&frame);
     let language = Language(model);
     let name = |p: usize| language.term(frame.term(p));
-    let mut equivalent = equivalents(&frame, &gram);
-    let refits = refitted(&frame, &gram);
-    equivalent.extend(refits);
-    let told = told(&frame, &gram, library, &equivalent);
-    let findings = findings::findings(&frame, library, rows.read.unwrap_or(rows.samples), &told);
     let pairs = gram.worst(PAIRS);
-    let (rank, tolerance) = gram::rank(&frame, &gram);
+    // The rank of a thousand columns takes as long as all the rest.
+    let (told, findings, equivalent, (rank, tolerance)) = std::thread::scope(|scope| {
+        let rank = scope.spawn(|| gram::rank(&frame, &gram));
+        let mut equivalent = equivalents(&frame, &gram);
+        equivalent.extend(refitted(&frame, &gram));
+        let told = told(&frame, &gram, library, &equivalent);
+        let read = rows.read.unwrap_or(rows.samples);
+        let findings = findings::findings(&frame, library, read, &told);
+        let rank = rank.join().unwrap_or_else(|_| gram::rank(&frame, &gram));
+        (told, findings, equivalent, rank)
+    });
     let mut supports: Vec<Vec<String>> = Vec::new();
     for e in &equivalent {
         let names: Vec<String> = e.places.iter().map(|p| name(*p)).collect();

@@ -6,8 +6,8 @@ use super::cause::{Reduced, cause};
 use super::findings::Told;
 use super::frame::Frame;
 use super::gram::Gram;
-use super::project::norm;
-use super::relations::{Limits, Search};
+use super::project::{norm, subtract};
+use super::relations::{Limits, Null, Search};
 use crate::discover::Cause;
 use crate::library::Library;
 use crate::term::{Signal, Term};
@@ -49,22 +49,19 @@ pub(super) fn relations(frame: &Frame, library: &Library) -> Vec<Told> {
     let seeds: Vec<usize> = (0..columns.len()).collect();
     let found = search.around(&seeds);
     let told = found.iter().map(|null| {
+        let null = &round(null, &search, &columns, frame.noise.relative);
         let places = null.places.iter().zip(&null.weights);
         let mut terms: Vec<(f64, Term)> = places
             .map(|(p, w)| (w / columns[*p].2, Term::signal(columns[*p].0)))
             .collect();
-        let level: f64 = null
+        let parts = null
             .places
             .iter()
             .zip(&terms)
-            .map(|(p, (w, _))| w * means[*p])
-            .sum();
-        let scale: f64 = null
-            .places
-            .iter()
-            .zip(&terms)
-            .map(|(p, (w, _))| (w * means[*p]).abs())
-            .sum();
+            .map(|(p, (w, _))| w * means[*p]);
+        let (level, scale) = parts.fold((0.0, 0.0), |(sum, size), part| {
+            (sum + part, size + part.abs())
+        });
         let spread: f64 = 1.0 / (frame.rows() as f64).sqrt();
         if level.abs() > (10.0 * null.size * spread).max(1e-9 * scale) {
             terms.push((-level, Term::one()));
@@ -96,4 +93,31 @@ pub(super) fn relations(frame: &Frame, library: &Library) -> Vec<Told> {
         Cause::WrongOrder,
     ];
     told.filter(|t| known.contains(&t.reason.cause)).collect()
+}
+
+/// The relation with weights as round as the noise allows: `x + y`, not `x + 0.9984*y`.
+fn round(null: &Null, search: &Search, columns: &[(Signal, Vec<f64>, f64)], noise: f64) -> Null {
+    let raw = |(p, w): (&usize, &f64)| w / columns[*p].2;
+    let Some(first) = null.places.iter().zip(&null.weights).map(raw).next() else {
+        return null.clone();
+    };
+    let bound = (3.0 * null.size).max(noise.min(LIMITS[0]));
+    for digits in [1.0, 10.0, 100.0] {
+        let weights: Vec<f64> = (null.places.iter().zip(&null.weights))
+            .map(|(p, w)| (raw((p, w)) / first * digits).round() / digits * first * columns[*p].2)
+            .collect();
+        let mut rest = vec![0.0; search.columns[0].len()];
+        for (p, w) in null.places.iter().zip(&weights) {
+            subtract(&mut rest, *w, search.columns[*p]);
+        }
+        let size = norm(&rest).max(f64::EPSILON);
+        if size <= bound && weights.iter().all(|w| *w != 0.0) {
+            return Null {
+                places: null.places.clone(),
+                weights,
+                size,
+            };
+        }
+    }
+    null.clone()
 }

@@ -26,6 +26,18 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "trajectory",
         ],
     ),
+    (
+        "identifiability",
+        &[
+            "term",
+            "lang",
+            "library",
+            "data",
+            "dictionary",
+            "solve",
+            "discover",
+        ],
+    ),
     ("emit", &["term", "lang", "discover"]),
     ("result", &["term", "lang", "discover"]),
 ];

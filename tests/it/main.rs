@@ -23,6 +23,7 @@ mod limits;
 mod measured;
 mod noise;
 mod pendulum;
+mod planted;
 mod program;
 mod sensors;
 mod smooth;
