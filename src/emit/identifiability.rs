@@ -15,8 +15,14 @@ pub(super) fn brief(i: &Identifiability, doubts: &[Reason]) -> Vec<String> {
     // A doubt has said it already.
     let said = doubts.iter().any(|r| r.code == "dependent-states");
     let fresh = |f: &&Finding| f.matters && !(said && f.cause == Cause::Conserved);
-    let matters = i.findings.iter().filter(fresh);
-    matters.take(UNASKED).map(finding).collect()
+    let matters: Vec<&Finding> = i.findings.iter().filter(fresh).collect();
+    // Exchanges between terms of a wrong equation are beside the point.
+    let decides = [Cause::TooFewRows, Cause::WrongOrder, Cause::MissingTerm];
+    let most = match matters.first() {
+        Some(first) if decides.contains(&first.cause) => 1,
+        _ => UNASKED,
+    };
+    matters.into_iter().take(most).map(finding).collect()
 }
 
 /// Ranges and spectra of all signals, each once.

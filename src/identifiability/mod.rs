@@ -43,6 +43,8 @@ const EQUIVALENT: usize = 8;
 const IDLE: usize = 12;
 /// Columns around which relations are searched, beside the support.
 const SEEDS: usize = 12;
+/// Doubts of equations that were cut short.
+const STOPPED: [&str; 2] = ["interrupted", "time-limit"];
 /// Rest up to which an exchange is told as a relation of the two terms alone.
 const ALIKE: f64 = 0.3;
 
@@ -80,6 +82,11 @@ pub fn judge(
         own.find_map(|(_, l)| l.as_ref())
     };
     for equation in &mut discovery.equations {
+        // Whoever says stop does not want to wait.
+        let stopped = |r: &Reason| STOPPED.contains(&r.code.as_str());
+        if equation.reasons.iter().any(stopped) {
+            continue;
+        }
         let own = library(equation.target);
         if let Some(judged) = own.and_then(|l| of(model, l, rows, options, equation)) {
             attach(equation, judged);
@@ -261,7 +268,8 @@ fn told(frame: &Frame, gram: &Gram, library: &Library, equivalent: &[Equivalent]
     kept
 }
 
-/// The relation behind an exchange: of the two terms if they are alike, else of the whole support and what comes.
+/// The relation behind an exchange: of the two terms if they are alike, else of the whole support and what comes. There is none
+/// where noise alone makes both fit as badly.
 fn exchange(frame: &Frame, search: &Search, e: &Equivalent) -> Option<Null> {
     if !frame.support.contains(&e.out) || frame.support.contains(&e.into) {
         return None;
@@ -271,11 +279,10 @@ fn exchange(frame: &Frame, search: &Search, e: &Equivalent) -> Option<Null> {
         return Some(pair);
     }
     let together = [frame.support.as_slice(), &[e.into]].concat();
-    let all = search.nearest(&together).filter(|n| {
+    search.nearest(&together).filter(|n| {
         let has = |p: &usize| n.places.contains(p);
-        has(&e.out) && has(&e.into)
-    });
-    Some(all.unwrap_or(pair))
+        n.size < ALIKE && has(&e.out) && has(&e.into)
+    })
 }
 
 /// The support, then bare signals and the constant.

@@ -88,7 +88,7 @@ impl Search<'_> {
             let basis = Basis::of(places.iter().map(|p| self.columns[*p]));
             let (weights, size) = basis.least()?;
             let least = weights.iter().map(|w| w.abs()).fold(1.0, f64::min);
-            if least >= (CLEAR * size).min(0.5).max(EXACT) || places.len() == 2 {
+            if least >= (CLEAR * size).clamp(EXACT, 0.5) || places.len() == 2 {
                 let size = size.max(f64::EPSILON);
                 return Some(Null {
                     places,

@@ -8,11 +8,12 @@ use std::path::Path;
 
 use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
 
-const DOCUMENTS: [&str; 5] = [
+const DOCUMENTS: [&str; 6] = [
     "README.md",
     "docs/guide.md",
     "docs/command-line.md",
     "docs/noise.md",
+    "docs/identifiability.md",
     "models/README.md",
 ];
 
