@@ -29,9 +29,12 @@ type State = [f64; 4];
 /// Noise of the readings over their spread.
 const NOISE: [f64; 3] = [0.0, 0.0, 0.01];
 
+/// Makes the case of a cause with this number, its figures drawn from a seed.
+type Make = fn(usize, u64) -> Case;
+
 /// All cases, seven causes in turn; the seed draws their figures.
 pub fn cases(seed: u64) -> Vec<Case> {
-    let kinds: [(fn(usize, u64) -> Case, usize); 7] = [
+    let kinds: [(Make, usize); 7] = [
         (alias, 9),
         (conserved, 9),
         (small_angle, 9),
@@ -391,7 +394,7 @@ fn few_rows(number: usize, seed: u64) -> Case {
             0.0,
         ]
     };
-    let step = if number % 2 == 0 { 0.17 } else { 0.05 };
+    let step = if number.is_multiple_of(2) { 0.17 } else { 0.05 };
     let times = grid(rows, step);
     let states = free(&lorenz, &times, start);
     let rates: Vec<State> = states.iter().map(|x| lorenz(0.0, x)).collect();
@@ -505,7 +508,11 @@ fn wrong_order(number: usize, seed: u64) -> Case {
     let u: Vec<f64> = times.iter().map(|t| wave(*t, phase)).collect();
     if number < 4 {
         let f = |t: f64, x: &State| {
-            let drive = if number % 2 == 0 { wave(t, phase) } else { 0.0 };
+            let drive = if number.is_multiple_of(2) {
+                wave(t, phase)
+            } else {
+                0.0
+            };
             [
                 x[1],
                 drive - a * x[0] - b * x[1] - 0.5 * x[0].powi(3),
@@ -515,7 +522,7 @@ fn wrong_order(number: usize, seed: u64) -> Case {
         };
         let states = free(&f, &times, [1.0, 0.0, 0.0, 0.0]);
         let mut data = vec![("t", times), ("x", column(&states, 0))];
-        let model = if number % 2 == 0 {
+        let model = if number.is_multiple_of(2) {
             data.push(("u", u));
             "state x\ninput u : linear\ndx ~ poly(x; 3) + <u, u*x>\n"
         } else {
@@ -525,7 +532,7 @@ fn wrong_order(number: usize, seed: u64) -> Case {
         return plan.case(model, vec![text]);
     }
     plan.target = "ddx";
-    let cubic = if number % 2 == 0 { 0.4 } else { 0.0 };
+    let cubic = if number.is_multiple_of(2) { 0.4 } else { 0.0 };
     let f = |t: f64, x: &State| {
         [
             wave(t, phase) - a * x[0] - cubic * x[0].powi(3),

@@ -239,7 +239,11 @@ fn changed(samples: &Samples, factor: f64, change: &dyn Fn(&mut Row, f64)) -> Sa
     let mut sign = 1.0;
     for k in 0..samples.len() {
         if k % 10 == 0 {
-            sign = if random.bits().is_multiple_of(2) { 1.0 } else { -1.0 };
+            sign = if random.bits().is_multiple_of(2) {
+                1.0
+            } else {
+                -1.0
+            };
         }
         let mut values: Vec<f64> = samples.columns.iter().map(|c| c.values[k]).collect();
         let mut row = Row {
