@@ -4,7 +4,7 @@
 //! certain (a signal that never moves, an identity) to what is only likely; the first that holds names the cause.
 
 use super::frame::Frame;
-use super::relations::Null;
+use super::relations::{EXACT, Null};
 use crate::data::{Column, Origin, Samples};
 use crate::dictionary::evaluate;
 use crate::discover::{Cause, SplitMix};
@@ -17,6 +17,8 @@ const STILL: f64 = 1e-9;
 const HARDLY: f64 = 0.02;
 /// Rest under which a relation may be an identity.
 const SHARP: f64 = 1e-6;
+/// Terms of a conserved quantity that is no sum, its level among them.
+const FEW: usize = 3;
 /// Points at which that is tried.
 const POINTS: usize = 60;
 
@@ -113,6 +115,12 @@ pub(super) fn cause(frame: &Frame, reduced: &Reduced) -> Reason {
             Elsewhere::No => {}
         }
     }
+    if same_with_one_sign(frame, reduced, &signals) {
+        return Reason {
+            cause: Cause::OneSign,
+            about: one_sign(frame, &in_functions(reduced, &signals)),
+        };
+    }
     if let Some(argument) = argument(reduced, &signals) {
         let (least, most) = range(&argument, &frame.samples);
         let from_zero = least.abs().max(most.abs()) < 2.0 * (most - least);
@@ -145,9 +153,12 @@ pub(super) fn cause(frame: &Frame, reduced: &Reduced) -> Reason {
     }
     let states = signals.iter().all(|s| frame.is_state(*s) && s.shift == 0);
     let linear = |t: &Term| t.is_one() || is_bare(t);
-    let sum = reduced.terms.iter().all(|(_, t)| linear(t));
-    // A curve in the space of states obeys many equations nearly; exactly, or as a sum, it is a law of the states.
-    if states && !signals.is_empty() && (sum || (reduced.has_one() && reduced.size < SHARP)) {
+    // Times something, a sum is one of many functions that are alike, unless it is exact.
+    let bare = reduced.common.is_one() || reduced.size < SHARP;
+    let sum = bare && reduced.terms.iter().all(|(_, t)| linear(t));
+    // A curve in the space of states obeys many equations nearly; as a sum, or with few terms and exactly, it is a law of the states.
+    let few = reduced.has_one() && reduced.terms.len() <= FEW && reduced.size < EXACT;
+    if states && !signals.is_empty() && (sum || few) {
         return plain(Cause::Conserved);
     }
     plain(Cause::Coincidence)
@@ -268,6 +279,26 @@ fn anywhere(frame: &Frame, signals: &[Signal], far: f64, keep_signs: bool) -> Sa
         trajectory: vec![0; POINTS],
         time: (0..POINTS).map(|i| i as f64).collect(),
     }
+}
+
+/// Whether two terms are one column at random values with the signs that the signals mostly have.
+fn same_with_one_sign(frame: &Frame, reduced: &Reduced, signals: &[Signal]) -> bool {
+    let [(_, a), (_, b)] = reduced.terms.as_slice() else {
+        return false;
+    };
+    let mut points = anywhere(frame, signals, 1.0, false);
+    for column in &mut points.columns {
+        let read = frame.samples.column(column.signal);
+        let mean: f64 = read.map_or(0.0, |c| c.values.iter().sum());
+        column
+            .values
+            .iter_mut()
+            .for_each(|x| *x = x.abs() * mean.signum());
+    }
+    let (a, b) = (evaluate(a, &points), evaluate(b, &points));
+    let ratios: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a / b).collect();
+    let first = ratios.first().copied().unwrap_or(f64::NAN);
+    ratios.iter().all(|r| (r / first - 1.0).abs() < EXACT)
 }
 
 /// The first signal that keeps its sign, or the first at all.

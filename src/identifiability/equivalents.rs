@@ -30,7 +30,11 @@ pub(super) struct Equivalent {
 /// Best fits first among those one exchange away; then those further away.
 pub(super) fn equivalents(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
     let own = sorted(frame.support.clone());
-    if own.is_empty() || own.len() >= frame.rows() {
+    let constraints = frame.model.constraints.iter();
+    let mut tied = constraints.flat_map(|c| &c.coefficients).map(|c| c.target);
+    // What fits as well may not be allowed.
+    let constrained = tied.any(|target| target == frame.equation.target);
+    if own.is_empty() || own.len() >= frame.rows() || constrained {
         return Vec::new();
     }
     let rows = frame.rows();

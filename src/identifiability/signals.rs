@@ -16,6 +16,8 @@ use crate::term::{Signal, Term};
 const MOST: usize = 14;
 /// What a relation may leave of the variation of its signals.
 const LIMITS: Limits = [1e-3; 5];
+/// What round weights may leave, where noise allows it.
+const ROUND: f64 = 3e-3;
 /// Spread over size under which a signal is constant, and in no relation.
 const STILL: f64 = 1e-9;
 
@@ -101,7 +103,7 @@ fn round(null: &Null, search: &Search, columns: &[(Signal, Vec<f64>, f64)], nois
     let Some(first) = null.places.iter().zip(&null.weights).map(raw).next() else {
         return null.clone();
     };
-    let bound = (3.0 * null.size).max(noise.min(LIMITS[0]));
+    let bound = (3.0 * null.size).max(noise.min(ROUND));
     for digits in [1.0, 10.0, 100.0] {
         let weights: Vec<f64> = (null.places.iter().zip(&null.weights))
             .map(|(p, w)| (raw((p, w)) / first * digits).round() / digits * first * columns[*p].2)

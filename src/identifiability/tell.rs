@@ -96,6 +96,11 @@ pub(super) fn why(frame: &Frame, reason: &Reason) -> String {
             figure(most, 4)
         ),
         Cause::Identity => "an identity, whatever is recorded".into(),
+        Cause::OneSign if least < 0.0 && most > 0.0 => format!(
+            "{name} hardly changes its sign ({} to {})",
+            figure(least, 3),
+            figure(most, 3)
+        ),
         Cause::OneSign => format!(
             "{name} never changes its sign ({} to {})",
             figure(least, 3),
