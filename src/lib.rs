@@ -9,6 +9,7 @@ pub mod data;
 pub mod dictionary;
 pub mod discover;
 pub mod emit;
+pub mod identifiability;
 pub mod lang;
 pub mod library;
 pub mod pipeline;

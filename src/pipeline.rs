@@ -2,8 +2,11 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
+use std::ops::ControlFlow;
+
 use crate::data::{self, Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table};
 use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
+use crate::identifiability;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
 use crate::lang::source::{FileId, Sources};
@@ -35,6 +38,9 @@ pub struct Measured {
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
+
+/// Samples from which on readings are not differentiated only to say what is missing.
+const READ: usize = 20_000;
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.
 const MOST_THREADS: usize = 8;
@@ -208,16 +214,28 @@ pub fn identify(
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
         let found = discover::discover_jointly(&program.model, problem, options, watch);
-        return Ok(found.unwrap_or_else(|| discover::nothing_fits(&program.model, problem)));
+        let Some((mut discovery, samples)) = found else {
+            let mut nothing = discover::nothing_fits(&program.model, problem);
+            judge_fitted(
+                program,
+                measured,
+                &Samples::default(),
+                options,
+                &mut nothing,
+            );
+            return Ok(nothing);
+        };
+        judge_fitted(program, measured, &samples, options, &mut discovery);
+        return Ok(discovery);
     }
-    discover::discover(
+    let found = discover::discover(
         &program.model,
         &program.libraries,
         (&measured.dataset, &measured.samples),
         options,
         watch,
-    )
-    .map_err(|bad| {
+    );
+    let mut discovery = found.map_err(|bad| {
         bad.into_iter()
             .map(|refusal| match refusal {
                 Refusal::Unevaluable((i, value)) => {
@@ -225,8 +243,50 @@ pub fn identify(
                 }
                 Refusal::Contradiction(diagnostic) => diagnostic,
             })
-            .collect()
-    })
+            .collect::<Vec<Diagnostic>>()
+    })?;
+    let rows = identifiability::Rows {
+        samples: &measured.samples,
+        read: None,
+    };
+    identifiability::judge(
+        &program.model,
+        &program.libraries,
+        rows,
+        options,
+        &mut discovery,
+    );
+    Ok(discovery)
+}
+
+/// What the rows of a fitted trajectory tell apart, and what the readings say where it is not explained.
+fn judge_fitted(
+    program: &Program,
+    measured: &Measured,
+    samples: &Samples,
+    options: &Options,
+    discovery: &mut Discovery,
+) {
+    let dataset = &measured.dataset;
+    let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
+    let read = (rows < READ && identifiability::wants_readings(discovery)).then(|| {
+        let mut signals = needed(program);
+        let targets = program.model.equations.iter().map(|e| e.target);
+        // Lower derivatives may be missing in the library, the next one shows a higher order.
+        let around = |t: Signal| (0..=t.der + 1).map(move |der| Signal::derivative(t.var, der));
+        signals.extend(targets.flat_map(around));
+        signals.sort_unstable();
+        signals.dedup();
+        data::samples(&program.model, dataset, &signals, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .0
+    });
+    let rows = identifiability::Rows {
+        samples,
+        read: read.as_ref(),
+    };
+    identifiability::judge(&program.model, &program.libraries, rows, options, discovery);
 }
 
 /// What was found, run on the rows used and on those held out; `None` where none were.

@@ -1,6 +1,6 @@
 //! How a system answers: left alone, or driven by an input.
 
-use crate::simulate::integrate::integrate;
+use super::simulate::integrate::integrate;
 
 /// States at `times`, the first of which belongs to `x0`.
 pub fn free<const N: usize>(

@@ -38,7 +38,7 @@ pub fn text(
         d.system.as_deref().unwrap_or("system"),
         trajectories(measured)
     ));
-    text.push_str(&emit::answer(d));
+    text.push_str(&emit::answer(d, args.evidence));
     text.push_str(&emit::consequences(d));
     text.push('\n');
     if let Some(validation) = &found.validation {

@@ -70,6 +70,9 @@ pub struct Args {
     /// Show after each equation the answers for larger tolerances, from the first term on
     #[arg(long)]
     pub(super) path: bool,
+    /// Show all evidence: what the data tell apart, what they do not, and from which rows
+    #[arg(long)]
+    pub(super) evidence: bool,
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Identifiability;
 use crate::lang::model::{Model, VarKind};
 use crate::term::{Signal, SignalNames, Term, VarId};
 use crate::units::{self, Unit};
@@ -138,6 +139,9 @@ pub struct Evidence {
     /// Other supports that these data cannot tell from the answer.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub ties: Vec<Vec<String>>,
+    /// What the rows can tell apart.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub identifiability: Option<Box<Identifiability>>,
 }
 
 /// Figures of a system estimated with its trajectory, as far as they concern one variable.

@@ -283,7 +283,7 @@ fn tied(c: &Case) -> Option<Reason> {
 }
 
 /// Other supports that the data do not tell from the answer.
-pub(super) fn tie(ties: &[Vec<String>]) -> Option<Reason> {
+pub fn tie(ties: &[Vec<String>]) -> Option<Reason> {
     let first = ties.first()?;
     let more = match ties.len() {
         1 => String::new(),

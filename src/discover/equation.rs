@@ -227,6 +227,7 @@ impl Task<'_> {
             certificate: answer.proof.clone(),
             together: None,
             ties: self.named(&answer.ties, names),
+            identifiability: None,
         };
         self.equation(names, terms, evidence, answer)
     }

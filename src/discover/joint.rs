@@ -86,13 +86,14 @@ fn measured(model: &Model, dataset: &Dataset) -> Option<Signal> {
     model.equations.iter().map(|e| e.target).find(held)
 }
 
-/// Finds every equation of the problem's system together. `None` if no support could be fitted at all.
+/// Finds every equation of the problem's system together, with all signals along the fitted trajectory. `None` if no support could
+/// be fitted at all.
 pub fn discover_jointly(
     model: &Model,
     problem: &Problem,
     options: &Options,
     watch: super::Watch,
-) -> Option<Discovery> {
+) -> Option<(Discovery, Samples)> {
     let mut watcher = Watcher::new(watch);
     let mut discovery = Discovery::of(model);
     let settled = joint_search::settle(model, problem, options, &mut watcher);
@@ -111,7 +112,7 @@ pub fn discover_jointly(
                 reasons: vec![stop.failure()],
             });
         }
-        return Some(discovery);
+        return Some((discovery, Samples::default()));
     };
     let problem = problem.as_ref();
     let report = Report {
@@ -134,9 +135,10 @@ pub fn discover_jointly(
         }
         discovery.equations.push(equation);
     }
-    super::mass::judge_together(&mut discovery, &samples(problem, &found));
+    let samples = samples(problem, &found);
+    super::mass::judge_together(&mut discovery, &samples);
     super::dependent::judge(&mut discovery, &measured_states(problem));
-    Some(discovery)
+    Some((discovery, samples))
 }
 
 struct Report<'a> {

@@ -9,6 +9,7 @@ mod discovery;
 mod doubts;
 mod equation;
 mod form;
+mod identifiability;
 mod joint;
 mod joint_doubts;
 mod joint_search;
@@ -42,10 +43,16 @@ pub use discovery::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, PathKnot,
     Proof, Reason, Status, Together, Variable,
 };
+pub use doubts::tie;
 pub use form::{Form, Rate, Row};
+pub use identifiability::{
+    Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
+};
 pub use joint::{discover_jointly, joint, nothing_fits};
+pub use rows::{Split, SplitMix, split};
 pub use ties::check_constraints;
 pub use watch::{Stage, Step, Stop, Watch};
+pub use weights::Weights;
 
 /// What an equation is found from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

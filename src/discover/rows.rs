@@ -36,10 +36,10 @@ pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Sp
         };
     }
     let mut order: Vec<usize> = (0..rows).collect();
-    let mut random = SplitMix(seed);
+    let mut random = SplitMix::new(seed);
     for i in 0..wanted {
         // Fisher–Yates, only as far as needed.
-        let j = i + (random.next() % (rows - i) as u64) as usize;
+        let j = i + (random.bits() % (rows - i) as u64) as usize;
         order.swap(i, j);
     }
     let mut held = order.split_off(wanted);
@@ -53,10 +53,14 @@ pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Sp
 }
 
 /// SplitMix64 (Steele, Lea & Flood 2014): small, and the same on every machine.
-struct SplitMix(u64);
+pub struct SplitMix(u64);
 
 impl SplitMix {
-    fn next(&mut self) -> u64 {
+    pub fn new(seed: u64) -> Self {
+        SplitMix(seed)
+    }
+
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -6,18 +6,25 @@ use crate::discover::{
 use crate::term::SignalNames;
 
 use super::number::significant;
-use super::{path, text, units};
+use super::{identifiability, path, text, units};
 
-/// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found.
-pub fn answer(d: &Discovery) -> String {
+/// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found. `whole` asks for all evidence.
+pub fn answer(d: &Discovery, whole: bool) -> String {
     let mut out = String::new();
     for (e, lines) in d.equations.iter().zip(text::equations(d)) {
         out.push_str(&lines);
         out.push_str(&units::lines(d, e));
-        for line in remarks(e) {
+        for line in remarks(e, whole) {
             out.push_str(&format!("    {line}\n"));
         }
         out.push_str(&path::table(d, e));
+    }
+    if whole {
+        let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
+        let judged = judged.filter_map(|e| e.identifiability.as_deref());
+        for line in identifiability::ranges(judged) {
+            out.push_str(&format!("{line}\n"));
+        }
     }
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
@@ -26,7 +33,7 @@ pub fn answer(d: &Discovery) -> String {
     out
 }
 
-fn remarks(e: &Equation) -> Vec<String> {
+fn remarks(e: &Equation, whole: bool) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
@@ -44,6 +51,10 @@ fn remarks(e: &Equation) -> Vec<String> {
                 .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
         );
     }
+    lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
+        true => identifiability::whole(i),
+        false => identifiability::brief(i, &e.reasons),
+    }));
     lines
 }
 

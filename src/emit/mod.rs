@@ -5,6 +5,7 @@
 mod c;
 mod derived;
 mod evidence;
+mod identifiability;
 mod infix;
 mod latex;
 mod latex_matrix;

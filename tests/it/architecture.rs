@@ -46,6 +46,18 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "term", "lang", "discover", "simulate", "validate", "algebra", "units",
         ],
     ),
+    (
+        "identifiability",
+        &[
+            "term",
+            "lang",
+            "library",
+            "data",
+            "dictionary",
+            "solve",
+            "discover",
+        ],
+    ),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.

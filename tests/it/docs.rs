@@ -15,6 +15,7 @@ const DOCUMENTS: &[&str] = &[
     "docs/command-line.md",
     "docs/exports.md",
     "docs/noise.md",
+    "docs/identifiability.md",
     "models/README.md",
 ];
 

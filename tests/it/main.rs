@@ -26,6 +26,7 @@ mod linearize;
 mod measured;
 mod noise;
 mod pendulum;
+mod planted;
 mod program;
 mod sensors;
 mod simulate;

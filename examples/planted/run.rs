@@ -1,0 +1,107 @@
+//! One planted case through the whole program: which cause is named, and whether a wrong answer passes.
+//!
+//! In: a case. Out: an [`Outcome`]. What it calls is what `sidc identify` calls.
+
+use sidc::data::{Limits, read};
+use sidc::discover::{Cause, Discovery, Options, Status};
+use sidc::lang::render;
+use sidc::lang::source::Sources;
+use sidc::pipeline;
+use sidc::term::{Language, SignalNames};
+use std::ops::ControlFlow;
+
+use super::cases::Case;
+
+pub struct Outcome {
+    /// Cause of the leading finding, as it is written; empty if there is none.
+    pub named: String,
+    pub right_cause: bool,
+    /// The equation has the true terms.
+    pub right_answer: bool,
+    pub passes: bool,
+    /// What the terminal shows.
+    pub shown: String,
+}
+
+impl Outcome {
+    pub fn firm_and_wrong(&self) -> bool {
+        self.passes && !self.right_answer
+    }
+}
+
+/// # Errors
+/// What the program said instead of an answer.
+pub fn run(case: &Case) -> Result<Outcome, String> {
+    let discovery = identify(case)?;
+    let found = discovery
+        .equations
+        .iter()
+        .find(|e| discovery.name(e.target) == case.target);
+    let Some(equation) = found else {
+        let shown = sidc::emit::answer(&discovery, true);
+        // An equation that could not be found at all is told what it lacks in its reason.
+        let lacks = shown.contains("which it lacks") && case.causes.contains(&Cause::MissingTerm);
+        return Ok(Outcome {
+            named: if lacks {
+                Cause::MissingTerm.name().into()
+            } else {
+                String::new()
+            },
+            right_cause: lacks,
+            right_answer: false,
+            passes: false,
+            shown,
+        });
+    };
+    let language = Language(&discovery);
+    let mut terms: Vec<String> = equation
+        .terms
+        .iter()
+        .map(|t| language.term(&t.term))
+        .collect();
+    terms.sort();
+    let right_answer = case.truth.is_some_and(|truth| {
+        let mut truth: Vec<String> = truth.iter().map(|t| t.to_string()).collect();
+        truth.sort();
+        truth == terms
+    });
+    let evidence = equation.evidence.as_ref();
+    let judged = evidence.and_then(|e| e.identifiability.as_ref());
+    let leading = judged.and_then(|i| i.findings.first());
+    Ok(Outcome {
+        named: leading.map_or_else(String::new, |f| f.cause.name().into()),
+        right_cause: leading.is_some_and(|f| case.causes.contains(&f.cause)),
+        right_answer,
+        passes: equation.status != Status::Doubt,
+        shown: sidc::emit::answer(&discovery, true),
+    })
+}
+
+/// # Errors
+/// Diagnostics, as text.
+pub fn identify(case: &Case) -> Result<Discovery, String> {
+    let mut sources = Sources::default();
+    let file = sources.add("planted.sid", case.model.as_str());
+    let (program, said) = pipeline::compile(file, &sources, pipeline::MEMORY);
+    let program = program.ok_or_else(|| render(&said, &sources, false))?;
+    let mut tables = Vec::new();
+    for (i, text) in case.tables.iter().enumerate() {
+        let name = format!("{i}.csv");
+        let table = read(&name, text.as_bytes(), &Limits::default(), &mut sources);
+        tables.push(table.map_err(|d| render(&d, &sources, false))?);
+    }
+    let options = Options::default();
+    let staged = pipeline::measure(
+        &program,
+        &tables,
+        &[],
+        (&sidc::pipeline::Rows::default(), &options),
+        &mut sources,
+        &mut |_| ControlFlow::Continue(()),
+    );
+    let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
+    let found = pipeline::identify(&program, &measured, &options, &mut |_| {
+        ControlFlow::Continue(())
+    });
+    found.map_err(|d| render(&d, &sources, false))
+}
