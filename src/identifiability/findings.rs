@@ -88,7 +88,8 @@ fn holds(frame: &Frame, t: &Told) -> bool {
 fn matters(frame: &Frame, t: &Told) -> bool {
     let doubted = frame.equation.status == Status::Doubt;
     match t.reason.cause {
-        _ if t.exchange.is_some() => true,
+        // Where refits decided, an exchange on the fitted trajectory alone is no more than a hint.
+        _ if t.exchange.is_some() => doubted,
         Cause::Conserved => holds(frame, t) && t.concerns,
         Cause::WrongOrder => holds(frame, t) && (doubted || t.concerns),
         _ => false,
