@@ -16,7 +16,7 @@ pub struct Power {
 impl Power {
     pub const ONE: Power = Power { over: 1, under: 1 };
 
-    /// `over/under`; `None` for a zero denominator or beyond [`MOST`].
+    /// `over/under`; `None` for a zero denominator or beyond `MOST`.
     pub fn new(over: i64, under: i64) -> Option<Power> {
         let divisor = gcd(over.unsigned_abs(), under.unsigned_abs());
         let divisor = i64::try_from(divisor).ok().filter(|d| *d > 0)? * under.signum();
