@@ -10,6 +10,7 @@ mod infix;
 mod latex;
 mod latex_matrix;
 mod linearization;
+mod lists;
 mod matlab;
 mod matrix;
 mod names;

@@ -4,10 +4,11 @@
 
 use super::Target;
 use super::infix::{Infix, Syntax};
+use super::lists::{SHORT, list, solver_call, wanted};
 use super::names::{Identifiers, plain};
 use super::program::{Function, Kind, Name, Newton, Program, Solve, Step};
 use crate::discover::Discovery;
-use crate::term::{Func, Node, Signal};
+use crate::term::{Func, Node};
 
 pub(super) struct Python;
 
@@ -129,46 +130,12 @@ fn statement(infix: &Infix<Words>, body: &super::program::Body, step: &Step) -> 
 }
 
 fn solved(infix: &Infix<Words>, s: &Solve) -> String {
-    let row = |row: &Vec<Option<Signal>>| bracketed(&wanted(infix, row));
-    let names: Vec<String> = s.signals.iter().map(row).collect();
+    let names = s.signals.iter().map(|row| wanted(infix, row));
+    let names: Vec<String> = names.collect();
     format!(
         "    {} = {}\n",
-        bracketed(&names),
-        system(infix, &s.mass, &s.right, "    ")
-    )
-}
-
-fn wanted(infix: &Infix<Words>, all: &[Option<Signal>]) -> Vec<String> {
-    let name = |s: &Option<Signal>| s.map_or_else(|| "_".to_string(), |s| infix.signal(s));
-    all.iter().map(name).collect()
-}
-
-/// A call of `_solve`; matrices that do not fit on a line have a line a row.
-fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>], indent: &str) -> String {
-    let rows = |rows: &[Vec<usize>]| -> Vec<String> {
-        rows.iter()
-            .map(|row| bracketed(&infix.texts(row)))
-            .collect()
-    };
-    let (mass, right) = (rows(mass), rows(right));
-    let (short_mass, short_right) = (bracketed(&mass), bracketed(&right));
-    if short_mass.len() + short_right.len() < SHORT {
-        return format!("_solve({short_mass}, {short_right})");
-    }
-    let matrix = |rows: &[String], short: &str| match short.len() < SHORT {
-        true => format!("{indent}    {short},\n"),
-        false => {
-            let lines: String = rows
-                .iter()
-                .map(|row| format!("{indent}        {row},\n"))
-                .collect();
-            format!("{indent}    [\n{lines}{indent}    ],\n")
-        }
-    };
-    format!(
-        "_solve(\n{}{}{indent})",
-        matrix(&mass, &short_mass),
-        matrix(&right, &short_right)
+        list(&names),
+        solver_call("_solve", infix, (&s.mass, &s.right), "    ")
     )
 }
 
@@ -185,11 +152,11 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
         })
         .collect();
     let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
-    let step = system(infix, &n.mass, &right, "        ");
+    let step = solver_call("_solve", infix, (&n.mass, &right), "        ");
     format!(
         "\n    def step(unknown):\n        {} = unknown\n{lets}        return {step}\n\n    {} = _newton(step, {})\n",
-        bracketed(&wanted(infix, &n.moving)),
-        bracketed(&wanted(infix, &n.asked)),
+        wanted(infix, &n.moving),
+        wanted(infix, &n.asked),
         n.signals.len()
     )
 }
@@ -220,10 +187,6 @@ fn results(infix: &Infix<Words>, f: &Function) -> String {
     out
 }
 
-fn bracketed(all: &[String]) -> String {
-    format!("[{}]", all.join(", "))
-}
-
 /// The helpers that the code calls.
 fn helpers(program: &Program) -> String {
     let newton = program.makes(|s| matches!(s, Step::Newton(_)));
@@ -235,9 +198,6 @@ fn helpers(program: &Program) -> String {
         .map(|(_, text)| *text)
         .collect()
 }
-
-/// Longest list that stays on one line.
-const SHORT: usize = 80;
 
 const NUMBERS: &str = "
 

@@ -5,15 +5,13 @@
 
 use super::Target;
 use super::infix::{Infix, Syntax};
+use super::lists::{SHORT, list, solver_call, wanted};
 use super::names::{Identifiers, plain};
 use super::program::{Function, Name, Newton, Program, Solve, Step};
 use crate::discover::Discovery;
-use crate::term::{Func, Node, Signal};
+use crate::term::{Func, Node};
 
 pub(super) struct Rust;
-
-/// Longest list that stays on one line.
-const SHORT: usize = 80;
 
 impl Target for Rust {
     fn name(&self) -> &'static str {
@@ -107,55 +105,21 @@ fn statement(infix: &Infix<Words>, step: &Step) -> String {
 }
 
 fn solved(infix: &Infix<Words>, s: &Solve) -> String {
-    let row = |row: &Vec<Option<Signal>>| {
-        bracketed(&row.iter().map(|s| wanted(infix, s)).collect::<Vec<_>>())
-    };
-    let names: Vec<String> = s.signals.iter().map(row).collect();
+    let names = s.signals.iter().map(|row| wanted(infix, row));
+    let names: Vec<String> = names.collect();
     format!(
         "    let {} = {};\n",
-        bracketed(&names),
-        system(infix, &s.mass, &s.right, "    ")
+        list(&names),
+        solver_call(solver(&s.mass), infix, (&s.mass, &s.right), "    ")
     )
 }
 
-fn wanted(infix: &Infix<Words>, s: &Option<Signal>) -> String {
-    s.map_or_else(|| "_".to_string(), |s| infix.signal(s))
-}
-
-/// A call of `solve`; matrices that do not fit on a line have a line a row.
-fn system(infix: &Infix<Words>, mass: &[Vec<usize>], right: &[Vec<usize>], indent: &str) -> String {
-    let rows = |rows: &[Vec<usize>]| -> Vec<String> {
-        rows.iter()
-            .map(|row| bracketed(&infix.texts(row)))
-            .collect()
-    };
-    let (mass, right) = (rows(mass), rows(right));
-    let (short_mass, short_right) = (bracketed(&mass), bracketed(&right));
-    let solve = if mass.len() == 2 { "solve_2" } else { "solve" };
-    if short_mass.len() + short_right.len() < SHORT {
-        return format!("{solve}({short_mass}, {short_right})");
-    }
-    let matrix = |rows: &[String], short: &str| match short.len() < SHORT {
-        true => format!("{indent}    {short},\n"),
-        false => {
-            let lines: String = rows
-                .iter()
-                .map(|row| format!("{indent}        {row},\n"))
-                .collect();
-            format!("{indent}    [\n{lines}{indent}    ],\n")
-        }
-    };
-    format!(
-        "{solve}(\n{}{}{indent})",
-        matrix(&mass, &short_mass),
-        matrix(&right, &short_right)
-    )
+/// Two unknowns are eliminated without loops.
+fn solver(mass: &[Vec<usize>]) -> &'static str {
+    if mass.len() == 2 { "solve_2" } else { "solve" }
 }
 
 fn newton(infix: &Infix<Words>, n: &Newton) -> String {
-    let names = |all: &[Option<Signal>]| {
-        bracketed(&all.iter().map(|s| wanted(infix, s)).collect::<Vec<_>>())
-    };
     let lets: String = n
         .inside
         .iter()
@@ -168,11 +132,11 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
         })
         .collect();
     let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
-    let step = system(infix, &n.mass, &right, "        ");
+    let step = solver_call(solver(&n.mass), infix, (&n.mass, &right), "        ");
     format!(
         "    let {} = newton(|{}| {{\n{lets}        {step}\n    }});\n",
-        names(&n.asked),
-        names(&n.moving)
+        wanted(infix, &n.asked),
+        wanted(infix, &n.moving)
     )
 }
 
@@ -185,7 +149,7 @@ fn results(infix: &Infix<Words>, f: &Function) -> String {
             .flat_map(|row| infix.texts(row))
             .collect();
         return match entries.iter().map(String::len).sum::<usize>() {
-            0..SHORT => format!("    {}\n}}\n", bracketed(&entries)),
+            0..SHORT => format!("    {}\n}}\n", list(&entries)),
             _ => format!(
                 "    [\n        {},\n    ]\n}}\n",
                 entries.join(",\n        ")
@@ -202,10 +166,6 @@ fn results(infix: &Infix<Words>, f: &Function) -> String {
     }
     out.push_str("    slope\n}\n");
     out
-}
-
-fn bracketed(all: &[String]) -> String {
-    format!("[{}]", all.join(", "))
 }
 
 /// The helpers that the code calls.
