@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::data::{self, Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table};
+use crate::data::{self, Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table, Window};
 use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
 use crate::identifiability;
 use crate::lang::diagnostic::Diagnostic;
@@ -114,9 +114,6 @@ fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnosti
     })
 }
 
-/// A stretch of time, ends optional.
-pub type Window = (Option<f64>, Option<f64>);
-
 /// Which rows there are, and which of them equations are not found from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
@@ -214,17 +211,10 @@ pub fn identify(
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
         let found = discover::discover_jointly(&program.model, problem, options, watch);
-        let Some((mut discovery, samples)) = found else {
-            let mut nothing = discover::nothing_fits(&program.model, problem);
-            judge_fitted(
-                program,
-                measured,
-                &Samples::default(),
-                options,
-                &mut nothing,
-            );
-            return Ok(nothing);
-        };
+        let (mut discovery, samples) = found.unwrap_or_else(|| {
+            let nothing = discover::nothing_fits(&program.model, problem);
+            (nothing, Samples::default())
+        });
         judge_fitted(program, measured, &samples, options, &mut discovery);
         return Ok(discovery);
     }

@@ -58,8 +58,5 @@ fn stated_outright(form: &Form, i: usize) -> bool {
 }
 
 fn free(form: &Form, i: usize) -> bool {
-    let knows = |e: &crate::term::Expr| form.unknowns.iter().any(|q| e.mentions(*q));
-    form.rows
-        .get(i)
-        .is_some_and(|r| !knows(&r.force) && !r.mass.iter().any(knows))
+    form.rows.get(i).is_some_and(|r| form.free(r))
 }

@@ -131,7 +131,7 @@ fn programs(
         let done = inputs::model(path, sources).and_then(|file| {
             let compiled = pipeline::compile(file, sources, args.memory_limit);
             let warnings = answer::said(&compiled.1);
-            let mut program = inputs::report(compiled, sources, args.notes())?;
+            let mut program = inputs::report(compiled, sources, Notes::lines_unless(args.quiet))?;
             values::set_noise(&mut program, &args.noise)?;
             Ok((program, warnings))
         });
@@ -191,7 +191,7 @@ fn prepare(
         staged.1.retain(|d| !about_them.contains(&d.code));
     }
     warnings.extend(answer::said(&staged.1));
-    let measured = inputs::report(staged, sources, args.notes())?;
+    let measured = inputs::report(staged, sources, Notes::lines_unless(args.quiet))?;
     Ok(Candidate {
         path,
         program,
@@ -261,13 +261,6 @@ impl Args {
             memory: self.memory_limit,
             path: self.path,
             robust: self.robust,
-        }
-    }
-
-    fn notes(&self) -> Notes {
-        match self.quiet {
-            true => Notes::None,
-            false => Notes::Lines,
         }
     }
 }

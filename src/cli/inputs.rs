@@ -131,6 +131,15 @@ pub enum Notes {
     None,
 }
 
+impl Notes {
+    pub fn lines_unless(quiet: bool) -> Notes {
+        match quiet {
+            true => Notes::None,
+            false => Notes::Lines,
+        }
+    }
+}
+
 /// Prints what a stage had to say; without its result, that is the failure.
 pub fn report<T>(
     staged: (Option<T>, Vec<Diagnostic>),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::inputs::{self, Notes};
 use super::limits::{self, Limits};
-use super::{Failure, hint, output, status};
+use super::{Failure, hint, output, status, values};
 use crate::data::{self, Dataset};
 use crate::discover::Discovery;
 use crate::lang::diagnostic::Diagnostic;
@@ -30,13 +30,13 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     /// Simulate only times A to B, ends optional: --window=2..10, --window=..5
-    #[arg(long, value_name = "A..B", value_parser = super::values::window, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A..B", value_parser = values::window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
     /// Start here instead of where the data do: theta=0.1,dtheta=0
     #[arg(long, value_name = "x=0.1,dx=0", value_parser = start)]
     start: Vec<Vec<(String, f64)>>,
     /// Constant parameters: one value a trajectory, or one for all
-    #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = super::values::parameter)]
+    #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = values::parameter)]
     params: Vec<(String, Vec<f64>)>,
     /// Fixed steps of at most H seconds (classical Runge-Kutta), as a controller takes them, instead of error control
     #[arg(long, value_name = "H", value_parser = positive)]
@@ -61,11 +61,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
     let (result, data) = sort(&args.files)?;
-    let notes = if args.quiet {
-        Notes::None
-    } else {
-        Notes::Lines
-    };
+    let notes = Notes::lines_unless(args.quiet);
     let name = inputs::short_name(result);
     let opened = result::open(&name, &inputs::text(result)?)
         .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
@@ -198,9 +194,5 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn method(name: &str) -> Result<Method, String> {
-    let found = METHODS.iter().find(|(n, _)| *n == name);
-    found.map(|(_, m)| *m).ok_or_else(|| {
-        let names: Vec<&str> = METHODS.iter().map(|(n, _)| *n).collect();
-        format!("known: {}", names.join(", "))
-    })
+    values::one_of(name, METHODS.iter().copied())
 }

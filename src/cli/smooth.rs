@@ -45,11 +45,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
-    let notes = if args.quiet {
-        Notes::None
-    } else {
-        Notes::Lines
-    };
+    let notes = Notes::lines_unless(args.quiet);
     let mut sources = Sources::default();
     let file = inputs::model(files.model()?, &mut sources)?;
     let compiled = pipeline::compile(file, &sources, args.memory_limit);

@@ -11,26 +11,15 @@ use crate::pipeline::Program;
 use crate::solve::{SOLVERS, Solver};
 use crate::term::{Signal, SignalNames, VarId};
 
-/// A name of `--method`.
-pub fn method(name: &str) -> Result<Method, String> {
-    let names = METHODS.iter().map(|(n, _)| *n);
-    let found = METHODS.iter().find(|(n, _)| *n == name);
-    found.map(|(_, m)| *m).ok_or_else(|| {
-        let known: Vec<&str> = names.clone().collect();
-        match did_you_mean(name, names) {
-            Some(n) => format!("did you mean `{n}`? known: {}", known.join(", ")),
-            None => format!("known: {}", known.join(", ")),
-        }
-    })
-}
-
-/// A name of `--solver`.
-pub fn solver(name: &str) -> Result<&'static dyn Solver, String> {
-    let names = SOLVERS.iter().map(|s| s.name());
-    SOLVERS
-        .iter()
-        .copied()
-        .find(|s| s.name() == name)
+/// What a name stands for among those known.
+pub fn one_of<T>(
+    name: &str,
+    all: impl Iterator<Item = (&'static str, T)> + Clone,
+) -> Result<T, String> {
+    let names = all.clone().map(|(n, _)| n);
+    let mut all = all;
+    all.find(|(n, _)| *n == name)
+        .map(|(_, found)| found)
         .ok_or_else(|| {
             let known: Vec<&str> = names.clone().collect();
             match did_you_mean(name, names) {
@@ -38,6 +27,16 @@ pub fn solver(name: &str) -> Result<&'static dyn Solver, String> {
                 None => format!("known: {}", known.join(", ")),
             }
         })
+}
+
+/// A name of `identify --method`.
+pub fn method(name: &str) -> Result<Method, String> {
+    one_of(name, METHODS.iter().copied())
+}
+
+/// A name of `--solver`.
+pub fn solver(name: &str) -> Result<&'static dyn Solver, String> {
+    one_of(name, SOLVERS.iter().map(|s| (s.name(), *s)))
 }
 
 /// `2..10`, `..5`, `3..`

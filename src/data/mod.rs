@@ -29,4 +29,4 @@ pub use instants::{gaps, pieces, settled};
 pub use samples::{Column, Origin, Samples};
 pub use sampling::{Provenance, SignalMonitor, samples};
 pub use smooth::{Break, Smoothed, smooth};
-pub use window::keep_window;
+pub use window::{Window, keep_window};

@@ -3,11 +3,11 @@
 use super::{Dataset, Trajectory};
 use crate::lang::diagnostic::Diagnostic;
 
+/// A stretch of time, ends optional.
+pub type Window = (Option<f64>, Option<f64>);
+
 /// Keeps the rows with `from ≤ t ≤ to`; an absent end is open. Errors: `empty-window`.
-pub fn keep_window(
-    dataset: &mut Dataset,
-    (from, to): (Option<f64>, Option<f64>),
-) -> Option<Diagnostic> {
+pub fn keep_window(dataset: &mut Dataset, (from, to): Window) -> Option<Diagnostic> {
     let (from, to) = (
         from.unwrap_or(f64::NEG_INFINITY),
         to.unwrap_or(f64::INFINITY),

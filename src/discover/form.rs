@@ -59,6 +59,16 @@ pub enum Rate {
     Unknown(usize),
 }
 
+impl Rate {
+    /// How fast the component moves, the state and the unknowns given.
+    pub fn value(self, x: &[f64], q: &[f64]) -> f64 {
+        match self {
+            Rate::State(i) => x[i],
+            Rate::Unknown(i) => q[i],
+        }
+    }
+}
+
 impl Form {
     /// Sorts the equations into state, inputs and unknowns.
     pub fn new(d: &Discovery) -> Form {
@@ -117,15 +127,7 @@ impl Form {
     pub fn rates_at(&self, t: f64, x: &[f64], u: &[f64], p: &[f64], h: &[f64]) -> Option<Vec<f64>> {
         let at = self.lookup(t, x, u, p, h);
         let q = self.solve(&at, &vec![0.0; self.rows.len()])?;
-        Some(
-            self.rates
-                .iter()
-                .map(|r| match r {
-                    Rate::State(i) => x[*i],
-                    Rate::Unknown(i) => q[*i],
-                })
-                .collect(),
-        )
+        Some(self.rates.iter().map(|r| r.value(x, &q)).collect())
     }
 
     fn lookup<'a>(
@@ -210,7 +212,7 @@ impl Form {
     }
 
     /// True if neither M nor f of this row knows an unknown.
-    fn free(&self, row: &Row) -> bool {
+    pub fn free(&self, row: &Row) -> bool {
         let knows = |e: &Expr| self.unknowns.iter().any(|q| e.mentions(*q));
         !knows(&row.force) && !row.mass.iter().any(knows)
     }

@@ -3,10 +3,10 @@
 //! Coupled equations are solved for the highest derivatives in the emitted code, by a small elimination; where they are not linear
 //! in them, by Newton's method. Compiles without a warning under `-std=c99 -Wall -Wextra -pedantic`.
 
-use super::Target;
 use super::infix::{Infix, Syntax};
-use super::names::{Identifiers, plain};
+use super::names::{Identifiers, plain, titled};
 use super::program::{Function, Kind, Name, Newton, Program, Solve, Step};
+use super::{Target, chosen};
 use crate::discover::Discovery;
 use crate::term::{Func, Node, Signal};
 
@@ -35,20 +35,10 @@ impl Target for C {
 }
 
 fn header(d: &Discovery, program: &Program) -> String {
-    let system = program
-        .system
-        .as_deref()
-        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let system = titled(program.system.as_deref());
     let mut out = format!("/* Written by sidc: the identified system{system} as code (C99).\n *\n");
-    for a in &program.arguments {
-        if !a.signals.is_empty() {
-            out.push_str(&format!(
-                " * {} is {}: {}\n",
-                a.name,
-                a.about,
-                plain(&a.names.join(", "))
-            ));
-        }
+    for line in program.legend() {
+        out.push_str(&format!(" * {line}\n"));
     }
     let outputs = program.outputs(d);
     if !outputs.is_empty() {
@@ -99,16 +89,15 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
     if !f.body.mentions_time() {
         out.push_str("    (void)t;\n");
     }
-    for (i, a) in program.arguments.iter().enumerate() {
-        if !f.body.reads.iter().any(|r| r.argument == i) {
+    for a in &program.arguments {
+        if !f.body.reads.iter().any(|r| r.argument == a.name) {
             out.push_str(&format!("    (void){};\n", a.name));
         }
     }
     for read in &f.body.reads {
-        let argument = program.arguments.get(read.argument).map_or("", |a| a.name);
         out.push_str(&constant(
             &infix.signal(read.signal),
-            &format!("{argument}[{}]", read.place),
+            &format!("{}[{}]", read.argument, read.place),
             1,
         ));
     }
@@ -127,10 +116,7 @@ fn constant(name: &str, value: &str, depth: usize) -> String {
 fn statement(infix: &Infix<Words>, step: &Step) -> String {
     match step {
         Step::Let(name, node) => {
-            let value = match name {
-                Name::Node(_) => infix.value(*node),
-                Name::Signal(_) => infix.text(*node),
-            };
+            let value = infix.assigned(*name, *node);
             constant(&infix.name(*name), &value, 1)
         }
         Step::Solve(s) => solved(infix, s),
@@ -200,8 +186,7 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
             2,
         ));
     }
-    let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
-    out.push_str(&system(infix, &n.mass, &right));
+    out.push_str(&system(infix, &n.mass, &n.right));
     out.push_str(&format!(
         "        settled = sidc_settled({size}, unknown, right, step == 50);\n    }}\n"
     ));
@@ -246,10 +231,7 @@ fn helpers(program: &Program) -> String {
         (program.solves(|n| n > 2), SOLVE),
         (newton, NEWTON),
     ];
-    all.iter()
-        .filter(|(used, _)| *used)
-        .map(|(_, text)| *text)
-        .collect()
+    chosen(&all)
 }
 
 const SOLVE_1: &str = "

@@ -67,6 +67,19 @@ impl<'a, S: Syntax> Infix<'a, S> {
         self.computed(node).0
     }
 
+    /// What is written behind a name: a node's own value, or what a signal is, which may have a name already.
+    pub fn assigned(&self, name: Name, node: usize) -> String {
+        match name {
+            Name::Node(_) => self.value(node),
+            Name::Signal(_) => self.text(node),
+        }
+    }
+
+    /// Row after row.
+    pub fn flat(&self, rows: &[Vec<usize>]) -> Vec<String> {
+        rows.iter().flat_map(|row| self.texts(row)).collect()
+    }
+
     pub fn texts(&self, nodes: &[usize]) -> Vec<String> {
         nodes.iter().map(|n| self.text(*n)).collect()
     }

@@ -2,7 +2,7 @@
 
 use super::Target;
 use super::latex_matrix;
-use super::names::plain;
+use super::names::titled;
 use super::number::significant;
 use crate::discover::{Discovery, Equation};
 use crate::term::{Func, Notation, Precedence, Signal, SignalNames, write_term};
@@ -31,10 +31,7 @@ impl Target for Latex {
                 )
             })
             .collect();
-        let system = d
-            .system
-            .as_deref()
-            .map_or_else(String::new, |s| format!(" {}", plain(s)));
+        let system = titled(d.system.as_deref());
         let equations = match lines.is_empty() {
             true => String::new(),
             false => format!(

@@ -5,7 +5,7 @@
 
 use super::Target;
 use super::infix::{Infix, Syntax};
-use super::names::{Identifiers, ascii, plain};
+use super::names::{Identifiers, ascii, plain, titled};
 use super::program::{Function, Kind, Name, Newton, Program, Solve, Step};
 use crate::discover::Discovery;
 use crate::term::{Func, Node, Signal};
@@ -61,10 +61,7 @@ const KINDS: [Kind; 4] = [
 
 /// The function of the file, which calls the others.
 fn main(d: &Discovery, program: &Program) -> String {
-    let system = program
-        .system
-        .as_deref()
-        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let system = titled(program.system.as_deref());
     let own = ascii(program.system.as_deref().unwrap_or("model"));
     let name = Identifiers::new([], RESERVED.iter().copied()).fresh(&own);
     let arguments = arguments(program);
@@ -72,15 +69,8 @@ fn main(d: &Discovery, program: &Program) -> String {
     let mut out = format!(
         "function [{results}] = {name}(t{arguments})\n% Written by sidc: the identified system{system} as code, for MATLAB and Octave.\n"
     );
-    for a in &program.arguments {
-        if !a.signals.is_empty() {
-            out.push_str(&format!(
-                "% {} is {}: {}\n",
-                a.name,
-                a.about,
-                plain(&a.names.join(", "))
-            ));
-        }
+    for line in program.legend() {
+        out.push_str(&format!("% {line}\n"));
     }
     for kind in KINDS {
         if program.get(kind).is_some() {
@@ -124,10 +114,10 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
         arguments(program)
     );
     for read in &f.body.reads {
-        let argument = program.arguments.get(read.argument).map_or("", |a| a.name);
         out.push_str(&format!(
-            "  {} = {argument}({});\n",
+            "  {} = {}({});\n",
             infix.signal(read.signal),
+            read.argument,
             read.place + 1
         ));
     }
@@ -142,10 +132,7 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
 fn statement(infix: &Infix<Words>, step: &Step) -> String {
     match step {
         Step::Let(name, node) => {
-            let value = match name {
-                Name::Node(_) => infix.value(*node),
-                Name::Signal(_) => infix.text(*node),
-            };
+            let value = infix.assigned(*name, *node);
             format!("  {} = {value};\n", infix.name(*name))
         }
         Step::Solve(s) => solved(infix, s),
@@ -205,13 +192,12 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
             )
         })
         .collect();
-    let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
     format!(
         "  unknown = zeros({size}, 1);\n  settled = false;\n  step = 0;\n  while ~settled && step < 50\n{}{lets}{}    \
          settled = max(abs(solved - unknown)) <= 1e-12 * max(abs(solved));\n    unknown = solved;\n    step = step + 1;\n  end\n  \
          if ~settled\n    unknown = NaN({size}, 1);\n  end\n{}",
         entries(&n.moving, "    "),
-        system(infix, &n.mass, &right, "    "),
+        system(infix, &n.mass, &n.right, "    "),
         entries(&n.asked, "  ")
     )
 }
@@ -219,12 +205,7 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
 fn results(infix: &Infix<Words>, f: &Function) -> String {
     let name = result(f.kind);
     if !f.kind.is_matrix() {
-        let entries: Vec<String> = f
-            .body
-            .results
-            .iter()
-            .flat_map(|row| infix.texts(row))
-            .collect();
+        let entries = infix.flat(&f.body.results);
         return format!("  {name} = [{}];\n", entries.join("; "));
     }
     let (rows, columns) = f.size;

@@ -62,6 +62,12 @@ pub fn consequences(d: &Discovery) -> String {
     matrix::text(d, &derived::Derived::of(d))
 }
 
+/// The texts whose condition holds: the helpers that emitted code calls.
+fn chosen(all: &[(bool, &str)]) -> String {
+    let used = all.iter().filter(|(used, _)| *used);
+    used.map(|(_, text)| *text).collect()
+}
+
 /// Looks a target up by name.
 pub fn target(name: &str) -> Option<&'static dyn Target> {
     TARGETS.iter().copied().find(|t| t.name() == name)

@@ -86,6 +86,11 @@ pub(super) fn plain(name: &str) -> String {
     name.chars().map(piece).collect()
 }
 
+/// The name of a system with a blank before it, for comments; nothing if it has none.
+pub(super) fn titled(system: Option<&str>) -> String {
+    system.map_or_else(String::new, |s| format!(" {}", plain(s)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,11 +2,11 @@
 //!
 //! Coupled equations are solved for the highest derivatives at every call; where they are not linear in them, by Newton's method.
 
-use super::Target;
 use super::infix::{Infix, Syntax};
 use super::lists::{SHORT, list, solver_call, wanted};
-use super::names::{Identifiers, plain};
+use super::names::{Identifiers, plain, titled};
 use super::program::{Function, Kind, Name, Newton, Program, Solve, Step};
+use super::{Target, chosen};
 use crate::discover::Discovery;
 use crate::term::{Func, Node};
 
@@ -36,10 +36,7 @@ impl Target for Python {
 }
 
 fn header(d: &Discovery, program: &Program) -> String {
-    let system = program
-        .system
-        .as_deref()
-        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let system = titled(program.system.as_deref());
     let mut out =
         format!("\"\"\"Written by sidc: the identified system{system} as code, for numpy.\n");
     if let (Some(_), false) = (program.get(Kind::Rates), program.discrete) {
@@ -90,8 +87,8 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
         "\n\n@np.errstate(all=\"ignore\")\ndef {}(t{arguments}):\n    \"\"\"{about}\"\"\"\n",
         f.kind.name(program.discrete)
     );
-    for (i, a) in program.arguments.iter().enumerate() {
-        if f.body.reads.iter().any(|r| r.argument == i) {
+    for a in &program.arguments {
+        if f.body.reads.iter().any(|r| r.argument == a.name) {
             out.push_str(&format!("    {0} = _numbers({0}, t)\n", a.name));
         }
     }
@@ -99,10 +96,10 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
         out.push_str("    t = np.float64(t)\n");
     }
     for read in &f.body.reads {
-        let argument = program.arguments.get(read.argument).map_or("", |a| a.name);
         out.push_str(&format!(
-            "    {} = {argument}[{}]\n",
+            "    {} = {}[{}]\n",
             infix.signal(read.signal),
+            read.argument,
             read.place
         ));
     }
@@ -117,10 +114,11 @@ fn statement(infix: &Infix<Words>, body: &super::program::Body, step: &Step) -> 
     match step {
         Step::Let(name, node) => {
             let value = match (name, body.nodes().get(*node)) {
-                (Name::Node(_), _) => infix.value(*node),
                 // Python's own numbers refuse a division by zero.
-                (_, Some(Node::Number(_))) => format!("np.float64({})", infix.text(*node)),
-                _ => infix.text(*node),
+                (Name::Signal(_), Some(Node::Number(_))) => {
+                    format!("np.float64({})", infix.text(*node))
+                }
+                _ => infix.assigned(*name, *node),
             };
             format!("    {} = {value}\n", infix.name(*name))
         }
@@ -151,8 +149,7 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
             )
         })
         .collect();
-    let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
-    let step = solver_call("_solve", infix, (&n.mass, &right), "        ");
+    let step = solver_call("_solve", infix, (&n.mass, &n.right), "        ");
     format!(
         "\n    def step(unknown):\n        {} = unknown\n{lets}        return {step}\n\n    {} = _newton(step, {})\n",
         wanted(infix, &n.moving),
@@ -163,12 +160,7 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
 
 fn results(infix: &Infix<Words>, f: &Function) -> String {
     if !f.kind.is_matrix() {
-        let entries: Vec<String> = f
-            .body
-            .results
-            .iter()
-            .flat_map(|row| infix.texts(row))
-            .collect();
+        let entries = infix.flat(&f.body.results);
         let line = entries.join(", ");
         return match line.len() < SHORT {
             true => format!("    return np.array([{line}])\n"),
@@ -193,10 +185,7 @@ fn helpers(program: &Program) -> String {
     let solve = program.solves(|_| true);
     let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
     let all = [(reads, NUMBERS), (solve, SOLVE), (newton, NEWTON)];
-    all.iter()
-        .filter(|(used, _)| *used)
-        .map(|(_, text)| *text)
-        .collect()
+    chosen(&all)
 }
 
 const NUMBERS: &str = "

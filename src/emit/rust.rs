@@ -3,11 +3,11 @@
 //! Coupled equations are solved for the highest derivatives in the emitted code, by a small elimination; where they are not linear
 //! in them, by Newton's method.
 
-use super::Target;
 use super::infix::{Infix, Syntax};
 use super::lists::{SHORT, list, solver_call, wanted};
-use super::names::{Identifiers, plain};
+use super::names::{Identifiers, plain, titled};
 use super::program::{Function, Name, Newton, Program, Solve, Step};
+use super::{Target, chosen};
 use crate::discover::Discovery;
 use crate::term::{Func, Node};
 
@@ -36,20 +36,10 @@ impl Target for Rust {
 }
 
 fn header(d: &Discovery, program: &Program) -> String {
-    let system = program
-        .system
-        .as_deref()
-        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let system = titled(program.system.as_deref());
     let mut out = format!("// Written by sidc: the identified system{system} as code.\n");
-    for a in &program.arguments {
-        if !a.signals.is_empty() {
-            out.push_str(&format!(
-                "// {} is {}: {}\n",
-                a.name,
-                a.about,
-                plain(&a.names.join(", "))
-            ));
-        }
+    for line in program.legend() {
+        out.push_str(&format!("// {line}\n"));
     }
     let outputs = program.outputs(d);
     if !outputs.is_empty() {
@@ -76,10 +66,10 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
         f.kind.name(program.discrete)
     );
     for read in &f.body.reads {
-        let argument = program.arguments.get(read.argument).map_or("", |a| a.name);
         out.push_str(&format!(
-            "    let {} = {argument}[{}];\n",
+            "    let {} = {}[{}];\n",
             infix.signal(read.signal),
+            read.argument,
             read.place
         ));
     }
@@ -93,10 +83,7 @@ fn function(program: &Program, f: &Function, names: &Identifiers) -> String {
 fn statement(infix: &Infix<Words>, step: &Step) -> String {
     match step {
         Step::Let(name, node) => {
-            let value = match name {
-                Name::Node(_) => infix.value(*node),
-                Name::Signal(_) => infix.text(*node),
-            };
+            let value = infix.assigned(*name, *node);
             format!("    let {} = {value};\n", infix.name(*name))
         }
         Step::Solve(s) => solved(infix, s),
@@ -131,8 +118,7 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
             )
         })
         .collect();
-    let right: Vec<Vec<usize>> = n.right.iter().map(|r| vec![*r]).collect();
-    let step = solver_call(solver(&n.mass), infix, (&n.mass, &right), "        ");
+    let step = solver_call(solver(&n.mass), infix, (&n.mass, &n.right), "        ");
     format!(
         "    let {} = newton(|{}| {{\n{lets}        {step}\n    }});\n",
         wanted(infix, &n.asked),
@@ -142,12 +128,7 @@ fn newton(infix: &Infix<Words>, n: &Newton) -> String {
 
 fn results(infix: &Infix<Words>, f: &Function) -> String {
     if !f.kind.is_matrix() {
-        let entries: Vec<String> = f
-            .body
-            .results
-            .iter()
-            .flat_map(|row| infix.texts(row))
-            .collect();
+        let entries = infix.flat(&f.body.results);
         return match entries.iter().map(String::len).sum::<usize>() {
             0..SHORT => format!("    {}\n}}\n", list(&entries)),
             _ => format!(
@@ -181,10 +162,7 @@ fn helpers(program: &Program) -> String {
             SIGN,
         ),
     ];
-    all.iter()
-        .filter(|(used, _)| *used)
-        .map(|(_, text)| *text)
-        .collect()
+    chosen(&all)
 }
 
 /// The same without loops, three times as fast.

@@ -5,7 +5,7 @@
 
 use super::Target;
 use super::infix::{Infix, Syntax};
-use super::names::{Identifiers, plain};
+use super::names::{Identifiers, plain, titled};
 use super::program::{Body, Name, Program, Step};
 use crate::discover::{Discovery, Rate};
 use crate::term::{Func, Signal};
@@ -37,10 +37,7 @@ impl Target for Sympy {
 }
 
 fn header(program: &Program) -> String {
-    let system = program
-        .system
-        .as_deref()
-        .map_or_else(String::new, |s| format!(" {}", plain(s)));
+    let system = titled(program.system.as_deref());
     let unknown = match program.discrete {
         true => "next state",
         false => "highest derivatives",
@@ -131,8 +128,8 @@ fn sides(program: &Program, infix: &Infix<Words>, body: &Body) -> String {
         ));
     }
     if !outputs.is_empty() {
-        let values: Vec<String> = outputs.iter().flat_map(|row| infix.texts(row)).collect();
-        out.push_str(&format!("outputs = {}\n", column(&values)));
+        let values = column(&infix.flat(outputs));
+        out.push_str(&format!("outputs = {values}\n"));
     }
     out
 }

@@ -8,7 +8,7 @@ use super::run::Score;
 use crate::term::SignalNames;
 
 /// An exact run, decibels: documents know no infinity.
-const EXACT: f64 = -400.0;
+pub const EXACT: f64 = -400.0;
 
 /// How one signal follows its measurement; what the figures mean is said at [`Score`]. One that is not finite is absent: nothing is explained of a
 /// signal that does not move.

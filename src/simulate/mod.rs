@@ -24,10 +24,10 @@ mod start;
 mod stiff;
 
 pub use fault::{Fault, FaultKind};
-pub use figures::Figures;
+pub use figures::{EXACT, Figures};
 pub use prepare::simulate;
 pub use reads::reads;
-pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Window, Work};
+pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Work};
 
 use crate::data::Dataset;
 use crate::discover::Discovery;

@@ -153,10 +153,7 @@ impl Plant {
     ) -> Result<(), FaultKind> {
         self.solve(work, t, x)?;
         for (out, rate) in out.iter_mut().zip(&self.form.rates) {
-            *out = match *rate {
-                Rate::State(i) => x[i],
-                Rate::Unknown(i) => work.q[i],
-            };
+            *out = rate.value(x, &work.q);
         }
         Ok(())
     }
@@ -165,10 +162,7 @@ impl Plant {
     pub fn next(&self, work: &Work, x: &mut [f64]) {
         let before = x.to_vec();
         for (x, rate) in x.iter_mut().zip(&self.form.rates) {
-            *x = match *rate {
-                Rate::State(i) => before[i],
-                Rate::Unknown(i) => work.q[i],
-            };
+            *x = rate.value(&before, &work.q);
         }
     }
 

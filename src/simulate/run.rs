@@ -2,11 +2,9 @@
 
 use super::fault::Fault;
 use super::march::Path;
+use crate::data::Window;
 use crate::lang::diagnostic::Diagnostic;
 use crate::term::Signal;
-
-/// A stretch of time, ends optional.
-pub type Window = (Option<f64>, Option<f64>);
 
 /// How to run.
 #[derive(Clone, Debug)]

@@ -10,10 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::data::{Dataset, Trajectory};
 use crate::discover::{Discovery, Reason};
 use crate::lang::model::Model;
-use crate::simulate::{self, Figures, Options, Run, Source};
-
-/// Decibels of runs without any error.
-const EXACT: f64 = -400.0;
+use crate::simulate::{self, EXACT, Figures, Options, Run, Source};
 
 pub use ranking::{FOLLOWED, Merit, Ranking, rank};
 

@@ -23,9 +23,9 @@ pub(in crate::emit) struct Body {
     pub wishes: Vec<(Name, String)>,
 }
 
-/// `signal` is entry `place` of argument `argument` of the program.
+/// `signal` is entry `place` of the argument of that name.
 pub(in crate::emit) struct Read {
-    pub argument: usize,
+    pub argument: &'static str,
     pub place: usize,
     pub signal: Signal,
 }
@@ -61,7 +61,8 @@ pub(in crate::emit) struct Newton {
     /// Named within the loop, in order.
     pub inside: Vec<usize>,
     pub mass: Vec<Vec<usize>>,
-    pub right: Vec<usize>,
+    /// One column.
+    pub right: Vec<Vec<usize>>,
 }
 
 impl Body {
@@ -111,10 +112,9 @@ impl Body {
                 _ => None,
             })
             .collect();
-        let arguments = program.arguments.iter().enumerate();
-        let entries = arguments.flat_map(|(argument, a)| {
+        let entries = program.arguments.iter().flat_map(|a| {
             a.signals.iter().enumerate().map(move |(place, s)| Read {
-                argument,
+                argument: a.name,
                 place,
                 signal: *s,
             })

@@ -13,6 +13,7 @@ pub(super) use body::{Body, Name, Newton, Solve, Step};
 
 use motion::Motion;
 
+use super::names::plain;
 use crate::discover::{Discovery, Form, Rate};
 use crate::term::{Expr, Func, Node, Signal, SignalNames};
 
@@ -190,6 +191,12 @@ impl Program {
         let outputs = self.form.outputs.iter().map(|(_, e)| vec![e.clone()]);
         let rows = self.form.rows.iter().map(row).chain(outputs).collect();
         Body::new(self, Motion::default(), rows).map_err(|_| NOT_GIVEN.to_string())
+    }
+
+    /// What each argument is made of, a line each, for comments.
+    pub fn legend(&self) -> impl Iterator<Item = String> {
+        let filled = self.arguments.iter().filter(|a| !a.signals.is_empty());
+        filled.map(|a| format!("{} is {}: {}", a.name, a.about, plain(&a.names.join(", "))))
     }
 
     /// Names of the outputs, as users know them.

@@ -249,14 +249,13 @@ impl Schedule {
         inside.iter().for_each(|n| {
             self.named.remove(n);
         });
-        let (mass, right) = (s.mass.clone(), s.right.concat());
         self.body.steps.push(Step::Newton(Newton {
             signals,
             asked,
             moving: inner,
             inside,
-            mass,
-            right,
+            mass: s.mass.clone(),
+            right: s.right.clone(),
         }));
     }
 
