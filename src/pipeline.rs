@@ -2,10 +2,8 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
-use std::ops::ControlFlow;
-
 use crate::data::{self, Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table, Window};
-use crate::discover::{self, Discovery, Method, Options, Refusal, Watch};
+use crate::discover::{self, Discovery, Fitted, Method, Options, Refusal, Watch};
 use crate::identifiability;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{Equation, Model, RightSide};
@@ -17,6 +15,7 @@ use crate::term::Signal;
 use crate::trajectory::Problem;
 use crate::validate::{self, Validation};
 
+mod evidence;
 mod unevaluable;
 
 /// A checked model with the library of each equation; `None` where the equation is known.
@@ -38,9 +37,6 @@ pub struct Measured {
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
 }
-
-/// Samples from which on readings are not differentiated only to say what is missing.
-const READ: usize = 20_000;
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.
 const MOST_THREADS: usize = 8;
@@ -211,11 +207,11 @@ pub fn identify(
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
         let found = discover::discover_jointly(&program.model, problem, options, watch);
-        let (mut discovery, samples) = found.unwrap_or_else(|| {
+        let (mut discovery, fitted) = found.unwrap_or_else(|| {
             let nothing = discover::nothing_fits(&program.model, problem);
-            (nothing, Samples::default())
+            (nothing, Fitted::default())
         });
-        judge_fitted(program, measured, &samples, options, &mut discovery);
+        evidence::weigh_fitted(program, measured, &fitted, options, &mut discovery);
         return Ok(discovery);
     }
     let found = discover::discover(
@@ -239,44 +235,8 @@ pub fn identify(
         samples: &measured.samples,
         read: None,
     };
-    identifiability::judge(
-        &program.model,
-        &program.libraries,
-        rows,
-        options,
-        &mut discovery,
-    );
+    evidence::weigh(program, rows, None, options, &mut discovery);
     Ok(discovery)
-}
-
-/// What the rows of a fitted trajectory tell apart, and what the readings say where it is not explained.
-fn judge_fitted(
-    program: &Program,
-    measured: &Measured,
-    samples: &Samples,
-    options: &Options,
-    discovery: &mut Discovery,
-) {
-    let dataset = &measured.dataset;
-    let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
-    let read = (rows < READ && identifiability::wants_readings(discovery)).then(|| {
-        let mut signals = needed(program);
-        let targets = program.model.equations.iter().map(|e| e.target);
-        // Lower derivatives may be missing in the library, the next one shows a higher order.
-        let around = |t: Signal| (0..=t.der + 1).map(move |der| Signal::derivative(t.var, der));
-        signals.extend(targets.flat_map(around));
-        signals.sort_unstable();
-        signals.dedup();
-        data::samples(&program.model, dataset, &signals, &mut |_| {
-            ControlFlow::Continue(())
-        })
-        .0
-    });
-    let rows = identifiability::Rows {
-        samples,
-        read: read.as_ref(),
-    };
-    identifiability::judge(&program.model, &program.libraries, rows, options, discovery);
 }
 
 /// What was found, run on the rows used and on those held out; `None` where none were.

@@ -3,7 +3,7 @@
 //! In: a case. Out: an [`Outcome`]. What it calls is what `sidc identify` calls.
 
 use sidc::data::{Limits, read};
-use sidc::discover::{Cause, Discovery, Options, Status};
+use sidc::discover::{Cause, Discovery, FoundTerm, Mark, Options, Status};
 use sidc::lang::render;
 use sidc::lang::source::Sources;
 use sidc::pipeline;
@@ -19,13 +19,15 @@ pub struct Outcome {
     /// The equation has the true terms.
     pub right_answer: bool,
     pub passes: bool,
+    /// Terms marked firm that are none of the truth's.
+    pub firm: Vec<String>,
     /// What the terminal shows.
     pub shown: String,
 }
 
 impl Outcome {
     pub fn firm_and_wrong(&self) -> bool {
-        self.passes && !self.right_answer
+        (self.passes && !self.right_answer) || !self.firm.is_empty()
     }
 }
 
@@ -50,6 +52,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
             right_cause: lacks,
             right_answer: false,
             passes: false,
+            firm: Vec::new(),
             shown,
         });
     };
@@ -65,6 +68,17 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         truth.sort();
         truth == terms
     });
+    let firm = |t: &&FoundTerm| t.trust.as_ref().is_some_and(|t| t.mark == Mark::Firm);
+    let marked = equation.terms.iter().filter(firm);
+    let wrong = |name: &String| {
+        !case
+            .truth
+            .is_some_and(|truth| truth.contains(&name.as_str()))
+    };
+    let firm = marked
+        .map(|t| language.term(&t.term))
+        .filter(wrong)
+        .collect();
     let evidence = equation.evidence.as_ref();
     let judged = evidence.and_then(|e| e.identifiability.as_ref());
     let leading = judged.and_then(|i| i.findings.first());
@@ -73,6 +87,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         right_cause: leading.is_some_and(|f| case.causes.contains(&f.cause)),
         right_answer,
         passes: equation.status != Status::Doubt,
+        firm,
         shown: sidc::emit::answer(&discovery, true),
     })
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Identifiability;
+use super::{Halves, Identifiability, Trust};
 use crate::lang::model::{Model, VarKind};
 use crate::term::{Signal, SignalNames, Term, VarId};
 use crate::units::{self, Unit};
@@ -70,6 +70,8 @@ pub struct FoundTerm {
     pub fixed: bool,
     /// Standard error from the scatter of the residual; `None` for fixed terms.
     pub standard_error: Option<f64>,
+    /// `None` for fixed terms, and where nothing was judged.
+    pub trust: Option<Box<Trust>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -139,6 +141,9 @@ pub struct Evidence {
     /// Other supports that these data cannot tell from the answer.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub ties: Vec<Vec<String>>,
+    /// What the stability of its terms was judged by.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub halves: Option<Halves>,
     /// What the rows can tell apart.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub identifiability: Option<Box<Identifiability>>,

@@ -227,6 +227,7 @@ impl Task<'_> {
             certificate: answer.proof.clone(),
             together: None,
             ties: self.named(&answer.ties, names),
+            halves: None,
             identifiability: None,
         };
         self.equation(names, terms, evidence, answer)
@@ -266,6 +267,7 @@ impl Task<'_> {
             coefficient,
             fixed: false,
             standard_error,
+            trust: None,
         };
         let mut found: Vec<FoundTerm> = all.map(term).collect();
         // Products stand in the order of their lists.

@@ -11,7 +11,7 @@ use super::pools::{Pools, pools};
 use super::watch::Watcher;
 use super::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, InputDelay, Method, Options,
-    Reason, Status, Together, fixed, fixed_terms,
+    Reason, Status, Stretches, Together, fixed, fixed_terms,
 };
 use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
@@ -86,6 +86,15 @@ fn measured(model: &Model, dataset: &Dataset) -> Option<Signal> {
     model.equations.iter().map(|e| e.target).find(held)
 }
 
+/// What a system estimated with its trajectory leaves to judge it by.
+#[derive(Clone, Debug, Default)]
+pub struct Fitted {
+    /// All signals along the trajectory.
+    pub samples: Samples,
+    /// `None` where the records cannot be divided.
+    pub stretches: Option<Stretches>,
+}
+
 /// Finds every equation of the problem's system together, with all signals along the fitted trajectory. `None` if no support could
 /// be fitted at all.
 pub fn discover_jointly(
@@ -93,7 +102,7 @@ pub fn discover_jointly(
     problem: &Problem,
     options: &Options,
     watch: super::Watch,
-) -> Option<(Discovery, Samples)> {
+) -> Option<(Discovery, Fitted)> {
     let mut watcher = Watcher::new(watch);
     let mut discovery = Discovery::of(model);
     let settled = joint_search::settle(model, problem, options, &mut watcher);
@@ -112,7 +121,7 @@ pub fn discover_jointly(
                 reasons: vec![stop.failure()],
             });
         }
-        return Some((discovery, Samples::default()));
+        return Some((discovery, Fitted::default()));
     };
     let problem = problem.as_ref();
     let report = Report {
@@ -138,7 +147,35 @@ pub fn discover_jointly(
     let samples = samples(problem, &found);
     super::mass::judge_together(&mut discovery, &samples);
     super::dependent::judge(&mut discovery, &measured_states(problem));
-    Some((discovery, samples))
+    let stretches = match stopped {
+        Some(_) => None,
+        None => stretched(problem, &found),
+    };
+    Some((discovery, Fitted { samples, stretches }))
+}
+
+/// The likelihood about the answer, stretch by stretch.
+fn stretched(problem: &Problem, found: &Found) -> Option<Stretches> {
+    let pieces = trajectory::pieces(problem, found)?;
+    let system = &problem.system;
+    let column = |j: &usize| {
+        let law = &system.laws[system.law_of(*j)];
+        (law.target, system.columns[*j].clone())
+    };
+    let support = found.best.support().iter();
+    let readings = problem.measurements() as f64 / found.as_one;
+    Some(Stretches {
+        columns: pieces.columns.iter().map(column).collect(),
+        support: support
+            .filter_map(|j| pieces.columns.binary_search(j).ok())
+            .collect(),
+        products: pieces.products,
+        readings,
+        price: (
+            trajectory::price(readings),
+            trajectory::price(0.5 * readings),
+        ),
+    })
 }
 
 struct Report<'a> {
@@ -265,6 +302,7 @@ impl Report<'_> {
                 coefficient: *a,
                 fixed: false,
                 standard_error: Some(variance.sqrt()).filter(|e| e.is_finite()),
+                trust: None,
             })
             .collect();
         terms.sort_by(|a, b| simpler(&a.term, &b.term));

@@ -27,6 +27,7 @@ mod tied_proof;
 mod tied_support;
 mod ties;
 mod together;
+mod trust;
 mod watch;
 mod weak;
 mod weights;
@@ -48,9 +49,10 @@ pub use form::{Form, Rate, Row};
 pub use identifiability::{
     Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
-pub use joint::{discover_jointly, joint, nothing_fits};
+pub use joint::{Fitted, discover_jointly, joint, nothing_fits};
 pub use rows::{Split, SplitMix, split};
 pub use ties::check_constraints;
+pub use trust::{Halves, MARKS, Mark, Marks, Stretches, Trust, Without};
 pub use watch::{Stage, Step, Stop, Watch};
 pub use weights::Weights;
 
@@ -270,5 +272,6 @@ fn fixed((coefficient, term): (f64, Term)) -> FoundTerm {
         coefficient,
         fixed: true,
         standard_error: None,
+        trust: None,
     }
 }

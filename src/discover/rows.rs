@@ -39,7 +39,7 @@ pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Sp
     let mut random = SplitMix::new(seed);
     for i in 0..wanted {
         // Fisher–Yates, only as far as needed.
-        let j = i + (random.bits() % (rows - i) as u64) as usize;
+        let j = i + random.below(rows - i);
         order.swap(i, j);
     }
     let mut held = order.split_off(wanted);
@@ -66,6 +66,11 @@ impl SplitMix {
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         z ^ (z >> 31)
+    }
+
+    /// A number under `n`, which is small: as good as equally likely.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n.max(1) as u64) as usize
     }
 }
 

@@ -1,12 +1,10 @@
 //! Evidence in words: what was proved, what was only measured, and every doubt.
 
-use crate::discover::{
-    ChannelFit, Discovery, Equation, Evidence, FoundTerm, Proof, Reason, Status, Together,
-};
+use crate::discover::{ChannelFit, Discovery, Equation, Evidence, Proof, Reason, Status, Together};
 use crate::term::SignalNames;
 
 use super::number::significant;
-use super::{identifiability, path, text, units};
+use super::{identifiability, path, text, trust, units};
 
 /// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found. `whole` asks for all evidence.
 pub fn answer(d: &Discovery, whole: bool) -> String {
@@ -14,7 +12,7 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
     for (e, lines) in d.equations.iter().zip(text::equations(d)) {
         out.push_str(&lines);
         out.push_str(&units::lines(d, e));
-        for line in remarks(e, whole) {
+        for line in remarks(d, e, whole) {
             out.push_str(&format!("    {line}\n"));
         }
         out.push_str(&path::table(d, e));
@@ -26,6 +24,7 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
             out.push_str(&format!("{line}\n"));
         }
     }
+    out.extend(trust::rule(d, whole).map(|line| format!("{line}\n")));
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
         out.push_str(&reasons("failed", &f.reasons));
@@ -33,12 +32,12 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
     out
 }
 
-fn remarks(e: &Equation, whole: bool) -> Vec<String> {
+fn remarks(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
     let mut lines = match &evidence.together {
-        Some(together) => jointly(e, evidence, together),
+        Some(together) => jointly(evidence, together),
         None => vec![
             format!("{}; {}", fit(evidence), scope(evidence)),
             proof(evidence),
@@ -51,6 +50,7 @@ fn remarks(e: &Equation, whole: bool) -> Vec<String> {
                 .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
         );
     }
+    lines.extend(trust::lines(d, e, whole));
     lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
         true => identifiability::whole(i),
         false => identifiability::brief(i, &e.reasons),
@@ -59,7 +59,7 @@ fn remarks(e: &Equation, whole: bool) -> Vec<String> {
 }
 
 /// What the trajectory leaves of the readings, what the terms are worth, and how well they are known.
-fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
+fn jointly(evidence: &Evidence, t: &Together) -> Vec<String> {
     let mut lines: Vec<String> = t.channels.iter().flat_map(channel).collect();
     let terms = match evidence.searched < evidence.candidates {
         true => format!("{} of {} terms", evidence.searched, evidence.candidates),
@@ -81,10 +81,6 @@ fn jointly(e: &Equation, evidence: &Evidence, t: &Together) -> Vec<String> {
         let terms = terms.join(", ");
         format!("nearly as good: {{{terms}}}, criterion {more:+.1}")
     }));
-    let errors: Vec<String> = e.terms.iter().filter_map(error).collect();
-    if !errors.is_empty() {
-        lines.push(format!("standard errors: {}", errors.join(", ")));
-    }
     lines
 }
 
@@ -118,11 +114,6 @@ fn channel(c: &ChannelFit) -> Vec<String> {
         ));
     }
     lines
-}
-
-/// Relative, in the order of the terms.
-fn error(t: &FoundTerm) -> Option<String> {
-    Some(percent(t.standard_error? / t.coefficient.abs()))
 }
 
 /// Two digits: `0.33 %`.

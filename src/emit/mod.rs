@@ -21,6 +21,7 @@ mod python;
 mod rust;
 mod sympy;
 mod text;
+mod trust;
 mod units;
 mod validation;
 

@@ -5,12 +5,12 @@
 //! of each other. Noise is taken to grow with the target. No optimiser: one number on a ladder.
 
 use super::cause::{Reason, range};
-use super::frame::Frame;
-use super::project::{Basis, norm};
 use super::tell::{figure, order};
 use crate::data::Samples;
 use crate::dictionary::evaluate;
 use crate::discover::{Cause, SplitMix};
+use crate::frame::Frame;
+use crate::frame::{Basis, norm};
 use crate::term::{Expr, Language, Signal, SignalNames, Term, VarId};
 
 /// Standard errors that a difference has to reach.

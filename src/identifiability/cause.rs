@@ -3,11 +3,11 @@
 //! In: a relation between terms, the frame it was found on. Out: a [`Cause`], with what advice needs of it. Tests run from what is
 //! certain (a signal that never moves, an identity) to what is only likely; the first that holds names the cause.
 
-use super::frame::Frame;
 use super::relations::{EXACT, Null};
 use crate::data::{Column, Origin, Samples};
 use crate::dictionary::evaluate;
 use crate::discover::{Cause, SplitMix};
+use crate::frame::Frame;
 use crate::lang::model::VarKind;
 use crate::term::{Atom, Expr, Signal, Term};
 

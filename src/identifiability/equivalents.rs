@@ -5,9 +5,9 @@
 
 use std::collections::{BTreeSet, VecDeque};
 
-use super::frame::Frame;
 use super::gram::Gram;
-use super::project::dot;
+use crate::frame::Frame;
+use crate::frame::dot;
 use crate::term::Language;
 
 /// Difference of the criterion under which two supports of equal size are a tie (as the choice of the support has it).
@@ -127,7 +127,7 @@ struct Products<'a> {
 impl<'a> Products<'a> {
     fn new(frame: &Frame, gram: &'a Gram) -> Self {
         let target = &frame.target;
-        let with = |c: &super::frame::Column| dot(&c.unit, target);
+        let with = |c: &crate::frame::Column| dot(&c.unit, target);
         Products {
             gram,
             target: frame.columns.iter().map(with).collect(),

@@ -2,11 +2,11 @@
 //!
 //! In: a frame. Out: figures by signal and by term. Judges nothing.
 
-use super::frame::Frame;
-use super::project::{Basis, dot, norm};
 use super::spectrum::spectrum;
 use crate::data::Samples;
 use crate::discover::{Excitation, Leverage};
+use crate::frame::Frame;
+use crate::frame::{Basis, dot, norm};
 use crate::library::Library;
 use crate::term::{Language, Signal, SignalNames};
 

@@ -5,11 +5,11 @@
 
 use super::advice::{Exchange, advice};
 use super::cause::{Reason, Reduced};
-use super::frame::Frame;
 use super::shortfall::{Asked, Shortfall, shortfall};
 use super::tell::{figure, percent, sentence, why};
 use crate::data::Samples;
 use crate::discover::{Cause, Finding, Reason as Doubt, Status};
+use crate::frame::Frame;
 use crate::lang::model::Model;
 use crate::library::Library;
 use crate::term::{Language, Signal, SignalNames, Term};

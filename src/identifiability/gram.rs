@@ -10,7 +10,7 @@ use faer::linalg::solvers::Qr;
 use faer::{Accum, Mat, MatRef, Par, Side};
 use nalgebra::DMatrix;
 
-use super::frame::Frame;
+use crate::frame::Frame;
 
 /// Singular values under this part of the largest are zero: what products leave of sixteen digits.
 pub(super) const TOLERANCE: f64 = 1e-7;

@@ -28,7 +28,7 @@ pub(super) fn isometry(gram: &Gram, terms: usize) -> Option<Isometry> {
     let mut places: Vec<usize> = (0..gram.len()).collect();
     for draw in 0..DRAWS {
         for i in 0..terms {
-            let j = i + (random.bits() % (places.len() - i) as u64) as usize;
+            let j = i + random.below(places.len() - i);
             places.swap(i, j);
         }
         let (chosen, _) = places.split_at(terms);

@@ -1,6 +1,6 @@
 //! What the data can tell apart, equation by equation: rank, relations, equivalent models, excitation, and what to record next.
 //!
-//! In: a model, its libraries, the rows, the [`Discovery`]. Out: an [`Identifiability`] in the evidence of each equation, and the
+//! In: the [`Frame`] of an equation, its library, the rows. Out: an [`Identifiability`] for its evidence, and the
 //! doubt `tie` where another support of equal size does as well. Never changes an equation, never reads or prints.
 
 mod advice;
@@ -8,10 +8,8 @@ mod cause;
 mod equivalents;
 mod excitation;
 mod findings;
-mod frame;
 mod gram;
 mod isometry;
-mod project;
 mod relations;
 mod shortfall;
 mod signals;
@@ -23,18 +21,17 @@ use std::collections::BTreeMap;
 use cause::{Reduced, cause, is_bare};
 use equivalents::{Equivalent, equivalents, refitted};
 use findings::Told;
-use frame::Frame;
 use gram::Gram;
 use relations::{Null, OF_TERMS, Search};
 
 use crate::data::Samples;
 use crate::discover::{
-    Discovery, Equation, Failed, Finding, Identifiability, Options, Pair, Reason, Relation, Status,
-    tie,
+    Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, Relation, Status, tie,
 };
+use crate::frame::Frame;
 use crate::lang::model::Model;
 use crate::library::Library;
-use crate::term::{Language, Signal, Term};
+use crate::term::{Language, Term};
 
 /// Pairs, relations and supports that are listed.
 const PAIRS: usize = 5;
@@ -43,8 +40,6 @@ const EQUIVALENT: usize = 8;
 const IDLE: usize = 12;
 /// Columns around which relations are searched, beside the support.
 const SEEDS: usize = 12;
-/// Doubts of equations that were cut short.
-const STOPPED: [&str; 2] = ["interrupted", "time-limit"];
 /// Rest up to which an exchange is told as a relation of the two terms alone.
 const ALIKE: f64 = 0.3;
 
@@ -68,40 +63,8 @@ pub fn wants_readings(discovery: &Discovery) -> bool {
     doubts.chain(failed).any(open)
 }
 
-/// Puts into the evidence of every equation what its rows tell apart. An equation that failed hears what its library lacks.
-pub fn judge(
-    model: &Model,
-    libraries: &[Option<Library>],
-    rows: Rows,
-    options: &Options,
-    discovery: &mut Discovery,
-) {
-    let library = |target: Signal| {
-        let places = model.equations.iter().zip(libraries);
-        let mut own = places.filter(move |(e, _)| e.target == target);
-        own.find_map(|(_, l)| l.as_ref())
-    };
-    for equation in &mut discovery.equations {
-        // Whoever says stop does not want to wait.
-        let stopped = |r: &Reason| STOPPED.contains(&r.code.as_str());
-        if equation.reasons.iter().any(stopped) {
-            continue;
-        }
-        let own = library(equation.target);
-        if let Some(judged) = own.and_then(|l| of(model, l, rows, options, equation)) {
-            attach(equation, judged);
-        }
-    }
-    for failed in &mut discovery.failed {
-        let lacks = library(failed.target).and_then(|l| lacking(model, l, rows, failed));
-        if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
-            reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
-        }
-    }
-}
-
 /// What the library of an equation lacks that was not found though its target was read.
-fn lacking(model: &Model, library: &Library, rows: Rows, failed: &Failed) -> Option<Finding> {
+pub fn lacking(model: &Model, library: &Library, rows: Rows, failed: &Failed) -> Option<Finding> {
     let unexplained = |r: &Reason| findings::UNEXPLAINED.contains(&r.code.as_str());
     let equation = Equation {
         target: failed.target,
@@ -120,28 +83,22 @@ fn lacking(model: &Model, library: &Library, rows: Rows, failed: &Failed) -> Opt
     Some(findings::told(model, failed.target, &found))
 }
 
-/// What the rows tell apart for one equation; `None` where it has no evidence or no rows.
-pub fn of(
-    model: &Model,
-    library: &Library,
-    rows: Rows,
-    options: &Options,
-    equation: &Equation,
-) -> Option<Identifiability> {
-    let frame = Frame::new(model, library, rows.samples, equation, options)?;
-    let gram = Gram::of(&frame);
+/// What the rows tell apart for one equation.
+pub fn judge(frame: &Frame, library: &Library, rows: Rows) -> Identifiability {
+    let model = frame.model;
+    let gram = Gram::of(frame);
     let language = Language(model);
     let name = |p: usize| language.term(frame.term(p));
     let pairs = gram.worst(PAIRS);
     // The rank of a thousand columns takes as long as all the rest.
     let (told, findings, equivalent, (rank, tolerance)) = std::thread::scope(|scope| {
-        let rank = scope.spawn(|| gram::rank(&frame, &gram));
-        let mut equivalent = equivalents(&frame, &gram);
-        equivalent.extend(refitted(&frame, &gram));
-        let told = told(&frame, &gram, library, &equivalent);
+        let rank = scope.spawn(|| gram::rank(frame, &gram));
+        let mut equivalent = equivalents(frame, &gram);
+        equivalent.extend(refitted(frame, &gram));
+        let told = told(frame, &gram, library, &equivalent);
         let read = rows.read.unwrap_or(rows.samples);
-        let findings = findings::findings(&frame, library, read, &told);
-        let rank = rank.join().unwrap_or_else(|_| gram::rank(&frame, &gram));
+        let findings = findings::findings(frame, library, read, &told);
+        let rank = rank.join().unwrap_or_else(|_| gram::rank(frame, &gram));
         (told, findings, equivalent, rank)
     });
     let mut supports: Vec<Vec<String>> = Vec::new();
@@ -153,7 +110,7 @@ pub fn of(
     }
     let equivalent_more = supports.len().saturating_sub(EQUIVALENT);
     supports.truncate(EQUIVALENT);
-    Some(Identifiability {
+    Identifiability {
         rows: frame.rows(),
         columns: frame.columns.len(),
         candidates: frame.candidates,
@@ -161,7 +118,7 @@ pub fn of(
         tolerance,
         coherence: pairs.first().map_or(0.0, |p| p.2.abs()),
         condition: gram.condition(&frame.support),
-        neighbour: neighbour(&frame, &gram).map(|(p, c)| (name(p), c)),
+        neighbour: neighbour(frame, &gram).map(|(p, c)| (name(p), c)),
         pairs: pairs
             .iter()
             .map(|(i, j, cosine)| Pair {
@@ -181,18 +138,18 @@ pub fn of(
         relations: told
             .iter()
             .take(RELATIONS)
-            .map(|t| written(&frame, t))
+            .map(|t| written(frame, t))
             .collect(),
         equivalent: supports,
         equivalent_more,
-        excitation: excitation::excitation(&frame, library),
-        leverage: excitation::leverage(&frame),
+        excitation: excitation::excitation(frame, library),
+        leverage: excitation::leverage(frame),
         findings,
-    })
+    }
 }
 
 /// Another support of equal size that rows explain as well is a doubt; where the trajectory was estimated, refits decide.
-fn attach(equation: &mut Equation, judged: Identifiability) {
+pub fn attach(equation: &mut Equation, judged: Identifiability) {
     let Some(evidence) = &mut equation.evidence else {
         return;
     };

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::gram::Gram;
-use super::project::Basis;
+use crate::frame::Basis;
 
 /// Columns of a relation, rising, their weights of unit columns (largest 1), and the length of what they leave.
 #[derive(Clone, Debug, PartialEq)]

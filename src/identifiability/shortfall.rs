@@ -3,10 +3,10 @@
 //! In: a library, an equation that is doubted, rows with the target as read. Out: a simple term of the measured signals that explains
 //! what is left, or that the variable has a higher or a lower order than declared, or neither. Suggests; never changes the equation.
 
-use super::project::{Basis, dot, norm};
 use crate::data::{Origin, Samples};
 use crate::dictionary::evaluate;
 use crate::discover::{Equation, Weights};
+use crate::frame::{Basis, dot, norm};
 use crate::library::Library;
 use crate::term::{Expr, Func, Signal, Term, VarId};
 

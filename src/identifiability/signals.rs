@@ -4,11 +4,11 @@
 
 use super::cause::{Reduced, cause};
 use super::findings::Told;
-use super::frame::Frame;
 use super::gram::Gram;
-use super::project::{norm, subtract};
 use super::relations::{Limits, Null, Search};
 use crate::discover::Cause;
+use crate::frame::Frame;
+use crate::frame::{norm, subtract};
 use crate::library::Library;
 use crate::term::{Signal, Term};
 

@@ -4,8 +4,8 @@
 //! nothing but the digits it prints.
 
 use super::cause::{Reason, Reduced};
-use super::frame::Frame;
 use crate::discover::Cause;
+use crate::frame::Frame;
 use crate::term::{Expr, Language, SignalNames, Term};
 
 /// Rest under which a relation holds exactly, as far as a reader cares.

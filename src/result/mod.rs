@@ -9,7 +9,7 @@ mod write;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discover::{Evidence, Reason, Status};
+use crate::discover::{Evidence, Mark, Reason, Status, Without};
 use crate::validate::Validation;
 
 pub use linearization::linearization;
@@ -138,6 +138,17 @@ pub struct TermEntry {
     pub fixed: bool,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub standard_error: Option<f64>,
+    /// 95 % confidence interval of the coefficient.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub interval: Option<(f64, f64)>,
+    /// Share of half records in which the term was found again.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub stability: Option<f64>,
+    /// The best equation without the term.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub without: Option<Without>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub mark: Option<Mark>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]

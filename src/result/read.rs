@@ -1,7 +1,7 @@
 //! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
-use super::{Document, EquationEntry, TimeKind, VERSION};
-use crate::discover::{Discovery, Equation, Failed, FoundTerm};
+use super::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
+use crate::discover::{Discovery, Equation, Failed, FoundTerm, Trust};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::{LibKind, Model, RightSide};
 use crate::lang::parse::token::is_name;
@@ -209,6 +209,7 @@ fn equation_of(entry: &EquationEntry, target: crate::term::Signal, terms: Vec<Te
                 coefficient: t.coefficient,
                 fixed: t.fixed,
                 standard_error: t.standard_error,
+                trust: trust(t),
             })
             .collect(),
         status: entry.status,
@@ -217,6 +218,16 @@ fn equation_of(entry: &EquationEntry, target: crate::term::Signal, terms: Vec<Te
         // Nothing that reads a result asks for the way to it.
         path: Vec::new(),
     }
+}
+
+/// `None` of terms that nobody judged.
+fn trust(t: &TermEntry) -> Option<Box<Trust>> {
+    Some(Box::new(Trust {
+        interval: t.interval,
+        stability: t.stability,
+        without: t.without.clone(),
+        mark: t.mark?,
+    }))
 }
 
 fn not_json(name: &str, why: &str) -> Diagnostic {

@@ -69,12 +69,17 @@ fn equation(d: &Discovery, e: &Equation) -> EquationEntry {
 }
 
 fn terms(d: &Discovery, target: Signal, terms: &[FoundTerm]) -> Vec<TermEntry> {
+    let finite = |(low, high): &(f64, f64)| low.is_finite() && high.is_finite();
     let entry = |t: &FoundTerm| TermEntry {
         term: Language(d).term(&t.term),
         coefficient: t.coefficient,
         unit: d.coefficient_unit(target, &t.term).map(|u| u.to_string()),
         fixed: t.fixed,
         standard_error: t.standard_error.filter(|s| s.is_finite()),
+        interval: (t.trust.as_ref()).and_then(|t| t.interval.filter(finite)),
+        stability: t.trust.as_ref().and_then(|t| t.stability),
+        without: t.trust.as_ref().and_then(|t| t.without.clone()),
+        mark: t.trust.as_ref().map(|t| t.mark),
     };
     terms.iter().map(entry).collect()
 }

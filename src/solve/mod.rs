@@ -16,6 +16,7 @@ mod omp;
 mod point;
 mod polish;
 mod pool;
+pub(crate) mod quadratic;
 mod reduce;
 mod stlsq;
 mod working_set;

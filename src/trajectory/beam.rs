@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::quadratic::{DEPENDENT, Quadratic};
+use crate::solve::quadratic::{DEPENDENT, Quadratic};
 
 /// States kept at each size, and of pairs.
 const BEAM: usize = 200;

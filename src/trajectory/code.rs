@@ -7,8 +7,8 @@
 use std::ops::Range;
 
 use super::dense;
-use super::lanes::axpy;
 use super::system::System;
+use crate::lanes::axpy;
 use crate::term::{Expr, Signal, Tape};
 
 /// Newton steps for laws that contain rates; those linear in the rates need one.

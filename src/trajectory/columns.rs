@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::lanes::wide;
+use crate::lanes::wide;
 
 /// Columns handed out at once, and most intervals.
 const TILE: usize = 8;

@@ -63,6 +63,16 @@ impl Judge {
     }
 }
 
+/// Cost of a term, in logarithms of the number of readings.
+const TERM: f64 = 1.5;
+/// Readings that a record is worth at least.
+const FEW: f64 = 4.0;
+
+/// What a term has to earn where there are so many independent readings.
+pub fn price(readings: f64) -> f64 {
+    TERM * readings.max(FEW).ln()
+}
+
 /// Gauss–Newton steps.
 const STEPS: usize = 8;
 /// Step of a state in units of noise, and of log noise, at which a fit has arrived.

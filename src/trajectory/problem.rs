@@ -9,7 +9,6 @@ use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
 use super::lattice::{Lattice, lattice, news};
 use super::moments::Moments;
-use super::quadratic::Quadratic;
 use super::record::{Record, Sensor, records};
 use super::sensors::{Sensors, groups};
 use super::sketch::{Sketch, Sketched};
@@ -19,6 +18,7 @@ use super::stretch::stretches;
 use super::sweep::{Eliminated, Gather, Link, Reading, Sweep};
 use super::system::System;
 use crate::data::Dataset;
+use crate::solve::quadratic::Quadratic;
 use crate::term::{Expr, Signal, Tape};
 
 /// The estimation problem of one system on its data.
@@ -57,6 +57,14 @@ pub(super) struct Point {
     pub paths: Vec<Vec<f64>>,
     /// Noise of each sensor, groups × states.
     pub sigma: Vec<f64>,
+}
+
+impl Point {
+    /// Columns in use with their coefficients.
+    pub fn active(&self) -> Vec<(usize, f64)> {
+        let columns = self.support.iter().copied();
+        columns.zip(self.coefficients.iter().copied()).collect()
+    }
 }
 
 /// Noise of the laws from sample to sample, relative to the sensors': enough to forgive rounding and chaos, too little to add up
@@ -286,24 +294,29 @@ impl Problem {
     /// # Errors
     /// Laws that lead nowhere from there.
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
-        let code = Code::new(&self.system, &at.support);
-        let all = Some((&self.all, &self.ranges[..]));
         let mut moments = Moments::new(self.all.outputs());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
         let parts = stretches(&lengths);
-        self.eliminate(&code, all, at, &mut moments, false, &parts)?;
+        self.linearise(at, &parts, &mut moments)?;
         let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
         let share = self.samples() as f64 / used as f64;
-        // Corrections of active coefficients become the coefficients themselves.
-        let active = at
-            .support
-            .iter()
-            .copied()
-            .zip(at.coefficients.iter().copied());
-        let mut products = moments.shifted(&active.collect::<Vec<_>>());
+        let mut products = moments.shifted(&at.active());
         // Stretches stand for all samples.
         products.iter_mut().for_each(|x| *x *= share);
         Ok(Quadratic::new(&products, self.all.outputs()))
+    }
+
+    /// Rows of all columns about a point, on parts of the records; corrections of active coefficients are what they measure.
+    pub(super) fn linearise(
+        &self,
+        at: &Point,
+        parts: &[(usize, Range<usize>)],
+        gather: &mut impl Gather,
+    ) -> Result<(), Diverged> {
+        let code = Code::new(&self.system, &at.support);
+        let all = Some((&self.all, &self.ranges[..]));
+        self.eliminate(&code, all, at, gather, false, parts)?;
+        Ok(())
     }
 
     /// Eliminates all states of all records about a point; what is left measures the coefficients.

@@ -6,8 +6,8 @@
 
 use super::delay::{moved, reach};
 use super::problem::{Point, Problem};
-use super::quadratic::Quadratic;
 use super::search::{both, last_judge};
+use crate::solve::quadratic::Quadratic;
 use crate::term::{Expr, Tape, VarId};
 
 /// Delays tried, in samples of the record, to both sides.

@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::beam::{Subset, subsets};
-use super::fit::{Fit, Judge, fit};
+use super::fit::{Fit, Judge, fit, price};
 use super::guide::Guide;
 use super::problem::{Point, Problem};
-use super::quadratic::Quadratic;
 use super::worth::readings_as_one;
+use crate::solve::quadratic::Quadratic;
 
 /// Floors under the noise, relative to the spread, largest first.
 const FLOORS: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5];
@@ -22,8 +22,6 @@ const FIRST_SLACKS: [f64; 2] = [0.3, 0.03];
 /// Multiples of the penalty that supports are proposed for.
 const FIRST_PENALTIES: [f64; 3] = [1.0, 4.0, 16.0];
 const PENALTIES: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
-/// Cost of a term, in logarithms of the number of readings.
-const TERM: f64 = 1.5;
 /// Terms a law that the beam goes to.
 const MOST: usize = 7;
 /// Fits a level, not counting those carried over and the first ones.
@@ -46,8 +44,6 @@ const BETTER: f64 = 1e-3;
 const PRUNED: usize = 30;
 /// Readings that count as one above which the choice is made anew.
 const REPEATED: f64 = 1.5;
-/// Readings that a record is worth at least.
-const FEW: f64 = 4.0;
 
 /// What the search came to.
 #[derive(Debug)]
@@ -441,6 +437,6 @@ pub(super) fn first(problem: &Problem) -> Option<Fit> {
 
 /// The judge of a level: its floor under the noise, relative to the spread, and how many readings count as one.
 fn judge(problem: &Problem, floor: f64, as_one: f64) -> Judge {
-    let readings = (problem.measurements() as f64 / as_one).max(FEW);
-    Judge::new(problem, floor, as_one * TERM * readings.ln())
+    let readings = problem.measurements() as f64 / as_one;
+    Judge::new(problem, floor, as_one * price(readings))
 }

@@ -10,7 +10,7 @@
 //! those, together with what they do to the rest, and that is then applied to the P columns at once. Cost of an interval: about
 //! 10 n³ operations and 6 n² P, 10 n² P where states are kept.
 
-use super::lanes::{axpy, dot, wide};
+use crate::lanes::{axpy, dot, wide};
 
 /// One linearised interval: δz₁ − T δz₀ − U δa = defect, each row with its slack.
 pub(super) struct Link<'a> {

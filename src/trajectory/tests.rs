@@ -4,7 +4,6 @@ use super::beam::subsets;
 use super::code::Code;
 use super::flow::{Block, Flow, Work};
 use super::moments::Moments;
-use super::quadratic::Quadratic;
 use super::record::{Outside, Record};
 use super::sweep::{Gather, Link, Reading, Sweep};
 use super::system::System;
@@ -12,6 +11,7 @@ use super::transition::Transition;
 use super::triangle::Triangle;
 use crate::lang::source::Sources;
 use crate::pipeline;
+use crate::solve::quadratic::Quadratic;
 use nalgebra::{DMatrix, DVector};
 
 /// Numbers in −1 … 1 that look random.

@@ -3,7 +3,7 @@
 //! In: the jacobian of the flow at the start, the middle and the end of a step. Out: how a state at each of the three moves the
 //! state at the end. Matrices lie beside each other: every entry is a row of all intervals (lanes). Never sees a law.
 
-use super::lanes::wide;
+use crate::lanes::wide;
 
 /// Scratch and results, each n × n × lanes.
 #[derive(Default)]

@@ -3,8 +3,8 @@
 //! In: rows [a | right]. Out: coefficients, the least residual, variances. Rows wait in a buffer and are reduced many at once, by
 //! Householder reflections of columns.
 
-use super::lanes::{axpy, wide};
 use super::sweep::Gather;
+use crate::lanes::{axpy, wide};
 
 /// R of [A | b], (P + 1) × (P + 1), upper triangular; the last diagonal entry is the norm of what no combination explains.
 #[derive(Clone, Debug)]

@@ -11,9 +11,13 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("library", &["term", "lang"]),
     ("data", &["term", "lang"]),
     ("dictionary", &["library", "term", "data"]),
-    ("solve", &["dictionary"]),
+    ("lanes", &[]),
+    ("solve", &["dictionary", "lanes"]),
     ("weak", &["term", "lang", "library", "data", "dictionary"]),
-    ("trajectory", &["term", "lang", "library", "data"]),
+    (
+        "trajectory",
+        &["term", "lang", "library", "data", "solve", "lanes"],
+    ),
     (
         "discover",
         &[
@@ -47,6 +51,10 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "frame",
+        &["term", "lang", "library", "data", "dictionary", "discover"],
+    ),
+    (
         "identifiability",
         &[
             "term",
@@ -54,10 +62,11 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "library",
             "data",
             "dictionary",
-            "solve",
             "discover",
+            "frame",
         ],
     ),
+    ("uncertainty", &["term", "discover", "solve", "frame"]),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.

@@ -16,6 +16,7 @@ const DOCUMENTS: &[&str] = &[
     "docs/exports.md",
     "docs/noise.md",
     "docs/identifiability.md",
+    "docs/trust.md",
     "models/README.md",
 ];
 

@@ -3,7 +3,10 @@
 //! In: a library, samples, the equation found. Out: unit columns, the target, and what noise there is. A library that is too large
 //! is represented by the support and the columns that point most along its span. Judges nothing.
 
-use super::project::{Basis, dot, norm};
+mod project;
+
+pub use project::{Basis, dot, norm, subtract};
+
 use crate::data::Samples;
 use crate::dictionary::{Dictionary, compile, evaluate};
 use crate::discover::{Equation, Evidence, Options, Weights, split};
@@ -22,7 +25,7 @@ const VISIBLE: f64 = 1e-2;
 
 /// One column of Φ.
 #[derive(Clone, Debug)]
-pub(super) struct Column {
+pub struct Column {
     pub term: Term,
     /// Length one, rows weighted.
     pub unit: Vec<f64>,
@@ -31,7 +34,7 @@ pub(super) struct Column {
 }
 
 /// An equation's columns on its rows.
-pub(super) struct Frame<'a> {
+pub struct Frame<'a> {
     pub model: &'a Model,
     pub equation: &'a Equation,
     pub evidence: &'a Evidence,
@@ -55,7 +58,7 @@ pub(super) struct Frame<'a> {
 
 /// What a difference between two fits has to be compared with.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Noise {
+pub struct Noise {
     /// Variance of a row that a smaller residual is no evidence below.
     pub floor: f64,
     /// Independent rows.

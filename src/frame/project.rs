@@ -10,7 +10,7 @@ const DEPENDENT: f64 = 1e-13;
 
 /// An orthonormal basis of some columns, with the triangle that made it.
 #[derive(Clone, Default)]
-pub(super) struct Basis {
+pub struct Basis {
     directions: Vec<Vec<f64>>,
     /// Coordinates of each column given, as long as the basis was by then; `None` entries were dependent.
     triangle: Vec<Vec<f64>>,
@@ -87,15 +87,15 @@ impl Basis {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-pub(super) fn norm(a: &[f64]) -> f64 {
+pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-pub(super) fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
+pub fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
 }
 

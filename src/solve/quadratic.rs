@@ -3,17 +3,17 @@
 //! In: the products of all columns. Out: least residuals of supports, and supports worth refitting. Columns are brought to unit
 //! length, so that pivots say how dependent they are.
 
-use super::lanes::{axpy, dot, wide};
+use crate::lanes::{axpy, dot, wide};
 
 /// Unit columns shorter than the root of this after projection are dependent on those chosen.
-pub(super) const DEPENDENT: f64 = 1e-7;
+pub(crate) const DEPENDENT: f64 = 1e-7;
 /// What keeps an inverse of dependent columns finite.
 const RIDGE: f64 = 1e-12;
 /// Rounds of single changes.
 const ROUNDS: usize = 60;
 
 /// χ²(a) = total − 2 cᵀa + aᵀR a, on unit columns.
-pub(super) struct Quadratic {
+pub(crate) struct Quadratic {
     /// Number of columns.
     pub p: usize,
     /// R by rows, unit diagonal.
@@ -26,7 +26,7 @@ pub(super) struct Quadratic {
 }
 
 /// A support's least squares.
-pub(super) struct Least {
+pub(crate) struct Least {
     /// Of the columns as they are, in the order of the support.
     pub coefficients: Vec<f64>,
     /// χ²
@@ -35,7 +35,7 @@ pub(super) struct Least {
 
 /// A change of a support: what comes, what goes, and the predicted change of the criterion.
 #[derive(Clone, Copy)]
-pub(super) struct Move {
+pub(crate) struct Move {
     pub comes: Option<usize>,
     pub goes: Option<usize>,
     pub change: f64,
@@ -194,12 +194,15 @@ impl Quadratic {
         let mut free = vec![1.0; p];
         let mut along = self.right.clone();
         wide(|| {
-            for (row, inverse) in rows.chunks_exact_mut(p).zip(inverse.chunks_exact(k)) {
+            for (row, inverse) in rows
+                .chunks_exact_mut(p.max(1))
+                .zip(inverse.chunks_exact(k.max(1)))
+            {
                 for (weight, s) in inverse.iter().zip(support) {
                     axpy(*weight, self.row(*s), row);
                 }
             }
-            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(&x) {
+            for ((row, s), x) in rows.chunks_exact(p.max(1)).zip(support).zip(&x) {
                 let own = self.row(*s);
                 for ((free, row), own) in free.iter_mut().zip(row).zip(own) {
                     *free -= own * row;

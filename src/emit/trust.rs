@@ -1,0 +1,166 @@
+//! How far terms are to be trusted, in words: intervals, marks, what stands in for a term, and the rule behind it.
+//!
+//! In: an equation whose terms are marked. Out: lines. Never judges.
+
+use super::number::significant;
+use crate::discover::{Discovery, Equation, FoundTerm, MARKS, Mark, Status, Trust, Without};
+use crate::term::Language;
+
+/// Half an interval over the coefficient below which it is left unsaid.
+const VISIBLE: f64 = 1e-6;
+/// Terms that are named.
+const NAMED: usize = 3;
+/// Losses above which a figure says nothing more.
+const LARGE: f64 = 1000.0;
+
+/// Intervals that can be seen, then terms by their marks; with `whole` a line a term.
+pub(super) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
+    let found: Vec<(&FoundTerm, &Trust)> = (e.terms.iter())
+        .filter_map(|t| Some((t, t.trust.as_deref()?)))
+        .collect();
+    if found.is_empty() {
+        return Vec::new();
+    }
+    let drawn = drawn(e);
+    if whole {
+        let line = |(t, trust): &(&FoundTerm, &Trust)| {
+            let mut figures = vec![trust.mark.name().to_string()];
+            figures.extend(trust.interval.map(between));
+            figures.extend(reasons(trust, drawn));
+            format!("term {}: {}", Language(d).term(&t.term), figures.join(", "))
+        };
+        return found.iter().map(line).collect();
+    }
+    let widths: Vec<String> = found.iter().filter_map(|f| width(d, f)).collect();
+    let mut lines = Vec::new();
+    if !widths.is_empty() {
+        lines.push(format!("95 %: {}", widths.join(", ")));
+    }
+    lines.extend(marks(d, e, &found));
+    lines
+}
+
+/// Terms by mark: in a word where they are all alike, else those that are not firm with their reasons.
+fn marks(d: &Discovery, e: &Equation, found: &[(&FoundTerm, &Trust)]) -> Vec<String> {
+    let all = |mark: Mark| found.iter().all(|(_, t)| t.mark == mark);
+    if all(Mark::Firm) {
+        return vec!["firm: every term".into()];
+    }
+    let capped = e.status == Status::Doubt;
+    let own = |t: &Trust| MARKS.of(t);
+    if capped && all(Mark::Likely) && found.iter().all(|(_, t)| own(t) == Mark::Firm) {
+        return vec!["likely: every term, firm but for the doubts".into()];
+    }
+    let drawn = drawn(e);
+    let one = |(t, trust): &(&FoundTerm, &Trust)| {
+        let reasons = reasons(trust, drawn);
+        format!("{} ({})", Language(d).term(&t.term), reasons.join(", "))
+    };
+    let of = |mark: Mark| {
+        let those: Vec<String> = found
+            .iter()
+            .filter(|(_, t)| own(t) == mark)
+            .map(one)
+            .collect();
+        (!those.is_empty()).then(|| format!("{}: {}", mark.name(), those.join("; ")))
+    };
+    [Mark::Doubtful, Mark::Likely]
+        .into_iter()
+        .filter_map(of)
+        .collect()
+}
+
+/// The rule, where a term is not firm or all is asked for.
+pub(super) fn rule(d: &Discovery, whole: bool) -> Option<String> {
+    let marks = || {
+        let terms = d.equations.iter().flat_map(|e| &e.terms);
+        terms.filter_map(|t| Some(MARKS.of(t.trust.as_ref()?)))
+    };
+    let open = marks().any(|m| m != Mark::Firm);
+    (open || (whole && marks().next().is_some())).then(|| {
+        format!(
+            "firm: 95 % interval without 0, found in {:.0} % of half records or more, at least {} lost without it, equation passes; \
+             doubtful: interval with 0, found in under {:.0} %, or less than {} lost; likely: the rest",
+            100.0 * MARKS.stable,
+            MARKS.cost,
+            100.0 * MARKS.unstable,
+            MARKS.tied
+        )
+    })
+}
+
+fn drawn(e: &Equation) -> usize {
+    let halves = e.evidence.as_ref().and_then(|e| e.halves.as_ref());
+    halves.map_or(0, |h| h.drawn)
+}
+
+/// `F ±0.0012 (0.09 %)`
+fn width(d: &Discovery, (t, trust): &(&FoundTerm, &Trust)) -> Option<String> {
+    let (low, high) = trust.interval?;
+    let half = 0.5 * (high - low);
+    let part = half / t.coefficient.abs();
+    (part > VISIBLE).then(|| {
+        format!(
+            "{} ±{} ({} %)",
+            Language(d).term(&t.term),
+            significant(half, 2),
+            significant(100.0 * part, 2)
+        )
+    })
+}
+
+/// An interval with as many digits as its width leaves.
+fn between((low, high): (f64, f64)) -> String {
+    let size = low.abs().max(high.abs());
+    let digits = (size / (high - low).abs()).log10().ceil();
+    let digits = if digits.is_finite() { digits } else { 15.0 };
+    let digits = digits.clamp(0.0, 13.0) as usize + 2;
+    format!(
+        "95 % {} to {}",
+        significant(low, digits),
+        significant(high, digits)
+    )
+}
+
+fn reasons(trust: &Trust, drawn: usize) -> Vec<String> {
+    let mut all = Vec::new();
+    if let Some((low, high)) = trust.interval
+        && low <= 0.0
+        && high >= 0.0
+    {
+        all.push("0 is in its interval".into());
+    }
+    if let Some(share) = trust.stability {
+        let times = (share * drawn as f64).round();
+        all.push(format!("in {times} of {drawn} half records"));
+    }
+    all.extend(trust.without.as_ref().map(without));
+    all
+}
+
+/// `x, x^2 and 4 more`
+fn several(names: &[String]) -> String {
+    let (shown, more) = names.split_at(names.len().min(NAMED));
+    match more.len() {
+        0 => shown.join(" and "),
+        more => format!("{} and {more} more", shown.join(", ")),
+    }
+}
+
+/// `without it: x^2 instead, 14 lost`
+fn without(w: &Without) -> String {
+    let mut parts = Vec::new();
+    if !w.enter.is_empty() {
+        parts.push(format!("{} instead", several(&w.enter)));
+    }
+    if !w.leave.is_empty() {
+        parts.push(format!("no longer {}", several(&w.leave)));
+    }
+    parts.push(match w.cost {
+        _ if w.same => "which is the same".into(),
+        cost if cost >= LARGE => "over 1000 lost".into(),
+        cost if cost < 0.0 => format!("{} won", significant(-cost, 2)),
+        cost => format!("{} lost", significant(cost, 2)),
+    });
+    format!("without it: {}", parts.join(", "))
+}

@@ -1,0 +1,122 @@
+//! What the data say of an answer once it is there: what they tell apart, and how far each term is to be trusted.
+//!
+//! In: a program, the rows, the [`Discovery`]. Out: its evidence, the doubts that come of it, and marks. Never changes a
+//! term or a coefficient.
+
+use std::ops::ControlFlow;
+
+use super::{Measured, Program, needed};
+use crate::data;
+use crate::discover::{Discovery, Equation, Fitted, Identifiability, Options, Reason, Stretches};
+use crate::frame::Frame;
+use crate::identifiability::{self, Rows};
+use crate::library::Library;
+use crate::term::Signal;
+use crate::uncertainty;
+
+/// Samples from which on readings are not differentiated only to say what is missing.
+const READ: usize = 20_000;
+/// Doubts of equations that were cut short.
+const STOPPED: [&str; 2] = ["interrupted", "time-limit"];
+
+/// Weighs every equation on its rows. `stretches` are of all equations, where these were estimated together; an equation that
+/// failed hears what its library lacks.
+pub(super) fn weigh(
+    program: &Program,
+    rows: Rows,
+    stretches: Option<&Stretches>,
+    options: &Options,
+    discovery: &mut Discovery,
+) {
+    let mut judged: Vec<Judged> = Vec::new();
+    for equation in &discovery.equations {
+        judged.push(one(program, rows, stretches.is_none(), options, equation).unwrap_or_default());
+    }
+    for (equation, judged) in discovery.equations.iter_mut().zip(&mut judged) {
+        if let Some(told) = judged.told.take() {
+            identifiability::attach(equation, told);
+        }
+        let rows = equation.evidence.as_ref().map_or(0.0, |e| e.rows as f64);
+        uncertainty::intervals(equation, judged.readings.unwrap_or(rows));
+    }
+    let own = judged.iter().filter_map(|j| j.stretches.as_ref());
+    for part in own.chain(stretches) {
+        uncertainty::judge(part, discovery);
+    }
+    uncertainty::mark(discovery);
+    for failed in &mut discovery.failed {
+        let library = library(program, failed.target);
+        let lacks = library.and_then(|l| identifiability::lacking(&program.model, l, rows, failed));
+        if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
+            reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
+        }
+    }
+}
+
+/// The same for equations estimated with their trajectory, and what the readings say where that does not explain them.
+pub(super) fn weigh_fitted(
+    program: &Program,
+    measured: &Measured,
+    fitted: &Fitted,
+    options: &Options,
+    discovery: &mut Discovery,
+) {
+    let dataset = &measured.dataset;
+    let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
+    let read = (rows < READ && identifiability::wants_readings(discovery)).then(|| {
+        let mut signals = needed(program);
+        let targets = program.model.equations.iter().map(|e| e.target);
+        // Lower derivatives may be missing in the library, the next one shows a higher order.
+        let around = |t: Signal| (0..=t.der + 1).map(move |der| Signal::derivative(t.var, der));
+        signals.extend(targets.flat_map(around));
+        signals.sort_unstable();
+        signals.dedup();
+        data::samples(&program.model, dataset, &signals, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .0
+    });
+    let rows = Rows {
+        samples: &fitted.samples,
+        read: read.as_ref(),
+    };
+    let none = Stretches::default();
+    let stretches = fitted.stretches.as_ref().unwrap_or(&none);
+    weigh(program, rows, Some(stretches), options, discovery);
+}
+
+/// What one equation's rows say.
+#[derive(Default)]
+struct Judged {
+    told: Option<Identifiability>,
+    stretches: Option<Stretches>,
+    /// Independent readings behind its coefficients.
+    readings: Option<f64>,
+}
+
+fn one(
+    program: &Program,
+    rows: Rows,
+    alone: bool,
+    options: &Options,
+    equation: &Equation,
+) -> Option<Judged> {
+    // Whoever says stop does not want to wait.
+    let stopped = |r: &Reason| STOPPED.contains(&r.code.as_str());
+    if equation.reasons.iter().any(stopped) {
+        return None;
+    }
+    let library = library(program, equation.target)?;
+    let frame = Frame::new(&program.model, library, rows.samples, equation, options)?;
+    Some(Judged {
+        told: Some(identifiability::judge(&frame, library, rows)),
+        stretches: alone.then(|| uncertainty::stretches(&frame)).flatten(),
+        readings: Some(frame.noise.rows),
+    })
+}
+
+fn library(program: &Program, target: Signal) -> Option<&Library> {
+    let places = program.model.equations.iter().zip(&program.libraries);
+    let mut own = places.filter(|(e, _)| e.target == target);
+    own.find_map(|(_, l)| l.as_ref())
+}
