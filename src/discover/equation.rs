@@ -226,6 +226,7 @@ impl Task<'_> {
             searched: answer.searched,
             certificate: answer.proof.clone(),
             together: None,
+            relation: None,
             ties: self.named(&answer.ties, names),
             identifiability: None,
         };

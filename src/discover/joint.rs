@@ -136,7 +136,7 @@ pub fn discover_jointly(
         discovery.equations.push(equation);
     }
     let samples = samples(problem, &found);
-    super::mass::judge_together(&mut discovery, &samples);
+    super::relation::judge(&mut discovery, &samples, None);
     super::dependent::judge(&mut discovery, &measured_states(problem));
     Some((discovery, samples))
 }
