@@ -12,11 +12,12 @@ use own::Own;
 use slopes::{Apart, Rows, Slopes};
 
 use super::equation::Task;
+use super::support::TIE;
 use super::watch::Watcher;
 use super::weights::rms;
-use super::{Discovery, Equation, Form, OtherLaw, Reason, Rearranged, Status};
+use super::{Discovery, Equation, Form, OtherLaw, Rearranged, Reason, Status};
 use crate::data::Samples;
-use crate::term::{Expr, Language, Signal, SignalNames, Term};
+use crate::term::{Expr, Language, Signal, Term};
 
 /// Condition number of two equations' mass matrix from which on they may be one relation.
 const CLOSE: f64 = 10.0;
@@ -28,10 +29,14 @@ const ALIKE: f64 = 0.2;
 const KNOWN: f64 = 5.0;
 /// Part of its slopes that is rounding and small errors of derivatives.
 const ROUNDING: f64 = 1e-5;
-/// Criterion that a law of its own may lose without being a doubtful choice: odds of e³ to 1, a tie.
-const TIE: f64 = 6.0;
+/// Condition number up to which a law is one of its own: errors are a tenth of a relation's size, and more.
+const SOUND: f64 = 30.0;
 /// Residual of a law of its own, over that of the copy, up to which it is taken.
-const BEARABLE: f64 = 1.2;
+const BEARABLE: f64 = 1.5;
+/// More than any law of its own costs, each row.
+const UNKNOWN: f64 = 1e6;
+/// Growth of its residual, where the system is solved, up to which no large part of it may be the copy.
+const GROWN: f64 = 2.0;
 
 /// What an equation may be sought again with.
 pub(super) struct Again<'a, 'w, 't> {
@@ -77,6 +82,11 @@ impl Likeness {
 
     fn bad(&self) -> bool {
         self.same() || self.idle()
+    }
+
+    /// By what factor residuals grow where a law of its own is solved for.
+    fn sound(&self) -> Option<f64> {
+        (self.apart.condition <= SOUND && !self.bad()).then_some(self.apart.grown)
     }
 }
 
@@ -154,13 +164,17 @@ impl System<'_> {
     fn size(&self, e: &Equation) -> f64 {
         let fixed = e.terms.iter().filter(|t| t.fixed);
         let known = fixed.map(|t| Expr::from((-t.coefficient, t.term.clone())));
-        rms(&self.rows.values_of(&known.fold(Expr::signal(e.target), |sum, t| sum + t)))
+        rms(&self
+            .rows
+            .values_of(&known.fold(Expr::signal(e.target), |sum, t| sum + t)))
     }
 
     /// How relation `one` stands to `others`.
     fn likeness(&self, one: &Relation, others: &[&Relation]) -> Option<Likeness> {
         let slopes: Vec<&Slopes> = others.iter().map(|o| &o.slopes).collect();
-        let square = others.iter().map(|o| (one.slopes.size / o.slopes.size * o.open).powi(2));
+        let square = others
+            .iter()
+            .map(|o| (one.slopes.size / o.slopes.size * o.open).powi(2));
         let open = (one.open.powi(2) + square.sum::<f64>()).sqrt();
         Some(Likeness {
             apart: self.rows.apart(&one.slopes, &slopes)?,
@@ -250,50 +264,39 @@ impl System<'_> {
                         slopes,
                         open: open * self.size(e),
                     });
-                    let likeness = new.and_then(|new| self.likeness(&new, &others));
-                    likeness.is_some_and(|l| !l.bad())
+                    new.and_then(|new| self.likeness(&new, &others))?.sound()
                 };
                 own::seek(again, d, e, &independent)
             });
-            // Without a law of its own, the one that fits worse is the copy.
-            let residual = e.evidence.as_ref().map_or(0.0, |e| e.residual);
-            let price = own.as_ref().map_or(f64::MAX / 2.0 / (1.0 + residual), |o| o.price);
+            // Without a law of its own, the one in which its target weighs least is the copy.
+            let share = relations.get(*one).map_or(1.0, |r| r.slopes.share);
+            let price = own.as_ref().map_or(UNKNOWN * (1.0 + share), |o| o.price);
             offers.push((price, *one, own));
         }
         offers.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
         let Some((_, copy, own)) = offers.into_iter().next() else {
             return;
         };
-        self.tell(d, case, copy, own, relations);
+        // Every place is one of the discovery's.
+        let _ = self.tell(d, (case, copy), own, relations);
     }
 
-    /// Puts what was found into the discovery.
+    /// Puts what was found into the discovery: a law of its own in place of the copy, or doubts.
     fn tell(
         &self,
         d: &mut Discovery,
-        case: &Case,
-        copy: usize,
+        (case, copy): (&Case, usize),
         own: Option<Own>,
         relations: &[Relation],
-    ) {
-        let of: Vec<usize> = case.members.iter().copied().filter(|m| *m != copy).collect();
+    ) -> Option<()> {
+        let of: Vec<usize> = (case.members.iter().copied())
+            .filter(|m| *m != copy)
+            .collect();
         let others: Vec<&Relation> = of.iter().filter_map(|m| relations.get(*m)).collect();
-        let likeness = relations.get(copy).and_then(|r| self.likeness(r, &others));
-        let (Some(likeness), Some(place)) = (likeness, self.places.get(copy).copied()) else {
-            return;
-        };
-        let Some(e) = d.equations.get(place) else {
-            return;
-        };
-        let size = relations.get(copy).map_or(1.0, |r| r.slopes.size);
-        let mut rearranged = Rearranged {
-            of: of.iter().filter_map(|m| self.form.unknowns.get(*m)).map(|s| d.name(*s)).collect(),
-            apart: likeness.apart.part,
-            open: likeness.open / size,
-            condition: likeness.apart.condition,
-            independent: false,
-            other: None,
-        };
+        let relation = relations.get(copy)?;
+        let likeness = self.likeness(relation, &others)?;
+        let place = *self.places.get(copy)?;
+        let e = d.equations.get(place)?;
         let sentence = words::Sentence {
             d,
             rows: self.rows,
@@ -302,12 +305,8 @@ impl System<'_> {
             of: &of,
             likeness: &likeness,
         };
-        let Some(own) = own else {
-            let reason = Reason::new("same-relation", sentence.alone(e.evidence.as_ref()));
-            self.attach(d, case, reason, (place, rearranged));
-            return;
-        };
         let before = e.evidence.as_ref().map_or(0.0, |e| e.residual);
+        let taken = own.as_ref().is_some_and(|own| own.bearable(before));
         let law = |e: &Equation, residual: f64, criterion: f64| OtherLaw {
             terms: (e.terms.iter())
                 .map(|t| (Language(d).term(&t.term), t.coefficient))
@@ -315,49 +314,63 @@ impl System<'_> {
             residual,
             criterion,
         };
-        let residual = own.residual;
-        let tie = own.loss <= TIE;
-        if !tie && residual > BEARABLE * before {
-            rearranged.other = Some(law(&own.equation, residual, own.loss));
-            let reason = Reason::new("same-relation", sentence.with_own(&own.equation, residual));
-            self.attach(d, case, reason, (place, rearranged));
-            return;
-        }
-        rearranged.independent = true;
-        rearranged.other = Some(law(e, before, -own.loss));
-        let reason = (!tie).then(|| Reason::new("same-relation", sentence.instead(residual, before)));
-        let mut equation = own.equation;
-        equation.path = e.path.clone();
-        if let Some(evidence) = &mut equation.evidence {
-            evidence.relation = Some(rearranged);
-        }
-        if let Some(reason) = reason {
-            equation.status = Status::Doubt;
-            equation.reasons.push(reason);
-        }
-        if let Some(e) = d.equations.get_mut(place) {
-            *e = equation;
-        }
-    }
-
-    fn attach(
-        &self,
-        d: &mut Discovery,
-        case: &Case,
-        reason: Reason,
-        (copy, rearranged): (usize, Rearranged),
-    ) {
-        let copied = d.equations.get_mut(copy).and_then(|e| e.evidence.as_mut());
-        if let Some(evidence) = copied {
-            evidence.relation = Some(rearranged);
-        }
-        let places = case.members.iter().filter_map(|m| self.places.get(*m));
-        for place in places {
-            let equation = d.equations.get_mut(*place);
-            if let Some(e) = equation.filter(|e| e.status != Status::Known) {
-                e.status = Status::Doubt;
-                e.reasons.push(reason.clone());
+        let rearranged = Rearranged {
+            of: of.iter().map(|m| sentence.name(*m)).collect(),
+            apart: likeness.apart.part,
+            open: likeness.open / relation.slopes.size,
+            condition: likeness.apart.condition,
+            independent: taken,
+            other: own.as_ref().map(|own| match taken {
+                true => law(e, before, -own.loss),
+                false => law(&own.equation, own.residual, own.loss),
+            }),
+        };
+        let (reason, aside) = match &own {
+            Some(own) if taken => {
+                let reason = (own.loss > TIE).then(|| sentence.instead(own.residual, before));
+                (reason, None)
             }
+            Some(own) => {
+                let reason = sentence.with_own(&own.equation, own.residual);
+                (Some(reason), Some(sentence.aside()))
+            }
+            None => {
+                let sought = e.evidence.as_ref().is_some_and(|e| e.together.is_none());
+                (Some(sentence.alone(sought)), Some(sentence.aside()))
+            }
+        };
+        if let Some(own) = own.filter(|_| taken) {
+            let e = d.equations.get_mut(place)?;
+            let path = std::mem::take(&mut e.path);
+            *e = Equation {
+                path,
+                ..own.equation
+            };
         }
+        let e = d.equations.get_mut(place)?;
+        if let Some(evidence) = &mut e.evidence {
+            evidence.relation = Some(rearranged);
+        }
+        doubt(e, reason);
+        for place in of.iter().filter_map(|m| self.places.get(*m)) {
+            doubt(d.equations.get_mut(*place)?, aside.clone());
+        }
+        Some(())
+    }
+}
+
+fn doubt(e: &mut Equation, text: Option<String>) {
+    let Some(text) = text.filter(|_| e.status != Status::Known) else {
+        return;
+    };
+    e.status = Status::Doubt;
+    e.reasons.push(Reason::new("same-relation", text));
+}
+
+impl Own {
+    /// Whether it is the answer in place of a copy that leaves `before` of the target.
+    fn bearable(&self, before: f64) -> bool {
+        let little = self.loss <= TIE || self.residual <= BEARABLE * before;
+        self.grown <= GROWN && little
     }
 }

@@ -13,8 +13,9 @@ use crate::discover::prepared::Prepared;
 use crate::discover::subset::{Criterion, Search};
 use crate::discover::support::{self, Choice, MOST_TERMS, SEARCHABLE};
 use crate::discover::watch::{Stage, Watcher};
+use crate::discover::weights::{correlation_time, norm};
 use crate::discover::{Discovery, Equation};
-use crate::solve;
+use crate::solve::{self, Polished};
 use crate::term::{Signal, Term};
 
 /// Supports times columns that are gone through: a second of work at most.
@@ -29,14 +30,17 @@ pub(super) struct Own {
     pub equation: Equation,
     /// Relative residual.
     pub residual: f64,
+    /// The factor by which it grows where the system is solved for its targets.
+    pub grown: f64,
     /// What the criterion loses.
     pub loss: f64,
-    /// The same for each independent row.
+    /// The same for each independent row, growth included.
     pub price: f64,
 }
 
-/// Whether terms, known ones included, that leave this part of the target make an independent relation.
-pub(super) type Test<'a> = &'a dyn Fn(&[(f64, &Term)], f64) -> bool;
+/// By what factor the residual of terms, known ones included, that leave this part of the target grows where the system is
+/// solved; `None` if they make no independent relation.
+pub(super) type Test<'a> = &'a dyn Fn(&[(f64, &Term)], f64) -> Option<f64>;
 
 /// The best independent law of `equation`'s target; `None` if it is not to be sought again, or there is none.
 pub(super) fn seek(
@@ -48,26 +52,26 @@ pub(super) fn seek(
     let task = again.tasks.iter().find(|t| t.target == equation.target)?;
     let mut prepared = task.as_found(names, equation, again.watcher)?;
     let mut proposed = task.propose(&mut prepared, again.watcher);
-    let seeker = Seeker {
+    let mut seeker = Seeker {
         task,
         prepared: &prepared,
         criterion: proposed.criterion,
         independent,
     };
-    let coupled: Vec<Signal> = (names.equations.iter().map(|e| e.target))
+    let others: Vec<Signal> = (names.equations.iter().map(|e| e.target))
         .filter(|s| *s != equation.target)
         .collect();
     let pool = seeker.pool(&proposed.solution.coefficients);
-    let found = seeker.best(&pool, &coupled, again.watcher)?;
-    let polished = solve::polish(prepared.phi.as_ref(), &prepared.aim, &found);
+    let found = seeker.best(&pool, &others, again.watcher)?;
+    let criterion = seeker.criterion;
+    let polished = solve::polish(prepared.phi.as_ref(), &prepared.aim, &found.columns);
     let columns = equation.terms.iter().filter(|t| !t.fixed);
     let columns: Option<Vec<usize>> = columns.map(|t| task.library.contains(&t.term)).collect();
     let before = solve::polish(prepared.phi.as_ref(), &prepared.aim, &columns?);
-    let value = |p: &solve::Polished, terms| proposed.criterion.value(p.residual.powi(2), terms);
-    let loss = value(&polished, found.len()) - value(&before, before.coefficients.len());
-    let samples = proposed.criterion.samples;
+    let value = |p: &Polished| criterion.value(p.residual.powi(2), p.coefficients.len());
+    let loss = value(&polished) - value(&before);
     proposed.choice = Choice {
-        support: found,
+        support: found.columns,
         ties: Vec::new(),
         searched: pool.len(),
         as_proposed: false,
@@ -80,8 +84,9 @@ pub(super) fn seek(
     Some(Own {
         equation,
         residual,
+        grown: found.grown,
         loss,
-        price: loss / samples,
+        price: loss / criterion.samples + 2.0 * found.grown.ln(),
     })
 }
 
@@ -99,6 +104,14 @@ struct Node {
     support: Vec<usize>,
 }
 
+/// The best support so far.
+struct Found {
+    columns: Vec<usize>,
+    grown: f64,
+    /// The criterion, of the residual as it is where the system is solved: a law of which a part is another's seems to leave little.
+    value: f64,
+}
+
 impl Seeker<'_, '_> {
     /// Columns that take part, rising: all, or what the solver proposes and the simplest.
     fn pool(&self, proposed: &[(usize, f64)]) -> Vec<usize> {
@@ -114,22 +127,31 @@ impl Seeker<'_, '_> {
         pool
     }
 
-    /// Columns of the best independent support.
-    fn best(&self, pool: &[usize], others: &[Signal], watcher: &mut Watcher) -> Option<Vec<usize>> {
+    fn search(&self, pool: &[usize]) -> Search {
         let phi = self.prepared.phi.as_ref();
-        let search = support::search(phi, &self.prepared.aim, pool, self.criterion);
-        let named = |s: &[usize]| -> Vec<usize> {
-            s.iter().filter_map(|i| pool.get(*i).copied()).collect()
-        };
+        support::search(phi, &self.prepared.aim, pool, self.criterion)
+    }
+
+    /// The best independent support.
+    fn best(&mut self, pool: &[usize], others: &[Signal], watcher: &mut Watcher) -> Option<Found> {
         // Without the others' targets a law cannot be theirs: a bound for the rest.
         let mentions = |j: &usize| {
             let term = self.task.term(*j);
             others.iter().any(|s| term.mentions(*s))
         };
         let places = pool.iter().enumerate();
-        let joint = places.filter(|(_, j)| mentions(j)).map(|(i, _)| i).collect();
-        let explicit = self.node(&search, joint, watcher);
-        let mut best = explicit.filter(|n| self.passes(&named(&n.support)));
+        let joint: BTreeSet<usize> = places
+            .filter(|(_, j)| mentions(j))
+            .map(|(i, _)| i)
+            .collect();
+        let mut best = None;
+        if let Some(first) = self.node(&self.search(pool), joint.clone(), watcher) {
+            // What such a law leaves is no noise, but motion that repeats itself.
+            self.seen(&named(pool, &first.support));
+            let explicit = self.node(&self.search(pool), joint, watcher);
+            best = explicit.and_then(|n| self.found(pool, &n));
+        }
+        let search = self.search(pool);
         let mut open: Vec<Node> = Vec::new();
         open.extend(self.node(&search, BTreeSet::new(), watcher));
         let mut seen: BTreeSet<BTreeSet<usize>> = BTreeSet::new();
@@ -140,9 +162,9 @@ impl Seeker<'_, '_> {
             if best.as_ref().is_some_and(|b| b.value <= node.value) {
                 break;
             }
-            if self.passes(&named(&node.support)) {
-                best = Some(node);
-                break;
+            let found = self.found(pool, &node);
+            if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.value < b.value)) {
+                best = Some(found);
             }
             for place in &node.support {
                 let mut forbidden = node.forbidden.clone();
@@ -152,7 +174,7 @@ impl Seeker<'_, '_> {
                 }
             }
         }
-        best.map(|n| named(&n.support))
+        best
     }
 
     /// `None` where nothing is left to choose from, or the work is to stop.
@@ -165,7 +187,9 @@ impl Seeker<'_, '_> {
         if watcher.at(Stage::Choosing).is_some() {
             return None;
         }
-        let most = MOST_TERMS.min(self.prepared.aim.len().saturating_sub(1)).max(1);
+        let most = MOST_TERMS
+            .min(self.prepared.aim.len().saturating_sub(1))
+            .max(1);
         let without = search.without(&forbidden);
         let found = without.run(most, &[], &mut || watcher.at(Stage::Choosing).is_none());
         let first = found.into_iter().find(|s| !s.support.is_empty())?;
@@ -176,13 +200,39 @@ impl Seeker<'_, '_> {
         })
     }
 
-    fn passes(&self, columns: &[usize]) -> bool {
-        let polished = solve::polish(self.prepared.phi.as_ref(), &self.prepared.aim, columns);
+    /// The support of a node, if it is independent.
+    fn found(&self, pool: &[usize], node: &Node) -> Option<Found> {
+        let columns = named(pool, &node.support);
+        let polished = solve::polish(self.prepared.phi.as_ref(), &self.prepared.aim, &columns);
         let terms: Vec<Term> = columns.iter().map(|j| self.task.term(*j)).collect();
-        let found = polished.coefficients.iter().copied().zip(&terms);
+        let pairs = polished.coefficients.iter().copied().zip(&terms);
         let known = self.task.known.iter().map(|(a, t)| (*a, t));
-        let all: Vec<(f64, &Term)> = known.chain(found).collect();
-        let size = crate::discover::weights::norm(&self.prepared.aim);
-        (self.independent)(&all, polished.residual / size)
+        let all: Vec<(f64, &Term)> = known.chain(pairs).collect();
+        let left = polished.residual / norm(&self.prepared.aim);
+        let grown = (self.independent)(&all, left)?.max(1.0);
+        let square = (polished.residual * grown).powi(2);
+        Some(Found {
+            value: self.criterion.value(square, columns.len()),
+            columns,
+            grown,
+        })
     }
+
+    /// Counts rows that follow each other as one, by what a law leaves of them.
+    fn seen(&mut self, columns: &[usize]) {
+        let polished = solve::polish(self.prepared.phi.as_ref(), &self.prepared.aim, columns);
+        let pairs: Vec<(usize, f64)> = (columns.iter().copied())
+            .zip(polished.coefficients)
+            .collect();
+        let left = self.prepared.problem().left(&pairs);
+        let correlation = correlation_time(&left).max(self.criterion.rows / self.criterion.samples);
+        let rows = self.prepared.aim.len();
+        let candidates = self.task.library.len();
+        self.criterion = Criterion::new(rows, correlation, candidates, self.criterion.floor);
+    }
+}
+
+fn named(pool: &[usize], places: &[usize]) -> Vec<usize> {
+    let columns = places.iter().filter_map(|i| pool.get(*i));
+    columns.copied().collect()
 }

@@ -7,8 +7,8 @@
 use nalgebra::DMatrix;
 
 use crate::data::Samples;
-use crate::discover::weights::rms;
 use crate::discover::Form;
+use crate::discover::weights::rms;
 use crate::term::{Expr, Signal, Term};
 
 /// Rows looked at.
@@ -30,8 +30,12 @@ pub(super) struct Rows {
 pub(super) struct Slopes {
     /// Row by row, a slope a signal, in units of the target.
     values: Vec<Vec<f64>>,
+    /// Place of the target among the signals.
+    target: usize,
     /// Root mean square of their length.
     pub size: f64,
+    /// Part of it that is the target's own.
+    pub share: f64,
 }
 
 /// How far a relation is from being made of others.
@@ -45,6 +49,8 @@ pub(super) struct Apart {
     pub of_unknowns: f64,
     /// Median condition number of their mass matrix, its rows of unit length in units of the unknowns' sizes.
     pub condition: f64,
+    /// What is left of its target grows by this factor where all are solved for their targets; median.
+    pub grown: f64,
 }
 
 impl Rows {
@@ -114,13 +120,24 @@ impl Rows {
             .filter(|l| l.is_finite())
             .collect();
         let size = rms(&lengths);
-        (size > 0.0).then_some(Slopes { values, size })
+        let target = self.signals.iter().position(|o| *o == target)?;
+        let own = columns.get(target).map_or(0.0, |c| rms(c));
+        (size > 0.0).then_some(Slopes {
+            values,
+            target,
+            size,
+            share: own / size,
+        })
     }
 
     /// How far a relation is from combinations of others whose factors may differ from row to row.
     pub fn apart(&self, one: &Slopes, others: &[&Slopes]) -> Option<Apart> {
-        let (mut left, mut of_unknowns, mut lengths, mut conditions) =
-            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut left, mut of_unknowns, mut lengths) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut conditions, mut grown) = (Vec::new(), Vec::new());
+        let targets: Vec<usize> = std::iter::once(one)
+            .chain(others.iter().copied())
+            .map(|s| s.target)
+            .collect();
         for (row, own) in one.values.iter().enumerate() {
             let theirs: Vec<&[f64]> = others
                 .iter()
@@ -130,21 +147,23 @@ impl Rows {
             if !finite(own) || !theirs.iter().all(|v| finite(v)) {
                 continue;
             }
-            let mass = |v: &'_ [f64]| -> Vec<f64> { v.iter().take(self.unknowns).copied().collect() };
+            let mass =
+                |v: &'_ [f64]| -> Vec<f64> { v.iter().take(self.unknowns).copied().collect() };
             let masses: Vec<Vec<f64>> = theirs.iter().map(|v| mass(v)).collect();
             let borrowed: Vec<&[f64]> = masses.iter().map(Vec::as_slice).collect();
             lengths.push(dot(own, own).sqrt());
             left.push(rest(own.clone(), &theirs));
             of_unknowns.push(rest(mass(own), &borrowed));
             conditions.push(condition(&mass(own), &borrowed));
+            grown.push(growth(own, &theirs, &targets));
         }
-        conditions.sort_by(f64::total_cmp);
         let distance = rms(&left);
         Some(Apart {
             distance,
             part: distance / rms(&lengths),
             of_unknowns: rms(&of_unknowns),
-            condition: *conditions.get(conditions.len() / 2)?,
+            condition: median(conditions)?,
+            grown: median(grown)?,
         })
     }
 }
@@ -193,10 +212,105 @@ fn condition(own: &[f64], others: &[&[f64]]) -> f64 {
     }
 }
 
+/// Entry of the inverse of the mass matrix, between its own targets, that is the first relation's, in units of its slope by it.
+fn growth(own: &[f64], others: &[&[f64]], targets: &[usize]) -> f64 {
+    let rows: Vec<&[f64]> = std::iter::once(own).chain(others.iter().copied()).collect();
+    let at = |i: usize, j: usize| {
+        let row = rows.get(i);
+        let entry = row.and_then(|r| r.get(*targets.get(j)?)).copied();
+        entry.unwrap_or(f64::NAN)
+    };
+    let mass = DMatrix::from_fn(rows.len(), rows.len(), at);
+    let inverse = mass.try_inverse().map(|m| (m[(0, 0)] * at(0, 0)).abs());
+    inverse.filter(|g| g.is_finite()).unwrap_or(f64::MAX)
+}
+
+fn median(mut v: Vec<f64>) -> Option<f64> {
+    v.sort_by(f64::total_cmp);
+    v.get(v.len() / 2).copied()
+}
+
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn mean(v: &[f64]) -> f64 {
     v.iter().sum::<f64>() / v.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Column, Origin};
+    use crate::term::{Func, VarId};
+
+    const Q: [Signal; 2] = [
+        Signal::derivative(VarId(1), 2),
+        Signal::derivative(VarId(2), 2),
+    ];
+    const ANGLE: Signal = Signal::new(VarId(2));
+
+    /// Any motion: relations need not hold for their slopes to be compared.
+    fn rows() -> Rows {
+        let form = Form {
+            unknowns: Q.to_vec(),
+            ..Form::default()
+        };
+        let wave = |w: f64| (0..50).map(move |k| (w * f64::from(k)).sin()).collect();
+        let column = |(signal, values)| Column {
+            signal,
+            values,
+            origin: Origin::Measured { noise: None },
+        };
+        let mut columns: Vec<Column> = [(Q[0], wave(0.7)), (Q[1], wave(0.4)), (ANGLE, wave(0.3))]
+            .map(column)
+            .into();
+        columns.sort_by_key(|c| c.signal);
+        let samples = Samples {
+            trajectory: vec![0; 50],
+            time: (0..50).map(f64::from).collect(),
+            columns,
+        };
+        Rows::new(&form, vec![ANGLE], &samples).unwrap()
+    }
+
+    fn cos() -> Term {
+        let angle = Expr::signal(ANGLE);
+        Expr::call(Func::named("cos").unwrap(), vec![angle])
+            .into_term()
+            .1
+    }
+
+    fn slopes(rows: &Rows, target: Signal, terms: &[(f64, Term)]) -> Slopes {
+        rows.slopes(target, terms.iter().map(|(a, t)| (*a, t)))
+            .unwrap()
+    }
+
+    #[test]
+    fn a_relation_solved_for_another_target_is_the_same() {
+        let rows = rows();
+        // q₁ = −2 q₀ cos θ, and q₀ = −q₁/(2 cos θ).
+        let first = slopes(&rows, Q[1], &[(-2.0, Term::signal(Q[0]).mul(&cos()))]);
+        let over = Term::signal(Q[1]).mul(&cos().pow(-1.0));
+        let second = slopes(&rows, Q[0], &[(-0.5, over.clone())]);
+        // Slopes by θ differ by a multiple of the relation itself, which is not zero on these rows: only the others are looked at.
+        let apart = rows.apart(&second, &[&first]).unwrap();
+        assert!(apart.of_unknowns < 1e-12 * second.size, "{apart:?}");
+        assert!(apart.condition > 1e12 && apart.grown > 1e12, "{apart:?}");
+        let third = slopes(&rows, Q[0], &[(-0.25, over)]);
+        let apart = rows.apart(&third, &[&first]).unwrap();
+        assert!((apart.grown - 2.0).abs() < 1e-9, "{apart:?}");
+    }
+
+    #[test]
+    fn what_follows_from_two_is_apart_from_each() {
+        let rows = rows();
+        let angle = Term::signal(ANGLE);
+        let first = slopes(&rows, Q[0], &[(3.0, angle.clone())]);
+        let second = slopes(&rows, Q[1], &[(-1.0, angle.clone())]);
+        let both = slopes(&rows, Q[0], &[(1.0, Term::signal(Q[1])), (4.0, angle)]);
+        let part = |others: &[&Slopes]| rows.apart(&both, others).unwrap().part;
+        assert!(part(&[&first]) > 0.1 && part(&[&second]) > 0.1);
+        assert!(part(&[&first, &second]) < 1e-12);
+    }
 }

@@ -1,7 +1,7 @@
 //! One relation written twice, in a sentence: which equation is which one solved for what, how alike, and what there is instead.
 
 use super::{Likeness, Rows};
-use crate::discover::{Discovery, Equation, Evidence, Form};
+use crate::discover::{Discovery, Equation, Form};
 use crate::term::{Expr, Language, SignalNames};
 
 /// Digits of the numbers in a sentence.
@@ -20,15 +20,29 @@ pub(super) struct Sentence<'a> {
 }
 
 impl Sentence<'_> {
-    /// No law of its own was sought, or none was found.
-    pub fn alone(&self, evidence: Option<&Evidence>) -> String {
-        let sought = evidence.is_some_and(|e| e.together.is_none());
+    /// No law of its own was found, or none was sought.
+    pub fn alone(&self, sought: bool) -> String {
+        let (finding, target) = (self.finding(), self.target());
+        match sought {
+            true => format!(
+                "{finding}; its library has no law of its own: physics of {target} is missing there"
+            ),
+            false => format!("{finding}; physics of {target} is missing from its library"),
+        }
+    }
+
+    /// For the equations that are repeated.
+    pub fn aside(&self) -> String {
         let target = self.target();
-        let end = match sought {
-            true => format!("no other law is in the library of {target}: physics of it is missing there"),
-            false => format!("physics of {target} is missing from its library"),
-        };
-        format!("{}; {end}", self.finding())
+        match self.of {
+            [_] => format!(
+                "the equation of {target} is this one solved for {target}, so the two cannot be solved for the highest derivatives"
+            ),
+            _ => format!(
+                "the equation of {target} follows from those of {}, so they cannot be solved for the highest derivatives",
+                self.others()
+            ),
+        }
     }
 
     /// A law of its own is in the library, but fits far worse.
@@ -45,13 +59,21 @@ impl Sentence<'_> {
     /// The law of its own took the place of the copy.
     pub fn instead(&self, residual: f64, before: f64) -> String {
         let target = self.target();
-        let others = self.others();
+        let preferred = match self.of {
+            [of] => format!(
+                "that of {} solved for {target}{}",
+                self.name(*of),
+                self.divisor(*of)
+            ),
+            _ => format!("what follows from those of {}", self.others()),
+        };
         format!(
-            "by themselves these rows prefer an equation that is no law of its own: {}; so this is the best law of {target} that is \
-             independent of that of {others}; it leaves {} of {target}, the other {}",
-            self.finding(),
-            percent(residual),
-            percent(before)
+            "by themselves these rows prefer {preferred}, which leaves {} of {target}, but with it the equations would be one relation, \
+             whose mass matrix has condition {:.0} along the data; this is the best law of its own, and leaves {}: physics of {target} \
+             may be missing from its library",
+            percent(before),
+            self.condition(),
+            percent(residual)
         )
     }
 
@@ -71,13 +93,20 @@ impl Sentence<'_> {
                 self.name(*of),
                 self.divisor(*of)
             ),
-            _ => format!("the equation of {target} follows from those of {}", self.others()),
+            _ => format!(
+                "the equation of {target} follows from those of {}",
+                self.others()
+            ),
         };
         format!(
             "{what}: {same}; their mass matrix has condition {:.0} along the data, so they cannot be solved for the highest \
              derivatives",
-            a.condition.min(1e15)
+            self.condition()
         )
+    }
+
+    fn condition(&self) -> f64 {
+        self.likeness.apart.condition.min(1e15)
     }
 
     /// ` (divided by 2*cos(theta), 1.72 to 2 here)`; nothing where that is long or crosses zero.
@@ -95,11 +124,15 @@ impl Sentence<'_> {
         let text = Language(self.d).expr(&rounded(by));
         match by.as_number() {
             Some(_) => format!(" (divided by {text})"),
-            None => format!(" (divided by {text}, {} to {} here)", short(least, 3), short(most, 3)),
+            None => format!(
+                " (divided by {text}, {} to {} here)",
+                short(least, 3),
+                short(most, 3)
+            ),
         }
     }
 
-    fn name(&self, row: usize) -> String {
+    pub fn name(&self, row: usize) -> String {
         let signal = self.form.unknowns.get(row);
         signal.map_or_else(String::new, |s| self.d.name(*s))
     }
@@ -117,13 +150,17 @@ impl Sentence<'_> {
 /// The right side of an equation in few digits.
 fn written(d: &Discovery, e: &Equation) -> String {
     let terms = e.terms.iter();
-    let sum: Expr = terms.map(|t| Expr::from((t.coefficient, t.term.clone()))).sum();
+    let sum: Expr = terms
+        .map(|t| Expr::from((t.coefficient, t.term.clone())))
+        .sum();
     Language(d).expr(&rounded(&sum))
 }
 
 fn rounded(e: &Expr) -> Expr {
     let terms = e.terms();
-    terms.map(|(a, t)| Expr::from((short(a, DIGITS), t.clone()))).sum()
+    terms
+        .map(|(a, t)| Expr::from((short(a, DIGITS), t.clone())))
+        .sum()
 }
 
 /// A number with so many digits.
