@@ -59,6 +59,15 @@ struct Case {
     members: Vec<usize>,
 }
 
+/// An equation of a case taken for the copy, and what there is instead.
+struct Offer {
+    price: f64,
+    copy: usize,
+    own: Option<Own>,
+    /// Whether a law of its own was looked for to the end.
+    sought: bool,
+}
+
 /// How one equation of a case stands to the others.
 #[derive(Clone, Copy)]
 struct Likeness {
@@ -112,11 +121,15 @@ pub(super) fn judge(d: &mut Discovery, samples: &Samples, mut again: Option<Agai
         places: &places,
         rows: &rows,
     };
-    let Some(relations) = system.relations(d) else {
+    let Some(mut relations) = system.relations(d) else {
         return;
     };
     for case in system.cases(&relations) {
-        system.settle(d, &case, &relations, again.as_mut());
+        // A law that was replaced may have been part of another case.
+        if case.members.len() > 2 || system.dependent(&case.members, &relations) {
+            system.settle(d, &case, &relations, again.as_mut());
+            relations = system.relations(d).unwrap_or(relations);
+        }
     }
 }
 
@@ -246,47 +259,66 @@ impl System<'_> {
         d: &mut Discovery,
         case: &Case,
         relations: &[Relation],
-        again: Option<&mut Again>,
+        mut again: Option<&mut Again>,
     ) {
-        let mut offers: Vec<(f64, usize, Option<Own>)> = Vec::new();
-        let mut again = again;
+        let mut offers: Vec<Offer> = Vec::new();
         for one in &case.members {
-            let Some(e) = self.places.get(*one).and_then(|p| d.equations.get(*p)) else {
-                continue;
-            };
-            let others: Vec<&Relation> = (case.members.iter().filter(|m| *m != one))
-                .filter_map(|m| relations.get(*m))
-                .collect();
-            let own = again.as_deref_mut().and_then(|again| {
-                let independent = |terms: &[(f64, &Term)], open: f64| {
-                    let slopes = self.rows.slopes(e.target, terms.iter().copied());
-                    let new = slopes.map(|slopes| Relation {
-                        slopes,
-                        open: open * self.size(e),
-                    });
-                    new.and_then(|new| self.likeness(&new, &others))?.sound()
-                };
-                own::seek(again, d, e, &independent)
-            });
-            // Without a law of its own, the one in which its target weighs least is the copy.
-            let share = relations.get(*one).map_or(1.0, |r| r.slopes.share);
-            let price = own.as_ref().map_or(UNKNOWN * (1.0 + share), |o| o.price);
-            offers.push((price, *one, own));
+            let offer = self.offer(d, (case, *one), relations, again.as_deref_mut());
+            offers.extend(offer);
         }
-        offers.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        let Some((_, copy, own)) = offers.into_iter().next() else {
-            return;
+        offers.sort_by(|a, b| a.price.total_cmp(&b.price).then(b.copy.cmp(&a.copy)));
+        if let Some(offer) = offers.into_iter().next() {
+            // Every place is one of the discovery's.
+            let _ = self.tell(d, case, offer, relations);
+        }
+    }
+
+    /// One equation of a case taken for the copy; `None` if the model states it.
+    fn offer(
+        &self,
+        d: &Discovery,
+        (case, copy): (&Case, usize),
+        relations: &[Relation],
+        again: Option<&mut Again>,
+    ) -> Option<Offer> {
+        let e = d.equations.get(*self.places.get(copy)?)?;
+        if e.status == Status::Known {
+            return None;
+        }
+        let others: Vec<&Relation> = (case.members.iter().filter(|m| **m != copy))
+            .filter_map(|m| relations.get(*m))
+            .collect();
+        let independent = |terms: &[(f64, &Term)], open: f64| {
+            let new = Relation {
+                slopes: self.rows.slopes(e.target, terms.iter().copied())?,
+                open: open * self.size(e),
+            };
+            self.likeness(&new, &others)?.sound()
         };
-        // Every place is one of the discovery's.
-        let _ = self.tell(d, (case, copy), own, relations);
+        let (mut own, mut sought) = (None, false);
+        if let Some(again) = again {
+            own = own::seek(again, d, e, &independent);
+            let task = again.tasks.iter().any(|t| t.target == e.target);
+            sought = task && again.watcher.stop().is_none();
+        }
+        // Without a law of its own, the one in which its target weighs least is the copy.
+        let share = relations.get(copy)?.slopes.share;
+        Some(Offer {
+            price: own.as_ref().map_or(UNKNOWN * (1.0 + share), |o| o.price),
+            copy,
+            own,
+            sought,
+        })
     }
 
     /// Puts what was found into the discovery: a law of its own in place of the copy, or doubts.
     fn tell(
         &self,
         d: &mut Discovery,
-        (case, copy): (&Case, usize),
-        own: Option<Own>,
+        case: &Case,
+        Offer {
+            copy, own, sought, ..
+        }: Offer,
         relations: &[Relation],
     ) -> Option<()> {
         let of: Vec<usize> = (case.members.iter().copied())
@@ -327,17 +359,14 @@ impl System<'_> {
         };
         let (reason, aside) = match &own {
             Some(own) if taken => {
-                let reason = (own.loss > TIE).then(|| sentence.instead(own.residual, before));
+                let reason = (own.worse > TIE).then(|| sentence.instead(own.residual, before));
                 (reason, None)
             }
             Some(own) => {
                 let reason = sentence.with_own(&own.equation, own.residual);
                 (Some(reason), Some(sentence.aside()))
             }
-            None => {
-                let sought = e.evidence.as_ref().is_some_and(|e| e.together.is_none());
-                (Some(sentence.alone(sought)), Some(sentence.aside()))
-            }
+            None => (Some(sentence.alone(sought)), Some(sentence.aside())),
         };
         if let Some(own) = own.filter(|_| taken) {
             let e = d.equations.get_mut(place)?;
@@ -370,7 +399,10 @@ fn doubt(e: &mut Equation, text: Option<String>) {
 impl Own {
     /// Whether it is the answer in place of a copy that leaves `before` of the target.
     fn bearable(&self, before: f64) -> bool {
-        let little = self.loss <= TIE || self.residual <= BEARABLE * before;
+        let little = self.worse <= TIE || self.residual <= BEARABLE * before;
         self.grown <= GROWN && little
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,6 +34,8 @@ pub(super) struct Own {
     pub grown: f64,
     /// What the criterion loses.
     pub loss: f64,
+    /// The part of it that is the fit's: more terms are no fault of a law that has to be another.
+    pub worse: f64,
     /// The same for each independent row, growth included.
     pub price: f64,
 }
@@ -70,6 +72,8 @@ pub(super) fn seek(
     let before = solve::polish(prepared.phi.as_ref(), &prepared.aim, &columns?);
     let value = |p: &Polished| criterion.value(p.residual.powi(2), p.coefficients.len());
     let loss = value(&polished) - value(&before);
+    let fit = |p: &Polished| criterion.value(p.residual.powi(2), 0);
+    let worse = fit(&polished) - fit(&before);
     proposed.choice = Choice {
         support: found.columns,
         ties: Vec::new(),
@@ -86,6 +90,7 @@ pub(super) fn seek(
         residual,
         grown: found.grown,
         loss,
+        worse,
         price: loss / criterion.samples + 2.0 * found.grown.ln(),
     })
 }
