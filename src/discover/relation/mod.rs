@@ -33,6 +33,10 @@ const ROUNDING: f64 = 1e-5;
 const SOUND: f64 = 30.0;
 /// Residual of a law of its own, over that of the copy, up to which it is taken.
 const BEARABLE: f64 = 1.5;
+/// Residual over the others' from which on it is plain which equation is the copy.
+const ROUGHER: f64 = 2.0;
+/// Residual that is rounding.
+const EXACT: f64 = 1e-9;
 /// More than any law of its own costs, each row.
 const UNKNOWN: f64 = 1e6;
 /// Growth of its residual, where the system is solved, up to which no large part of it may be the copy.
@@ -72,15 +76,16 @@ struct Offer {
 #[derive(Clone, Copy)]
 struct Likeness {
     apart: Apart,
-    /// What they leave open, in the units of `apart.distance`.
+    /// What they leave open, in units of its target.
     open: f64,
 }
 
 impl Likeness {
-    /// Nothing is left between the relations but what they leave open.
+    /// Alike, and nothing is left between them of the highest derivatives but what they leave open. The other signals' slopes
+    /// count as alike only: a series for 1/cos θ is near it, but steeper here and there.
     fn same(&self) -> bool {
         let a = &self.apart;
-        a.condition >= CLOSE && a.part <= ALIKE && a.distance <= KNOWN * self.open
+        a.condition >= CLOSE && a.part <= ALIKE && a.of_unknowns <= KNOWN * self.open
     }
 
     /// What is left between them says nothing of the highest derivatives.
@@ -329,6 +334,13 @@ impl System<'_> {
         let likeness = self.likeness(relation, &others)?;
         let place = *self.places.get(copy)?;
         let e = d.equations.get(place)?;
+        let residual = |e: &Equation| e.evidence.as_ref().map_or(0.0, |e| e.residual);
+        let before = residual(e);
+        let others = of
+            .iter()
+            .filter_map(|m| d.equations.get(*self.places.get(*m)?));
+        let known = e.evidence.as_ref().map_or(0.0, |e| e.target_error);
+        let worst = others.map(residual).fold(known.max(EXACT), f64::max);
         let sentence = words::Sentence {
             d,
             rows: self.rows,
@@ -336,8 +348,8 @@ impl System<'_> {
             copy,
             of: &of,
             likeness: &likeness,
+            rougher: before > ROUGHER * worst,
         };
-        let before = e.evidence.as_ref().map_or(0.0, |e| e.residual);
         let taken = own.as_ref().is_some_and(|own| own.bearable(before));
         let law = |e: &Equation, residual: f64, criterion: f64| OtherLaw {
             terms: (e.terms.iter())

@@ -17,17 +17,29 @@ pub(super) struct Sentence<'a> {
     pub copy: usize,
     pub of: &'a [usize],
     pub likeness: &'a Likeness,
+    /// Whether it fits worse than those, so that it is plain which one repeats.
+    pub rougher: bool,
 }
 
 impl Sentence<'_> {
     /// No law of its own was found, or none was sought.
     pub fn alone(&self, sought: bool) -> String {
-        let (finding, target) = (self.finding(), self.target());
+        let (finding, missing) = (self.finding(), self.missing());
         match sought {
-            true => format!(
-                "{finding}; its library has no law of its own: physics of {target} is missing there"
+            true => format!("{finding}; its library has no law of its own: {missing}"),
+            false => format!("{finding}; {missing}"),
+        }
+    }
+
+    /// Two copies that fit as well as each other may be either's law.
+    fn missing(&self) -> String {
+        let target = self.target();
+        match self.rougher {
+            true => format!("physics of {target} is missing from its library"),
+            false => format!(
+                "physics of {target} is missing from its library, or of {} from its own",
+                self.others()
             ),
-            false => format!("{finding}; physics of {target} is missing from its library"),
         }
     }
 
@@ -49,10 +61,11 @@ impl Sentence<'_> {
     pub fn with_own(&self, own: &Equation, residual: f64) -> String {
         let target = self.target();
         format!(
-            "{}; a law of its own would be {target} = {}, which leaves {} of {target}: physics of it is missing from its library",
+            "{}; a law of its own would be {target} = {}, which leaves {} of {target}: {}",
             self.finding(),
             written(self.d, own),
-            percent(residual)
+            percent(residual),
+            self.missing()
         )
     }
 
@@ -82,7 +95,7 @@ impl Sentence<'_> {
         let target = self.target();
         let same = match self.likeness.same() {
             true => format!(
-                "whatever signal moves, both answer alike to {}, which is no more than they leave open",
+                "whatever signal moves, both answer alike to {}, and in the highest derivatives they differ by no more than they leave open",
                 percent(a.part)
             ),
             false => "what is left between them says nothing of the highest derivatives".into(),
