@@ -13,12 +13,12 @@ mod identifiability;
 mod joint;
 mod joint_doubts;
 mod joint_search;
-mod mass;
 mod memory;
 mod path;
 mod pools;
 mod prepared;
 mod proof;
+mod relation;
 mod rows;
 mod strain;
 mod subset;
@@ -41,8 +41,8 @@ use crate::solve::{SOLVERS, Solver};
 use crate::term::Term;
 
 pub use discovery::{
-    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, PathKnot,
-    Proof, Reason, Status, Together, Variable,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, OtherLaw,
+    PathKnot, Proof, Rearranged, Reason, Status, Together, Variable,
 };
 pub use doubts::tie;
 pub use form::{Form, Rate, Row};
@@ -52,7 +52,7 @@ pub use identifiability::{
 pub use joint::{Fitted, discover_jointly, joint, nothing_fits};
 pub use rows::{Split, SplitMix, split};
 pub use ties::check_constraints;
-pub use trust::{Halves, MARKS, Mark, Marks, Stretches, Trust, Without};
+pub use trust::{Halves, MARKS, Mark, Marks, Nearest, Stretches, Trust, Without};
 pub use watch::{Stage, Step, Stop, Watch};
 pub use weights::Weights;
 
@@ -219,7 +219,13 @@ pub fn discover(
         }
     }
     together::attach(&mut discovery, &doubts);
-    mass::judge_together(&mut discovery, samples);
+    let untied = |i: &usize| !groups.iter().any(|g| g.contains(i));
+    let untied = (0..model.equations.len()).filter(untied);
+    let again = relation::Again {
+        tasks: untied.filter_map(|i| Some(task(i)?.1)).collect(),
+        watcher: &mut watcher,
+    };
+    relation::judge(&mut discovery, samples, Some(again));
     dependent::judge(&mut discovery, &states_of(model, samples));
     constraints::judge(&mut discovery, model);
     Ok(discovery)

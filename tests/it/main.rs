@@ -28,6 +28,7 @@ mod noise;
 mod pendulum;
 mod planted;
 mod program;
+mod relation;
 mod sensors;
 mod simulate;
 mod simulate_command;
