@@ -13,7 +13,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("dictionary", &["library", "term", "data"]),
     ("solve", &["dictionary"]),
     ("weak", &["term", "lang", "library", "data", "dictionary"]),
-    ("trajectory", &["term", "lang", "library", "data"]),
+    ("trajectory", &["term", "lang", "library", "data", "solve"]),
     (
         "discover",
         &[
