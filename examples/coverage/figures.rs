@@ -91,6 +91,9 @@ impl Row {
 
     pub fn terms_text(&self) -> String {
         let mut text = String::new();
+        if self.exact < 2 {
+            return text;
+        }
         for t in &self.terms {
             let _ = writeln!(
                 text,

@@ -93,6 +93,7 @@ fn main() -> ExitCode {
 fn all() -> Vec<Case> {
     let mut all = pendulum::cases();
     all.extend(odebench::cases());
+    all.push(odebench::short());
     all.extend(accelerometer::cases());
     all
 }

@@ -66,9 +66,15 @@ fn case(system: System) -> Case {
 
 fn systems() -> Vec<System> {
     let mut all = plain();
+    all.push(lotka_volterra("ode27_lotka_volterra", 1000));
     all.extend(planar());
     all.extend(spatial());
     all
+}
+
+/// One of them read 31 times: few readings for each coefficient.
+pub fn short() -> Case {
+    case(lotka_volterra("ode27_short", 31))
 }
 
 /// One state.
@@ -95,6 +101,29 @@ fn plain() -> Vec<System> {
     ]
 }
 
+/// Hares and lynxes, read so many times.
+fn lotka_volterra(name: &'static str, rows: usize) -> System {
+    System {
+        name,
+        states: 2,
+        library: CUBIC,
+        laws: vec![
+            ("dx0", vec![("x0", 1.84), ("x0*x1", -1.45)]),
+            ("dx1", vec![("x1", -3.0), ("x0*x1", 1.62)]),
+        ],
+        rates: |x| {
+            [
+                x[0] * (1.84 - 1.45 * x[1]),
+                -x[1] * (3.0 - 1.62 * x[0]),
+                0.0,
+                0.0,
+            ]
+        },
+        starts: [[8.3, 3.4, 0.0, 0.0], [0.4, 0.65, 0.0, 0.0]],
+        rows,
+    }
+}
+
 /// Two states.
 fn planar() -> Vec<System> {
     let planar = |name, library, laws, rates, starts: [[f64; 2]; 2], rows| System {
@@ -107,24 +136,6 @@ fn planar() -> Vec<System> {
         rows,
     };
     vec![
-        planar(
-            "ode27_lotka_volterra",
-            CUBIC,
-            vec![
-                ("dx0", vec![("x0", 1.84), ("x0*x1", -1.45)]),
-                ("dx1", vec![("x1", -3.0), ("x0*x1", 1.62)]),
-            ],
-            |x| {
-                [
-                    x[0] * (1.84 - 1.45 * x[1]),
-                    -x[1] * (3.0 - 1.62 * x[0]),
-                    0.0,
-                    0.0,
-                ]
-            },
-            [[8.3, 3.4], [0.4, 0.65]],
-            1000,
-        ),
         planar(
             "ode32_double_well",
             CUBIC,

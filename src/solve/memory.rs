@@ -8,6 +8,8 @@
 const LONGEST: f64 = 10.0;
 /// A sum is followed before the first row until its weights are this part of their largest.
 const FADED: f64 = 1e-3;
+/// Rows before the first that it is followed over at most, or as many as there are.
+const BEFORE: usize = 1000;
 
 /// The memory of a series: none, or an autoregression.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +75,7 @@ impl Memory {
         // v_k = w_k + Σ a_i v_{k+i}, the newest in front.
         let mut later = vec![0.0; order];
         let (mut sum, mut largest) = (0.0, 0.0f64);
-        let before = std::iter::repeat_n(&0.0, weights.len());
+        let before = std::iter::repeat_n(&0.0, weights.len().max(BEFORE));
         for (k, w) in weights.iter().rev().chain(before).enumerate() {
             let followed: f64 = self.follows.iter().zip(&later).map(|(a, v)| a * v).sum();
             let v = w + followed;

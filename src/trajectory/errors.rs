@@ -12,6 +12,9 @@ use super::record::Record;
 use super::triangle::Triangle;
 use crate::solve::Memory;
 
+/// Residuals smaller than this part of the noise that the fit went by may be cut off by its arithmetic, which is as fine as that asks for.
+const ARITHMETIC: f64 = 0.1;
+
 /// Sets the variances; those of the fit stay where its laws lead nowhere.
 pub(super) fn judge(problem: &Problem, fit: &mut Fit) {
     if let Some(variances) = variances(problem, fit) {
@@ -34,12 +37,10 @@ fn variances(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
         for (r, (record, eliminated)) in problem.records.iter().zip(&eliminated).enumerate() {
             let response = eliminated.response(covariances);
             let sensors = problem.sensors.of(r);
-            let (sigma, news) = (&fit.sigma()[sensors.clone()], &problem.news[sensors]);
-            for (i, memory) in memories.iter().enumerate() {
+            for ((i, memory), sensor) in memories.iter().enumerate().zip(sensors) {
                 let states = response.iter().skip(i).step_by(n);
                 let read = record.measured[i].iter().zip(states);
-                // Readings that are little news weigh less than their error alone would have it.
-                let weight = news[i].sqrt() / sigma[i];
+                let weight = size(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
                 let weights = read.map(|(y, z)| if y.is_finite() { z * weight } else { 0.0 });
                 sum += memory.square(&weights.collect::<Vec<_>>());
             }
@@ -49,6 +50,13 @@ fn variances(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
     let scarce = scarce(problem, fit);
     let of = |c: &Option<Vec<f64>>| c.as_ref().map_or(f64::INFINITY, |c| scarce * variance(c));
     Some(triangle.covariances().iter().map(of).collect())
+}
+
+/// Root mean square of a sensor's residuals. The noise that the fit went by is larger where it was held above a floor, or readings are
+/// little news; that is its weight in the estimate, not its error.
+fn size(problem: &Problem, fit: &Fit, sensor: usize) -> f64 {
+    let mean = fit.squares[sensor] / problem.readings[sensor].max(1) as f64;
+    mean.sqrt().max(ARITHMETIC * fit.sigma()[sensor])
 }
 
 /// M/(M − p): residuals are smaller than the noise for the p coefficients and first states that were fitted to them.

@@ -8,6 +8,7 @@ mod case;
 #[allow(dead_code)]
 mod figures;
 #[path = "../../examples/coverage/odebench.rs"]
+#[allow(dead_code)]
 mod odebench;
 #[path = "../../examples/gallery/response.rs"]
 #[allow(dead_code)]
