@@ -11,6 +11,7 @@ mod interior_point;
 mod joint;
 mod lasso_gap;
 mod least_squares;
+mod memory;
 mod normal;
 mod omp;
 mod point;
@@ -35,6 +36,7 @@ pub use joint::{
 };
 pub use lasso_gap::{LassoCertificate, certify_lasso};
 pub use least_squares::{LeastSquares, least_squares};
+pub use memory::Memory;
 pub use omp::Omp;
 pub use polish::{Polished, polish};
 pub use reduce::RANK_TOLERANCE;

@@ -8,6 +8,7 @@ mod baselines;
 mod calculus;
 mod cli;
 mod constrained;
+mod coverage;
 mod data;
 mod dictionary;
 mod docs;
