@@ -24,7 +24,7 @@ pub struct Polished {
     /// Their condition number; infinite when they are dependent.
     pub condition: f64,
     /// √(σ² Φ⁺ S Φ⁺ᵀ)_jj with σ² = rss/(M − k) and S the correlations of the residuals, 1 on the diagonal and 0 elsewhere where they are white
-    /// ([`Memory`]); in the units of the coefficients; infinite where data cannot say.
+    /// ([`Memory`]), never under that of white ones; in the units of the coefficients; infinite where data cannot say.
     pub standard_errors: Vec<f64>,
 }
 
@@ -163,7 +163,11 @@ impl Pivoted {
         for &at in self.order.iter().take(self.rank) {
             let mut unit = vec![0.0; self.order.len()];
             unit[at] = 1.0;
-            spread[at] = nonzero(memory.square(&self.least_norm(&unit)).sqrt());
+            let weights = self.least_norm(&unit);
+            let white: f64 = weights.iter().map(|w| w * w).sum();
+            // Errors that cancel from row to row are mostly those of estimated derivatives, which noise does not make:
+            // they are off in one direction, and no coefficient is known better for it.
+            spread[at] = nonzero(memory.square(&weights).max(white).sqrt());
         }
         spread
     }
