@@ -4,7 +4,7 @@
 
 use super::cart_pendulum::{Plant, State};
 use super::controller;
-use crate::simulate::random::{Random, decimals};
+use super::simulate::random::{Random, decimals};
 use clap::ValueEnum;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,0 +1,73 @@
+//! The thesis' tables and figures, and the questions it leaves open: one file a section.
+//!
+//! In: how much effort to make. Out: text, tables and figures, the same for the same effort on the same machine. Writes no files.
+
+use std::error::Error;
+
+#[path = "../../plant/cart_pendulum.rs"]
+#[allow(dead_code)]
+mod cart_pendulum;
+#[path = "../../plant/controller.rs"]
+mod controller;
+#[path = "../../plant/force.rs"]
+#[allow(dead_code)]
+mod force;
+#[path = "../../plant/run.rs"]
+mod run;
+#[path = "../../simulate/mod.rs"]
+#[allow(dead_code)]
+mod simulate;
+
+mod plot;
+mod record;
+mod setup;
+pub mod tables;
+mod tidy;
+mod work;
+
+/// What went wrong, for whoever started the program.
+pub type Fault = Box<dyn Error + Send + Sync>;
+
+/// How much to compute.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// The committed figures.
+    Full,
+    /// Every section, with few draws: seconds instead of minutes.
+    Quick,
+}
+
+impl Effort {
+    pub fn of<T>(self, full: T, quick: T) -> T {
+        match self {
+            Effort::Full => full,
+            Effort::Quick => quick,
+        }
+    }
+}
+
+/// A file beside the text.
+pub struct Attachment {
+    pub name: String,
+    pub content: String,
+}
+
+/// What a section has to say: Markdown below its heading, and its files.
+pub struct Section {
+    pub text: String,
+    pub files: Vec<Attachment>,
+}
+
+pub struct Chapter {
+    /// What `--only` takes, and the beginning of its files' names.
+    pub name: &'static str,
+    pub title: &'static str,
+    pub write: fn(Effort) -> Result<Section, Fault>,
+}
+
+/// In the order of the document.
+pub static CHAPTERS: &[Chapter] = &[Chapter {
+    name: "tables",
+    title: "Tables 5.2 and 5.3: the coefficients",
+    write: tables::section,
+}];
