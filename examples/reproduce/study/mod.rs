@@ -18,9 +18,14 @@ mod run;
 #[allow(dead_code)]
 mod simulate;
 
+mod experiment;
+mod isometry;
 mod plot;
 mod record;
 mod setup;
+mod smallest;
+mod subrate;
+mod success;
 pub mod tables;
 mod tidy;
 mod work;
@@ -66,8 +71,30 @@ pub struct Chapter {
 }
 
 /// In the order of the document.
-pub static CHAPTERS: &[Chapter] = &[Chapter {
-    name: "tables",
-    title: "Tables 5.2 and 5.3: the coefficients",
-    write: tables::section,
-}];
+pub static CHAPTERS: &[Chapter] = &[
+    Chapter {
+        name: "isometry",
+        title: "Table 4.1: the restricted isometry",
+        write: isometry::section,
+    },
+    Chapter {
+        name: "experiment",
+        title: "Figures 5.4 to 5.6: the experiment",
+        write: experiment::section,
+    },
+    Chapter {
+        name: "subrate",
+        title: "Figures 5.7 to 5.9: error against subrate",
+        write: subrate::section,
+    },
+    Chapter {
+        name: "tables",
+        title: "Tables 5.2 and 5.3: the coefficients",
+        write: tables::section,
+    },
+    Chapter {
+        name: "smallest",
+        title: "The fewest samples that do",
+        write: smallest::section,
+    },
+];

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::cart_pendulum::Plant;
 use super::force::Kind;
 use super::record::{Experiment, Record};
 use super::setup::{Setup, draw};
@@ -55,6 +56,23 @@ fn all() -> [Table; 2] {
             ],
         },
     ]
+}
+
+/// The record of Table 5.2, and how many of its samples the thesis took.
+pub fn pendant() -> (Record, usize) {
+    let [table, _] = all();
+    (table.experiment.record(table.seed), table.samples)
+}
+
+/// The mean over 768 terms of the squared errors of the thesis' coefficients in Table 5.2, for one of the laws.
+pub fn thesis_mean_square(law: usize) -> f64 {
+    let [table, _] = all();
+    let laws = Plant::default().laws();
+    let pairs = laws[law].1.iter().zip(table.thesis[law]);
+    pairs
+        .map(|((_, truth), thesis)| (thesis - truth).powi(2))
+        .sum::<f64>()
+        / 768.0
 }
 
 /// How rows are taken from the record.
