@@ -1,6 +1,6 @@
 //! Figures 5.4 to 5.6: the experiment's force, angle and position; and the second excitation, of chapter 6.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use super::force::Kind;
 use super::plot::{Axis, Figure, Look, Mark, Panel};
@@ -36,7 +36,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
     }
     let text = "![Force, angle and position of the experiment](figure-5-4.svg)\n\n\
         10,000 samples at 100 Hz: a controller balances the rod upright for 15 s, a square force of random levels (±6 N, held 0.05 s to 0.5 s) drives the cart for 40 s, \
-        a swing-up for 10 s, then nothing. θ = 0 hangs down, θ = π (dotted) stands up.\n\n\
+        a swing-up for 10 s, then nothing: the rod stands for a while, falls and swings out. θ = 0 hangs down, ±π stands up; the angle is shown within one turn.\n\n\
         ![The same under a Gaussian force](figure-6.svg)\n\n\
         The second excitation: a Gaussian force, one draw a sample, scaled to ±5 N.\n";
     Ok(Section {
@@ -69,31 +69,33 @@ fn drawn(name: &str, record: &Record, titles: [&str; 3], seconds: f64) -> Attach
         ("theta", "θ (rad)", 2),
         ("y", "y (m)", 3),
     ];
-    let panels = panels
-        .iter()
-        .zip(titles)
-        .map(|((column, label, colour), title)| {
-            let points = match *column {
-                "F" => steps(record, seconds),
-                _ => curve(record, column, seconds),
-            };
-            let (low, high) = extent(&points);
-            let line = Mark::Line {
-                points,
-                look: Look::of(*colour).plain(),
-                name: String::new(),
-            };
-            let upright = (*column == "theta" && high > 3.0).then(|| Mark::Level {
-                y: PI,
-                text: String::new(),
-            });
-            Panel {
-                title: title.to_string(),
-                x: Axis::linear("time (s)", 0.0, seconds),
-                y: Axis::linear(label, low, high),
-                marks: std::iter::once(line).chain(upright).collect(),
-            }
+    let panel = |((column, label, colour), title): (&(&str, &str, usize), &str)| {
+        let points = match *column {
+            "F" => steps(record, seconds),
+            _ => curve(record, column, seconds),
+        };
+        let turns = *column == "theta";
+        let (low, high) = if turns { (-PI, PI) } else { extent(&points) };
+        let pieces = if turns { wrapped(points) } else { vec![points] };
+        let lines = pieces.into_iter().map(|points| Mark::Line {
+            points,
+            look: Look::of(*colour).plain(),
+            name: String::new(),
         });
+        let height = Axis::linear(label, low, high);
+        let named = [(-PI, "−π"), (0.0, "0"), (PI, "π")].map(|(y, text)| (y, text.to_string()));
+        Panel {
+            title: title.to_string(),
+            x: Axis::linear("time (s)", 0.0, seconds),
+            y: if turns {
+                height.words(named.to_vec())
+            } else {
+                height
+            },
+            marks: lines.collect(),
+        }
+    };
+    let panels = panels.iter().zip(titles).map(panel);
     let figure = Figure {
         about: titles.join(", "),
         columns: 1,
@@ -142,6 +144,22 @@ fn curve(record: &Record, column: &str, seconds: f64) -> Vec<(f64, f64)> {
         .step_by(every)
         .take_while(|(t, _)| *t <= seconds)
         .collect()
+}
+
+/// Angles within ±π, cut where they leave at one end and come in at the other.
+fn wrapped(points: Vec<(f64, f64)>) -> Vec<Vec<(f64, f64)>> {
+    let turn = |angle: f64| ((angle + PI) / TAU).floor();
+    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+    let mut last = f64::NAN;
+    for (t, angle) in points {
+        if turn(angle) != last {
+            pieces.push(Vec::new());
+            last = turn(angle);
+        }
+        let inside = (t, angle - TAU * last);
+        pieces.last_mut().into_iter().for_each(|p| p.push(inside));
+    }
+    pieces
 }
 
 /// The range of the heights and a twentieth more.

@@ -57,6 +57,19 @@ impl Unit {
             .fold(0.0, f64::max)
     }
 
+    /// (Σσ²)²/Σσ⁴ over the singular values.
+    pub fn dimension(&self) -> f64 {
+        // ΦΦᵀ has the same σ², and few rows.
+        let mut gram = vec![0.0; self.rows * self.rows];
+        for column in self.values.chunks_exact(self.rows.max(1)) {
+            for (line, a) in gram.chunks_exact_mut(self.rows).zip(column) {
+                line.iter_mut().zip(column).for_each(|(g, b)| *g += a * b);
+            }
+        }
+        let squares: f64 = gram.iter().map(|g| g * g).sum();
+        (self.len() as f64).powi(2) / squares
+    }
+
     /// ‖Φa‖²/‖a‖² of combinations of `terms` random columns with normal coefficients, rising.
     pub fn ratios(&self, terms: usize, draws: usize, seed: u64) -> Vec<f64> {
         let mut random = Random::new(seed);
@@ -194,12 +207,11 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     let text = format!(
         "{}\nAs many random columns as the law has terms (4 and 3), normal coefficients, {} draws, 375 of the rows of Table 5.2. The thesis does not say how many terms or draws it took.\n\n\
          ![Distribution of the ratio, and its range against the number of terms](table-4-1.svg)\n\n\
-         Left, the distribution for as many terms as the law has; right, the least and the largest ratio drawn against the number of terms, dotted the thesis' for Φ_y. What a Monte Carlo sees looks like a \
-         restricted isometry with a poor constant. There is none: the two most alike columns of each Φ have a cosine of at least {coherence:.7}, so some pair is shortened to {:.0e} of its length, and no \
-         constant below 1 holds even for two terms. Exact answers come all the same, since what has to be well conditioned is the law's own columns and not all.\n",
+         Left, the distribution for as many terms as the law has; right, the least and the largest ratio drawn against the number of terms, dotted the thesis' for Φ_y. The mean is 1, as it is for any unit columns under coefficients of random sign; \
+         the ends are those of a Monte Carlo: more draws, wider ends. What theory asks for is not there. δ₂ is at least the largest cosine of two columns, {coherence:.3} and more in these Φ, where the usual guarantees \
+         want δ₂ₖ below 0.41. Exact answers come all the same: [which figure says so](#which-excitation-makes-φ-recoverable).\n",
         table.markdown(),
         super::plot::short(draws as f64),
-        1.0 - coherence,
     );
     Ok(Section {
         text,
@@ -269,7 +281,7 @@ fn drawn(outcomes: &[Outcome]) -> Attachment {
             Panel {
                 title: "Least and largest ratio".into(),
                 x: Axis::log("terms", 2.0, 40.0).words(sizes),
-                y: Axis::log(ratio, 1e-4, 100.0),
+                y: Axis::log(ratio, 0.01, 10.0),
                 marks: range,
             },
         ],

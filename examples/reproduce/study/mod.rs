@@ -9,19 +9,35 @@ use std::error::Error;
 mod cart_pendulum;
 #[path = "../../plant/controller.rs"]
 mod controller;
+#[path = "../../gallery/double_pendulum.rs"]
+#[allow(dead_code)]
+mod double_pendulum;
 #[path = "../../plant/force.rs"]
 #[allow(dead_code)]
 mod force;
+#[path = "../../gallery/response.rs"]
+#[allow(dead_code)]
+mod response;
 #[path = "../../plant/run.rs"]
 mod run;
 #[path = "../../simulate/mod.rs"]
 #[allow(dead_code)]
 mod simulate;
+#[path = "../../decorrelation/ways.rs"]
+mod ways;
 
+mod bounds;
+mod decorrelated;
+mod double;
+mod excitation;
 mod experiment;
 mod isometry;
+mod libraries;
+mod phase;
 mod plot;
+mod predictors;
 mod record;
+mod rows;
 mod setup;
 mod smallest;
 mod subrate;
@@ -96,5 +112,45 @@ pub static CHAPTERS: &[Chapter] = &[
         name: "smallest",
         title: "The fewest samples that do",
         write: smallest::section,
+    },
+    Chapter {
+        name: "phase",
+        title: "Samples and noise: a phase diagram",
+        write: phase::section,
+    },
+    Chapter {
+        name: "bounds",
+        title: "Noise bounds",
+        write: bounds::section,
+    },
+    Chapter {
+        name: "excitation",
+        title: "Which excitation makes Φ recoverable",
+        write: excitation::section,
+    },
+    Chapter {
+        name: "rows",
+        title: "Consecutive rows against random rows",
+        write: rows::section,
+    },
+    Chapter {
+        name: "frequencies",
+        title: "Frequencies sin ωθ",
+        write: libraries::of_frequencies,
+    },
+    Chapter {
+        name: "powers",
+        title: "Total power",
+        write: libraries::of_powers,
+    },
+    Chapter {
+        name: "decorrelated",
+        title: "Decorrelated columns",
+        write: decorrelated::section,
+    },
+    Chapter {
+        name: "double",
+        title: "The cart with a double pendulum",
+        write: double::section,
     },
 ];

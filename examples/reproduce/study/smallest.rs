@@ -127,8 +127,8 @@ fn drawn(all: &[Curve]) -> Attachment {
         height: 260.0,
         panels: vec![Panel {
             title: String::new(),
-            x: Axis::log("samples M", 5.0, 375.0).words(
-                [5, 10, 20, 40, 80, 150, 375]
+            x: Axis::log("samples M", 5.0, 100.0).words(
+                [5, 7, 10, 15, 20, 30, 40, 60, 100]
                     .map(|m| (f64::from(m), m.to_string()))
                     .to_vec(),
             ),

@@ -14,7 +14,7 @@ use super::{Attachment, Effort, Fault, Section, tables, work};
 const STARTS: usize = 6;
 const SEED: u64 = 57;
 /// What is drawn for an error of zero.
-const FLOOR: f64 = 1e-36;
+const FLOOR: f64 = 1e-35;
 
 /// Errors of all draws at one number of samples.
 struct Point {
@@ -41,7 +41,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     let small = Setup::thesis(768)?;
     let large = Setup::thesis(6561)?;
     let draws = effort.of(40, 3);
-    let (few, many) = effort.of((60, 30), (8, 4));
+    let (few, many) = effort.of((36, 30), (8, 4));
     let rows768 = spaced(4, 420, few);
     let rows6561 = spaced(4, 3280, many);
     let one = measured("subrate", &small, &records[..1], &rows768, draws)?;
@@ -81,7 +81,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
             high,
         ]);
     }
-    let angle = |a: &f64| format!("{:.0}°", a * 180.0 / PI);
+    let angle = |a: &f64| format!("{}°", short((a * 180.0 / PI).round()));
     let listed: Vec<String> = angles.iter().map(angle).collect();
     let text = format!(
         "![Mean squared error of the coefficients against the subrate](figure-5-7.svg)\n\n\
@@ -192,7 +192,7 @@ fn pendant_figure(libraries: &[&Vec<Point>]) -> Attachment {
         Panel {
             title: format!("Figure 5.7: {}", symbol(target)),
             x: subrate(),
-            y: Axis::log(if i == 0 { MSE } else { "" }, FLOOR, 1e8),
+            y: Axis::log(if i == 0 { MSE } else { "" }, FLOOR, 1e3),
             marks,
         }
     };
@@ -217,7 +217,7 @@ fn starts_figure(points: &[Point], names: &[String]) -> Attachment {
         Panel {
             title: format!("Figure 5.{}: {}", 8 + i, symbol(target)),
             x: Axis::log("subrate M/N", 0.004, 0.6).percent(),
-            y: Axis::log(if i == 0 { MSE } else { "" }, FLOOR, 1e8),
+            y: Axis::log(if i == 0 { MSE } else { "" }, FLOOR, 1e3),
             marks: lines.collect(),
         }
     };

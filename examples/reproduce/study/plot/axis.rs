@@ -78,7 +78,8 @@ impl Axis {
     /// Powers of ten, at most eight; with 2 and 5 where there are few.
     fn decades(&self) -> Vec<f64> {
         let (a, b) = (self.from.log10(), self.to.log10());
-        let every = ((b - a) / 7.0).ceil().max(1.0) as i32;
+        let wide = |every: &i32| (b - a) / f64::from(*every) <= 7.0;
+        let every = [1, 2, 5, 10, 20].into_iter().find(wide).unwrap_or(50);
         let mut out = Vec::new();
         for e in (a.floor() as i32)..=(b.ceil() as i32) {
             let steps: &[f64] = match b - a {

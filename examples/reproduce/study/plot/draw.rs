@@ -145,10 +145,10 @@ impl Frame {
                 let y = self.y(&panel.y, *y);
                 let _ = writeln!(
                     out,
-                    "<path class='r' d='M{:.1} {y:.1}H{:.1}'/><text class='s e' x='{:.1}' y='{:.1}'>{}</text>",
+                    "<path class='r' d='M{:.1} {y:.1}H{:.1}'/><text class='s' x='{:.1}' y='{:.1}'>{}</text>",
                     self.left,
                     self.right,
-                    self.right - 5.0,
+                    self.left + 5.0,
                     y - 4.0,
                     escaped(text)
                 );

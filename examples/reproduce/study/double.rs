@@ -1,0 +1,218 @@
+//! The cart with a double pendulum: rows that each of its three equations needs out of 1,594,323 terms.
+
+use super::cart_pendulum::Law;
+use super::double_pendulum;
+use super::plot::{Axis, Figure, Look, Mark, Panel, short};
+use super::record::Record;
+use super::setup::{Setup, draw};
+use super::success::{Curve, curves, symbol, told};
+use super::tidy::Tidy;
+use super::{Attachment, Effort, Fault, Section, work};
+
+const ROWS: usize = 1500;
+const DECLARED: &str = "state x, th1, th2 : order 2\ninput F : hold\n";
+const ATOMS: &str =
+    "x, dx, ddx, th1, dth1, ddth1, th2, dth2, ddth2, sin th1, cos th1, sin th2, cos th2, F";
+/// The atoms of the lower rod's law, and nothing that only the cart's has.
+const RODS: &str = "ddx, dth1, ddth1, dth2, sin th1, cos th1, sin th2, cos th2, th2";
+
+fn law(target: &'static str, terms: &[(&'static str, f64)]) -> Law {
+    (target, terms.to_vec())
+}
+
+/// Masses 0.6, 0.3, 0.2 kg, rods 0.5, 0.4 m, frictions 0.05 and 0.01, solved for one acceleration each.
+fn laws() -> [Law; 3] {
+    [
+        law(
+            "ddx",
+            &[
+                ("F", 1.0 / 1.1),
+                ("dx", -0.05 / 1.1),
+                ("ddth1*cos(th1)", -0.25 / 1.1),
+                ("ddth2*cos(th2)", -0.08 / 1.1),
+                ("dth1^2*sin(th1)", 0.25 / 1.1),
+                ("dth2^2*sin(th2)", 0.08 / 1.1),
+            ],
+        ),
+        law(
+            "ddth1",
+            &[
+                ("dth1", -0.08),
+                ("sin(th1)", -19.6),
+                ("ddx*cos(th1)", -2.0),
+                ("ddth2*cos(th1)*cos(th2)", -0.32),
+                ("ddth2*sin(th1)*sin(th2)", -0.32),
+                ("dth2^2*sin(th1)*cos(th2)", -0.32),
+                ("dth2^2*cos(th1)*sin(th2)", 0.32),
+            ],
+        ),
+        law(
+            "ddth2",
+            &[
+                ("dth2", -0.3125),
+                ("sin(th2)", -24.5),
+                ("ddx*cos(th2)", -2.5),
+                ("ddth1*cos(th1)*cos(th2)", -1.25),
+                ("ddth1*sin(th1)*sin(th2)", -1.25),
+                ("dth1^2*sin(th1)*cos(th2)", 1.25),
+                ("dth1^2*cos(th1)*sin(th2)", -1.25),
+            ],
+        ),
+    ]
+}
+
+/// 15 s at 100 Hz under a square force of its own.
+fn records(count: usize) -> Result<Vec<Record>, Fault> {
+    let seeds: Vec<u64> = (0..count as u64).collect();
+    work::all("double pendulum", &seeds, |seed| {
+        let (names, rows) = double_pendulum::record(300 + seed, ROWS, 0.01, (10, 60));
+        let column = |i: usize| rows.iter().map(|r| r[i]).collect::<Vec<f64>>();
+        Ok(Record {
+            time: column(0),
+            columns: names
+                .iter()
+                .enumerate()
+                .skip(1)
+                .map(|(i, n)| (*n, column(i)))
+                .collect(),
+        })
+    })
+}
+
+struct Case {
+    name: &'static str,
+    look: Look,
+    /// Rows tried, and records.
+    rows: Vec<usize>,
+    draws: usize,
+    setup: Setup,
+}
+
+fn cases(effort: Effort) -> Result<Vec<Case>, Fault> {
+    let [cart, upper, lower] = laws();
+    let one = |law: &Law, library: String| {
+        Setup::new(&format!("{DECLARED}{} ~ {library}\n", law.0), [law.clone()])
+    };
+    let every = format!("powers({ATOMS}; 2)");
+    let many = effort.of(
+        vec![80, 100, 120, 140, 160, 180, 200, 230, 260, 300, 350, 400],
+        vec![],
+    );
+    let some = effort.of(vec![100, 200, 300, 400, 600], vec![]);
+    let few = effort.of(
+        (16..=60)
+            .step_by(4)
+            .chain([70, 80, 100, 120, 150, 200, 300, 400, 600])
+            .collect(),
+        vec![40, 100],
+    );
+    let mut cases = vec![
+        Case {
+            name: "ẍ",
+            look: Look::of(1),
+            rows: many.clone(),
+            draws: effort.of(10, 0),
+            setup: one(&cart, every.clone())?,
+        },
+        Case {
+            name: "θ̈₁",
+            look: Look::of(2),
+            rows: many,
+            draws: effort.of(10, 0),
+            setup: one(&upper, every.clone())?,
+        },
+        Case {
+            name: "θ̈₂",
+            look: Look::of(3),
+            rows: some,
+            draws: effort.of(2, 0),
+            setup: one(&lower, every)?,
+        },
+        Case {
+            name: "θ̈₂, 9 atoms",
+            look: Look::of(3).dashed(),
+            rows: few,
+            draws: effort.of(40, 3),
+            setup: one(&lower, format!("powers({RODS}; 2)"))?,
+        },
+    ];
+    // The large libraries are no quick look.
+    cases.retain(|c| !c.rows.is_empty());
+    Ok(cases)
+}
+
+pub fn section(effort: Effort) -> Result<Section, Fault> {
+    let cases = cases(effort)?;
+    let mut found: Vec<(&Case, Curve)> = Vec::new();
+    for case in &cases {
+        let records = records(case.draws)?;
+        let curves = curves(case.name, &case.setup, &records, &case.rows, draw)?;
+        found.extend(curves.into_iter().map(|c| (case, c)));
+    }
+    let mut csv = Tidy::new(&["target", "terms", "samples", "draws", "exact"]);
+    let mut table = Tidy::new(&[
+        "equation",
+        "terms",
+        "true terms",
+        "fewest samples",
+        "subrate",
+        "draws",
+    ]);
+    for (case, c) in &found {
+        for (m, k) in &c.points {
+            csv.push([
+                c.target.into(),
+                c.terms.to_string(),
+                m.to_string(),
+                c.draws.to_string(),
+                k.to_string(),
+            ]);
+        }
+        let subrate = c.needed().map_or("–".into(), |m| {
+            format!("{:.4} %", 100.0 * m as f64 / c.terms as f64)
+        });
+        let truth = case.setup.laws.first().map_or(0, |l| l.truth.len());
+        table.push([
+            symbol(c.target).into(),
+            short(c.terms as f64),
+            truth.to_string(),
+            told(c.needed(), &case.rows),
+            subrate,
+            c.draws.to_string(),
+        ]);
+    }
+    let text = format!(
+        "![Exact answers against samples](double.svg)\n\n{}\nA cart of 0.6 kg with rods of 0.5 m and 0.4 m and bobs of 0.3 kg and 0.2 kg, 15 s under a square force of ±8 N, 100 Hz; `powers(…; 2)` of 13 atoms, never stored. `cos(th1 - th2)` is no atom and comes \
+         out as its two products. θ̈₂ does not come out of the large library at any number of samples tried: all three laws hold on every row, so a law may be added to another, multiplied by anything, and for θ̈₂ such a sum has a smaller \
+         1-norm than the law. That is no want of samples; [the method](../method.md#limits) says more. With the nine atoms of the rods alone, which leave no room for the cart's law, it is found.\n",
+        table.markdown(),
+    );
+    Ok(Section {
+        text,
+        files: vec![csv.csv("double.csv"), drawn(&found)],
+    })
+}
+
+fn drawn(found: &[(&Case, Curve)]) -> Attachment {
+    let marks = found.iter().flat_map(|(case, c)| {
+        let name = format!("{}, {} terms", symbol(c.target), short(c.terms as f64));
+        c.line(case.look, &name, 1.0)
+    });
+    let ticks = [16.0, 30.0, 50.0, 100.0, 200.0, 400.0, 600.0].map(|m| (m, short(m)));
+    let figure = Figure {
+        about: "Double pendulum on a cart: exact answers against samples".into(),
+        columns: 1,
+        height: 240.0,
+        panels: vec![Panel {
+            title: String::new(),
+            x: Axis::log("samples M", 16.0, 600.0).words(ticks.to_vec()),
+            y: Axis::share("exact answers"),
+            marks: marks.collect::<Vec<Mark>>(),
+        }],
+        shade: None,
+    };
+    Attachment {
+        name: "double.svg".into(),
+        content: figure.svg(),
+    }
+}
