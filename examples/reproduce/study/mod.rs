@@ -28,6 +28,7 @@ mod ways;
 
 mod bounds;
 mod decorrelated;
+mod differences;
 mod double;
 mod excitation;
 mod experiment;
@@ -43,6 +44,7 @@ mod smallest;
 mod subrate;
 mod success;
 pub mod tables;
+mod textbook;
 mod tidy;
 mod work;
 
@@ -152,5 +154,10 @@ pub static CHAPTERS: &[Chapter] = &[
         name: "double",
         title: "The cart with a double pendulum",
         write: double::section,
+    },
+    Chapter {
+        name: "differences",
+        title: "What differs from the thesis and why",
+        write: differences::section,
     },
 ];

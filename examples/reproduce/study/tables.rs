@@ -13,17 +13,23 @@ use super::{Effort, Fault, Section, work};
 const ROWS: usize = 10_000;
 
 /// One of the two tables.
-struct Table {
-    number: &'static str,
+pub struct Table {
+    pub number: &'static str,
     about: &'static str,
-    samples: usize,
+    pub samples: usize,
     experiment: Experiment,
-    seed: u64,
+    pub seed: u64,
     /// The thesis' coefficients, in the order of the laws' terms.
-    thesis: [&'static [f64]; 2],
+    pub thesis: [&'static [f64]; 2],
 }
 
-fn all() -> [Table; 2] {
+impl Table {
+    pub fn record(&self) -> Record {
+        self.experiment.record(self.seed)
+    }
+}
+
+pub fn all() -> [Table; 2] {
     let pendant = Experiment {
         first: Some(-1.0),
         ..Experiment::new(Kind::Track, ROWS)
@@ -61,14 +67,13 @@ fn all() -> [Table; 2] {
 /// The record of Table 5.2, and how many of its samples the thesis took.
 pub fn pendant() -> (Record, usize) {
     let [table, _] = all();
-    (table.experiment.record(table.seed), table.samples)
+    (table.record(), table.samples)
 }
 
 /// The mean over 768 terms of the squared errors of the thesis' coefficients in Table 5.2, for one of the laws.
 pub fn thesis_mean_square(law: usize) -> f64 {
-    let [table, _] = all();
     let laws = Plant::default().laws();
-    let pairs = laws[law].1.iter().zip(table.thesis[law]);
+    let pairs = laws[law].1.iter().zip(all()[0].thesis[law]);
     pairs
         .map(|((_, truth), thesis)| (thesis - truth).powi(2))
         .sum::<f64>()
@@ -110,7 +115,7 @@ impl Row {
 pub fn rows() -> Result<Vec<Row>, Fault> {
     let setups = [Setup::thesis(768)?, Setup::thesis(6561)?];
     let tables = all();
-    let records: Vec<Record> = tables.iter().map(|t| t.experiment.record(t.seed)).collect();
+    let records: Vec<Record> = tables.iter().map(|t| t.record()).collect();
     let cases = work::pairs(&work::pairs(&[0, 1], &[0, 1]), &work::pairs(&WAYS, &[0, 1]));
     let found = work::all("tables", &cases, |((table, setup), (way, law))| {
         let (table, record): (&Table, &Record) = (&tables[*table], &records[*table]);
