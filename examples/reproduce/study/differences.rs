@@ -4,7 +4,7 @@
 //! that allows a residual.
 
 use sidc::pipeline::Regression;
-use sidc::solve::{Knot, Solution, Status, lasso_path, unwatched};
+use sidc::solve::{SOLVERS, Solution, Status, unwatched};
 
 use super::plot::{Axis, Figure, Look, Mark, Panel};
 use super::setup::{Answer, Law, Setup, draw};
@@ -13,8 +13,8 @@ use super::tables::Table;
 use super::tidy::{Tidy, error, exact, rough};
 use super::{Attachment, Effort, Fault, Section, tables, textbook, work};
 
-/// Most knots of a path.
-const KNOTS: usize = 500;
+/// Residuals that are tried, a decade.
+const PARTS: f64 = 20.0;
 
 /// Coefficients of the true terms where a residual is allowed.
 struct Stage {
@@ -34,15 +34,18 @@ struct Outcome<'a> {
     end: String,
 }
 
-/// Every knot of the Lasso path: the answer for the ε that its residual is.
+/// The answers where a residual is allowed, from nearly all of y to a ten-thousandth.
 fn tolerated(law: &Law, regression: &Regression) -> Vec<Stage> {
     let length = regression.target.iter().map(|y| y * y).sum::<f64>().sqrt();
-    let stage = |k: Knot| Stage {
-        left: k.residual / length,
-        coefficients: coefficients(law, regression, k.coefficients),
+    let stage = |k: i32| {
+        let left = 10_f64.powf(-f64::from(k) / PARTS);
+        let found = SOLVERS[0].solve(&regression.problem(left * length), &mut unwatched);
+        Stage {
+            left,
+            coefficients: coefficients(law, regression, found.coefficients),
+        }
     };
-    let knots = lasso_path(&regression.problem(0.0), KNOTS, &mut unwatched);
-    knots.into_iter().map(stage).collect()
+    (1..=4 * PARTS as i32).map(stage).collect()
 }
 
 fn coefficients(law: &Law, regression: &Regression, found: Vec<(usize, f64)>) -> Vec<f64> {
@@ -181,6 +184,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
 fn drawn(outcomes: &[Outcome]) -> Attachment {
     let panel = |o: &Outcome| {
         let mut marks = Vec::new();
+        let at = o.nearest().map_or(1.0, |s| s.left.max(2e-4));
         for (k, t) in o.law.truth.iter().enumerate() {
             let off = |a: f64| ((a - t.coefficient) / t.coefficient).abs().max(1e-16);
             let look = Look::of(k + 4 * o.place);
@@ -194,15 +198,15 @@ fn drawn(outcomes: &[Outcome]) -> Attachment {
                 name: format!("{}: {}", symbol(o.law.target), t.name),
             });
             marks.push(Mark::Dots {
-                points: vec![(0.6, off(o.thesis()[k]))],
+                points: vec![(at, off(o.thesis()[k]))],
                 look: look.dashed(),
                 name: String::new(),
             });
         }
         Panel {
             title: format!("Table {}, {}", o.table.number, symbol(o.law.target)),
-            x: Axis::log("‖Φa − y‖ / ‖y‖ allowed", 1e-6, 1.0),
-            y: Axis::log(if o.place == 0 { "relative error" } else { "" }, 1e-6, 2.0),
+            x: Axis::log("‖Φa − y‖ / ‖y‖ allowed", 1e-4, 1.0),
+            y: Axis::log(if o.place == 0 { "relative error" } else { "" }, 1e-5, 2.0),
             marks,
         }
     };
