@@ -190,12 +190,13 @@ impl Program {
         coefficients.iter().filter_map(named).collect()
     }
 
-    /// The columns of terms, spelled as they are printed; `None` for one that the library does not have. Looks through all terms once.
+    /// The columns of terms, spelled as they are printed but for the order of their factors; `None` for one that the library does
+    /// not have. Looks through all terms once.
     ///
     /// ```
     /// # use sidc::pipeline::Program;
     /// let program = Program::compile("pendulum.sid", "state th : order 2\nddth ~ powers(th, dth, sin th; 2)\n")?;
-    /// let slots = program.slots("ddth", &["dth^2*sin(th)", "cos(th)"]);
+    /// let slots = program.slots("ddth", &["sin(th)*dth^2", "cos(th)"]);
     /// assert!(slots[0].is_some() && slots[1].is_none());
     /// # Ok::<(), String>(())
     /// ```
@@ -204,9 +205,11 @@ impl Program {
         let Some(library) = self.library(target) else {
             return slots;
         };
+        let wanted: Vec<Vec<&str>> = terms.iter().map(|t| factors(t)).collect();
         for (slot, term) in library.terms() {
             let name = Language(&self.model).term(&term);
-            if let Some(k) = terms.iter().position(|t| *t == name) {
+            let name = factors(&name);
+            if let Some(k) = wanted.iter().position(|w| *w == name) {
                 slots[k] = Some(slot);
             }
         }
@@ -217,4 +220,22 @@ impl Program {
         let named = |s: Signal| self.model.name(s) == target;
         self.model.equations.iter().position(|e| named(e.target))
     }
+}
+
+/// What stands between the `*` outside of brackets, sorted.
+fn factors(term: &str) -> Vec<&str> {
+    let mut depth = 0_usize;
+    let mut parts: Vec<&str> = term
+        .split(|c: char| {
+            match c {
+                '(' => depth += 1,
+                ')' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            c == '*' && depth == 0
+        })
+        .map(str::trim)
+        .collect();
+    parts.sort_unstable();
+    parts
 }

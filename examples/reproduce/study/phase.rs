@@ -52,10 +52,10 @@ pub fn spoil(record: &mut Record, signal: &str, noise: f64, seed: u64) -> f64 {
 
 fn levels(effort: Effort) -> Vec<f64> {
     effort.of(
-        (0..=12)
-            .map(|k| 10_f64.powf(-6.0 + 0.5 * f64::from(k)))
+        (0..=8)
+            .map(|k| 10_f64.powf(-5.0 + 0.5 * f64::from(k)))
             .collect(),
-        vec![1e-6, 1e-3, 1e-1],
+        vec![1e-5, 1e-3, 1e-1],
     )
 }
 
@@ -67,9 +67,9 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         Setup::new(&model, super::cart_pendulum::Plant::default().laws())
     };
     let setups = [one("ddy")?, one("ddtheta")?];
-    let draws = effort.of(20, 2);
+    let draws = effort.of(10, 2);
     let records = smallest::records(draws)?;
-    let samples = effort.of(subrate::spaced(10, 500, 12), vec![20, 60, 200]);
+    let samples = effort.of(subrate::spaced(10, 400, 9), vec![20, 60, 200]);
     let levels = levels(effort);
     let places: Vec<usize> = (0..levels.len()).collect();
     let cases = work::pairs(

@@ -36,7 +36,23 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// # Errors
+    /// A model that does not compile, a law with a term that its library lacks.
     pub fn new(
+        model: &str,
+        laws: impl IntoIterator<Item = cart_pendulum::Law>,
+    ) -> Result<Setup, Fault> {
+        let setup = Setup::incomplete(model, laws)?;
+        for law in &setup.laws {
+            if let Some(t) = law.truth.iter().find(|t| t.column.is_none()) {
+                return Err(format!("the library of {} has no {}", law.target, t.name).into());
+            }
+        }
+        Ok(setup)
+    }
+
+    /// Of a library that may lack some of the law's terms.
+    pub fn incomplete(
         model: &str,
         laws: impl IntoIterator<Item = cart_pendulum::Law>,
     ) -> Result<Setup, Fault> {
@@ -45,27 +61,26 @@ impl Setup {
             let library = program.library(target)?;
             let names: Vec<&str> = terms.iter().map(|(name, _)| *name).collect();
             let columns = program.slots(target, &names);
-            let truth = terms.into_iter().zip(columns);
+            let named = terms.into_iter().zip(columns);
+            let truth = named.map(|((name, coefficient), column)| True {
+                name,
+                column,
+                coefficient,
+            });
             Some(Law {
                 target,
                 terms: library.len(),
-                truth: truth
-                    .map(|((name, coefficient), column)| True {
-                        name,
-                        column,
-                        coefficient,
-                    })
-                    .collect(),
+                truth: truth.collect(),
             })
         };
         let laws = laws.into_iter().filter_map(law).collect();
         Ok(Setup { program, laws })
     }
 
-    /// The cart-pendulum with these libraries of ÿ and θ̈.
+    /// The cart-pendulum with these libraries of ÿ and θ̈, which may lack terms.
     pub fn cart(ddy: &str, ddtheta: &str) -> Result<Setup, Fault> {
         let model = format!("{DECLARED}ddy ~ {ddy}\nddtheta ~ {ddtheta}\n");
-        Setup::new(&model, Plant::default().laws())
+        Setup::incomplete(&model, Plant::default().laws())
     }
 
     /// The models of the gallery: 768 or 6,561 terms.
