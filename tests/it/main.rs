@@ -28,6 +28,7 @@ mod noise;
 mod pendulum;
 mod planted;
 mod program;
+mod reproduce;
 mod sensors;
 mod simulate;
 mod simulate_command;

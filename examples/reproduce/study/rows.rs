@@ -35,12 +35,12 @@ fn consecutive(record: &Record, rows: usize, seed: u64) -> Record {
 }
 
 pub fn section(effort: Effort) -> Result<Section, Fault> {
-    let records = smallest::records(effort.of(100, 6))?;
+    let records = smallest::records(effort.of(100, 4))?;
     let rows = effort.of(
         vec![
             10, 13, 16, 20, 24, 28, 32, 40, 50, 60, 80, 100, 130, 160, 200, 250, 320, 400, 600, 900,
         ],
-        vec![20, 40, 160],
+        vec![20, 40],
     );
     let setup = Setup::thesis(6561)?;
     let mut found: Vec<(&str, &str, Vec<Curve>)> = Vec::new();
