@@ -16,14 +16,14 @@ use super::{Effort, Fault, work};
 pub type Figures = [f64; 8];
 
 pub const FIGURES: [&str; 8] = [
-    "coherence: largest cosine of two columns",
-    "largest cosine of a true column and another",
+    "1 − coherence, the largest cosine of two columns",
+    "1 − largest cosine of a true column and another",
     "isometry: least ‖Φa‖²/‖a‖², 1st percentile",
     "exact recovery coefficient",
     "dual bound",
     "condition number of the true columns",
     "effective dimension of the rows",
-    "certificate: largest |φᵀλ| off the support",
+    "certificate: 1 − largest |φᵀλ| off the support",
 ];
 
 /// What they are, for the document.
@@ -89,8 +89,8 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
         .map_or(1.0, |c| polish(phi, c, &columns).condition);
     let least = super::tidy::quantile(&ratios, 0.01);
     [
-        unit.coherence(),
-        cosine,
+        1.0 - unit.coherence(),
+        1.0 - cosine,
         least,
         recovery,
         dual,
@@ -100,11 +100,11 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
     ]
 }
 
-/// How near a column off the support comes to its bound, by the dual point of the answer.
+/// How far all columns off the support stay from their bound, by the dual point of the answer.
 fn certified(regression: &Regression) -> f64 {
     let problem = regression.problem(0.0);
     let found = SOLVERS[0].solve(&problem, &mut unwatched);
-    1.0 - certify(&problem, &found.coefficients, &found.dual).margin
+    certify(&problem, &found.coefficients, &found.dual).margin
 }
 
 /// Spearman's, with mean ranks for ties.

@@ -71,6 +71,7 @@ impl Frame {
         }
         for (value, text) in panel.y.ticks() {
             let y = self.y(&panel.y, value);
+            let text = if panel.y.label.is_empty() { "" } else { &text };
             if gridded {
                 let _ = writeln!(out, "<path class='g' d='M{left:.1} {y:.1}H{right:.1}'/>");
             }
@@ -79,7 +80,7 @@ impl Frame {
                 "<path class='t' d='M{left:.1} {y:.1}h-4'/><text class='s e' x='{:.1}' y='{:.1}'>{}</text>",
                 left - 7.0,
                 y + 4.2,
-                escaped(&text)
+                escaped(text)
             );
         }
         let _ = writeln!(
@@ -127,18 +128,6 @@ impl Frame {
                     "<polygon fill='{}' fill-opacity='.16' points='{}'/>",
                     COLOURS[colour % COLOURS.len()],
                     listed(&ring)
-                );
-            }
-            Mark::Rule { x, text } => {
-                let x = self.x(&panel.x, *x);
-                let _ = writeln!(
-                    out,
-                    "<path class='r' d='M{x:.1} {:.1}V{:.1}'/><text class='s e' transform='translate({:.1} {:.1}) rotate(-90)'>{}</text>",
-                    self.top,
-                    self.bottom,
-                    x - 4.0,
-                    self.top + 5.0,
-                    escaped(text)
                 );
             }
             Mark::Level { y, text } => {

@@ -64,8 +64,6 @@ pub enum Mark {
         points: Vec<(f64, f64, f64)>,
         colour: usize,
     },
-    /// A vertical line to refer to, with a word at its top.
-    Rule { x: f64, text: String },
     /// A horizontal one, with a word at its right end.
     Level { y: f64, text: String },
     /// A rectangle from (x, y) to (x, y) whose shade is a share from 0 to 1.
@@ -76,6 +74,7 @@ pub enum Mark {
     },
 }
 
+/// A panel without a label of its y axis shares that of its neighbour to the left.
 pub struct Panel {
     pub title: String,
     pub x: Axis,
@@ -99,7 +98,11 @@ const WIDTH: f64 = 760.0;
 const LEFT: f64 = 72.0;
 const RIGHT: f64 = 18.0;
 const TITLE: f64 = 26.0;
-const BELOW: f64 = 50.0;
+/// Below a frame: ticks with a label, and without.
+const BELOW: f64 = 48.0;
+const TICKS: f64 = 24.0;
+/// Left of a panel that shares the axis of its neighbour.
+const SHARED: f64 = 14.0;
 const GAP: f64 = 14.0;
 
 const STYLE: &str = "text{font-family:Helvetica,Arial,'Liberation Sans',sans-serif;font-size:13px;fill:#1a1a1a}\
@@ -113,32 +116,53 @@ impl Figure {
         let legend = legend::Legend::of(&self.panels, WIDTH - LEFT - RIGHT);
         let bar = if self.shade.is_some() { 66.0 } else { 0.0 };
         let columns = self.columns.max(1);
-        let rows = self.panels.len().div_ceil(columns);
-        let each = (WIDTH - bar) / columns as f64;
-        let slot = TITLE + self.height + BELOW;
+        let margins: Vec<f64> = (0..columns).map(|c| self.margin(c)).collect();
+        let inside = WIDTH - bar - margins.iter().sum::<f64>() - RIGHT * columns as f64;
+        let each = inside / columns as f64;
         let head = legend.height();
-        let whole = head + rows as f64 * (slot + GAP) - GAP + 2.0;
-        let mut out = format!(
-            "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {whole}' role='img'>\n<title>{}</title>\n\
-             <style>{STYLE}</style>\n<rect width='100%' height='100%' fill='#fff'/>\n",
-            draw::escaped(&self.about)
-        );
-        out.push_str(&legend.svg(LEFT));
-        for (k, panel) in self.panels.iter().enumerate() {
-            let left = each * (k % columns) as f64 + LEFT;
-            let top = head + (slot + GAP) * (k / columns) as f64 + TITLE;
-            let frame = draw::Frame {
-                left,
-                right: left - LEFT + each - RIGHT,
-                top,
-                bottom: top + self.height,
-            };
-            out.push_str(&frame.svg(panel, k));
+        let mut panels = String::new();
+        let mut top = head;
+        for (row, line) in self.panels.chunks(columns).enumerate() {
+            top += if row > 0 { GAP } else { 0.0 };
+            top += TITLE;
+            let mut left = 0.0;
+            for (column, panel) in line.iter().enumerate() {
+                left += margins[column];
+                let frame = draw::Frame {
+                    left,
+                    right: left + each,
+                    top,
+                    bottom: top + self.height,
+                };
+                panels.push_str(&frame.svg(panel, row * columns + column));
+                left += each + RIGHT;
+            }
+            let labelled = line.iter().any(|p| !p.x.label.is_empty());
+            top += self.height + if labelled { BELOW } else { TICKS };
         }
         if let Some(text) = &self.shade {
-            let top = head + TITLE;
-            out.push_str(&draw::bar(WIDTH - bar + 6.0, top, self.height, text));
+            panels.push_str(&draw::bar(
+                WIDTH - bar + 6.0,
+                head + TITLE,
+                self.height,
+                text,
+            ));
         }
-        out + "</svg>\n"
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH} {top:.0}' role='img'>\n<title>{}</title>\n\
+             <style>{STYLE}</style>\n<rect width='100%' height='100%' fill='#fff'/>\n{}{panels}</svg>\n",
+            draw::escaped(&self.about),
+            legend.svg(LEFT)
+        )
+    }
+
+    /// Space left of a column: its panels share the axis of the one before if they have no label.
+    fn margin(&self, column: usize) -> f64 {
+        let mut panels = self.panels.iter().skip(column).step_by(self.columns.max(1));
+        if panels.any(|p| !p.y.label.is_empty()) {
+            LEFT
+        } else {
+            SHARED
+        }
     }
 }
