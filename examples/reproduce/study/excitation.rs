@@ -300,10 +300,10 @@ const NEVER: f64 = 1200.0;
 fn scatter(cart: &[&Outcome], rod: &[&Outcome]) -> Attachment {
     type Place = fn(&Figures) -> f64;
     let axes: [(Axis, Place); 3] = [
-        (Axis::log("1 − coherence", 1e-9, 0.1), |f| f[0]),
+        (Axis::log("1 − coherence", 1e-10, 0.1), |f| f[0]),
         (Axis::log("exact recovery coefficient", 1.0, 30.0), |f| f[3]),
         (
-            Axis::log("1 − largest |φᵀλ| off the support", 1e-4, 1.0),
+            Axis::log("1 − largest |φᵀλ| off the support", 1e-6, 1.0),
             |f| f[7],
         ),
     ];

@@ -102,7 +102,7 @@ const TITLE: f64 = 26.0;
 const BELOW: f64 = 48.0;
 const TICKS: f64 = 24.0;
 /// Left of a panel that shares the axis of its neighbour.
-const SHARED: f64 = 14.0;
+const SHARED: f64 = 20.0;
 const GAP: f64 = 14.0;
 
 const STYLE: &str = "text{font-family:Helvetica,Arial,'Liberation Sans',sans-serif;font-size:13px;fill:#1a1a1a}\
