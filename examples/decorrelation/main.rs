@@ -17,12 +17,12 @@
 mod simulate;
 mod ways;
 
-use ways::{ANGLES, NOISES, right};
+use ways::{ANGLES, NOISES, WAYS, right};
 
 const DRAWS: u64 = 20;
 
 fn main() -> Result<(), String> {
-    println!("angle   noise    plain  orthogonalised  grouped  chosen   (of {DRAWS})");
+    println!("angle   noise    {}   (of {DRAWS})", WAYS.join("  "));
     for angle in ANGLES {
         for noise in NOISES {
             let [plain, apart, grouped, chosen] = right(angle, noise, DRAWS)?;

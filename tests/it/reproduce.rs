@@ -7,6 +7,8 @@ use std::path::Path;
 use super::program::{file, root};
 
 #[path = "../../examples/reproduce/study/mod.rs"]
+// Other tests have the simulators in their own trees.
+#[allow(dead_code, clippy::duplicate_mod)]
 mod study;
 
 use study::{CHAPTERS, Effort, tables};

@@ -120,8 +120,8 @@ fn steps(record: &Record, seconds: f64) -> Vec<(f64, f64)> {
         .take_while(|(t, _)| **t <= seconds)
     {
         let last = points.last().map_or(f64::NAN, |p| p.1);
-        // NaN: the first point.
-        if !((f - last).abs() < 0.05) {
+        let seen = (f - last).abs() >= 0.05;
+        if seen || points.is_empty() {
             if last.is_finite() {
                 points.push((*t, last));
             }

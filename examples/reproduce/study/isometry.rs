@@ -188,7 +188,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
             .zip(at)
             .map_or(String::new(), |(o, at)| rough(figure(&o.ratios[at])))
     };
-    let figures: [(&str, fn(&[f64]) -> f64); 3] = [
+    type Of = fn(&[f64]) -> f64;
+    let figures: [(&str, Of); 3] = [
         ("least", |r| quantile(r, 0.0)),
         ("mean", mean),
         ("largest", |r| quantile(r, 1.0)),

@@ -77,7 +77,7 @@ pub fn rough(value: f64) -> String {
 pub fn error(value: f64) -> String {
     match value {
         v if !v.is_finite() => "∞".to_string(),
-        v if v == 0.0 => "0".to_string(),
+        0.0 => "0".to_string(),
         v if v >= 0.001 => format!("{:.2} %", 100.0 * v),
         v => format!("{v:.0e}"),
     }

@@ -40,7 +40,7 @@ pub fn all<T: Sync, R: Send>(
 
 fn show(name: &str, done: usize, of: usize) {
     let every = (of / 100).max(1);
-    if done % every == 0 && stderr().is_terminal() {
+    if done.is_multiple_of(every) && stderr().is_terminal() {
         let end = if done == of { "\n" } else { "" };
         let _ = write!(stderr(), "\r  {name}: {done} of {of}{end}");
     }
