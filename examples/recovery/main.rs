@@ -210,7 +210,7 @@ fn motion(
     let columns = columns
         .each_ref()
         .map(|(name, values)| (*name, &values[..]));
-    Ok(program.samples(&times[..rows], &columns)?)
+    Ok(program.samples(&column(&|r| r.time), &columns)?)
 }
 
 fn print_row(rows: usize, outcomes: &[Outcome]) {
