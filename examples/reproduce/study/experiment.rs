@@ -1,6 +1,6 @@
 //! Figures 5.4 to 5.6: the experiment's force, angle and position; and the second excitation, of chapter 6.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::force::Kind;
 use super::plot::{Axis, Figure, Look, Mark, Panel};
@@ -38,7 +38,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
         10,000 samples at 100 Hz: a controller balances the rod upright for 15 s, a square force of random levels (±6 N, held 0.05 s to 0.5 s) drives the cart for 40 s, \
         a swing-up for 10 s, then nothing: the rod stands for a while, falls and swings out. θ = 0 hangs down, ±π stands up; the angle is shown within one turn.\n\n\
         ![The same under a Gaussian force](figure-6.svg)\n\n\
-        The second excitation: a Gaussian force, one draw a sample, scaled to ±5 N.\n";
+        The second excitation: a Gaussian force, one draw a sample, scaled to ±5 N; its first ten seconds.\n";
     Ok(Section {
         text: text.to_string(),
         files: vec![
@@ -56,7 +56,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
                 "figure-6.svg",
                 &gaussian,
                 ["Gaussian force", "Angle", "Position"],
-                20.0,
+                10.0,
             ),
             csv.csv("experiment.csv"),
         ],
@@ -74,7 +74,7 @@ fn drawn(name: &str, record: &Record, titles: [&str; 3], seconds: f64) -> Attach
             "F" => steps(record, seconds),
             _ => curve(record, column, seconds),
         };
-        let turns = *column == "theta";
+        let turns = *column == "theta" && points.iter().any(|p| p.1.abs() > FRAC_PI_2);
         let (low, high) = if turns { (-PI, PI) } else { extent(&points) };
         let pieces = if turns { wrapped(points) } else { vec![points] };
         let lines = pieces.into_iter().map(|points| Mark::Line {

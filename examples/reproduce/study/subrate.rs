@@ -192,7 +192,7 @@ fn pendant_figure(libraries: &[&Vec<Point>]) -> Attachment {
         Panel {
             title: format!("Figure 5.7: {}", symbol(target)),
             x: subrate(),
-            y: Axis::log(if i == 0 { MSE } else { "" }, FLOOR, 1e3),
+            y: Axis::log(if i == 0 { MSE } else { "" }, 0.1 * FLOOR, 1e3),
             marks,
         }
     };
@@ -217,7 +217,7 @@ fn starts_figure(points: &[Point], names: &[String]) -> Attachment {
         Panel {
             title: format!("Figure 5.{}: {}", 8 + i, symbol(target)),
             x: Axis::log("subrate M/N", 0.004, 0.6).percent(),
-            y: Axis::log(if i == 0 { MSE } else { "" }, FLOOR, 1e3),
+            y: Axis::log(if i == 0 { MSE } else { "" }, 0.1 * FLOOR, 1e3),
             marks: lines.collect(),
         }
     };

@@ -52,7 +52,8 @@ impl Tidy {
             rules.join(" | ")
         );
         for row in &self.rows {
-            text += &format!("| {} |\n", row.join(" | "));
+            let cells: Vec<String> = row.iter().map(|c| c.replace('|', "\\|")).collect();
+            text += &format!("| {} |\n", cells.join(" | "));
         }
         text
     }
