@@ -153,7 +153,7 @@ fn sound(name: &str, content: &str) {
             let commas = |line: &str| line.matches(',').count();
             let mut lines = content.lines();
             let header = commas(lines.next().unwrap());
-            assert!(header > 0 && lines.clone().count() > 1, "{name}");
+            assert!(header > 0 && lines.clone().next().is_some(), "{name}");
             assert!(lines.all(|l| commas(l) == header), "{name}");
         }
     }

@@ -8,7 +8,7 @@ use super::predictors::{self, FIGURES, Figures};
 use super::record::{Experiment, Record};
 use super::setup::{Setup, draw};
 use super::success::{Curve, curves, symbol, told};
-use super::tidy::{Tidy, median, rough};
+use super::tidy::{Tidy, exact, median, rough};
 use super::{Attachment, Effort, Fault, Section, work};
 
 /// 15 s.
@@ -145,9 +145,17 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         all.iter().filter(asked).collect()
     };
     let (cart, rod) = (shown("ddy"), shown("ddtheta"));
-    let mut csv = Tidy::new(&["excitation", "target", "samples", "draws", "exact"]);
+    let mut csv = Tidy::new(&[
+        "excitation",
+        "strength",
+        "target",
+        "samples",
+        "draws",
+        "exact",
+    ]);
     let mut wide = Tidy::new(&[
         "excitation",
+        "strength",
         "target",
         "fewest_samples",
         "one_minus_coherence",
@@ -162,7 +170,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     for o in cart.iter().chain(&rod) {
         for (m, k) in &o.curve.points {
             csv.push([
-                o.name(),
+                CONDITIONS[o.excitation].name.into(),
+                exact(o.strength),
                 o.curve.target.into(),
                 m.to_string(),
                 o.curve.draws.to_string(),
@@ -171,7 +180,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         }
         let [a, b, c, d, e, f, g, h] = o.figures.map(rough);
         wide.push([
-            o.name(),
+            CONDITIONS[o.excitation].name.into(),
+            exact(o.strength),
             o.curve.target.into(),
             told(o.curve.needed(), &rows(effort)),
             a,
