@@ -135,6 +135,29 @@ pub enum Refusal {
 /// constraints connect are solved together. Where `watch` ends the work, the equations found so far stand, and the others are
 /// listed as failed.
 ///
+/// ```
+/// use std::ops::ControlFlow;
+/// use sidc::data::Dataset;
+/// use sidc::discover::{Options, Status, discover};
+/// use sidc::pipeline::Program;
+///
+/// let program = Program::compile("decay.sid", "state x\ndx ~ powers(x; 3)\n")?;
+/// let x: Vec<f64> = (0..40).map(|k| 2.0 * (-0.1 * f64::from(k)).exp()).collect();
+/// let dx: Vec<f64> = x.iter().map(|x| -x).collect();
+/// let time: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let samples = program.samples(&time, &[("x", &x), ("dx", &dx)])?;
+///
+/// // Everything is measured, so there is no dataset to ask for more.
+/// let data = (&Dataset::default(), &samples);
+/// let go_on = &mut |_| ControlFlow::Continue(());
+/// let found = discover(&program.model, &program.libraries, data, &Options::default(), go_on);
+/// let found = found.map_err(|_| "a term has no value")?;
+/// let equation = &found.equations[0];
+/// assert_eq!((equation.status, equation.terms.len()), (Status::Pass, 1));
+/// assert!((equation.terms[0].coefficient + 1.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Terms without a finite value on the data, one an equation; constraints that the data contradict.
 pub fn discover(

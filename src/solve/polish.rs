@@ -30,6 +30,17 @@ pub struct Polished {
 
 /// Fits y on the columns of `support` by pivoted Householder QR of the unit columns and one step of iterative refinement
 /// (Golub & Van Loan, sections 5.4 and 5.5). Indices past the last column are ignored like all-zero columns.
+///
+/// ```
+/// use sidc::dictionary::Dense;
+/// use sidc::solve::polish;
+///
+/// // Columns (1, 1, 1) and (0, 1, 2): the straight line through (0, 1), (1, 3), (2, 5).
+/// let phi = Dense::new(3, vec![1.0, 1.0, 1.0, 0.0, 1.0, 2.0]);
+/// let fit = polish(&phi, &[1.0, 3.0, 5.0], &[0, 1]);
+/// assert!((fit.coefficients[0] - 1.0).abs() < 1e-12 && (fit.coefficients[1] - 2.0).abs() < 1e-12);
+/// assert_eq!(fit.rank, 2);
+/// ```
 pub fn polish(dictionary: &dyn Dictionary, target: &[f64], support: &[usize]) -> Polished {
     let norms: Vec<f64> = support
         .iter()

@@ -30,6 +30,7 @@ mod pendulum;
 mod planted;
 mod program;
 mod relation;
+mod reproduce;
 mod sensors;
 mod simulate;
 mod simulate_command;
