@@ -10,15 +10,11 @@ mod figures;
 #[path = "../../examples/coverage/odebench.rs"]
 #[allow(dead_code)]
 mod odebench;
-#[path = "../../examples/gallery/response.rs"]
-#[allow(dead_code)]
-mod response;
 #[path = "../../examples/coverage/run.rs"]
 mod run;
-#[path = "../../examples/simulate/mod.rs"]
-#[allow(dead_code)]
-mod simulate;
 
+// What the files above know as their neighbours.
+use super::planted::{response, simulate};
 use figures::Row;
 
 /// Some draws of a case: all intervals together, and the size of every standard error. `cargo run --release --example coverage`
