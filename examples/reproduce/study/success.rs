@@ -7,7 +7,7 @@ use super::record::Record;
 use super::setup::{Law, Setup};
 use super::{Fault, work};
 
-/// What the thesis' successor has to reach.
+/// The share of exact answers that is asked for.
 pub const WANTED: f64 = 0.95;
 
 pub struct Curve {
