@@ -12,7 +12,7 @@ use crate::data::{HoldOut, Table};
 use crate::discover::{Discovery, METHODS, Method, Options, Reason};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Measured, Program, Rows};
-use crate::result::CandidateEntry;
+use crate::result::{CandidateEntry, FileEntry};
 use crate::solve::{SOLVERS, Solver};
 use crate::term::SignalNames;
 use crate::validate::Validation;
@@ -54,7 +54,7 @@ pub struct Args {
     pub(super) solver: &'static dyn Solver,
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = values::parameter)]
-    params: Vec<(String, Vec<f64>)>,
+    pub(super) params: Vec<(String, Vec<f64>)>,
     /// Standard deviation of a signal's measurement, in units of the model: theta=0.01, ddtheta=0.5
     #[arg(long = "noise", value_name = "theta=0.01", value_parser = values::noise)]
     noise: Vec<(String, f64)>,
@@ -78,9 +78,18 @@ pub struct Args {
     quiet: bool,
 }
 
+/// A model as it was given.
+#[derive(Clone)]
+pub(super) struct Origin {
+    pub text: String,
+    /// The model, and behind it the data.
+    pub files: Vec<FileEntry>,
+}
+
 /// A model and its data, ready.
 pub(super) struct Candidate {
     pub path: PathBuf,
+    pub origin: Origin,
     pub program: Program,
     pub measured: Measured,
     /// Warnings that travel with the result.
@@ -98,15 +107,17 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ));
     }
     let (paths, held) = held_out(args, &files);
-    let tables = inputs::tables(&paths, args.memory_limit, &mut sources)?;
+    let (tables, entries) =
+        inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,
     };
     limits.listen();
     let mut ready = Vec::new();
-    for (path, (program, warnings)) in files.models.into_iter().zip(programs) {
-        let model = (path, program, warnings);
+    for (path, (mut origin, program, warnings)) in files.models.into_iter().zip(programs) {
+        origin.files.extend(entries.iter().cloned());
+        let model = (path, origin, program, warnings);
         let data = (tables.as_slice(), &rows);
         ready.push(prepare(args, model, data, (&mut sources, &limits))?);
     }
@@ -124,16 +135,21 @@ fn programs(
     args: &Args,
     models: &[PathBuf],
     sources: &mut Sources,
-) -> Result<Vec<(Program, Vec<Reason>)>, Failure> {
+) -> Result<Vec<(Origin, Program, Vec<Reason>)>, Failure> {
     let mut failed = Failure::default();
     let mut programs = Vec::new();
     for path in models {
-        let done = inputs::model(path, sources).and_then(|file| {
+        let done = inputs::text_and_entry(path).and_then(|(text, entry)| {
+            let file = sources.add(path.display().to_string(), text.as_str());
+            let origin = Origin {
+                text,
+                files: vec![entry],
+            };
             let compiled = pipeline::compile(file, sources, args.memory_limit);
             let warnings = answer::said(&compiled.1);
             let mut program = inputs::report(compiled, sources, Notes::lines_unless(args.quiet))?;
             values::set_noise(&mut program, &args.noise)?;
-            Ok((program, warnings))
+            Ok((origin, program, warnings))
         });
         match done {
             Ok(program) => programs.push(program),
@@ -168,7 +184,7 @@ fn held_out(args: &Args, files: &Inputs) -> (Vec<PathBuf>, HoldOut) {
 
 fn prepare(
     args: &Args,
-    (path, program, mut warnings): (PathBuf, Program, Vec<Reason>),
+    (path, origin, program, mut warnings): (PathBuf, Origin, Program, Vec<Reason>),
     (tables, rows): (&[Table], &Rows),
     (sources, limits): (&mut Sources, &Limits),
 ) -> Result<Candidate, Failure> {
@@ -194,6 +210,7 @@ fn prepare(
     let measured = inputs::report(staged, sources, Notes::lines_unless(args.quiet))?;
     Ok(Candidate {
         path,
+        origin,
         program,
         measured,
         warnings,
