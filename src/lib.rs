@@ -15,6 +15,7 @@ mod lanes;
 pub mod lang;
 pub mod library;
 pub mod pipeline;
+pub mod report;
 pub mod result;
 pub mod simulate;
 pub mod solve;

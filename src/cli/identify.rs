@@ -107,8 +107,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ));
     }
     let (paths, held) = held_out(args, &files);
-    let (tables, entries) =
-        inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
+    let (tables, entries) = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,

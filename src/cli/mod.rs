@@ -13,6 +13,7 @@ mod list;
 mod output;
 mod point;
 mod progress;
+mod report;
 mod simulate;
 mod smooth;
 mod values;
@@ -46,6 +47,7 @@ const EXAMPLES: &str = "Examples:
   sidc check pendulum.sid data.csv                  what the model means, and what the data lack
   sidc identify pendulum.sid data.csv -o R.json     find the equations
   sidc simulate R.json new.csv                      run them along other data, and compare
+  sidc report R.json data.csv -o report.html        all of it as one page to look at
   sidc export R.json --to latex                     write them down
   sidc linearize R.json --at theta=pi               A and B near a point, eigenvalues, stability
   sidc smooth pendulum.sid data.csv -o smooth.csv   curves, derivatives and the noise of each sensor
@@ -58,6 +60,7 @@ enum Command {
     Simulate(simulate::Args),
     Smooth(smooth::Args),
     Fmt(fmt::Args),
+    Report(report::Args),
     Export(export::Args),
     Linearize(linearize::Args),
     List(list::Args),
@@ -71,6 +74,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Smooth(args) => smooth::run(&args),
         Command::Fmt(args) => fmt::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Linearize(args) => linearize::run(&args),
         Command::List(args) => list::run(&args),

@@ -11,8 +11,8 @@ use crate::term::{Func, Notation, Precedence, Signal, SignalNames, Term, write_t
 /// The notation for one discovery's names.
 pub struct MathMl<'a>(pub &'a Discovery);
 
-/// Text as content of an element or a quoted attribute.
-fn escape(text: &str) -> String {
+/// Text as content of an element or a quoted attribute. Signs that are no text, or that turn the order of others around, are replaced.
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -21,6 +21,8 @@ fn escape(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
+            '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => out.push('\u{fffd}'),
+            c if c.is_control() && !matches!(c, '\n' | '\t' | '\r') => out.push('\u{fffd}'),
             c => out.push(c),
         }
     }
@@ -63,7 +65,8 @@ impl MathMl<'_> {
             true => self.parenthesise(&term),
             false => term,
         };
-        let body = match (t.term.is_one(), t.coefficient.abs() == 1.0) {
+        let is_unit = significant(t.coefficient.abs(), 6) == "1";
+        let body = match (t.term.is_one(), is_unit) {
             (true, _) => size,
             (false, true) => term,
             (false, false) => format!("{size}<mspace width=\"0.17em\"/>{term}"),
@@ -92,15 +95,17 @@ impl Notation for MathMl<'_> {
             k if k > 0 => format!("<mi>k</mi><mo>+</mo><mn>{k}</mn>"),
             k => format!("<mi>k</mi><mo>−</mo><mn>{}</mn>", -i32::from(k)),
         };
-        format!("<mrow>{base}<mo stretchy=\"false\">[</mo>{index}<mo stretchy=\"false\">]</mo></mrow>")
+        format!(
+            "<mrow>{base}<mo stretchy=\"false\">[</mo>{index}<mo stretchy=\"false\">]</mo></mrow>"
+        )
     }
 
     fn number(&self, x: f64) -> String {
         let text = significant(x, 6).replace('-', "−");
         match text.split_once('e') {
-            Some((m, e)) => format!(
-                "<mrow><mn>{m}</mn><mo>·</mo><msup><mn>10</mn><mn>{e}</mn></msup></mrow>"
-            ),
+            Some((m, e)) => {
+                format!("<mrow><mn>{m}</mn><mo>·</mo><msup><mn>10</mn><mn>{e}</mn></msup></mrow>")
+            }
             None => format!("<mn>{text}</mn>"),
         }
     }
@@ -109,9 +114,9 @@ impl Notation for MathMl<'_> {
         let inner = args.join("<mo>,</mo>");
         match (f.name, args) {
             ("sqrt", [x]) => format!("<msqrt>{x}</msqrt>"),
-            ("abs", [x]) => format!(
-                "<mrow><mo form=\"prefix\">|</mo>{x}<mo form=\"postfix\">|</mo></mrow>"
-            ),
+            ("abs", [x]) => {
+                format!("<mrow><mo form=\"prefix\">|</mo>{x}<mo form=\"postfix\">|</mo></mrow>")
+            }
             _ => format!(
                 "<mrow><mi>{}</mi><mo>(</mo>{inner}<mo>)</mo></mrow>",
                 escape(f.name)

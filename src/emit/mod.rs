@@ -29,9 +29,9 @@ mod validation;
 
 use crate::discover::Discovery;
 
-pub use evidence::answer;
+pub use evidence::{answer, remarks};
 pub use linearization::{bends, linearization};
-pub use mathml::MathMl;
+pub use mathml::{MathMl, escape};
 pub use number::significant;
 pub use text::equations;
 pub use validation::validation;

@@ -26,7 +26,8 @@ use relations::{Null, OF_TERMS, Search};
 
 use crate::data::Samples;
 use crate::discover::{
-    Alike, Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, Relation, Status, tie,
+    Alike, Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, Relation, Status,
+    tie,
 };
 use crate::frame::Frame;
 use crate::lang::model::Model;
