@@ -8,6 +8,7 @@ pub mod cli;
 pub mod data;
 pub mod dictionary;
 pub mod discover;
+pub mod draft;
 pub mod emit;
 pub mod frame;
 pub mod identifiability;

@@ -19,6 +19,7 @@ use crate::validate::Validation;
 
 /// Find the equations of a model in data
 #[derive(clap::Args)]
+#[command(after_help = super::examples::IDENTIFY)]
 pub struct Args {
     /// A model (.sid) and one or more data files; several files are several trajectories, several models are candidates
     #[arg(required = true)]

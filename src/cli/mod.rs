@@ -3,6 +3,8 @@
 mod answer;
 mod candidates;
 mod check;
+mod completions;
+mod examples;
 mod export;
 mod fmt;
 mod identify;
@@ -10,6 +12,7 @@ mod inputs;
 mod limits;
 mod linearize;
 mod list;
+mod new;
 mod output;
 mod point;
 mod progress;
@@ -44,6 +47,7 @@ struct Cli {
 }
 
 const EXAMPLES: &str = "Examples:
+  sidc new data.csv -o model.sid                    a first model of a table, to change
   sidc check pendulum.sid data.csv                  what the model means, and what the data lack
   sidc identify pendulum.sid data.csv -o R.json     find the equations
   sidc simulate R.json new.csv                      run them along other data, and compare
@@ -55,6 +59,7 @@ Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage �
 
 #[derive(Subcommand)]
 enum Command {
+    New(new::Args),
     Check(check::Args),
     Identify(identify::Args),
     Simulate(simulate::Args),
@@ -64,11 +69,13 @@ enum Command {
     Export(export::Args),
     Linearize(linearize::Args),
     List(list::Args),
+    Completions(completions::Args),
 }
 
 /// Parses the command line, runs the subcommand, and turns what happened into an exit status.
 pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::New(args) => new::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Simulate(args) => simulate::run(&args),
@@ -78,6 +85,7 @@ pub fn run() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Linearize(args) => linearize::run(&args),
         Command::List(args) => list::run(&args),
+        Command::Completions(args) => completions::run(&args),
     };
     ExitCode::from(result.unwrap_or_else(|said| said.print()))
 }

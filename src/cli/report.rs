@@ -13,6 +13,7 @@ use crate::simulate::{self, Options, Source};
 
 /// Write a result as one page of HTML: equations, evidence, runs along data
 #[derive(clap::Args)]
+#[command(after_help = super::examples::REPORT)]
 pub struct Args {
     /// Result of `sidc identify … -o R.json`, and the data files that it is held against
     #[arg(required = true)]

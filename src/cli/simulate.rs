@@ -19,6 +19,7 @@ mod report;
 
 /// Run the equations of a result along data, from their first row, and compare
 #[derive(clap::Args)]
+#[command(after_help = super::examples::SIMULATE)]
 pub struct Args {
     /// Result of `sidc identify … -o R.json`, and one or more data files; each trajectory is a run of its own
     #[arg(required = true)]

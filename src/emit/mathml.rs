@@ -87,7 +87,9 @@ impl Notation for MathMl<'_> {
                 let dots = dots.get(usize::from(n) - 1).copied().unwrap_or_default();
                 dotted(&base, dots)
             }
-            n => format!("<msup>{base}<mrow><mo>(</mo><mn>{n}</mn><mo>)</mo></mrow></msup>"),
+            n => format!(
+                "<msup>{base}<mrow><mo form=\"prefix\">(</mo><mn>{n}</mn><mo form=\"postfix\">)</mo></mrow></msup>"
+            ),
         };
         let index = match s.shift {
             0 if self.0.discrete && s != Signal::TIME => "<mi>k</mi>".to_string(),
@@ -118,7 +120,7 @@ impl Notation for MathMl<'_> {
                 format!("<mrow><mo form=\"prefix\">|</mo>{x}<mo form=\"postfix\">|</mo></mrow>")
             }
             _ => format!(
-                "<mrow><mi>{}</mi><mo>(</mo>{inner}<mo>)</mo></mrow>",
+                "<mrow><mi>{}</mi><mo form=\"prefix\">(</mo>{inner}<mo form=\"postfix\">)</mo></mrow>",
                 escape(f.name)
             ),
         }
@@ -139,7 +141,7 @@ impl Notation for MathMl<'_> {
     }
 
     fn parenthesise(&self, inner: &str) -> String {
-        format!("<mrow><mo>(</mo>{inner}<mo>)</mo></mrow>")
+        format!("<mrow><mo form=\"prefix\">(</mo>{inner}<mo form=\"postfix\">)</mo></mrow>")
     }
 
     fn sign(&self, first: bool, negative: bool) -> &'static str {

@@ -11,6 +11,8 @@ use crate::term::Language;
 const WIDE: f64 = 1000.0;
 /// Widest deviation that is drawn, parts of the coefficient.
 const MOST: f64 = 1.5;
+/// Deviations that are no more than rounding.
+const ROUNDING: f64 = 1e-12;
 /// Losses above which a figure says nothing more.
 const LARGE: f64 = 1000.0;
 /// Names that are listed of what stands in.
@@ -38,7 +40,11 @@ fn table(s: &Subject, e: &Equation) -> String {
     let widest = widest
         .flat_map(|(a, b)| [a.abs(), b.abs()])
         .fold(0.0, f64::max);
-    let scale = widest.min(MOST);
+    let scale = if widest > ROUNDING {
+        widest.min(MOST)
+    } else {
+        0.0
+    };
     let rows: String = e.terms.iter().map(|t| row(s, e, t, scale)).collect();
     let axis = match scale > 0.0 {
         true => format!(
@@ -122,7 +128,10 @@ fn interval(d: &crate::discover::Discovery, t: &FoundTerm, scale: f64) -> String
         false => String::new(),
     };
     let digits = digits(t.coefficient, high - low);
-    let words = format!("{} to {}", number(low, digits), number(high, digits));
+    let words = match high - low > 2.0 * ROUNDING * t.coefficient.abs() {
+        true => format!("{} to {}", number(low, digits), number(high, digits)),
+        false => "no wider than rounding".into(),
+    };
     let drawn = match scale > 0.0 {
         true => format!(
             "<svg role=\"img\" aria-label=\"95 % interval of {}: {words}\" viewBox=\"0 0 1000 100\" preserveAspectRatio=\"none\">\

@@ -50,7 +50,8 @@ pub(super) fn memory(s: &Subject) -> String {
     }
     let how = format!(
         "{}: errors of the free run, simulated less measured. If the equations and the start were exact, the errors would be the sensor's noise alone, \
-         and, for white noise, 95 % of the lines would end within the band.",
+         and, for white noise, 95 % of the lines would end within the band. Of errors below a millionth of the signal, rounding and the error of the start, \
+         the band says nothing.",
         record.trajectory.name
     );
     section(
@@ -80,8 +81,12 @@ fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
     let name = s.discovery.name(x);
     let lags = correlations.len() - 1;
     let words = match exactness(r, x) {
-        true => "errors below a millionth of the signal: rounding and the error of the start, on which the band has no say".to_string(),
-        false => format!("{outside} of {} outside the band of ±{}", counted(lags, "lag"), number(band, 2)),
+        true => "errors below a millionth of the signal".to_string(),
+        false => format!(
+            "{outside} of {} outside the band of ±{}",
+            counted(lags, "lag"),
+            number(band, 2)
+        ),
     };
     let plot = Plot {
         x: &axis,

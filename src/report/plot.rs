@@ -45,7 +45,7 @@ pub(super) fn shade(class: &str, x: &Axis, from: f64, to: f64) -> String {
 
 impl Plot<'_> {
     pub fn html(&self) -> String {
-        let y_marks = self.y.marks(if self.shape == "low" { 3 } else { 4 });
+        let y_marks = self.y.marks(4);
         let x_marks = self.x.marks(if self.shape == "square" { 3 } else { 6 });
         let mut grid = String::new();
         let mut beside = String::new();

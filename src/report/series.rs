@@ -21,7 +21,7 @@ pub(super) fn series(s: &Subject) -> String {
         return String::new();
     }
     let how = "Each record is run freely: the equations start at its first row and are driven by its inputs; no other reading corrects them. \
-         Of long records every pixel column shows the least and the greatest value in it, so that a single stray sample is seen.";
+         Of long records every pixel column shows the least and the greatest value in it, so that a single stray sample is seen. Rows that a noisy start was fitted to have no error.";
     let mut body = lead(how);
     let is_held = |r: &Record| r.pieces.iter().any(|(held, _)| *held);
     let held = match records.iter().any(is_held) {
