@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
+use super::narrate::Narrator;
 use super::progress::{Line, Work};
 use super::values::{self, Held};
 use super::{Failure, answer, candidates, output, status};
@@ -77,6 +78,9 @@ pub struct Args {
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,
+    /// Say on stderr what is done and how long each stage takes
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
 }
 
 /// A model as it was given.
@@ -99,9 +103,12 @@ pub(super) struct Candidate {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
+    let narrator = Narrator::new(args.verbose);
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
     let programs = programs(args, &files.models, &mut sources)?;
+    let read = |what: &str, n: usize| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    narrator.done(&format!("{} compiled", read("model", programs.len())));
     if files.data.is_empty() {
         return Err(Failure::new(
             "error[no-data]: no data file\n  = help: sidc identify MODEL.sid DATA.csv",
@@ -109,6 +116,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     }
     let (paths, held) = held_out(args, &files);
     let (tables, entries) = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
+    narrator.done(&format!("{} read", read("table", tables.len())));
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,
@@ -120,13 +128,14 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         let model = (path, origin, program, warnings);
         let data = (tables.as_slice(), &rows);
         ready.push(prepare(args, model, data, (&mut sources, &limits))?);
+        narrator.done("data bound, signals prepared");
     }
     match ready.as_slice() {
         [alone] => {
-            let found = find(args, alone, &sources, &limits)?;
+            let found = find(args, alone, &sources, (&limits, &narrator))?;
             conclude(args, alone, &found, &[])
         }
-        several => candidates::run(args, several, &sources, &limits),
+        several => candidates::run(args, several, &sources, (&limits, &narrator)),
     }
 }
 
@@ -229,21 +238,30 @@ pub(super) fn find(
     args: &Args,
     candidate: &Candidate,
     sources: &Sources,
-    limits: &Limits,
+    (limits, narrator): (&Limits, &Narrator),
 ) -> Result<Found, Failure> {
     let (program, measured) = (&candidate.program, &candidate.measured);
     let line = Line::start(!args.quiet, &program.model, limits);
     let found = pipeline::identify(program, measured, &args.options(), &mut |step| {
+        let equation = program.model.equations.get(step.equation);
+        let target = equation.map_or_else(String::new, |e| program.model.name(e.target));
+        narrator.at(&step, &target);
         line.show(Work::Equation(step));
         limits.check()
     });
+    narrator.close();
+    narrator.done("evidence weighed");
     let found = found.map_err(|d| Failure::new(inputs::render(&d, sources)));
     let mut go_on = || limits.go_on().is_continue();
     let mut validation = |d: &Discovery| pipeline::validate(program, measured, d, &mut go_on);
-    found.map(|discovery| Found {
+    let found = found.map(|discovery| Found {
         validation: validation(&discovery),
         discovery,
-    })
+    })?;
+    if found.validation.is_some() {
+        narrator.done("run on data held out");
+    }
+    Ok(found)
 }
 
 /// Writes and prints what was found; the exit status.

@@ -12,6 +12,7 @@ mod inputs;
 mod limits;
 mod linearize;
 mod list;
+mod narrate;
 mod new;
 mod output;
 mod point;

@@ -16,8 +16,8 @@ pub(super) struct Parts<'a> {
     pub left_out: &'a [String],
 }
 
-/// Candidate terms of one equation that are not exceeded, so that all can be compared.
-const TERMS: usize = 400;
+/// Candidate terms of one equation that are not exceeded: a first look is quick.
+const TERMS: usize = 80;
 
 /// Seconds in words that headers use.
 const SECONDS: [(&str, &str); 8] = [
@@ -34,8 +34,8 @@ const SECONDS: [(&str, &str); 8] = [
 pub(super) fn model(p: &Parts) -> String {
     let mut out = String::from("sidc 1\n");
     let file = comment(p.table);
-    out.push_str(&format!("# A first model of {file}, by its headers and the shape of its columns: a beginning to change.\n"));
-    out.push_str(&format!("# sidc check MODEL.sid {file} says what it means, sidc identify MODEL.sid {file} looks for the equations.\n\n"));
+    out.push_str(&format!("# A first model of {file}, guessed from headers and from the shape of its columns: change it.\n"));
+    out.push_str("# `sidc check` says what it means, `sidc identify` looks for its equations.\n\n");
     out.push_str(&declarations(p));
     out.push_str(&data(p));
     out.push_str(&equations(p));
@@ -56,8 +56,8 @@ fn is_discrete(p: &Parts) -> bool {
 fn declarations(p: &Parts) -> String {
     let mut out = String::new();
     match is_discrete(p) {
-        true => out.push_str("# States, one for each column that evolves.\n"),
-        false => out.push_str("# States, one for each column that evolves. `order 2` says that forces act on it: its acceleration is sought.\n"),
+        true => out.push_str("# States: what evolves.\n"),
+        false => out.push_str("# States: what evolves. With `order 2` the acceleration is sought, with `order 1` the rate.\n"),
     }
     for s in p.states {
         let mut attributes = Vec::new();
@@ -75,7 +75,7 @@ fn declarations(p: &Parts) -> String {
         .filter_map(|(i, held)| Some((p.all.get(*i)?, *held)))
         .collect();
     if !inputs.is_empty() {
-        out.push_str("\n# Inputs: what acts from outside. `hold` keeps the last sample, `linear` joins samples by lines.\n");
+        out.push_str("\n# Inputs: what acts from outside. `hold` keeps the last sample, `linear` joins samples.\n");
     }
     for (column, held) in inputs {
         let mut attributes = Vec::new();
@@ -121,7 +121,7 @@ fn unit(c: &Column) -> Option<String> {
 
 fn data(p: &Parts) -> String {
     let mut out = String::from(
-        "# Where each signal is in the table; arithmetic on headers changes units: \"Pos [mm]\" * 1e-3\ndata {\n",
+        "# Where each signal is; arithmetic on headers converts: \"Pos [mm]\" * 1e-3\ndata {\n",
     );
     if let Some(time) = p.roles.time.and_then(|t| p.all.get(t)) {
         let unit = time.unit.as_deref().unwrap_or("");
@@ -181,7 +181,7 @@ fn data(p: &Parts) -> String {
         out.push_str(&format!("# Left out: {}.\n", comment(why)));
     }
     if is_discrete(p) {
-        out.push_str("# No column is time, so the law is one from sample to sample. Of a motion say `step 0.01` (seconds) in the data block,\n# give states an order, and ask for dx instead of next x.\n");
+        out.push_str("# No column is time, so this is a law from sample to sample. Of a motion say `step 0.01` (seconds)\n# in the data block, give the states an order, and ask for dx instead of next x.\n");
     }
     out + "\n"
 }
@@ -218,9 +218,14 @@ fn equations(p: &Parts) -> String {
     if !angles.is_empty() {
         out.push_str(", times sines and cosines of the angles");
     }
-    out.push_str(". Add what you suspect: + <x*abs(dx)>, <exp(-x)>, <x/(1 + x)>.\n");
-    if p.states.len() > 1 && p.states.iter().any(|s| s.order > 1) && !is_discrete(p) {
-        out.push_str("# Where bodies are coupled, accelerations of the others belong in too: + ddtheta * <cos(theta)>.\n");
+    out.push_str(".\n# Add what you suspect, such as + <x*abs(x), exp(-x), x/(1 + x)> with names of your own.\n");
+    let bodies: Vec<&State> = p.states.iter().filter(|s| s.order > 1).collect();
+    if let ([_, other, ..], false) = (bodies.as_slice(), is_discrete(p)) {
+        let rate = derivative(&other.name, other.order);
+        let name = &other.name;
+        out.push_str(&format!(
+            "# Of coupled bodies the accelerations of the others belong in too: + {rate} * <1, cos({name})>\n"
+        ));
     }
     for target in targets {
         out.push_str(&format!("{target} ~ {library}\n"));

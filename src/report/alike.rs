@@ -40,6 +40,9 @@ fn one(s: &Subject, e: &Equation) -> Option<String> {
 
 fn table(a: &Alike) -> String {
     let n = a.terms.len();
+    if n == 0 {
+        return String::new();
+    }
     let heads: String = (1..n)
         .map(|k| format!("<th scope=\"col\">{k}</th>"))
         .collect();
