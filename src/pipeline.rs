@@ -16,7 +16,10 @@ use crate::trajectory::Problem;
 use crate::validate::{self, Validation};
 
 mod evidence;
+mod regression;
 mod unevaluable;
+
+pub use regression::Regression;
 
 /// A checked model with the library of each equation; `None` where the equation is known.
 #[derive(Debug)]

@@ -1,9 +1,9 @@
 //! A double pendulum that hangs from a cart, pushed by a held random force; positions, speeds and accelerations are measured.
 
-use crate::response::held;
-use crate::simulate::integrate::grid;
-use crate::simulate::random::Random;
-use crate::simulate::table::Table;
+use super::response::held;
+use super::simulate::integrate::grid;
+use super::simulate::random::Random;
+use super::simulate::table::Table;
 
 const CART: f64 = 0.6;
 const BOBS: [f64; 2] = [0.3, 0.2];
@@ -15,24 +15,40 @@ const JOINT_FRICTION: f64 = 0.01;
 /// x, θ₁, θ₂ and their speeds.
 type State = [f64; 6];
 
+const NAMES: [&str; 11] = [
+    "t", "x", "th1", "th2", "dx", "dth1", "dth2", "ddx", "ddth1", "ddth2", "F",
+];
+
 pub fn tables() -> Vec<(&'static str, Table)> {
+    let (names, rows) = record(5, 600, 0.05, (2, 12));
+    let mut table = Table::new(&names);
+    table.digits = None;
+    rows.iter().for_each(|row| table.push(row));
+    vec![("double_pendulum.csv", table)]
+}
+
+/// Rows of every signal, `step` apart, under levels of force within ±8 N held for (fewest, most) samples.
+pub fn record(
+    seed: u64,
+    rows: usize,
+    step: f64,
+    hold: (usize, usize),
+) -> ([&'static str; 11], Vec<[f64; 11]>) {
     let f = |s: &State, force: f64| {
         let [a, b, c] = accelerations(s, force);
         [s[3], s[4], s[5], a, b, c]
     };
-    let times = grid(600, 0.05);
-    let force = Random::new(5).square(times.len(), (2, 12), 8.0);
-    let names = [
-        "t", "x", "th1", "th2", "dx", "dth1", "dth2", "ddx", "ddth1", "ddth2", "F",
-    ];
-    let mut table = Table::new(&names);
-    table.digits = None;
+    let times = grid(rows, step);
+    let force = Random::new(seed).square(times.len(), hold, 8.0);
     let states = held(&f, &times, [0.0; 6], &force);
-    for ((t, s), u) in times.iter().zip(states).zip(&force) {
+    let row = |((t, s), u): ((&f64, State), &f64)| {
         let [a, b, c] = accelerations(&s, *u);
-        table.push(&[*t, s[0], s[1], s[2], s[3], s[4], s[5], a, b, c, *u]);
-    }
-    vec![("double_pendulum.csv", table)]
+        [*t, s[0], s[1], s[2], s[3], s[4], s[5], a, b, c, *u]
+    };
+    (
+        NAMES,
+        times.iter().zip(states).zip(&force).map(row).collect(),
+    )
 }
 
 /// Solves the three laws for (ẍ, θ̈₁, θ̈₂) by Cramer's rule.

@@ -4,8 +4,9 @@
 
 use super::cart_pendulum::{Plant, State};
 use super::controller;
-use crate::simulate::random::{Random, decimals};
+use super::simulate::random::{Random, decimals};
 use clap::ValueEnum;
+use std::f64::consts::TAU;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
@@ -17,6 +18,12 @@ pub enum Kind {
     Track,
     /// Gaussian, one draw a sample, scaled so that the largest is ±5 N
     Gaussian,
+    /// A sine of ±4 N, 0.3 Hz to 1.5 Hz
+    Sine,
+    /// A sine of ±4 N whose frequency rises from 0.1 Hz to between 2 Hz and 4 Hz
+    Chirp,
+    /// Swing-up from the pendant position, then balance
+    SwingUp,
     /// None: the pendulum swings freely
     Zero,
 }
@@ -27,6 +34,18 @@ const SQUARE: f64 = 0.55;
 const SWING_UP: f64 = 0.65;
 /// A level of the square force is reversed if it drives a cart that is about to be further out than this, m.
 const TRACK: f64 = 0.6;
+
+/// Largest force of a sine, N.
+const SINE: f64 = 4.0;
+/// Frequency at which a chirp begins, Hz.
+const FROM: f64 = 0.1;
+
+/// A sine of random phase that has gone through `turns` of the time.
+fn sine(rows: usize, rate: f64, random: &mut Random, turns: impl Fn(f64) -> f64) -> Vec<f64> {
+    let phase = random.unit();
+    let at = |k: usize| SINE * (TAU * (turns(k as f64 / rate) + phase)).sin();
+    (0..rows).map(|k| decimals(at(k), 4)).collect()
+}
 
 /// Force of every sample of a run.
 pub struct Force {
@@ -41,7 +60,15 @@ impl Force {
     pub fn draw(kind: Kind, rows: usize, rate: f64, random: &mut Random) -> Self {
         let samples = |seconds: f64| ((seconds * rate).round() as usize).max(1);
         let drawn = match kind {
-            Kind::Zero => vec![0.0; rows],
+            Kind::Zero | Kind::SwingUp => vec![0.0; rows],
+            Kind::Sine => {
+                let frequency = random.uniform(0.3, 1.5);
+                sine(rows, rate, random, |t| frequency * t)
+            }
+            Kind::Chirp => {
+                let rise = (random.uniform(2.0, 4.0) - FROM) * rate / rows.max(1) as f64;
+                sine(rows, rate, random, |t| (FROM + 0.5 * rise * t) * t)
+            }
             Kind::RandomSquare => random.square(rows, (samples(0.1), samples(0.6)), 8.0),
             Kind::Experiment | Kind::Track => {
                 random.square(rows, (samples(0.05), samples(0.5)), 6.0)
@@ -75,6 +102,7 @@ impl Force {
         match self.kind {
             Kind::Experiment => {}
             Kind::Track => return self.on_track(k, drawn, x),
+            Kind::SwingUp => return controller::swing_up(plant, x),
             _ => return drawn,
         }
         let share = k as f64 / self.drawn.len() as f64;

@@ -8,13 +8,15 @@
 mod cart_pendulum;
 mod controller;
 mod force;
+mod run;
 #[path = "../simulate/mod.rs"]
 mod simulate;
 
 use cart_pendulum::{Plant, State};
 use clap::{Parser, ValueEnum};
 use force::{Force, Kind};
-use simulate::integrate::{grid, integrate};
+use run::run;
+use simulate::integrate::grid;
 use simulate::random::Random;
 use simulate::table::Table;
 use std::error::Error;
@@ -91,17 +93,15 @@ fn simulate(options: &Options) -> Result<Table, Box<dyn Error>> {
 
     // One instant more than rows: the last sample's interval ends there.
     let times = grid(options.rows + 1, 1.0 / options.rate);
-    let mut x: State = [0.0, 0.0, theta, 0.0];
-    for (k, pair) in times.windows(2).enumerate() {
-        let (t, next) = (pair[0], pair[1]);
-        let held = force.at(k, plant, &x);
-        let mut row = vec![t, x[0], x[2], held];
+    let start: State = [0.0, 0.0, theta, 0.0];
+    for row in run(plant, start, &times, |k, x| force.at(k, plant, x)) {
+        let [y, dy, theta, dtheta] = row.state;
+        let mut cells = vec![row.time, y, theta, row.force];
         if options.columns == Columns::All {
-            let (ddy, ddtheta) = plant.accelerations(&x, held);
-            row.extend([x[1], x[3], ddy, ddtheta]);
+            let (ddy, ddtheta) = row.accelerations;
+            cells.extend([dy, dtheta, ddy, ddtheta]);
         }
-        table.push(&row);
-        x = integrate(&|_, x: &State| plant.derivative(x, held), t, next, x);
+        table.push(&cells);
     }
     Ok(table)
 }

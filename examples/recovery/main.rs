@@ -9,6 +9,8 @@
 #[allow(dead_code)]
 mod cart_pendulum;
 mod plot;
+#[path = "../plant/run.rs"]
+mod run;
 #[path = "../simulate/mod.rs"]
 #[allow(dead_code)]
 mod simulate;
@@ -21,13 +23,13 @@ use std::time::Instant;
 use cart_pendulum::{Plant, State};
 use clap::Parser;
 use plot::Curve;
-use sidc::data::{Column, Dataset, Origin, Samples};
+use run::{Row, run};
+use sidc::data::{Dataset, Samples};
 use sidc::discover::{Discovery, Options, Status, discover};
-use sidc::lang::source::Sources;
 use sidc::pipeline::{self, Program};
-use sidc::solve::SOLVERS;
-use sidc::term::{Language, Signal, SignalNames};
-use simulate::integrate::integrate;
+use sidc::solve::{SOLVERS, solver};
+use sidc::term::{Language, SignalNames};
+use simulate::integrate::grid;
 use simulate::random::Random;
 
 const MODEL: &str = "
@@ -66,12 +68,8 @@ struct Outcome {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args = Args::parse();
-    let solver = SOLVERS
-        .iter()
-        .copied()
-        .find(|s| s.name() == args.solver)
-        .ok_or("no such solver")?;
-    let program = program()?;
+    let solver = solver(&args.solver).ok_or("no such solver")?;
+    let program = Program::compile("recovery.sid", MODEL)?;
     println!(
         "rows  ddy exact  ddtheta exact  both  passed but wrong  worst coefficient of exact  median s"
     );
@@ -121,17 +119,10 @@ fn picture(args: &Args, [cart, pendulum]: [Vec<usize>; 2]) -> String {
     plot::svg(&title, &args.rows, args.draws as usize, &curves)
 }
 
-fn program() -> Result<Program, Box<dyn Error>> {
-    let mut sources = Sources::default();
-    let file = sources.add("recovery.sid", MODEL);
-    let (program, _) = pipeline::compile(file, &sources, pipeline::MEMORY);
-    Ok(program.ok_or("the model does not compile")?)
-}
-
 fn one(program: &Program, draw: u64, options: &Options) -> Result<Outcome, Box<dyn Error>> {
     let mut random = Random::new(1000 + draw);
     let plant = plant(&mut random);
-    let samples = motion(program, &plant, &mut random);
+    let samples = motion(program, &plant, &mut random)?;
     let start = Instant::now();
     let found = discover(
         &program.model,
@@ -196,37 +187,30 @@ fn error(found: &Discovery, target: &str, truth: &[(&str, f64)]) -> f64 {
 }
 
 /// Every signal of the model over the whole motion, exact.
-fn motion(program: &Program, plant: &Plant, random: &mut Random) -> Samples {
+fn motion(
+    program: &Program,
+    plant: &Plant,
+    random: &mut Random,
+) -> Result<Samples, Box<dyn Error>> {
     let rows = (SECONDS * RATE) as usize;
     let force = random.square(rows, (10, 60), 8.0);
-    let mut x: State = [0.0, 0.0, random.uniform(-0.5, 0.5), 0.0];
-    let mut table: Vec<[f64; 7]> = Vec::with_capacity(rows);
-    for &f in &force {
-        let (ddy, ddtheta) = plant.accelerations(&x, f);
-        table.push([x[0], x[1], ddy, x[2], x[3], ddtheta, f]);
-        x = integrate(&|_, x: &State| plant.derivative(x, f), 0.0, 1.0 / RATE, x);
-    }
-    let names = ["y", "dy", "ddy", "theta", "dtheta", "ddtheta", "F"];
-    let mut columns: Vec<Column> = pipeline::needed(program)
-        .into_iter()
-        .map(|signal| Column {
-            signal,
-            values: values(program, signal, &names, &table),
-            origin: Origin::Measured { noise: None },
-        })
-        .collect();
-    columns.sort_by_key(|c| c.signal);
-    Samples {
-        trajectory: vec![0; rows],
-        time: (0..rows).map(|k| k as f64 / RATE).collect(),
-        columns,
-    }
-}
-
-fn values(program: &Program, signal: Signal, names: &[&str; 7], table: &[[f64; 7]]) -> Vec<f64> {
-    let name = program.model.name(signal);
-    let i = names.iter().position(|n| *n == name).unwrap_or(0);
-    table.iter().map(|row| row[i]).collect()
+    let start: State = [0.0, 0.0, random.uniform(-0.5, 0.5), 0.0];
+    let times = grid(rows + 1, 1.0 / RATE);
+    let table = run(plant, start, &times, |k, _| force[k]);
+    let column = |of: &dyn Fn(&Row) -> f64| table.iter().map(of).collect::<Vec<f64>>();
+    let columns = [
+        ("y", column(&|r| r.state[0])),
+        ("dy", column(&|r| r.state[1])),
+        ("ddy", column(&|r| r.accelerations.0)),
+        ("theta", column(&|r| r.state[2])),
+        ("dtheta", column(&|r| r.state[3])),
+        ("ddtheta", column(&|r| r.accelerations.1)),
+        ("F", column(&|r| r.force)),
+    ];
+    let columns = columns
+        .each_ref()
+        .map(|(name, values)| (*name, &values[..]));
+    Ok(program.samples(&column(&|r| r.time), &columns)?)
 }
 
 fn print_row(rows: usize, outcomes: &[Outcome]) {

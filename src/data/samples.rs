@@ -50,6 +50,27 @@ impl Samples {
             .map(|i| &self.columns[i])
     }
 
+    /// Says how noisy a measured signal is: `sigma` is the standard deviation of its sensor, in the units of the model. Estimated
+    /// signals keep the error of their estimate.
+    ///
+    /// ```
+    /// use sidc::pipeline::Program;
+    ///
+    /// let program = Program::compile("fall.sid", "state v\ndv ~ <1, v>\n")?;
+    /// let (v, dv) = ([0.0, 1.0, 2.0], [-9.8, -9.7, -9.6]);
+    /// let mut samples = program.samples(&[0.0, 0.1, 0.2], &[("v", &v), ("dv", &dv)])?;
+    /// samples.declare_noise(program.model.equations[0].target, 0.05);
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn declare_noise(&mut self, signal: Signal, sigma: f64) {
+        let named = self.columns.iter_mut().filter(|c| c.signal == signal);
+        for column in named {
+            if let Origin::Measured { noise } = &mut column.origin {
+                *noise = Some(sigma);
+            }
+        }
+    }
+
     /// The table with only the given rows, in the given order.
     pub fn select(&self, rows: &[usize]) -> Samples {
         let pick = |v: &[f64]| rows.iter().map(|&r| v[r]).collect::<Vec<_>>();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Halves, Identifiability, Trust};
+use super::{Halves, Identifiability, Nearest, Trust};
 use crate::lang::model::{Model, VarKind};
 use crate::term::{Signal, SignalNames, Term, VarId};
 use crate::units::{self, Unit};
@@ -138,15 +138,50 @@ pub struct Evidence {
     /// What the equations of a system did together, if they were estimated with their trajectory.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub together: Option<Together>,
+    /// How the equation stands to others of its system, where it is the one that says, or would say, nothing new.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub relation: Option<Rearranged>,
     /// Other supports that these data cannot tell from the answer.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub ties: Vec<Vec<String>>,
     /// What the stability of its terms was judged by.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub halves: Option<Halves>,
+    /// The term that is missing if one is.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub nearest: Option<Nearest>,
     /// What the rows can tell apart.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub identifiability: Option<Box<Identifiability>>,
+}
+
+/// Two laws of one target: one that repeats other equations of the system, and one that does not.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rearranged {
+    /// Targets of the equations that are repeated.
+    pub of: Vec<String>,
+    /// Part of the repeating law's slopes that theirs do not give: 0 for the same relation.
+    pub apart: f64,
+    /// What the laws leave open, in the same units.
+    pub open: f64,
+    /// Median condition number of their mass matrix along the data, rows of unit length.
+    pub condition: f64,
+    /// True if the equation is the law of its own, and `other` the one that repeats; else the other way round.
+    pub independent: bool,
+    /// The law that is not the equation; none where no law of its own was sought or found.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub other: Option<OtherLaw>,
+}
+
+/// A law that was not taken.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OtherLaw {
+    /// Terms with their coefficients.
+    pub terms: Vec<(String, f64)>,
+    /// Relative residual.
+    pub residual: f64,
+    /// Its criterion over that of the equation.
+    pub criterion: f64,
 }
 
 /// Figures of a system estimated with its trajectory, as far as they concern one variable.

@@ -226,8 +226,10 @@ impl Task<'_> {
             searched: answer.searched,
             certificate: answer.proof.clone(),
             together: None,
+            relation: None,
             ties: self.named(&answer.ties, names),
             halves: None,
+            nearest: None,
             identifiability: None,
         };
         self.equation(names, terms, evidence, answer)

@@ -145,7 +145,7 @@ pub fn discover_jointly(
         discovery.equations.push(equation);
     }
     let samples = samples(problem, &found);
-    super::mass::judge_together(&mut discovery, &samples);
+    super::relation::judge(&mut discovery, &samples, None);
     super::dependent::judge(&mut discovery, &measured_states(problem));
     let stretches = match stopped {
         Some(_) => None,
@@ -170,6 +170,7 @@ fn stretched(problem: &Problem, found: &Found) -> Option<Stretches> {
             .filter_map(|j| pieces.columns.binary_search(j).ok())
             .collect(),
         products: pieces.products,
+        whole: pieces.whole,
         readings,
         price: (
             trajectory::price(readings),

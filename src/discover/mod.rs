@@ -13,12 +13,12 @@ mod identifiability;
 mod joint;
 mod joint_doubts;
 mod joint_search;
-mod mass;
 mod memory;
 mod path;
 mod pools;
 mod prepared;
 mod proof;
+mod relation;
 mod rows;
 mod strain;
 mod subset;
@@ -41,8 +41,8 @@ use crate::solve::{SOLVERS, Solver};
 use crate::term::Term;
 
 pub use discovery::{
-    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, PathKnot,
-    Proof, Reason, Status, Together, Variable,
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, OtherLaw,
+    PathKnot, Proof, Rearranged, Reason, Status, Together, Variable,
 };
 pub use doubts::tie;
 pub use form::{Form, Rate, Row};
@@ -52,7 +52,7 @@ pub use identifiability::{
 pub use joint::{Fitted, discover_jointly, joint, nothing_fits};
 pub use rows::{Split, SplitMix, split};
 pub use ties::check_constraints;
-pub use trust::{Halves, MARKS, Mark, Marks, Stretches, Trust, Without};
+pub use trust::{Halves, MARKS, Mark, Marks, Nearest, Stretches, Trust, Without};
 pub use watch::{Stage, Step, Stop, Watch};
 pub use weights::Weights;
 
@@ -134,6 +134,29 @@ pub enum Refusal {
 /// Finds every equation of the model. `libraries` has one entry an equation, `None` for those that are known. Equations that
 /// constraints connect are solved together. Where `watch` ends the work, the equations found so far stand, and the others are
 /// listed as failed.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use sidc::data::Dataset;
+/// use sidc::discover::{Options, Status, discover};
+/// use sidc::pipeline::Program;
+///
+/// let program = Program::compile("decay.sid", "state x\ndx ~ powers(x; 3)\n")?;
+/// let x: Vec<f64> = (0..40).map(|k| 2.0 * (-0.1 * f64::from(k)).exp()).collect();
+/// let dx: Vec<f64> = x.iter().map(|x| -x).collect();
+/// let time: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let samples = program.samples(&time, &[("x", &x), ("dx", &dx)])?;
+///
+/// // Everything is measured, so there is no dataset to ask for more.
+/// let data = (&Dataset::default(), &samples);
+/// let go_on = &mut |_| ControlFlow::Continue(());
+/// let found = discover(&program.model, &program.libraries, data, &Options::default(), go_on);
+/// let found = found.map_err(|_| "a term has no value")?;
+/// let equation = &found.equations[0];
+/// assert_eq!((equation.status, equation.terms.len()), (Status::Pass, 1));
+/// assert!((equation.terms[0].coefficient + 1.0).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// Terms without a finite value on the data, one an equation; constraints that the data contradict.
@@ -219,7 +242,13 @@ pub fn discover(
         }
     }
     together::attach(&mut discovery, &doubts);
-    mass::judge_together(&mut discovery, samples);
+    let untied = |i: &usize| !groups.iter().any(|g| g.contains(i));
+    let untied = (0..model.equations.len()).filter(untied);
+    let again = relation::Again {
+        tasks: untied.filter_map(|i| Some(task(i)?.1)).collect(),
+        watcher: &mut watcher,
+    };
+    relation::judge(&mut discovery, samples, Some(again));
     dependent::judge(&mut discovery, &states_of(model, samples));
     constraints::judge(&mut discovery, model);
     Ok(discovery)

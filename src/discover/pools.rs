@@ -70,7 +70,7 @@ pub(super) fn pools(
 }
 
 /// All slots, the simplest terms first.
-fn simplest(library: &Library) -> Vec<usize> {
+pub(super) fn simplest(library: &Library) -> Vec<usize> {
     let mut all: Vec<(f64, usize)> = library.terms().map(|(s, t)| (t.degree(), s)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     all.into_iter().map(|(_, slot)| slot).collect()

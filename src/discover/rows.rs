@@ -26,6 +26,14 @@ pub struct Split {
 }
 
 /// Splits `rows` rows: `samples` of them if asked for, else as many as Φ with `terms` columns may have.
+///
+/// ```
+/// use sidc::discover::split;
+///
+/// let drawn = split(1000, 6561, Some(40), 7);
+/// assert_eq!((drawn.used.len(), drawn.held.len()), (40, 960));
+/// assert!(drawn.used.is_sorted());
+/// ```
 pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Split {
     let fits = affordable(terms);
     let wanted = samples.unwrap_or(fits).min(rows);

@@ -95,6 +95,21 @@ impl Search {
         }
     }
 
+    /// The same search without some columns, whose places stay.
+    pub fn without(&self, gone: &BTreeSet<usize>) -> Search {
+        let mut columns = self.columns.clone();
+        for (j, column) in columns.chunks_exact_mut(self.rows).enumerate() {
+            if gone.contains(&j) {
+                column.fill(0.0);
+            }
+        }
+        Search {
+            columns,
+            target: self.target.clone(),
+            ..*self
+        }
+    }
+
     /// Distinct supports of up to `most` terms, best criterion first; `starts` join the search. The beam is short work and
     /// always runs; the single changes after it end when `go_on` says no.
     pub fn run(

@@ -101,7 +101,7 @@ pub fn proposals(dictionary: &dyn Dictionary, coefficients: &[(usize, f64)]) -> 
 }
 
 /// The pool's columns, rotated to at most as many rows as columns.
-fn search(
+pub fn search(
     dictionary: &dyn Dictionary,
     target: &[f64],
     pool: &[usize],

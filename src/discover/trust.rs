@@ -34,6 +34,18 @@ pub struct Without {
     pub same: bool,
 }
 
+/// What an equation lacks that comes nearest to earning a place.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Nearest {
+    /// Terms any one of which would earn about as much.
+    pub terms: Vec<String>,
+    /// What the best of them would earn, and what a term costs, in units of the criterion.
+    pub earns: f64,
+    pub costs: f64,
+    /// So many times as much of such data would decide, if the term is there.
+    pub longer: f64,
+}
+
 /// The verdict on a term.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -113,6 +125,8 @@ pub struct Stretches {
     /// Products of all p columns and of the right side as the last, of each stretch, (p + 1) × (p + 1) by rows, in units of
     /// the variance that counts as news.
     pub products: Vec<Vec<f64>>,
+    /// The same of all together: more than their sum where a stretch does not know what the one before knew.
+    pub whole: Vec<f64>,
     /// Columns found.
     pub support: Vec<usize>,
     /// Independent readings of all stretches.

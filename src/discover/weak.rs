@@ -9,7 +9,7 @@ use super::subset::Criterion;
 use super::support;
 use super::watch::{Stage, Watcher};
 use super::weights::{Weights, rms};
-use super::{Discovery, Equation, Failed, Unevaluable};
+use super::{Discovery, Equation, Failed, Method, Unevaluable};
 use crate::data::Samples;
 use crate::dictionary::{BadValue, Dictionary};
 use crate::solve::{self, Problem};
@@ -272,6 +272,27 @@ impl Task<'_> {
             pairs: columns.zip(polished.coefficients).collect(),
             support: choice.support,
         }
+    }
+
+    /// The rows of an equation that was found, weighed by what it says of their errors; `None` if there are none.
+    pub fn as_found(
+        &self,
+        names: &Discovery,
+        equation: &Equation,
+        watcher: &mut Watcher,
+    ) -> Option<Prepared> {
+        let weak = match self.options.method {
+            Method::Weak => self.weak().ok()?,
+            _ => None,
+        };
+        let Some(mut weak) = weak else {
+            return self.prepare(names, watcher).ok()?.ok();
+        };
+        let found = equation.terms.iter().filter(|t| !t.fixed);
+        let belief: Vec<(f64, Term)> = found.map(|t| (t.coefficient, t.term.clone())).collect();
+        weak.refine(&belief, SLACK, self.library).ok()?;
+        let whitened = weak.whitened(&belief, SLACK)?;
+        self.prepare_weak(&weak, whitened)
     }
 
     /// `None` where the target is zero.

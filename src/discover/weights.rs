@@ -119,7 +119,7 @@ fn add_squares(sum: &mut [f64], errors: Option<&[f64]>, scale: f64) {
 ///
 /// Longer series are averaged in pairs first (Flyvbjerg & Petersen 1989), so that a drifting residual of a million rows costs
 /// no more than a few sums over it.
-fn correlation_time(series: &[f64]) -> f64 {
+pub(super) fn correlation_time(series: &[f64]) -> f64 {
     let square: f64 = series.iter().map(|x| x * x).sum();
     if square == 0.0 {
         return 1.0;

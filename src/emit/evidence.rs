@@ -1,6 +1,8 @@
 //! Evidence in words: what was proved, what was only measured, and every doubt.
 
-use crate::discover::{ChannelFit, Discovery, Equation, Evidence, Proof, Reason, Status, Together};
+use crate::discover::{
+    ChannelFit, Discovery, Equation, Evidence, Proof, Rearranged, Reason, Status, Together,
+};
 use crate::term::SignalNames;
 
 use super::number::significant;
@@ -48,6 +50,10 @@ fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
             proof(evidence),
         ],
     };
+    // A doubt says it with more figures.
+    if e.reasons.iter().all(|r| r.code != "same-relation") {
+        lines.extend(evidence.relation.as_ref().and_then(independent));
+    }
     if e.status == Status::Doubt {
         lines.extend(
             e.reasons
@@ -61,6 +67,18 @@ fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
         false => identifiability::brief(i, &e.reasons),
     }));
     lines
+}
+
+/// What the equation took the place of.
+fn independent(r: &Rearranged) -> Option<String> {
+    let other = r.other.as_ref().filter(|_| r.independent)?;
+    let terms: Vec<&str> = other.terms.iter().map(|(t, _)| t.as_str()).collect();
+    Some(format!(
+        "chosen to be independent of the equation of {}: {{{}}} leaves {} of the target, but says the same as that",
+        r.of.join(" and "),
+        terms.join(", "),
+        power(other.residual)
+    ))
 }
 
 /// What the trajectory leaves of the readings, what the terms are worth, and how well they are known.
@@ -192,8 +210,14 @@ fn proof(e: &Evidence) -> String {
         ),
         (false, _) => format!(
             "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \
-             the terms (rank {} of {}) are the best of {} by the extended Bayesian criterion",
-            p.rank, p.support, e.searched
+             the terms (rank {} of {}) are the best of {} by the extended Bayesian criterion{}",
+            p.rank,
+            p.support,
+            e.searched,
+            match e.relation.as_ref().is_some_and(|r| r.independent) {
+                true => " that are independent",
+                false => "",
+            }
         ),
     }
 }

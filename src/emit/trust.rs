@@ -3,11 +3,15 @@
 //! In: an equation whose terms are marked. Out: lines. Never judges.
 
 use super::number::significant;
-use crate::discover::{Discovery, Equation, FoundTerm, MARKS, Mark, Status, Trust, Without};
+use crate::discover::{
+    Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Status, Trust, Without,
+};
 use crate::term::Language;
 
 /// Half an interval over the coefficient below which it is left unsaid.
 const VISIBLE: f64 = 1e-6;
+/// Short of its cost by less than this a term left out is named unasked: odds of e^1½ to 1.
+const NEAR: f64 = 3.0;
 /// Terms that are named.
 const NAMED: usize = 3;
 /// Losses above which a figure says nothing more.
@@ -22,6 +26,10 @@ pub(super) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
         return Vec::new();
     }
     let drawn = drawn(e);
+    let nearest = e.evidence.as_ref().and_then(|e| e.nearest.as_ref());
+    let nearest = nearest
+        .filter(|n| whole || n.earns > n.costs - NEAR)
+        .map(missing);
     if whole {
         let line = |(t, trust): &(&FoundTerm, &Trust)| {
             let mut figures = vec![trust.mark.name().to_string()];
@@ -29,7 +37,7 @@ pub(super) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
             figures.extend(reasons(trust, drawn));
             format!("term {}: {}", Language(d).term(&t.term), figures.join(", "))
         };
-        return found.iter().map(line).collect();
+        return found.iter().map(line).chain(nearest).collect();
     }
     let widths: Vec<String> = found.iter().filter_map(|f| width(d, f)).collect();
     let mut lines = Vec::new();
@@ -37,7 +45,25 @@ pub(super) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
         lines.push(format!("95 %: {}", widths.join(", ")));
     }
     lines.extend(marks(d, e, &found));
+    lines.extend(nearest);
     lines
+}
+
+/// `left out: x^2 would earn 9.8 where a term costs 11; 1.7 times as much data would decide`
+fn missing(n: &Nearest) -> String {
+    let mut line = format!(
+        "left out: {} would earn {} where a term costs {}",
+        n.terms.join(" or "),
+        significant(n.earns, 2),
+        significant(n.costs, 2),
+    );
+    if n.longer > 1.0 {
+        let times = significant(n.longer, 2);
+        line.push_str(&format!(
+            "; {times} times as much of such data would decide"
+        ));
+    }
+    line
 }
 
 /// Terms by mark: in a word where they are all alike, else those that are not firm with their reasons.

@@ -11,6 +11,7 @@ mod interior_point;
 mod joint;
 mod lasso_gap;
 mod least_squares;
+mod memory;
 mod normal;
 mod omp;
 mod point;
@@ -35,6 +36,7 @@ pub use joint::{
 };
 pub use lasso_gap::{LassoCertificate, certify_lasso};
 pub use least_squares::{LeastSquares, least_squares};
+pub use memory::Memory;
 pub use omp::Omp;
 pub use polish::{Polished, polish};
 pub use reduce::RANK_TOLERANCE;
@@ -150,6 +152,11 @@ pub struct Progress {
 /// Told after every iteration; `Break` asks the solver to stop and return what it has.
 pub type Monitor<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
 
+/// A monitor for those who do not watch: never stops anything.
+pub fn unwatched(_: Progress) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
 pub trait Solver: Sync {
     /// What `--solver` takes.
     fn name(&self) -> &'static str;
@@ -165,3 +172,22 @@ pub trait Solver: Sync {
 
 /// Every solver; the first is the default, heuristics come last.
 pub static SOLVERS: &[&dyn Solver] = &[&Homotopy, &InteriorPoint, &Clarabel, &Omp, &Stlsq];
+
+/// Looks a solver up by name.
+///
+/// ```
+/// use sidc::dictionary::Dense;
+/// use sidc::solve::{Problem, solver, unwatched};
+///
+/// // Columns (1, 0, 0), (0, 1, 0) and (1, 1, 1): the target is twice the last.
+/// let phi = Dense::new(3, vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0]);
+/// let problem = Problem { dictionary: &phi, target: &[2.0, 2.0, 2.0], tolerance: 0.0 };
+/// for name in ["homotopy", "interior-point", "omp"] {
+///     let found = solver(name).map(|s| s.solve(&problem, &mut unwatched));
+///     assert!(found.is_some_and(|s| (s.coefficient(2) - 2.0).abs() < 1e-9));
+/// }
+/// assert!(solver("magic").is_none());
+/// ```
+pub fn solver(name: &str) -> Option<&'static dyn Solver> {
+    SOLVERS.iter().copied().find(|s| s.name() == name)
+}

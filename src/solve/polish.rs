@@ -5,6 +5,7 @@
 use faer::linalg::solvers::{ColPivQr, Svd};
 use faer::{Mat, MatRef};
 
+use super::memory::Memory;
 use super::reduce::{add_scaled, minus, nonzero, norm, times, times_transposed, unit_columns};
 use crate::dictionary::Dictionary;
 
@@ -22,12 +23,24 @@ pub struct Polished {
     pub rank: usize,
     /// Their condition number; infinite when they are dependent.
     pub condition: f64,
-    /// √(σ² (ΦᵀΦ)⁻¹)_jj with σ² = rss/(M − k), in the units of the coefficients; infinite where data cannot say.
+    /// √(σ² Φ⁺ S Φ⁺ᵀ)_jj with σ² = rss/(M − k) and S the correlations of the residuals, 1 on the diagonal and 0 elsewhere where they are white
+    /// ([`Memory`]), never under that of white ones; in the units of the coefficients; infinite where data cannot say.
     pub standard_errors: Vec<f64>,
 }
 
 /// Fits y on the columns of `support` by pivoted Householder QR of the unit columns and one step of iterative refinement
 /// (Golub & Van Loan, sections 5.4 and 5.5). Indices past the last column are ignored like all-zero columns.
+///
+/// ```
+/// use sidc::dictionary::Dense;
+/// use sidc::solve::polish;
+///
+/// // Columns (1, 1, 1) and (0, 1, 2): the straight line through (0, 1), (1, 3), (2, 5).
+/// let phi = Dense::new(3, vec![1.0, 1.0, 1.0, 0.0, 1.0, 2.0]);
+/// let fit = polish(&phi, &[1.0, 3.0, 5.0], &[0, 1]);
+/// assert!((fit.coefficients[0] - 1.0).abs() < 1e-12 && (fit.coefficients[1] - 2.0).abs() < 1e-12);
+/// assert_eq!(fit.rank, 2);
+/// ```
 pub fn polish(dictionary: &dyn Dictionary, target: &[f64], support: &[usize]) -> Polished {
     let norms: Vec<f64> = support
         .iter()
@@ -56,7 +69,8 @@ pub fn polish(dictionary: &dyn Dictionary, target: &[f64], support: &[usize]) ->
     let mut x = fit.solve(target);
     let residual = minus(target, &times(unit.as_ref(), &x));
     add_scaled(&mut x, 1.0, &fit.solve(&residual));
-    polished.residual = norm(&minus(target, &times(unit.as_ref(), &x)));
+    let left = minus(target, &times(unit.as_ref(), &x));
+    polished.residual = norm(&left);
     polished.rank = fit.rank;
     polished.condition = if fit.rank == support.len() {
         condition(unit.as_ref())
@@ -65,7 +79,7 @@ pub fn polish(dictionary: &dyn Dictionary, target: &[f64], support: &[usize]) ->
     };
     let freedom = target.len().saturating_sub(fit.rank);
     let deviation = polished.residual / (freedom as f64).sqrt();
-    let spread = fit.spread();
+    let spread = fit.spread(&Memory::of(&[left]));
     for (k, at) in usable.into_iter().enumerate() {
         polished.coefficients[at] = x[k] / lengths[k];
         let error = deviation * spread[k] / lengths[k];
@@ -153,21 +167,18 @@ impl Pivoted {
         times(self.basis.as_ref().subcols(0, self.rank), &z)
     }
 
-    /// √((PᵀP)⁻¹)_kk: lengths of the rows of R⁻¹; infinite at dependent columns.
-    fn spread(&self) -> Vec<f64> {
-        let mut squares = vec![0.0; self.rank];
-        for column in 0..self.rank {
-            let mut z = vec![0.0; self.rank];
-            for i in (0..=column).rev() {
-                let unit = if i == column { 1.0 } else { 0.0 };
-                let known: f64 = (i + 1..=column).map(|j| self.triangle[(i, j)] * z[j]).sum();
-                z[i] = (unit - known) / self.triangle[(i, i)];
-            }
-            squares.iter_mut().zip(&z).for_each(|(s, z)| *s += z * z);
-        }
+    /// What errors of variance one with this memory do to each coefficient: for white ones the length of its row of P⁺. Infinite at
+    /// dependent columns.
+    fn spread(&self, memory: &Memory) -> Vec<f64> {
         let mut spread = vec![f64::INFINITY; self.order.len()];
-        for (s, &at) in squares.iter().zip(&self.order) {
-            spread[at] = nonzero(s.sqrt());
+        for &at in self.order.iter().take(self.rank) {
+            let mut unit = vec![0.0; self.order.len()];
+            unit[at] = 1.0;
+            let weights = self.least_norm(&unit);
+            let white: f64 = weights.iter().map(|w| w * w).sum();
+            // Errors that cancel from row to row are mostly those of estimated derivatives, which noise does not make:
+            // they are off in one direction, and no coefficient is known better for it.
+            spread[at] = nonzero(memory.square(&weights).max(white).sqrt());
         }
         spread
     }

@@ -6,7 +6,7 @@
 //!
 //! The picture: [`System`] (what moves) + [`Record`]s (what was read) → [`Problem`] → `search` proposes supports on linearised
 //! likelihoods (`quadratic`, `beam`), `fit` decides on refitted ones; `flow` leads from sample to sample, `sweep` eliminates the
-//! states. Never knows whether an answer is trusted, and prints nothing.
+//! states, `errors` says how far the coefficients can be trusted. Never knows whether an answer is trusted, and prints nothing.
 
 mod beam;
 mod chain;
@@ -15,6 +15,7 @@ mod code;
 mod columns;
 mod delay;
 mod dense;
+mod errors;
 mod fit;
 mod flow;
 mod guide;

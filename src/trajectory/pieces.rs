@@ -11,8 +11,8 @@ use super::record::Record;
 use super::search::Found;
 use super::stretch::stretches;
 
-/// Groups of pieces.
-const GROUPS: usize = 20;
+/// Groups of pieces: few, since oscillations are known by their phase over long stretches.
+const GROUPS: usize = 10;
 /// Fewest groups that halves can be drawn of.
 const FEWEST: usize = 4;
 /// Samples of a piece for each state: what a free beginning takes is then an eighth of what it tells.
@@ -27,12 +27,14 @@ pub struct Pieces {
     pub columns: Vec<usize>,
     /// Products of these p columns, the right side last, of each group: (p + 1) × (p + 1) by rows, in units of the noise.
     pub products: Vec<Vec<f64>>,
+    /// The same of whole records.
+    pub whole: Vec<f64>,
 }
 
 /// `None` where the records are too short to be divided, or the laws lead nowhere.
 pub fn pieces(problem: &Problem, found: &Found) -> Option<Pieces> {
     let point = &found.best.point;
-    let form = problem.form(point).ok()?;
+    let (form, whole) = problem.form_and_products(point).ok()?;
     let mut columns = point.support.clone();
     for m in form.moves(&point.support, 0.0, 4 * RIVALS) {
         columns.extend(m.comes.filter(|j| !columns.contains(j)));
@@ -47,21 +49,25 @@ pub fn pieces(problem: &Problem, found: &Found) -> Option<Pieces> {
     }
     let all = problem.all.outputs();
     let used: usize = groups.iter().flatten().map(|(_, s)| s.len()).sum();
-    let share = problem.samples() as f64 / used as f64 / found.as_one;
-    let part = |products: Vec<f64>| -> Vec<f64> {
+    let share = problem.samples() as f64 / used as f64;
+    let part = |products: &[f64], share: f64| -> Vec<f64> {
         let places = || columns.iter().copied().chain([all]);
         places()
             .flat_map(|i| places().map(move |j| (i, j)))
-            .map(|(i, j)| products[i * (all + 1) + j] * share)
+            .map(|(i, j)| products[i * (all + 1) + j] * share / found.as_one)
             .collect()
     };
     let products = groups.iter().map(|group| {
         let mut moments = Moments::new(all);
         problem.linearise(point, group, &mut moments).ok()?;
-        Some(part(moments.shifted(&point.active())))
+        Some(part(&moments.shifted(&point.active()), share))
     });
     let products = products.collect::<Option<Vec<_>>>()?;
-    Some(Pieces { columns, products })
+    Some(Pieces {
+        whole: part(&whole, 1.0),
+        products,
+        columns,
+    })
 }
 
 /// Pieces of about equal length, in groups that lie together.

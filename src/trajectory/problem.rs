@@ -294,6 +294,11 @@ impl Problem {
     /// # Errors
     /// Laws that lead nowhere from there.
     pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
+        Ok(self.form_and_products(at)?.0)
+    }
+
+    /// Likewise, with the products of all columns, the right side last, that it is of.
+    pub(super) fn form_and_products(&self, at: &Point) -> Result<(Quadratic, Vec<f64>), Diverged> {
         let mut moments = Moments::new(self.all.outputs());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
         let parts = stretches(&lengths);
@@ -303,7 +308,7 @@ impl Problem {
         let mut products = moments.shifted(&at.active());
         // Stretches stand for all samples.
         products.iter_mut().for_each(|x| *x *= share);
-        Ok(Quadratic::new(&products, self.all.outputs()))
+        Ok((Quadratic::new(&products, self.all.outputs()), products))
     }
 
     /// Rows of all columns about a point, on parts of the records; corrections of active coefficients are what they measure.

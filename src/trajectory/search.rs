@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::beam::{Subset, subsets};
+use super::errors;
 use super::fit::{Fit, Judge, fit, price};
 use super::guide::Guide;
 use super::problem::{Point, Problem};
@@ -306,8 +307,7 @@ pub fn search(problem: &Problem, guide: &mut dyn Guide) -> Option<Found> {
             }
         }
     };
-    let wider = readings_as_one(problem, &found.best);
-    found.best.variances.iter_mut().for_each(|v| *v *= wider);
+    errors::judge(problem, &mut found.best);
     Some(found)
 }
 

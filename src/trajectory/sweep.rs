@@ -207,6 +207,16 @@ pub(super) struct Eliminated {
 impl Eliminated {
     /// δz of every sample (samples × n) for coefficients moved by `coefficients`.
     pub fn states(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.back(coefficients, 1.0)
+    }
+
+    /// What the states alone owe to a move of the coefficients: [`Eliminated::states`] less its value at 0.
+    pub fn response(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.back(coefficients, 0.0)
+    }
+
+    /// Back substitution with the right sides multiplied by `share`.
+    fn back(&self, coefficients: &[f64], share: f64) -> Vec<f64> {
         let (n, width) = (self.n, self.width);
         let samples = self.saved.len() / (n * width).max(1);
         let mut out = vec![0.0; (samples + 1) * n];
@@ -215,7 +225,7 @@ impl Eliminated {
             let (here, next) = out[k * n..].split_at_mut(n);
             for i in (0..n).rev() {
                 let row = &rows[i * width..(i + 1) * width];
-                let mut right = row[width - 1];
+                let mut right = share * row[width - 1];
                 right -= dot(&row[n..2 * n], next);
                 right -= dot(&row[2 * n..width - 1], coefficients);
                 right -= dot(&row[i + 1..n], &here[i + 1..]);

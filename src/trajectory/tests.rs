@@ -140,6 +140,10 @@ fn the_sweep_solves_the_stacked_problem() {
         for (j, variance) in solved.variances.iter().enumerate() {
             let at = samples * n + j;
             assert!(close(*variance, covariance[(at, at)], 1e-6), "{n} {p}");
+            let own = triangle.covariances()[j].clone().unwrap();
+            let column = [eliminated.response(&own), own].concat();
+            let truth = covariance.column(at);
+            assert!(column.iter().zip(&truth).all(|(a, b)| close(*a, *b, 1e-6)));
         }
     }
 }

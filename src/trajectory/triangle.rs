@@ -95,29 +95,16 @@ impl Triangle {
     /// (variances at unit error). Columns that depend on those before them get zero.
     pub fn solve(&mut self) -> Solved {
         self.reduce();
-        let (w, p) = (self.width, self.width - 1);
-        let at = |i: usize, j: usize| self.triangle[i * w + j];
-        let norm = |j: usize| (0..=j).map(|i| at(i, j).powi(2)).sum::<f64>().sqrt();
-        let free: Vec<bool> = (0..p)
-            .map(|j| at(j, j).abs() > DEPENDENT * norm(j) && at(j, j) != 0.0)
-            .collect();
-        let back = |right: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            let mut x = vec![0.0; p];
-            for i in (0..p).rev().filter(|i| free[*i]) {
-                let sum: f64 = (i + 1..p).map(|j| at(i, j) * x[j]).sum();
-                x[i] = (right(i) - sum) / at(i, i);
-            }
-            x
-        };
-        let coefficients = back(&|i| at(i, p));
-        let mut residual = at(p, p).powi(2);
+        let p = self.width - 1;
+        let free = self.free();
+        let coefficients = self.back(&free, &|i| self.at(i, p));
+        let mut residual = self.at(p, p).powi(2);
         for i in (0..p).filter(|i| !free[*i]) {
-            let sum: f64 = (i + 1..p).map(|j| at(i, j) * coefficients[j]).sum();
-            residual += (at(i, p) - sum).powi(2);
+            let sum: f64 = (i + 1..p).map(|j| self.at(i, j) * coefficients[j]).sum();
+            residual += (self.at(i, p) - sum).powi(2);
         }
         let mut variances = vec![0.0; p];
-        for k in 0..p {
-            let column = back(&|i| if i == k { 1.0 } else { 0.0 });
+        for column in self.inverse(&free) {
             for (v, x) in variances.iter_mut().zip(column) {
                 *v += x * x;
             }
@@ -132,6 +119,51 @@ impl Triangle {
             residual,
             variances,
         }
+    }
+
+    /// Columns of (RᵀR)⁻¹: what a unit on the right of each normal equation moves. `None` for dependent columns.
+    pub fn covariances(&mut self) -> Vec<Option<Vec<f64>>> {
+        self.reduce();
+        let free = self.free();
+        let inverse = self.inverse(&free);
+        let column = |j: usize| {
+            let mut sum = vec![0.0; free.len()];
+            for part in &inverse {
+                for (s, x) in sum.iter_mut().zip(part) {
+                    *s += part[j] * x;
+                }
+            }
+            free[j].then_some(sum)
+        };
+        (0..free.len()).map(column).collect()
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.triangle[i * self.width + j]
+    }
+
+    /// Columns that do not depend on those before them.
+    fn free(&self) -> Vec<bool> {
+        let norm = |j: usize| (0..=j).map(|i| self.at(i, j).powi(2)).sum::<f64>().sqrt();
+        let free = |j: usize| self.at(j, j).abs() > DEPENDENT * norm(j) && self.at(j, j) != 0.0;
+        (0..self.width - 1).map(free).collect()
+    }
+
+    /// R x = right, zeros where columns are not free.
+    fn back(&self, free: &[bool], right: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        let p = free.len();
+        let mut x = vec![0.0; p];
+        for i in (0..p).rev().filter(|i| free[*i]) {
+            let sum: f64 = (i + 1..p).map(|j| self.at(i, j) * x[j]).sum();
+            x[i] = (right(i) - sum) / self.at(i, i);
+        }
+        x
+    }
+
+    /// R⁻¹ by columns.
+    fn inverse(&self, free: &[bool]) -> Vec<Vec<f64>> {
+        let unit = |k: usize| self.back(free, &|i| if i == k { 1.0 } else { 0.0 });
+        (0..free.len()).map(unit).collect()
     }
 }
 

@@ -7,6 +7,7 @@ mod halves;
 mod identical;
 mod interval;
 mod mark;
+mod nearest;
 mod rows;
 mod without;
 
@@ -20,24 +21,12 @@ use crate::term::{Language, Signal, Term};
 pub use mark::mark;
 pub use rows::stretches;
 
-/// Some columns of a least-squares problem.
+/// Sums over stretches, and forms of some columns.
 struct Choice<'a> {
     stretches: &'a Stretches,
-    /// Products of all stretches.
-    whole: Vec<f64>,
 }
 
-impl<'a> Choice<'a> {
-    fn new(stretches: &'a Stretches) -> Choice<'a> {
-        let all: Vec<usize> = (0..stretches.products.len()).collect();
-        let mut choice = Choice {
-            stretches,
-            whole: Vec::new(),
-        };
-        choice.whole = choice.sum(&all);
-        choice
-    }
-
+impl Choice<'_> {
     fn width(&self) -> usize {
         self.stretches.columns.len() + 1
     }
@@ -65,8 +54,19 @@ impl<'a> Choice<'a> {
 
 /// Gives every term that was found on these stretches its stability and what stands in for it.
 pub fn judge(stretches: &Stretches, discovery: &mut Discovery) {
-    let choice = Choice::new(stretches);
+    let choice = Choice { stretches };
     let found = halves::halves(&choice);
+    let mut targets: Vec<Signal> = stretches.columns.iter().map(|(t, _)| *t).collect();
+    targets.sort_unstable();
+    targets.dedup();
+    for target in targets {
+        let nearest = nearest::nearest(&choice, target, &Language(&*discovery));
+        let evidence = equation(discovery, target).and_then(|e| e.evidence.as_mut());
+        if let Some(evidence) = evidence {
+            evidence.nearest = nearest;
+            evidence.halves = found.as_ref().map(|(halves, _)| halves.clone());
+        }
+    }
     for (k, place) in stretches.support.iter().enumerate() {
         let Some((target, term)) = stretches.columns.get(*place) else {
             continue;
@@ -75,9 +75,6 @@ pub fn judge(stretches: &Stretches, discovery: &mut Discovery) {
         let Some(equation) = equation(discovery, *target) else {
             continue;
         };
-        if let (Some(evidence), Some((halves, _))) = (&mut equation.evidence, &found) {
-            evidence.halves = Some(halves.clone());
-        }
         if let Some(own) = found_term(equation, term) {
             let trust = own.trust.get_or_insert_with(Box::default);
             trust.stability = found.as_ref().and_then(|(_, s)| s.get(k).copied());

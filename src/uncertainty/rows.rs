@@ -46,6 +46,7 @@ pub fn stretches(frame: &Frame) -> Option<Stretches> {
         products: (0..count)
             .map(|i| products(&columns, edge(i)..edge(i + 1), scale))
             .collect(),
+        whole: products(&columns, 0..rows, scale),
         support: (frame.support.iter())
             .filter_map(|p| pool.binary_search(p).ok())
             .collect(),

@@ -38,7 +38,12 @@ fn stretches(noise: f64, twin: Option<f64>) -> Stretches {
             }
         }
     }
+    let mut whole = vec![0.0; (p + 1) * (p + 1)];
+    for part in &products {
+        whole.iter_mut().zip(part).for_each(|(s, x)| *s += x);
+    }
     Stretches {
+        whole,
         columns: (0..p as u16).map(|j| (TARGET, column(j))).collect(),
         products,
         support: vec![0, 1],
@@ -147,7 +152,7 @@ fn a_lonely_term_is_replaced_by_nothing() {
     let mut all = stretches(0.1, None);
     all.columns.truncate(1);
     all.support = vec![0];
-    for part in &mut all.products {
+    for part in all.products.iter_mut().chain([&mut all.whole]) {
         *part = vec![part[0], part[6], part[6], part[48]];
     }
     let mut d = discovery();

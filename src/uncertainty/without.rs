@@ -1,6 +1,6 @@
 //! What becomes of an equation that has to do without one of its terms.
 //!
-//! In: products of all stretches, the term. Out: the terms that step in, those no longer needed, and what that costs.
+//! In: products of whole records, the term. Out: the terms that step in, those no longer needed, and what that costs.
 
 use super::Choice;
 use super::identical::identical;
@@ -19,13 +19,15 @@ pub(super) fn without(
     let kept: Vec<usize> = (0..stretches.columns.len())
         .filter(|p| *p != place && (own(p) || stretches.support.contains(p)))
         .collect();
-    let form = choice.form(&choice.whole, &kept);
+    let form = choice.form(&stretches.whole, &kept);
     let at = |p: &usize| kept.binary_search(p).ok();
     let start: Vec<usize> = stretches.support.iter().filter_map(at).collect();
     let (price, _) = stretches.price;
     let end = form.improve(&start, price);
     let all: Vec<usize> = (0..stretches.columns.len()).collect();
-    let before = choice.form(&choice.whole, &all).least(&stretches.support);
+    let before = choice
+        .form(&stretches.whole, &all)
+        .least(&stretches.support);
     let more = (form.least(&end).square - before.square).max(0.0);
     let terms = end.len() as f64 - stretches.support.len() as f64;
     // Twice the log likelihood with the noise profiled out, which counts independent readings.

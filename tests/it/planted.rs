@@ -10,13 +10,13 @@ use sidc::term::Language;
 mod cases;
 #[path = "../../examples/gallery/response.rs"]
 #[allow(dead_code)]
-mod response;
+pub mod response;
 #[path = "../../examples/planted/run.rs"]
 #[allow(dead_code)]
 mod run;
 #[path = "../../examples/simulate/mod.rs"]
 #[allow(dead_code)]
-mod simulate;
+pub mod simulate;
 
 use cases::Case;
 

@@ -1,32 +1,18 @@
-//! Do columns that are nearly one column hurt the solver, and does it help to take them apart first?
+//! Four ways with columns that are nearly one column, and whether each finds a known law.
 //!
-//!     cargo run --release --example decorrelation
-//!
-//! A driven pendulum that stays within an angle, 39 candidate terms among which θ, sin θ, θ³ and tan θ are nearly one for small
-//! angles, noise on the acceleration. Four ways, each with the solver that is the default:
-//!
-//! - plain: Φ as it is; the support is what the solver finds;
-//! - orthogonalised: in each group of columns with a cosine above 0.99 every column is made orthogonal to those before it;
-//! - grouped: the solver sees the simplest column of each group, and the best member of each group is taken afterwards;
-//! - chosen: Φ as it is, and the criterion's search over all columns, which is what `sidc identify` does.
-//!
-//! Prints how many of twenty draws gave the true support.
-
-#[path = "simulate/mod.rs"]
-#[allow(dead_code)]
-mod simulate;
+//! In: an angle, a noise, a number of draws. Out: how many draws each way got right. Prints nothing.
 
 use std::ops::ControlFlow;
 
-use sidc::data::{Column, Dataset, Origin, Samples};
-use sidc::dictionary::{Dense, Dictionary, compile};
+use sidc::data::{Dataset, Samples};
+use sidc::dictionary::{Dense, Dictionary};
 use sidc::discover::{Options, discover};
-use sidc::lang::source::Sources;
-use sidc::pipeline::{self, Program};
-use sidc::solve::{Problem, SOLVERS, polish};
-use sidc::term::{Language, SignalNames};
-use simulate::integrate::integrate;
-use simulate::random::Random;
+use sidc::pipeline::Program;
+use sidc::solve::{Problem, SOLVERS, polish, unwatched};
+use sidc::term::Language;
+
+use super::simulate::integrate::{grid, integrate};
+use super::simulate::random::Random;
 
 const MODEL: &str = "
 state theta : order 2
@@ -35,94 +21,79 @@ ddtheta ~ <1, theta, sin(theta), theta^3, tan(theta), theta^5, sin(2*theta)> * <
         + <cos(theta), theta^2, dtheta^2, u^2, u*dtheta> * <1, dtheta, u> + <dtheta*abs(dtheta), abs(theta), u^3>
 ";
 const ROWS: usize = 400;
-const DRAWS: u64 = 20;
+/// Seconds.
+const STEP: f64 = 0.03;
 /// Cosine above which two columns are one group.
 const ALIKE: f64 = 0.99;
 /// Part of the largest contribution under which a coefficient counts as none.
 const NONE: f64 = 1e-3;
 const TRUTH: [&str; 3] = ["dtheta", "sin(theta)", "u"];
 
-fn main() {
-    let Some(program) = program() else {
-        println!("the model does not compile");
-        return;
-    };
-    println!("angle   noise    plain  orthogonalised  grouped  chosen   (of {DRAWS})");
-    for angle in [0.1, 0.3, 1.0] {
-        for noise in [0.0, 1e-6, 1e-4, 1e-2] {
-            let mut counts = [0; 4];
-            for seed in 0..DRAWS {
-                let samples = motion(&program, angle, noise, seed);
-                for (count, right) in counts.iter_mut().zip(ways(&program, &samples, noise)) {
-                    *count += usize::from(right);
-                }
-            }
-            let [plain, apart, grouped, chosen] = counts;
-            println!("{angle:5}  {noise:6.0e}  {plain:6}  {apart:14}  {grouped:7}  {chosen:6}");
+pub const WAYS: [&str; 4] = ["plain", "orthogonalised", "grouped", "chosen"];
+pub const ANGLES: [f64; 3] = [0.1, 0.3, 1.0];
+pub const NOISES: [f64; 4] = [0.0, 1e-6, 1e-4, 1e-2];
+
+/// How many draws each of the [`WAYS`] got right.
+pub fn right(angle: f64, noise: f64, draws: u64) -> Result<[usize; 4], String> {
+    let program = Program::compile("decorrelation.sid", MODEL)?;
+    let mut counts = [0; 4];
+    for seed in 0..draws {
+        let samples = motion(&program, angle, noise, seed)?;
+        let found = ways(&program, &samples, noise)?;
+        for (count, right) in counts.iter_mut().zip(found) {
+            *count += usize::from(right);
         }
     }
-}
-
-fn program() -> Option<Program> {
-    let mut sources = Sources::default();
-    let file = sources.add("decorrelation.sid", MODEL);
-    pipeline::compile(file, &sources, pipeline::MEMORY).0
+    Ok(counts)
 }
 
 /// Rows of a pendulum pushed by sines until it swings about `angle` far; noise relative to the acceleration's size.
-fn motion(program: &Program, angle: f64, noise: f64, seed: u64) -> Samples {
+fn motion(program: &Program, angle: f64, noise: f64, seed: u64) -> Result<Samples, String> {
     let mut random = Random::new(seed);
     let phase = random.uniform(0.0, 6.0);
     let push =
         |t: f64| angle * ((1.1 * t + phase).sin() + 0.8 * (4.3 * t).cos() + 0.5 * (0.4 * t).sin());
     let law = |t: f64, x: &[f64; 2]| [x[1], push(t) - 9.81 * x[0].sin() - 0.8 * x[1]];
     let mut x = [angle * random.uniform(0.6, 0.9), 0.0];
-    let mut rows: Vec<[f64; 4]> = Vec::new();
-    for k in 0..ROWS {
-        let t = 0.03 * k as f64;
-        rows.push([x[0], x[1], law(t, &x)[1], push(t)]);
-        x = integrate(&law, t, t + 0.03, x);
+    let times = grid(ROWS, STEP);
+    let [mut theta, mut dtheta, mut ddtheta] = [const { Vec::new() }; 3];
+    for t in &times {
+        theta.push(x[0]);
+        dtheta.push(x[1]);
+        ddtheta.push(law(*t, &x)[1]);
+        x = integrate(&law, *t, t + STEP, x);
     }
-    let size = (rows.iter().map(|r| r[2] * r[2]).sum::<f64>() / ROWS as f64).sqrt();
-    rows.iter_mut()
-        .for_each(|r| r[2] += noise * size * random.normal());
-    let names = ["theta", "dtheta", "ddtheta", "u"];
-    let mut columns: Vec<Column> = (pipeline::needed(program).into_iter())
-        .filter_map(|signal| {
-            let name = program.model.name(signal);
-            let at = names.iter().position(|n| *n == name)?;
-            let sigma = (at == 2 && noise > 0.0).then_some(noise * size);
-            Some(Column {
-                signal,
-                values: rows.iter().map(|r| r[at]).collect(),
-                origin: Origin::Measured { noise: sigma },
-            })
-        })
-        .collect();
-    columns.sort_by_key(|c| c.signal);
-    Samples {
-        trajectory: vec![0; ROWS],
-        time: (0..ROWS).map(|k| 0.03 * k as f64).collect(),
-        columns,
+    let size = (ddtheta.iter().map(|a| a * a).sum::<f64>() / ROWS as f64).sqrt();
+    ddtheta
+        .iter_mut()
+        .for_each(|a| *a += noise * size * random.normal());
+    let u: Vec<f64> = times.iter().map(|t| push(*t)).collect();
+    let columns: [(&str, &[f64]); 4] = [
+        ("theta", &theta),
+        ("dtheta", &dtheta),
+        ("ddtheta", &ddtheta),
+        ("u", &u),
+    ];
+    let mut samples = program.samples(&times, &columns)?;
+    if noise > 0.0 {
+        samples.declare_noise(program.model.equations[0].target, noise * size);
     }
+    Ok(samples)
 }
 
 /// Whether each way finds the truth.
-fn ways(program: &Program, samples: &Samples, noise: f64) -> [bool; 4] {
-    let Some(Some(library)) = program.libraries.first() else {
-        return [false; 4];
-    };
-    let target = program.model.equations[0].target;
-    let (Ok(phi), Some(y)) = (compile(library, samples, None), samples.column(target)) else {
-        return [false; 4];
-    };
-    let names: Vec<String> = (0..phi.cols())
-        .map(|j| Language(&program.model).term(&library.term(j).unwrap_or_default()))
+fn ways(program: &Program, samples: &Samples, noise: f64) -> Result<[bool; 4], String> {
+    let regression = program.regression("ddtheta", samples)?;
+    let (phi, y) = (regression.dictionary.as_ref(), &regression.target);
+    let all: Vec<(usize, f64)> = (0..phi.cols()).map(|j| (j, 0.0)).collect();
+    let names: Vec<String> = program
+        .terms("ddtheta", &all)
+        .into_iter()
+        .map(|(name, _)| name)
         .collect();
-    let y = &y.values;
     let size = y.iter().map(|y| y * y).sum::<f64>().sqrt();
     let tolerance = size * (1.05 * noise).max(1e-9);
-    let columns: Vec<Vec<f64>> = (0..phi.cols()).map(|j| unit(phi.as_ref(), j)).collect();
+    let columns: Vec<Vec<f64>> = (0..phi.cols()).map(|j| unit(phi, j)).collect();
     let groups = groups(&columns);
     let right = |support: &[usize]| {
         let mut found: Vec<&str> = support.iter().map(|j| names[*j].as_str()).collect();
@@ -154,7 +125,7 @@ fn ways(program: &Program, samples: &Samples, noise: f64) -> [bool; 4] {
         found.sort();
         found == TRUTH
     });
-    [right(&plain), right(&apart), right(&grouped), chosen]
+    Ok([right(&plain), right(&apart), right(&grouped), chosen])
 }
 
 fn unit(phi: &dyn Dictionary, j: usize) -> Vec<f64> {
@@ -211,7 +182,7 @@ fn solved(columns: &[Vec<f64>], y: &[f64], tolerance: f64) -> Vec<usize> {
         target: y,
         tolerance,
     };
-    let solution = SOLVERS[0].solve(&problem, &mut |_| ControlFlow::Continue(()));
+    let solution = SOLVERS[0].solve(&problem, &mut unwatched);
     let shares: Vec<f64> = problem.shares(&solution.coefficients).collect();
     let most = shares.iter().copied().fold(0.0, f64::max);
     let kept = solution.coefficients.iter().zip(&shares);

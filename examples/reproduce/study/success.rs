@@ -1,0 +1,116 @@
+//! Shares of exact answers against the number of rows.
+//!
+//! In: a setup, records, how rows are taken. Out: a curve for each law, and the fewest rows that do. Exact is what `Answer::exact` says.
+
+use super::plot::{Look, Mark};
+use super::record::Record;
+use super::setup::{Law, Setup};
+use super::{Fault, work};
+
+/// What the thesis' successor has to reach.
+pub const WANTED: f64 = 0.95;
+
+pub struct Curve {
+    pub target: &'static str,
+    /// Candidate terms.
+    pub terms: usize,
+    /// Rows, and exact answers among the draws.
+    pub points: Vec<(usize, usize)>,
+    pub draws: usize,
+}
+
+impl Curve {
+    pub fn shares(&self) -> Vec<(f64, f64)> {
+        let share = |(m, k): &(usize, usize)| (*m as f64, *k as f64 / self.draws as f64);
+        self.points.iter().map(share).collect()
+    }
+
+    /// Fewest rows from which on the share of exact answers is at least [`WANTED`], at every number of rows tried.
+    pub fn needed(&self) -> Option<usize> {
+        let enough = |k: usize| k as f64 >= WANTED * self.draws as f64;
+        let after = self.points.iter().rposition(|(_, k)| !enough(*k));
+        let first = after.map_or(0, |at| at + 1);
+        self.points.get(first).map(|(m, _)| *m)
+    }
+
+    /// As a line over rows, or over rows divided by `unit`.
+    pub fn line(&self, look: Look, name: &str, unit: f64) -> [Mark; 2] {
+        let over = |(m, share): (f64, f64)| (m / unit, share);
+        let band = |(m, k): &(usize, usize)| {
+            let (low, high) = wilson(*k, self.draws);
+            (*m as f64 / unit, low, high)
+        };
+        [
+            Mark::Band {
+                points: self.points.iter().map(band).collect(),
+                colour: look.colour,
+            },
+            Mark::Line {
+                points: self.shares().into_iter().map(over).collect(),
+                look,
+                name: name.to_string(),
+            },
+        ]
+    }
+}
+
+/// The interval of 95 % for k successes of n (Wilson 1927).
+fn wilson(k: usize, n: usize) -> (f64, f64) {
+    let (n, z) = (n as f64, 1.96);
+    let p = k as f64 / n;
+    let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
+    let of = |sign: f64| (p + z * z / (2.0 * n) + sign * half) / (1.0 + z * z / n);
+    (of(-1.0), of(1.0))
+}
+
+/// A curve for every law of the setup: record `k` of `records` is draw `k`, of which `take` takes so many rows.
+pub fn curves(
+    name: &str,
+    setup: &Setup,
+    records: &[Record],
+    rows: &[usize],
+    take: impl Fn(&Record, usize, u64) -> Record + Sync,
+) -> Result<Vec<Curve>, Fault> {
+    let draws: Vec<usize> = (0..records.len()).collect();
+    let laws: Vec<usize> = (0..setup.laws.len()).collect();
+    let cases = work::pairs(&work::pairs(&laws, rows), &draws);
+    let exact = work::all(name, &cases, |((law, rows), draw)| {
+        let taken = take(&records[*draw], *rows, *draw as u64);
+        Ok(setup.pursue(&setup.laws[*law], &taken)?.exact())
+    })?;
+    let mut counts = exact.chunks(records.len().max(1));
+    let curve = |law: &Law| Curve {
+        target: law.target,
+        terms: law.terms,
+        points: rows
+            .iter()
+            .map(|m| {
+                (
+                    *m,
+                    counts
+                        .next()
+                        .map_or(0, |c| c.iter().filter(|e| **e).count()),
+                )
+            })
+            .collect(),
+        draws: records.len(),
+    };
+    Ok(setup.laws.iter().map(curve).collect())
+}
+
+/// A number of rows, or that none of those tried was enough.
+pub fn told(needed: Option<usize>, tried: &[usize]) -> String {
+    let most = tried.iter().max().copied().unwrap_or(0);
+    needed.map_or(format!("> {most}"), |m| m.to_string())
+}
+
+/// ÿ or θ̈, for titles.
+pub fn symbol(target: &str) -> &'static str {
+    match target {
+        "ddy" => "ÿ",
+        "ddtheta" => "θ̈",
+        "ddx" => "ẍ",
+        "ddth1" => "θ̈₁",
+        _ => "θ̈₂",
+    }
+}

@@ -1,0 +1,241 @@
+//! The steps of the flow taken by hand: a model's text and columns of numbers → Φ and y of one equation, for a solver.
+//!
+//! For sweeps and studies, which have their data in memory and look at solutions before any criterion does. Estimates nothing, weighs no
+//! rows, reads no files.
+
+use super::{MEMORY, Program, Sources, needed};
+use crate::data::{Column, Origin, Samples};
+use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
+use crate::lang::model::RightSide;
+use crate::lang::render;
+use crate::library::{Library, known_terms};
+use crate::solve::Problem;
+use crate::term::{Language, Signal, SignalNames};
+
+/// One equation on its rows: y = Φ a.
+pub struct Regression {
+    /// Φ, M × N; its columns are the slots of the equation's library.
+    pub dictionary: Box<dyn Dictionary>,
+    /// The target without its `known(…)` parts, length M.
+    pub target: Vec<f64>,
+}
+
+impl Regression {
+    /// Basis pursuit (ε = 0) or basis pursuit denoising with ε = `tolerance`, in the units of the target.
+    pub fn problem(&self, tolerance: f64) -> Problem<'_> {
+        Problem {
+            dictionary: self.dictionary.as_ref(),
+            target: &self.target,
+            tolerance,
+        }
+    }
+}
+
+impl Program {
+    /// A model's text, compiled; `name` stands for its file in messages.
+    ///
+    /// ```
+    /// use sidc::pipeline::Program;
+    ///
+    /// let program = Program::compile("pendulum.sid", "state th : order 2\nddth ~ powers(th, dth, sin th; 2)\n")?;
+    /// assert_eq!(program.library("ddth").map(|l| l.len()), Some(27));
+    ///
+    /// let wrong = Program::compile("pendulum.sid", "state th : order 2\nddth ~ powers(th, omega; 2)\n");
+    /// assert!(wrong.is_err_and(|message| message.contains("omega")));
+    /// # Ok::<(), String>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The diagnostics as the command line prints them, warnings among them.
+    pub fn compile(name: &str, text: &str) -> Result<Program, String> {
+        let mut sources = Sources::default();
+        let file = sources.add(name, text);
+        let (program, found) = super::compile(file, &sources, MEMORY);
+        program.ok_or_else(|| render(&found, &sources, false))
+    }
+
+    /// The library of an equation, by the name of its target; `None` if nothing is looked for there.
+    pub fn library(&self, target: &str) -> Option<&Library> {
+        let at = self.place(target)?;
+        self.libraries.get(at)?.as_ref()
+    }
+
+    /// Rows of every signal that the equations mention, from columns by name; others are left aside. Values count as measured, with
+    /// the noise that the model declares.
+    ///
+    /// ```
+    /// # use sidc::pipeline::Program;
+    /// let program = Program::compile("fall.sid", "state v, x\ndv ~ <1, v, v*abs(v)>\n")?;
+    /// let (v, dv) = ([0.0, 1.0, 2.0], [-9.8, -9.7, -9.6]);
+    /// let samples = program.samples(&[0.0, 0.1, 0.2], &[("v", &v), ("dv", &dv)])?;
+    /// assert_eq!((samples.len(), samples.columns.len()), (3, 2));
+    /// # Ok::<(), String>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A signal without a column, a column of another length than `time`, a value that is not finite.
+    pub fn samples(&self, time: &[f64], columns: &[(&str, &[f64])]) -> Result<Samples, String> {
+        let signals = needed(self);
+        let columns: Result<Vec<Column>, String> = signals
+            .into_iter()
+            .map(|signal| self.column(signal, time.len(), columns))
+            .collect();
+        Ok(Samples {
+            trajectory: vec![0; time.len()],
+            time: time.to_vec(),
+            columns: columns?,
+        })
+    }
+
+    fn column(
+        &self,
+        signal: Signal,
+        rows: usize,
+        columns: &[(&str, &[f64])],
+    ) -> Result<Column, String> {
+        let name = self.model.name(signal);
+        let given = columns.iter().find(|(n, _)| *n == name);
+        let (_, values) = given.ok_or_else(|| format!("no column is named {name}"))?;
+        if values.len() != rows {
+            let length = values.len();
+            return Err(format!("column {name} has {length} values for {rows} rows"));
+        }
+        if let Some(row) = values.iter().position(|v| !v.is_finite()) {
+            return Err(format!(
+                "column {name} is {} in row {row}, counted from 0",
+                values[row]
+            ));
+        }
+        Ok(Column {
+            signal,
+            values: values.to_vec(),
+            origin: Origin::Measured {
+                noise: self.model.noise(signal),
+            },
+        })
+    }
+
+    /// Φ and y of one equation on the rows given.
+    ///
+    /// ```
+    /// use sidc::pipeline::Program;
+    /// use sidc::solve::{SOLVERS, certify, unwatched};
+    ///
+    /// // A ball falls through air: 0.05 v|v| of drag, found out of ten terms on six rows.
+    /// let program = Program::compile("fall.sid", "state v\ndv ~ <1, v*abs(v)> * powers(v; 4)\n")?;
+    /// let v = [-0.5, -3.0, -6.0, 1.0, -9.0, 4.0];
+    /// let dv = v.map(|v| -9.8 - 0.05 * v * f64::abs(v));
+    /// let samples = program.samples(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5], &[("v", &v), ("dv", &dv)])?;
+    ///
+    /// let regression = program.regression("dv", &samples)?;
+    /// let problem = regression.problem(0.0);
+    /// let solution = SOLVERS[0].solve(&problem, &mut unwatched);
+    /// let found = program.terms("dv", &solution.coefficients);
+    /// assert_eq!(found[0].0, "1");
+    /// assert_eq!(found[1].0, "v*abs(v)");
+    /// assert!((found[0].1 + 9.8).abs() < 1e-9 && (found[1].1 + 0.05).abs() < 1e-9);
+    ///
+    /// // The proof asks the data, not the solver.
+    /// let certificate = certify(&problem, &solution.coefficients, &solution.dual);
+    /// assert!(certificate.proves_unique);
+    /// # Ok::<(), String>(())
+    /// ```
+    ///
+    /// # Errors
+    /// No such equation, or one without a library; a target that the samples do not have; a term without a finite value.
+    pub fn regression(&self, target: &str, samples: &Samples) -> Result<Regression, String> {
+        let library = self.library(target);
+        let library = library.ok_or_else(|| format!("no terms are looked for in {target}"))?;
+        let equation = self
+            .place(target)
+            .and_then(|at| self.model.equations.get(at));
+        let equation = equation.ok_or_else(|| format!("there is no equation of {target}"))?;
+        let measured = samples.column(equation.target);
+        let mut y = match measured {
+            Some(column) => column.values.clone(),
+            None => return Err(format!("no column is named {target}")),
+        };
+        if let RightSide::Search { known, .. } = &equation.right {
+            for (weight, term) in known_terms(known.iter().map(|(e, _)| e)) {
+                let values = evaluate(&term, samples);
+                y.iter_mut().zip(values).for_each(|(y, v)| *y -= weight * v);
+            }
+        }
+        let dictionary = compile(library, samples, None).map_err(|bad| self.undefined(&bad))?;
+        Ok(Regression {
+            dictionary,
+            target: y,
+        })
+    }
+
+    fn undefined(&self, bad: &BadValue) -> String {
+        let term = Language(&self.model).term(&bad.term);
+        format!(
+            "{term} has no finite value in row {}, counted from 0",
+            bad.row
+        )
+    }
+
+    /// The terms of (column, coefficient) pairs, as they are printed; columns that hold no term are left out.
+    pub fn terms(&self, target: &str, coefficients: &[(usize, f64)]) -> Vec<(String, f64)> {
+        let Some(library) = self.library(target) else {
+            return Vec::new();
+        };
+        let named = |(slot, a): &(usize, f64)| {
+            let term = library
+                .term(*slot)
+                .filter(|_| !library.is_empty_slot(*slot));
+            term.map(|t| (Language(&self.model).term(&t), *a))
+        };
+        coefficients.iter().filter_map(named).collect()
+    }
+
+    /// The columns of terms, spelled as they are printed but for the order of their factors; `None` for one that the library does
+    /// not have. Looks through all terms once.
+    ///
+    /// ```
+    /// # use sidc::pipeline::Program;
+    /// let program = Program::compile("pendulum.sid", "state th : order 2\nddth ~ powers(th, dth, sin th; 2)\n")?;
+    /// let slots = program.slots("ddth", &["sin(th)*dth^2", "cos(th)"]);
+    /// assert!(slots[0].is_some() && slots[1].is_none());
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn slots(&self, target: &str, terms: &[&str]) -> Vec<Option<usize>> {
+        let mut slots = vec![None; terms.len()];
+        let Some(library) = self.library(target) else {
+            return slots;
+        };
+        let wanted: Vec<Vec<&str>> = terms.iter().map(|t| factors(t)).collect();
+        for (slot, term) in library.terms() {
+            let name = Language(&self.model).term(&term);
+            let name = factors(&name);
+            if let Some(k) = wanted.iter().position(|w| *w == name) {
+                slots[k] = Some(slot);
+            }
+        }
+        slots
+    }
+
+    fn place(&self, target: &str) -> Option<usize> {
+        let named = |s: Signal| self.model.name(s) == target;
+        self.model.equations.iter().position(|e| named(e.target))
+    }
+}
+
+/// What stands between the `*` outside of brackets, sorted.
+fn factors(term: &str) -> Vec<&str> {
+    let mut depth = 0_usize;
+    let mut parts: Vec<&str> = term
+        .split(|c: char| {
+            match c {
+                '(' => depth += 1,
+                ')' => depth = depth.saturating_sub(1),
+                _ => {}
+            }
+            c == '*' && depth == 0
+        })
+        .map(str::trim)
+        .collect();
+    parts.sort_unstable();
+    parts
+}

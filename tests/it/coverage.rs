@@ -1,0 +1,50 @@
+//! Standard errors are true: intervals hold the known coefficients as often as they say.
+
+#[path = "../../examples/coverage/accelerometer.rs"]
+mod accelerometer;
+#[path = "../../examples/coverage/case.rs"]
+mod case;
+#[path = "../../examples/coverage/figures.rs"]
+#[allow(dead_code)]
+mod figures;
+#[path = "../../examples/coverage/odebench.rs"]
+#[allow(dead_code)]
+mod odebench;
+#[path = "../../examples/coverage/run.rs"]
+mod run;
+
+// What the files above know as their neighbours.
+use super::planted::{response, simulate};
+use figures::Row;
+
+/// Some draws of a case: all intervals together, and the size of every standard error. `cargo run --release --example coverage`
+/// does 200 draws of all cases.
+fn holds(name: &str, count: u64, exact: usize) {
+    let mut all = odebench::cases();
+    all.extend(accelerometer::cases());
+    let case = all.iter().find(|c| c.name == name).unwrap();
+    let draws = run::draws(case, 0.01, count).unwrap();
+    let row = Row::new(case, &draws);
+    let text = format!("{}\n{}", row.text(), row.terms_text());
+    assert!(draws.iter().flatten().count() >= exact, "{text}");
+    let (covered, all) = row.covered();
+    let share = f64::from(covered) / f64::from(all);
+    assert!((0.88..=0.995).contains(&share), "{text}");
+    for term in &row.terms {
+        assert!((0.7..1.4).contains(&term.ratio), "{text}");
+        assert!(term.bias.abs() < 0.6, "{text}");
+    }
+}
+
+/// Weak damping seen over many swings: the slack that the fit gives to its laws is no error of the answer.
+#[test]
+fn the_slack_of_the_laws_is_no_error_of_the_coefficients() {
+    holds("ode32_double_well", 40, 40);
+}
+
+/// Least squares on a target whose errors are white, and on one whose errors last for some samples.
+#[test]
+fn errors_that_follow_each_other_widen_the_intervals() {
+    holds("accelerometer", 80, 80);
+    holds("accelerometer_filtered", 80, 60);
+}
