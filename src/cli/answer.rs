@@ -136,6 +136,10 @@ fn settings(args: &Args, candidate: &Candidate) -> Settings {
         seed: args.seed,
         window: args.window,
         holdout: args.holdout.iter().map(held).collect(),
+        params: args.params.clone(),
+        robust: args.robust,
+        files: candidate.origin.files.clone(),
+        source: candidate.origin.text.clone(),
         reading: Reading::of(&as_read),
     }
 }

@@ -2,6 +2,7 @@
 
 use super::identify::{self, Args, Candidate, Found};
 use super::limits::Limits;
+use super::narrate::Narrator;
 use super::{Failure, inputs};
 use crate::data::Stretch;
 use crate::emit;
@@ -24,14 +25,14 @@ pub fn run(
     args: &Args,
     all: &[Candidate],
     sources: &Sources,
-    limits: &Limits,
+    (limits, narrator): (&Limits, &Narrator),
 ) -> Result<u8, Failure> {
     let shared = shared(all);
     let mut tried: Vec<Found> = Vec::new();
     let mut merits: Vec<Merit> = Vec::new();
     let mut enough = None;
     for candidate in all {
-        let found = identify::find(args, candidate, sources, limits)?;
+        let found = identify::find(args, candidate, sources, (limits, narrator))?;
         let merit = merit(&found, found.validation.as_ref(), &shared);
         merits.push(merit);
         tried.push(found);

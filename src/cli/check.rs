@@ -17,6 +17,7 @@ use crate::term::{Language, Signal, SignalNames, VarId};
 
 /// Check a model, and whether the data fit it
 #[derive(clap::Args)]
+#[command(after_help = super::examples::CHECK)]
 pub struct Args {
     /// A model (.sid) and any data files
     #[arg(required = true)]

@@ -9,6 +9,7 @@ use crate::result;
 
 /// Write a result as LaTeX, Rust, …
 #[derive(clap::Args)]
+#[command(after_help = super::examples::EXPORT)]
 pub struct Args {
     /// Result of `sidc identify … -o R.json`
     result: PathBuf,

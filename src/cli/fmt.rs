@@ -8,6 +8,7 @@ use crate::lang::source::Sources;
 
 /// Lay a model out in the standard way (white space only; comments stay)
 #[derive(clap::Args)]
+#[command(after_help = super::examples::FMT)]
 pub struct Args {
     /// Models (.sid), rewritten in place
     #[arg(required = true)]

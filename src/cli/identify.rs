@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
+use super::narrate::Narrator;
 use super::progress::{Line, Work};
 use super::values::{self, Held};
 use super::{Failure, answer, candidates, output, status};
@@ -12,13 +13,14 @@ use crate::data::{HoldOut, Table};
 use crate::discover::{Discovery, METHODS, Method, Options, Reason};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Measured, Program, Rows};
-use crate::result::CandidateEntry;
+use crate::result::{CandidateEntry, FileEntry};
 use crate::solve::{SOLVERS, Solver};
 use crate::term::SignalNames;
 use crate::validate::Validation;
 
 /// Find the equations of a model in data
 #[derive(clap::Args)]
+#[command(after_help = super::examples::IDENTIFY)]
 pub struct Args {
     /// A model (.sid) and one or more data files; several files are several trajectories, several models are candidates
     #[arg(required = true)]
@@ -54,7 +56,7 @@ pub struct Args {
     pub(super) solver: &'static dyn Solver,
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = values::parameter)]
-    params: Vec<(String, Vec<f64>)>,
+    pub(super) params: Vec<(String, Vec<f64>)>,
     /// Standard deviation of a signal's measurement, in units of the model: theta=0.01, ddtheta=0.5
     #[arg(long = "noise", value_name = "theta=0.01", value_parser = values::noise)]
     noise: Vec<(String, f64)>,
@@ -76,11 +78,23 @@ pub struct Args {
     /// Only warnings and errors on stderr
     #[arg(short, long)]
     quiet: bool,
+    /// Say on stderr what is done and how long each stage takes
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
+}
+
+/// A model as it was given.
+#[derive(Clone)]
+pub(super) struct Origin {
+    pub text: String,
+    /// The model, and behind it the data.
+    pub files: Vec<FileEntry>,
 }
 
 /// A model and its data, ready.
 pub(super) struct Candidate {
     pub path: PathBuf,
+    pub origin: Origin,
     pub program: Program,
     pub measured: Measured,
     /// Warnings that travel with the result.
@@ -89,33 +103,39 @@ pub(super) struct Candidate {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
+    let narrator = Narrator::new(args.verbose);
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
     let programs = programs(args, &files.models, &mut sources)?;
+    let read = |what: &str, n: usize| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    narrator.done(&format!("{} compiled", read("model", programs.len())));
     if files.data.is_empty() {
         return Err(Failure::new(
             "error[no-data]: no data file\n  = help: sidc identify MODEL.sid DATA.csv",
         ));
     }
     let (paths, held) = held_out(args, &files);
-    let tables = inputs::tables(&paths, args.memory_limit, &mut sources)?;
+    let (tables, entries) = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
+    narrator.done(&format!("{} read", read("table", tables.len())));
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,
     };
     limits.listen();
     let mut ready = Vec::new();
-    for (path, (program, warnings)) in files.models.into_iter().zip(programs) {
-        let model = (path, program, warnings);
+    for (path, (mut origin, program, warnings)) in files.models.into_iter().zip(programs) {
+        origin.files.extend(entries.iter().cloned());
+        let model = (path, origin, program, warnings);
         let data = (tables.as_slice(), &rows);
         ready.push(prepare(args, model, data, (&mut sources, &limits))?);
+        narrator.done("data bound, signals prepared");
     }
     match ready.as_slice() {
         [alone] => {
-            let found = find(args, alone, &sources, &limits)?;
+            let found = find(args, alone, &sources, (&limits, &narrator))?;
             conclude(args, alone, &found, &[])
         }
-        several => candidates::run(args, several, &sources, &limits),
+        several => candidates::run(args, several, &sources, (&limits, &narrator)),
     }
 }
 
@@ -124,16 +144,21 @@ fn programs(
     args: &Args,
     models: &[PathBuf],
     sources: &mut Sources,
-) -> Result<Vec<(Program, Vec<Reason>)>, Failure> {
+) -> Result<Vec<(Origin, Program, Vec<Reason>)>, Failure> {
     let mut failed = Failure::default();
     let mut programs = Vec::new();
     for path in models {
-        let done = inputs::model(path, sources).and_then(|file| {
+        let done = inputs::text_and_entry(path).and_then(|(text, entry)| {
+            let file = sources.add(path.display().to_string(), text.as_str());
+            let origin = Origin {
+                text,
+                files: vec![entry],
+            };
             let compiled = pipeline::compile(file, sources, args.memory_limit);
             let warnings = answer::said(&compiled.1);
             let mut program = inputs::report(compiled, sources, Notes::lines_unless(args.quiet))?;
             values::set_noise(&mut program, &args.noise)?;
-            Ok((program, warnings))
+            Ok((origin, program, warnings))
         });
         match done {
             Ok(program) => programs.push(program),
@@ -168,7 +193,7 @@ fn held_out(args: &Args, files: &Inputs) -> (Vec<PathBuf>, HoldOut) {
 
 fn prepare(
     args: &Args,
-    (path, program, mut warnings): (PathBuf, Program, Vec<Reason>),
+    (path, origin, program, mut warnings): (PathBuf, Origin, Program, Vec<Reason>),
     (tables, rows): (&[Table], &Rows),
     (sources, limits): (&mut Sources, &Limits),
 ) -> Result<Candidate, Failure> {
@@ -194,6 +219,7 @@ fn prepare(
     let measured = inputs::report(staged, sources, Notes::lines_unless(args.quiet))?;
     Ok(Candidate {
         path,
+        origin,
         program,
         measured,
         warnings,
@@ -212,21 +238,30 @@ pub(super) fn find(
     args: &Args,
     candidate: &Candidate,
     sources: &Sources,
-    limits: &Limits,
+    (limits, narrator): (&Limits, &Narrator),
 ) -> Result<Found, Failure> {
     let (program, measured) = (&candidate.program, &candidate.measured);
     let line = Line::start(!args.quiet, &program.model, limits);
     let found = pipeline::identify(program, measured, &args.options(), &mut |step| {
+        let equation = program.model.equations.get(step.equation);
+        let target = equation.map_or_else(String::new, |e| program.model.name(e.target));
+        narrator.at(&step, &target);
         line.show(Work::Equation(step));
         limits.check()
     });
+    narrator.close();
+    narrator.done("evidence weighed");
     let found = found.map_err(|d| Failure::new(inputs::render(&d, sources)));
     let mut go_on = || limits.go_on().is_continue();
     let mut validation = |d: &Discovery| pipeline::validate(program, measured, d, &mut go_on);
-    found.map(|discovery| Found {
+    let found = found.map(|discovery| Found {
         validation: validation(&discovery),
         discovery,
-    })
+    })?;
+    if found.validation.is_some() {
+        narrator.done("run on data held out");
+    }
+    Ok(found)
 }
 
 /// Writes and prints what was found; the exit status.

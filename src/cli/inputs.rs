@@ -4,11 +4,14 @@ use std::fs::File;
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
+use sha2::{Digest, Sha256};
+
 use super::Failure;
 use crate::data::{self, Limits, Table};
 use crate::lang;
 use crate::lang::diagnostic::{Diagnostic, Severity};
 use crate::lang::source::{FileId, Sources};
+use crate::result::FileEntry;
 
 /// Largest model or result, bytes: far beyond any written by hand.
 const LARGEST_TEXT: u64 = 64 << 20;
@@ -56,6 +59,11 @@ impl Inputs {
 /// # Errors
 /// Not there, not a file, too large, not UTF-8.
 pub fn text(path: &Path) -> Result<String, Failure> {
+    text_and_entry(path).map(|(text, _)| text)
+}
+
+/// The same, and what the file is known by.
+pub fn text_and_entry(path: &Path) -> Result<(String, FileEntry), Failure> {
     let fail =
         |why: String| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
     let file = open(path)?;
@@ -66,16 +74,40 @@ pub fn text(path: &Path) -> Result<String, Failure> {
     if bytes.len() as u64 > LARGEST_TEXT {
         return Err(fail(format!("larger than {} MB", LARGEST_TEXT >> 20)));
     }
+    let entry = entry(path, Sha256::new_with_prefix(&bytes));
     let text = String::from_utf8(bytes).map_err(|e| {
         fail(format!(
             "not UTF-8 at byte {}; save the file as UTF-8",
             e.utf8_error().valid_up_to()
         ))
     })?;
-    Ok(match text.strip_prefix('\u{feff}') {
+    let text = match text.strip_prefix('\u{feff}') {
         Some(rest) => rest.to_string(),
         None => text,
-    })
+    };
+    Ok((text, entry))
+}
+
+fn entry(path: &Path, hash: Sha256) -> FileEntry {
+    let hex = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    FileEntry {
+        name: short_name(path),
+        sha256: hex,
+    }
+}
+
+/// A file that is hashed as it is read.
+struct Hashed {
+    file: File,
+    hash: Sha256,
+}
+
+impl Read for Hashed {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        self.hash.update(buffer.get(..n).unwrap_or_default());
+        Ok(n)
+    }
 }
 
 /// Adds a model's text to the sources.
@@ -89,21 +121,36 @@ pub fn tables(
     memory: u64,
     sources: &mut Sources,
 ) -> Result<Vec<Table>, Failure> {
+    tables_and_entries(paths, memory, sources).map(|(tables, _)| tables)
+}
+
+/// The same, and what each file is known by.
+pub fn tables_and_entries(
+    paths: &[PathBuf],
+    memory: u64,
+    sources: &mut Sources,
+) -> Result<(Vec<Table>, Vec<FileEntry>), Failure> {
     let limits = Limits {
         table_bytes: memory,
         ..Limits::default()
     };
     let mut tables = Vec::new();
+    let mut entries = Vec::new();
     let mut faults = Vec::new();
     for path in paths {
-        let file = open(path)?;
-        match data::read(&short_name(path), file, &limits, sources) {
+        let mut file = Hashed {
+            file: open(path)?,
+            hash: Sha256::new(),
+        };
+        let read = data::read(&short_name(path), &mut file, &limits, sources);
+        entries.push(entry(path, file.hash));
+        match read {
             Ok(table) => tables.push(table),
             Err(found) => faults.extend(found),
         }
     }
     if faults.is_empty() {
-        return Ok(tables);
+        return Ok((tables, entries));
     }
     Err(Failure::new(render(&faults, sources)))
 }

@@ -13,6 +13,7 @@ use crate::term::{Signal, SignalNames, VarId};
 
 /// A and B near a point, eigenvalues, stability, controllability
 #[derive(clap::Args)]
+#[command(after_help = super::examples::LINEARIZE)]
 pub struct Args {
     /// Result of `sidc identify … -o R.json`
     result: PathBuf,

@@ -8,6 +8,7 @@ use crate::term::FUNCTIONS;
 
 /// List generators, functions, solvers and export targets
 #[derive(clap::Args)]
+#[command(after_help = super::examples::LIST)]
 pub struct Args {}
 
 pub fn run(_: &Args) -> Result<u8, Failure> {

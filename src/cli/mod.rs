@@ -3,6 +3,8 @@
 mod answer;
 mod candidates;
 mod check;
+mod completions;
+mod examples;
 mod export;
 mod fmt;
 mod identify;
@@ -10,9 +12,12 @@ mod inputs;
 mod limits;
 mod linearize;
 mod list;
+mod narrate;
+mod new;
 mod output;
 mod point;
 mod progress;
+mod report;
 mod simulate;
 mod smooth;
 mod values;
@@ -43,9 +48,11 @@ struct Cli {
 }
 
 const EXAMPLES: &str = "Examples:
+  sidc new data.csv -o model.sid                    a first model of a table, to change
   sidc check pendulum.sid data.csv                  what the model means, and what the data lack
   sidc identify pendulum.sid data.csv -o R.json     find the equations
   sidc simulate R.json new.csv                      run them along other data, and compare
+  sidc report R.json data.csv -o report.html        all of it as one page to look at
   sidc export R.json --to latex                     write them down
   sidc linearize R.json --at theta=pi               A and B near a point, eigenvalues, stability
   sidc smooth pendulum.sid data.csv -o smooth.csv   curves, derivatives and the noise of each sensor
@@ -53,27 +60,33 @@ Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage �
 
 #[derive(Subcommand)]
 enum Command {
+    New(new::Args),
     Check(check::Args),
     Identify(identify::Args),
     Simulate(simulate::Args),
     Smooth(smooth::Args),
     Fmt(fmt::Args),
+    Report(report::Args),
     Export(export::Args),
     Linearize(linearize::Args),
     List(list::Args),
+    Completions(completions::Args),
 }
 
 /// Parses the command line, runs the subcommand, and turns what happened into an exit status.
 pub fn run() -> ExitCode {
     let result = match Cli::parse().command {
+        Command::New(args) => new::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Smooth(args) => smooth::run(&args),
         Command::Fmt(args) => fmt::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Linearize(args) => linearize::run(&args),
         Command::List(args) => list::run(&args),
+        Command::Completions(args) => completions::run(&args),
     };
     ExitCode::from(result.unwrap_or_else(|said| said.print()))
 }

@@ -1,6 +1,6 @@
 //! `sidc simulate RESULT DATA…`: the equations run freely along records, and how well they follow.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::inputs::{self, Notes};
@@ -11,7 +11,7 @@ use crate::discover::Discovery;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::model::Model;
 use crate::lang::source::{FileId, Sources};
-use crate::result;
+use crate::result::{self, FileEntry, Opened};
 use crate::simulate::{self, BOUND, METHODS, Method, Options, Run, Source};
 use crate::term::{Signal, SignalNames};
 
@@ -19,6 +19,7 @@ mod report;
 
 /// Run the equations of a result along data, from their first row, and compare
 #[derive(clap::Args)]
+#[command(after_help = super::examples::SIMULATE)]
 pub struct Args {
     /// Result of `sidc identify … -o R.json`, and one or more data files; each trajectory is a run of its own
     #[arg(required = true)]
@@ -60,24 +61,23 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
-    let (result, data) = sort(&args.files)?;
+    let (result, data) = sort(&args.files, "simulate")?;
     let notes = Notes::lines_unless(args.quiet);
-    let name = inputs::short_name(result);
-    let opened = result::open(&name, &inputs::text(result)?)
-        .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
+    let Bound {
+        name,
+        opened,
+        model,
+        dataset,
+        given,
+        ..
+    } = bound(
+        result,
+        data,
+        &args.params,
+        (args.memory_limit, notes),
+        &args.start,
+    )?;
     let d = &opened.discovery;
-    let given = given(d, &args.start)?;
-    let model = simulate::reads(d, &opened.model, &given);
-    let mut sources = Sources::default();
-    // Places in a model that nobody wrote are not shown; they are those of the first text.
-    sources.add(name.as_str(), "");
-    let tables = inputs::tables(data, args.memory_limit, &mut sources)?;
-    let (dataset, mut said) = data::bind(&model, &tables, &args.params, &mut sources);
-    // A library is nobody's concern here.
-    said.retain(|d| d.code != "constant-column");
-    said.iter_mut().for_each(|d| to_user_of_result(d, &name));
-    let whole = !said.iter().any(Diagnostic::is_error);
-    inputs::report((whole.then_some(()), said), &sources, notes)?;
     limits.listen();
     let options = Options {
         start: given,
@@ -88,7 +88,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     };
     let runs = runs(d, &model, &dataset, &options, &limits)?;
     for run in &runs {
-        inputs::report((Some(()), run.notes.clone()), &sources, notes)?;
+        inputs::report((Some(()), run.notes.clone()), &Sources::default(), notes)?;
     }
     if let Some(path) = &args.output {
         output::write(path, &report::table(d, &runs))?;
@@ -100,6 +100,50 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     }
     let ended = runs.iter().any(|r| r.fault().is_some()) || runs.len() < dataset.trajectories.len();
     Ok(if ended { status::DOUBT } else { status::PASS })
+}
+
+/// A result and records that are read as its own were.
+pub(super) struct Bound {
+    /// Of the result's file, without folders.
+    pub name: String,
+    pub opened: Opened,
+    pub model: Model,
+    pub dataset: Dataset,
+    pub files: Vec<FileEntry>,
+    pub given: Vec<(Signal, f64)>,
+}
+
+/// Reads a result and binds data to what a simulation of it reads; components of the state in `start` need no column.
+pub(super) fn bound(
+    result: &Path,
+    data: &[PathBuf],
+    params: &[(String, Vec<f64>)],
+    (memory, notes): (u64, Notes),
+    start: &[Vec<(String, f64)>],
+) -> Result<Bound, Failure> {
+    let name = inputs::short_name(result);
+    let opened = result::open(&name, &inputs::text(result)?)
+        .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
+    let given = given(&opened.discovery, start)?;
+    let model = simulate::reads(&opened.discovery, &opened.model, &given);
+    let mut sources = Sources::default();
+    // Places in a model that nobody wrote are not shown; they are those of the first text.
+    sources.add(name.as_str(), "");
+    let (tables, files) = inputs::tables_and_entries(data, memory, &mut sources)?;
+    let (dataset, mut said) = data::bind(&model, &tables, params, &mut sources);
+    // A library is nobody's concern here.
+    said.retain(|d| d.code != "constant-column");
+    said.iter_mut().for_each(|d| to_user_of_result(d, &name));
+    let whole = !said.iter().any(Diagnostic::is_error);
+    inputs::report((whole.then_some(()), said), &sources, notes)?;
+    Ok(Bound {
+        name,
+        opened,
+        model,
+        dataset,
+        files,
+        given,
+    })
 }
 
 fn runs(
@@ -129,14 +173,17 @@ fn runs(
 }
 
 /// The result among the files, and the rest.
-fn sort(files: &[PathBuf]) -> Result<(&PathBuf, &[PathBuf]), Failure> {
+pub(super) fn sort<'a>(
+    files: &'a [PathBuf],
+    command: &str,
+) -> Result<(&'a Path, &'a [PathBuf]), Failure> {
     let Some((result, data)) = files.split_first() else {
         return Err(Failure::new("error[no-data]: no files"));
     };
     if data.is_empty() {
-        return Err(Failure::new(
-            "error[no-data]: no data file\n  = help: sidc simulate R.json DATA.csv",
-        ));
+        return Err(Failure::new(format!(
+            "error[no-data]: no data file\n  = help: sidc {command} R.json DATA.csv"
+        )));
     }
     Ok((result, data))
 }

@@ -16,6 +16,7 @@ use crate::term::{Signal, SignalNames};
 
 /// Smooth the measured signals of a model: values, derivatives, standard errors, noise
 #[derive(clap::Args)]
+#[command(after_help = super::examples::SMOOTH)]
 pub struct Args {
     /// A model (.sid) and one or more data files; several files are several trajectories
     #[arg(required = true)]

@@ -20,6 +20,9 @@ pub struct Identifiability {
     /// The pairs that come nearest to being one column, worst first.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub pairs: Vec<Pair>,
+    /// Cosines of the support and of the columns nearest to one of its terms.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub alike: Option<Alike>,
     /// Condition number of the support's unit columns.
     pub condition: f64,
     /// The term that, put beside the support, makes the largest condition number, and that number.
@@ -59,6 +62,17 @@ pub struct Pair {
     pub first: String,
     pub second: String,
     pub cosine: f64,
+}
+
+/// How alike the terms of an equation and their nearest rivals are on these rows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Alike {
+    /// The support in its order, then the others, nearest first.
+    pub terms: Vec<String>,
+    /// How many of them are the support.
+    pub support: usize,
+    /// Row i has the cosines of term i with terms 0 to i − 1, to four decimals.
+    pub cosines: Vec<Vec<f64>>,
 }
 
 /// ‖Φa‖²/‖a‖² of unit columns over random a with as many terms as the support.

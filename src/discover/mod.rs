@@ -47,7 +47,7 @@ pub use discovery::{
 pub use doubts::tie;
 pub use form::{Form, Rate, Row};
 pub use identifiability::{
-    Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
+    Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
 pub use joint::{Fitted, discover_jointly, joint, nothing_fits};
 pub use rows::{Split, SplitMix, split};

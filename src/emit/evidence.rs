@@ -14,7 +14,7 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
     for (e, lines) in d.equations.iter().zip(text::equations(d)) {
         out.push_str(&lines);
         out.push_str(&units::lines(d, e));
-        for line in remarks(d, e, whole) {
+        for line in said(d, e, whole) {
             out.push_str(&format!("    {line}\n"));
         }
         out.push_str(&path::table(d, e));
@@ -34,7 +34,12 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
     out
 }
 
-fn remarks(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
+/// What is said of one equation by itself, a sentence each: fit, proof, doubts, trust.
+pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
+    said(d, e, false)
+}
+
+fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };

@@ -4,6 +4,7 @@ use super::Target;
 use super::latex_matrix;
 use super::names::titled;
 use super::number::significant;
+use super::symbols::{GREEK, greek, stem_and_index};
 use crate::discover::{Discovery, Equation};
 use crate::term::{Func, Notation, Precedence, Signal, SignalNames, write_term};
 
@@ -128,14 +129,7 @@ impl Notation for Math<'_> {
 
 /// A variable's name in math mode: Greek by name or letter, trailing digits or the part after `_` as a subscript.
 fn name(raw: &str) -> String {
-    let (stem, index) = match raw.split_once('_') {
-        Some((stem, index)) if !stem.is_empty() && !index.is_empty() => (stem, index),
-        _ => {
-            let stem = raw.trim_end_matches(|c: char| c.is_ascii_digit());
-            let stem = if stem.is_empty() { raw } else { stem };
-            (stem, &raw[stem.len()..])
-        }
-    };
+    let (stem, index) = stem_and_index(raw);
     if index.is_empty() {
         word(stem)
     } else {
@@ -147,26 +141,13 @@ fn word(text: &str) -> String {
     let mut chars = text.chars();
     match (chars.next(), chars.next()) {
         (Some(c), None) => symbol(c),
-        _ if greek(text) => format!(r"\{text}"),
+        _ if greek(text).is_some() => format!(r"\{text}"),
         _ if text.chars().all(|c| c.is_ascii_digit()) => text.to_string(),
         _ => format!(
             r"\mathrm{{{}}}",
             text.chars().map(symbol_in_word).collect::<String>()
         ),
     }
-}
-
-#[rustfmt::skip]
-const GREEK: &[(&str, char)] = &[
-    ("alpha", 'α'), ("beta", 'β'), ("gamma", 'γ'), ("delta", 'δ'), ("epsilon", 'ε'), ("zeta", 'ζ'), ("eta", 'η'),
-    ("theta", 'θ'), ("iota", 'ι'), ("kappa", 'κ'), ("lambda", 'λ'), ("mu", 'μ'), ("nu", 'ν'), ("xi", 'ξ'), ("pi", 'π'),
-    ("rho", 'ρ'), ("sigma", 'σ'), ("tau", 'τ'), ("upsilon", 'υ'), ("phi", 'φ'), ("chi", 'χ'), ("psi", 'ψ'), ("omega", 'ω'),
-    ("Gamma", 'Γ'), ("Delta", 'Δ'), ("Theta", 'Θ'), ("Lambda", 'Λ'), ("Xi", 'Ξ'), ("Pi", 'Π'), ("Sigma", 'Σ'),
-    ("Upsilon", 'Υ'), ("Phi", 'Φ'), ("Psi", 'Ψ'), ("Omega", 'Ω'),
-];
-
-fn greek(text: &str) -> bool {
-    GREEK.iter().any(|(n, _)| *n == text)
 }
 
 fn symbol(c: char) -> String {

@@ -11,6 +11,7 @@ mod latex;
 mod latex_matrix;
 mod linearization;
 mod lists;
+mod mathml;
 mod matlab;
 mod matrix;
 mod names;
@@ -19,6 +20,7 @@ mod path;
 mod program;
 mod python;
 mod rust;
+mod symbols;
 mod sympy;
 mod text;
 mod trust;
@@ -27,8 +29,9 @@ mod validation;
 
 use crate::discover::Discovery;
 
-pub use evidence::answer;
+pub use evidence::{answer, remarks};
 pub use linearization::{bends, linearization};
+pub use mathml::{MathMl, escape};
 pub use number::significant;
 pub use text::equations;
 pub use validation::validation;

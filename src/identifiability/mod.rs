@@ -26,7 +26,8 @@ use relations::{Null, OF_TERMS, Search};
 
 use crate::data::Samples;
 use crate::discover::{
-    Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, Relation, Status, tie,
+    Alike, Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, Relation, Status,
+    tie,
 };
 use crate::frame::Frame;
 use crate::lang::model::Model;
@@ -38,6 +39,9 @@ const PAIRS: usize = 5;
 const RELATIONS: usize = 12;
 const EQUIVALENT: usize = 8;
 const IDLE: usize = 12;
+/// Terms whose cosines are listed: in all, and beside the support.
+const ALIKE_MOST: usize = 16;
+const ALIKE_RIVALS: usize = 8;
 /// Columns around which relations are searched, beside the support.
 const SEEDS: usize = 12;
 /// Rest up to which an exchange is told as a relation of the two terms alone.
@@ -119,6 +123,7 @@ pub fn judge(frame: &Frame, library: &Library, rows: Rows) -> Identifiability {
         coherence: pairs.first().map_or(0.0, |p| p.2.abs()),
         condition: gram.condition(&frame.support),
         neighbour: neighbour(frame, &gram).map(|(p, c)| (name(p), c)),
+        alike: alike(frame, &gram),
         pairs: pairs
             .iter()
             .map(|(i, j, cosine)| Pair {
@@ -146,6 +151,36 @@ pub fn judge(frame: &Frame, library: &Library, rows: Rows) -> Identifiability {
         leverage: excitation::leverage(frame),
         findings,
     }
+}
+
+/// The cosines of the support with each other and with the columns nearest to one of its terms.
+fn alike(frame: &Frame, gram: &Gram) -> Option<Alike> {
+    let support: Vec<usize> = frame.support.iter().copied().take(ALIKE_MOST).collect();
+    let nearness = |p: usize| {
+        let cosines = support.iter().map(|s| gram.at(*s, p).abs());
+        cosines.fold(0.0, f64::max)
+    };
+    let mut others: Vec<(usize, f64)> = (0..gram.len())
+        .filter(|p| !frame.support.contains(p))
+        .map(|p| (p, nearness(p)))
+        .collect();
+    others.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let room = ALIKE_RIVALS.min(ALIKE_MOST - support.len());
+    let places = support.iter().copied();
+    let places: Vec<usize> = places
+        .chain(others.iter().take(room).map(|o| o.0))
+        .collect();
+    let rounded = |x: f64| (x * 1e4).round() / 1e4;
+    let row = |(i, p): (usize, &usize)| {
+        let before = places.iter().take(i);
+        before.map(|q| rounded(gram.at(*p, *q))).collect()
+    };
+    let language = Language(frame.model);
+    (!support.is_empty()).then(|| Alike {
+        terms: (places.iter().map(|p| language.term(frame.term(*p)))).collect(),
+        support: support.len(),
+        cosines: places.iter().enumerate().map(row).collect(),
+    })
 }
 
 /// Another support of equal size that rows explain as well is a doubt; where the trajectory was estimated, refits decide.

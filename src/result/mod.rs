@@ -180,9 +180,30 @@ pub struct Settings {
     /// What equations were not found from, as it was asked for.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub holdout: Vec<String>,
+    /// Constant parameters, one value a trajectory or one for all, as they were given.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub params: Vec<(String, Vec<f64>)>,
+    /// True if outliers had no weight.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub robust: bool,
+    /// The model, then the data in the order in which they were read; absent in documents of earlier programs.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub files: Vec<FileEntry>,
+    /// The model's text; absent in documents of earlier programs.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub source: String,
     /// How the data were read; absent in documents of earlier programs, whose columns are those of their signals' names.
     #[serde(skip_serializing_if = "is_plain", default)]
     pub reading: Reading,
+}
+
+/// A file by its content, so that it can be told from another of the same name.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FileEntry {
+    /// Without folders.
+    pub name: String,
+    /// SHA-256 of its bytes, 64 hexadecimal digits.
+    pub sha256: String,
 }
 
 fn is_plain(reading: &Reading) -> bool {

@@ -16,6 +16,7 @@ pub struct Opened {
     pub discovery: Discovery,
     /// Declares the discovery's variables, with data block, courses of inputs, noise and units.
     pub model: Model,
+    pub document: Document,
 }
 
 /// Reads the discovery of a result document.
@@ -40,10 +41,15 @@ pub fn open(name: &str, text: &str) -> Result<Opened, Diagnostic> {
     }
     let document: Document =
         serde_json::from_value(value).map_err(|e| damaged(name, &e.to_string()))?;
-    opened(name, &document)
+    let (discovery, model) = opened(name, &document)?;
+    Ok(Opened {
+        discovery,
+        model,
+        document,
+    })
 }
 
-fn opened(name: &str, doc: &Document) -> Result<Opened, Diagnostic> {
+fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> {
     plain_words(name, doc)?;
     let reading = &doc.settings.reading;
     let block = reading.block().map_err(|why| damaged(name, &why))?;
@@ -96,10 +102,7 @@ fn opened(name: &str, doc: &Document) -> Result<Opened, Diagnostic> {
     model.discrete = d.discrete;
     let applied = reading.apply(&mut model);
     applied.map_err(|why| damaged(name, &why))?;
-    Ok(Opened {
-        discovery: d,
-        model,
-    })
+    Ok((d, model))
 }
 
 /// The units of time and of the variables, in the order of the document.

@@ -26,6 +26,15 @@ pub trait Notation {
     fn parenthesise(&self, inner: &str) -> String {
         format!("({inner})")
     }
+    /// What stands before a part of a sum; nothing before a first positive one.
+    fn sign(&self, first: bool, negative: bool) -> &'static str {
+        match (first, negative) {
+            (true, false) => "",
+            (true, true) => "-",
+            (false, false) => " + ",
+            (false, true) => " - ",
+        }
+    }
 }
 
 /// A term in the given notation, and how tightly its text binds.
@@ -69,14 +78,10 @@ pub fn write_expr(n: &impl Notation, e: &Expr) -> (String, Precedence) {
     let mut single = Precedence::Atom;
     for (i, (w, t)) in positive_first(e).into_iter().enumerate() {
         let (text, p) = write_weighted(n, w.abs(), t);
-        match (i, w < 0.0) {
-            (0, false) => single = p,
-            (0, true) => {
-                single = Precedence::Sum;
-                out.push('-');
-            }
-            (_, negative) => out.push_str(if negative { " - " } else { " + " }),
+        if i == 0 {
+            single = if w < 0.0 { Precedence::Sum } else { p };
         }
+        out.push_str(n.sign(i == 0, w < 0.0));
         out.push_str(&guard(n, text, p, Precedence::Product));
     }
     match e.terms().len() {

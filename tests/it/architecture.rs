@@ -51,6 +51,13 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "report",
+        &[
+            "term", "lang", "data", "discover", "simulate", "validate", "units", "emit", "result",
+        ],
+    ),
+    ("draft", &["term", "lang", "data", "units"]),
+    (
         "frame",
         &["term", "lang", "library", "data", "dictionary", "discover"],
     ),
@@ -207,6 +214,14 @@ fn crates_of_one_purpose_stay_in_their_files() {
         assert!(
             !text.contains("ctrlc::") || name.ends_with("cli/limits.rs"),
             "{name} uses ctrlc"
+        );
+        assert!(
+            !text.contains("sha2::") || name.ends_with("cli/inputs.rs"),
+            "{name} uses sha2"
+        );
+        assert!(
+            !text.contains("clap_complete") || name.ends_with("cli/completions.rs"),
+            "{name} uses clap_complete"
         );
         assert!(
             !text.contains("diffsol::") || name.ends_with("simulate/stiff.rs"),

@@ -17,18 +17,26 @@ const DOCUMENTS: &[&str] = &[
     "docs/noise.md",
     "docs/identifiability.md",
     "docs/trust.md",
+    "docs/report.md",
+    "docs/tutorial.md",
     "models/README.md",
 ];
 
 /// Relative difference that rounding may make in a coefficient of six digits.
 const SAME: f64 = 1e-5;
 
-/// Runs a command of a document; result documents go to and come from `folder`.
+/// What the commands of a document make and use: results, pages, code, and models that lie in no folder.
+fn is_made(name: &str) -> bool {
+    let ends = |end: &&str| name.ends_with(*end);
+    [".json", ".html", ".py"].iter().any(ends) || (name.ends_with(".sid") && !name.contains('/'))
+}
+
+/// Runs a command of a document; what it makes goes to and comes from `folder`.
 fn run(command: &str, folder: &Path) -> Run {
     let args: Vec<String> = command
         .split_whitespace()
         .skip(1)
-        .map(|a| match a.ends_with(".json") {
+        .map(|a| match is_made(a) {
             true => folder.join(a).display().to_string(),
             false => a.to_string(),
         })

@@ -1,0 +1,80 @@
+//! What is being done and how long it took, a line a stage on standard error: `-v`.
+
+use std::cell::RefCell;
+use std::time::Instant;
+
+use super::progress;
+use crate::discover::{Stage, Step};
+
+/// Speaks where it was asked to.
+pub struct Narrator {
+    /// `None` where nobody listens.
+    told: Option<RefCell<Told>>,
+}
+
+struct Told {
+    /// When the stage under way began.
+    since: Instant,
+    /// What it is, if it ends by the begin of another.
+    under_way: Option<String>,
+}
+
+impl Narrator {
+    pub fn new(wanted: bool) -> Self {
+        let told = wanted.then(|| {
+            RefCell::new(Told {
+                since: Instant::now(),
+                under_way: None,
+            })
+        });
+        Narrator { told }
+    }
+
+    /// A stage has ended.
+    pub fn done(&self, what: &str) {
+        if let Some(told) = &self.told {
+            let mut told = told.borrow_mut();
+            told.close();
+            told.say(what);
+        }
+    }
+
+    /// Work on an equation goes on; a line is written when its stage ends.
+    pub fn at(&self, step: &Step, target: &str) {
+        let Some(told) = &self.told else { return };
+        let stage = match step.stage {
+            Stage::Evaluating => "library evaluated",
+            Stage::Solving(_) => "solved",
+            Stage::Refitting(_) => "trajectory and terms fitted together",
+            Stage::Choosing => "terms chosen",
+        };
+        let name = format!("{target}: {stage}");
+        let mut told = told.borrow_mut();
+        if told.under_way.as_deref() != Some(&name) {
+            told.close();
+            told.under_way = Some(name);
+        }
+    }
+
+    /// The last stage of the equations has ended.
+    pub fn close(&self) {
+        if let Some(told) = &self.told {
+            told.borrow_mut().close();
+        }
+    }
+}
+
+impl Told {
+    fn close(&mut self) {
+        if let Some(name) = self.under_way.take() {
+            self.say(&name);
+        }
+    }
+
+    /// The time since the stage began, and its name.
+    fn say(&mut self, what: &str) {
+        let seconds = self.since.elapsed().as_secs_f64();
+        progress::instead(&format!("{seconds:>9.3} s  {what}\n"));
+        self.since = Instant::now();
+    }
+}

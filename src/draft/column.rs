@@ -1,0 +1,199 @@
+//! One column of a table: what its header says, and the shape of what is in it.
+
+use crate::data::Table;
+use crate::lang::parse::token::{is_name, normalise};
+
+/// A column that can be used.
+#[derive(Clone, Debug)]
+pub(super) struct Column {
+    /// As the table has it.
+    pub header: String,
+    /// The header as a name of the language.
+    pub name: String,
+    /// What stands in brackets behind it.
+    pub unit: Option<String>,
+    pub values: Vec<f64>,
+}
+
+/// Words that mean something in a data block, or everywhere.
+const TAKEN: [&str; 5] = ["t", "pi", "run", "step", "none"];
+
+/// Columns that are numbers, and why the others are left out.
+pub(super) fn columns(table: &Table) -> (Vec<Column>, Vec<String>) {
+    let mut used: Vec<Column> = Vec::new();
+    let mut left = Vec::new();
+    for (i, header) in table.headers().iter().enumerate() {
+        let values = table.values(i);
+        let why = match () {
+            () if header.trim().is_empty() => Some("has no header"),
+            () if header.chars().any(|c| c == '"' || c.is_control()) => {
+                Some("has a header that no data block can name")
+            }
+            () if table.headers().iter().filter(|h| *h == header).count() > 1 => {
+                Some("stands in the table more than once")
+            }
+            () if !values.iter().any(|v| v.is_finite()) => Some("holds no numbers"),
+            () if has_words(table, i) => Some("holds words"),
+            () => None,
+        };
+        if let Some(why) = why {
+            let shown: String = header
+                .chars()
+                .filter(|c| !c.is_control())
+                .take(40)
+                .collect();
+            left.push(format!("column {} (\"{shown}\") {why}", i + 1));
+            continue;
+        }
+        let (base, unit) = parts(header);
+        let name = fresh(&identifier(base), &used);
+        used.push(Column {
+            header: header.clone(),
+            name,
+            unit: unit.map(String::from),
+            values: values.to_vec(),
+        });
+    }
+    (used, left)
+}
+
+/// Cells that are neither numbers nor missing.
+fn has_words(table: &Table, column: usize) -> bool {
+    let odd = table
+        .values(column)
+        .iter()
+        .enumerate()
+        .filter(|(_, v)| !v.is_finite());
+    let missing = ["", "nan", "na", "n/a", "null", "-"];
+    odd.take(10_000).any(|(row, _)| {
+        let cell = table
+            .cell(row, column)
+            .trim()
+            .trim_matches('"')
+            .to_lowercase();
+        !missing.contains(&cell.as_str())
+    })
+}
+
+/// `Pos [mm]` → `Pos`, `mm`
+fn parts(header: &str) -> (&str, Option<&str>) {
+    let text = header.trim();
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        if let Some((before, unit)) = text.strip_suffix(close).and_then(|t| t.rsplit_once(open)) {
+            let before = before.trim();
+            if !before.is_empty() {
+                return (before, Some(unit.trim()));
+            }
+        }
+    }
+    match text.strip_suffix('%').map(str::trim) {
+        Some(before) if !before.is_empty() => (before, Some("%")),
+        _ => (text, None),
+    }
+}
+
+/// Letters, digits and `_`, beginning with a letter.
+fn identifier(base: &str) -> String {
+    let mut out = String::new();
+    for c in normalise(base).chars() {
+        if c.is_alphanumeric() || c == '_' {
+            out.push(c);
+        } else if !out.ends_with('_') && !out.is_empty() {
+            out.push('_');
+        }
+    }
+    let out: String = out.trim_end_matches('_').chars().take(40).collect();
+    match is_name(&out) {
+        true => out,
+        false => {
+            let ascii: String = out.chars().filter(char::is_ascii_alphanumeric).collect();
+            format!("c{ascii}")
+        }
+    }
+}
+
+fn fresh(name: &str, used: &[Column]) -> String {
+    let free = |n: &str| used.iter().all(|c| c.name != n);
+    if free(name) {
+        return name.into();
+    }
+    let mut numbers = 2..;
+    numbers
+        .find_map(|k| Some(format!("{name}_{k}")).filter(|n| free(n)))
+        .unwrap_or_default()
+}
+
+impl Column {
+    /// A name that can be declared.
+    pub fn declared(&self) -> String {
+        match TAKEN.contains(&self.name.as_str()) {
+            true => format!("{}_", self.name),
+            false => self.name.clone(),
+        }
+    }
+
+    fn finite(&self) -> impl Iterator<Item = f64> + '_ {
+        self.values.iter().copied().filter(|v| v.is_finite())
+    }
+
+    pub fn range(&self) -> (f64, f64) {
+        let start = (f64::INFINITY, f64::NEG_INFINITY);
+        self.finite().fold(start, |(a, b), v| (a.min(v), b.max(v)))
+    }
+
+    /// True if all values are one.
+    pub fn is_constant(&self) -> bool {
+        let (low, high) = self.range();
+        high - low <= 1e-12 * high.abs().max(low.abs())
+    }
+
+    /// True if it stays where it is most of the time, and jumps.
+    pub fn is_held(&self) -> bool {
+        let steps = self
+            .values
+            .windows(2)
+            .filter(|w| w[0].is_finite() && w[1].is_finite());
+        let (mut same, mut all) = (0usize, 0usize);
+        for w in steps {
+            all += 1;
+            same += usize::from(w[0] == w[1]);
+        }
+        all >= 10 && 2 * same > all && same < all
+    }
+
+    /// True if no value is below the one before, and they move.
+    pub fn rises(&self) -> bool {
+        let mut last = f64::NEG_INFINITY;
+        self.values.iter().all(|v| {
+            let up = v.is_finite() && *v > last;
+            last = *v;
+            up
+        })
+    }
+
+    /// The header in lower case, without what stands in brackets.
+    pub fn word(&self) -> String {
+        self.name.to_lowercase()
+    }
+
+    pub fn unit_is(&self, names: &[&str]) -> bool {
+        let unit = self.unit.as_deref().map(str::to_lowercase);
+        unit.is_some_and(|u| names.contains(&u.as_str()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_become_names_and_units() {
+        assert_eq!(parts("Pos [mm]"), ("Pos", Some("mm")));
+        assert_eq!(parts("Time (ms)"), ("Time", Some("ms")));
+        assert_eq!(parts("Cmd %"), ("Cmd", Some("%")));
+        assert_eq!(parts("(m)"), ("(m)", None));
+        assert_eq!(identifier("wheel speed, left"), "wheel_speed_left");
+        assert_eq!(identifier("2nd"), "c2nd");
+        assert_eq!(identifier("θ"), "θ");
+    }
+}

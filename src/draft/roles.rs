@@ -1,0 +1,213 @@
+//! What each column is likely to be: time, the mark of a run, a parameter, an input, a state or the rate of one.
+
+use super::column::Column;
+
+/// All columns by their role; numbers are places in the list of columns.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Roles {
+    pub time: Option<usize>,
+    pub run: Option<usize>,
+    pub params: Vec<usize>,
+    /// With `true` if the input is held between samples.
+    pub inputs: Vec<(usize, bool)>,
+    pub states: Vec<usize>,
+    /// (rate, state, how many times differentiated)
+    pub rates: Vec<(usize, usize, u8)>,
+    /// Columns that never move.
+    pub still: Vec<usize>,
+}
+
+const TIME: [&str; 9] = [
+    "t",
+    "time",
+    "timestamp",
+    "seconds",
+    "sec",
+    "zeit",
+    "temps",
+    "year",
+    "elapsed",
+];
+const RUN: [&str; 10] = [
+    "run",
+    "experiment",
+    "trial",
+    "throw",
+    "traj",
+    "trajectory",
+    "shot",
+    "batch",
+    "id",
+    "series",
+];
+const INPUT: [&str; 17] = [
+    "u",
+    "f",
+    "force",
+    "input",
+    "cmd",
+    "command",
+    "drive",
+    "torque",
+    "tau",
+    "pwm",
+    "voltage",
+    "ref",
+    "reference",
+    "setpoint",
+    "control",
+    "valve",
+    "throttle",
+];
+
+/// A rate agrees with the differences of its state within this part of their size.
+const RATE: f64 = 0.15;
+
+pub(super) fn roles(columns: &[Column]) -> Roles {
+    let mut out = Roles::default();
+    let is_time = |c: &Column| TIME.contains(&c.word().as_str());
+    out.time = columns.iter().position(is_time);
+    if out.time.is_none() {
+        // A first column that does nothing but rise counts something.
+        out.time = columns
+            .first()
+            .filter(|c| columns.len() > 1 && c.rises())
+            .map(|_| 0);
+    }
+    let resets = out
+        .time
+        .and_then(|t| columns.get(t))
+        .map(resets)
+        .unwrap_or_default();
+    out.run = columns.iter().enumerate().position(|(i, c)| {
+        out.time != Some(i) && (RUN.contains(&c.word().as_str()) || tells_apart(c, &resets))
+    });
+    let rest: Vec<usize> = (0..columns.len())
+        .filter(|i| Some(*i) != out.time && Some(*i) != out.run)
+        .collect();
+    for i in rest {
+        let Some(c) = columns.get(i) else { continue };
+        match () {
+            () if c.is_constant() => out.still.push(i),
+            () if is_constant_between(c, columns, &out) => out.params.push(i),
+            () if is_input(c) => out.inputs.push((i, c.is_held())),
+            () => out.states.push(i),
+        }
+    }
+    if out.states.is_empty() {
+        // Something has to evolve.
+        let moved = out.inputs.pop();
+        out.states.extend(moved.map(|(i, _)| i));
+    }
+    find_rates(columns, &mut out);
+    out
+}
+
+fn is_input(c: &Column) -> bool {
+    let word = c.word();
+    let stem = word.trim_end_matches(|c: char| c.is_ascii_digit());
+    INPUT.contains(&stem) || word.starts_with("cmd") || c.is_held()
+}
+
+/// Rows at which time begins anew.
+fn resets(time: &Column) -> Vec<usize> {
+    let steps = time.values.windows(2).enumerate();
+    steps
+        .filter(|(_, w)| w[1] <= w[0])
+        .map(|(i, _)| i + 1)
+        .collect()
+}
+
+/// True if a column of whole numbers changes where time begins anew, and nowhere else.
+fn tells_apart(c: &Column, resets: &[usize]) -> bool {
+    if resets.is_empty() || c.values.iter().any(|v| v.fract() != 0.0) {
+        return false;
+    }
+    let steps = c.values.windows(2).enumerate();
+    let changes: Vec<usize> = steps
+        .filter(|(_, w)| w[0] != w[1])
+        .map(|(i, _)| i + 1)
+        .collect();
+    changes == resets
+}
+
+/// True if a column is constant along every run, and the runs are several.
+fn is_constant_between(c: &Column, columns: &[Column], roles: &Roles) -> bool {
+    let Some(run) = roles.run.and_then(|r| columns.get(r)) else {
+        return false;
+    };
+    let pairs = c.values.windows(2).zip(run.values.windows(2));
+    let mut changed = false;
+    for (v, r) in pairs {
+        if r[0] == r[1] && v[0] != v[1] {
+            return false;
+        }
+        changed |= v[0] != v[1];
+    }
+    changed
+}
+
+/// Rates by name (`dx` beside `x`, `ddx`, `x_dot`) and by what they are: a state that is the slope of another.
+fn find_rates(columns: &[Column], out: &mut Roles) {
+    let states = out.states.clone();
+    for i in &states {
+        let Some(c) = columns.get(*i) else { continue };
+        for (order, head) in [(1u8, "d"), (2, "dd"), (3, "ddd")] {
+            let named = states.iter().find(|j| {
+                let other = columns.get(**j).map_or("", |o| o.name.as_str());
+                *j != i
+                    && (c.name == format!("{head}{other}")
+                        || (order == 1
+                            && [format!("{other}_dot"), format!("{other}dot")].contains(&c.name)))
+            });
+            if let Some(j) = named {
+                out.rates.push((*i, *j, order));
+            }
+        }
+    }
+    let time = out.time.and_then(|t| columns.get(t));
+    for i in &states {
+        let is_rate = |i: &usize, rates: &[(usize, usize, u8)]| rates.iter().any(|r| r.0 == *i);
+        if is_rate(i, &out.rates) {
+            continue;
+        }
+        let slope_of = states.iter().find(|j| {
+            let taken = out.rates.iter().any(|r| r.1 == **j && r.2 == 1);
+            *j != i
+                && !taken
+                && !is_rate(j, &out.rates)
+                && is_slope(time, columns.get(**j), columns.get(*i))
+        });
+        if let Some(j) = slope_of {
+            out.rates.push((*i, *j, 1));
+        }
+    }
+    let rates = &out.rates;
+    out.states.retain(|i| rates.iter().all(|r| r.0 != *i));
+    // A rate of a rate is one of the state below.
+    let states = out.states.clone();
+    out.rates.retain(|r| states.contains(&r.1));
+}
+
+/// True if `rate` is what central differences of `state` say.
+fn is_slope(time: Option<&Column>, state: Option<&Column>, rate: Option<&Column>) -> bool {
+    let (Some(time), Some(state), Some(rate)) = (time, state, rate) else {
+        return false;
+    };
+    let (mut off, mut size, mut rows) = (0.0, 0.0, 0usize);
+    let triples = time
+        .values
+        .windows(3)
+        .zip(state.values.windows(3))
+        .zip(rate.values.windows(3));
+    for ((t, x), v) in triples {
+        let (dt, dx) = (t[2] - t[0], x[2] - x[0]);
+        let mean = (v[0] + v[1] + v[2]) / 3.0;
+        if dt > 0.0 && dx.is_finite() && mean.is_finite() {
+            off += (dx / dt - mean).powi(2);
+            size += mean * mean;
+            rows += 1;
+        }
+    }
+    rows >= 20 && size > 0.0 && off <= RATE * RATE * size
+}

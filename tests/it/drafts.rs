@@ -1,0 +1,136 @@
+//! `sidc new`: first models of tables, which mean something and can be used as they stand.
+
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use sidc::data::{self, Limits};
+use sidc::draft::draft;
+use sidc::lang::source::Sources;
+use sidc::pipeline;
+
+use super::program::{root, sidc, sidc_in};
+
+/// Rows that a record of other people's is used from.
+const ROWS: usize = 1500;
+
+fn tables(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut found: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
+    found.retain(|p| p.extension().is_some_and(|e| e == "csv"));
+    found.sort();
+    found
+}
+
+/// Writes a model of a table and uses it.
+fn is_used_as_it_stands(table: &Path, folder: &Path) {
+    let model = folder.join("model.sid");
+    let (table, model) = (table.to_str().unwrap(), model.to_str().unwrap());
+    let new = sidc(&["new", table, "-o", model]);
+    assert_eq!(new.status, 0, "{table}: {}", new.stderr);
+    let text = std::fs::read_to_string(model).unwrap();
+    assert!(text.starts_with("sidc 1\n# A first model of "), "{text}");
+    let check = sidc(&["check", model, table]);
+    assert_eq!(check.status, 0, "{table}: {}\n{text}", check.stderr);
+    let layout = sidc(&["fmt", "--check", model]);
+    assert_eq!(layout.status, 0, "{table}: {text}");
+    let found = sidc(&["identify", model, table, "-q", "--time-limit", "20s"]);
+    assert!(
+        matches!(found.status, 0 | 3),
+        "{table}: {}\n{text}",
+        found.stderr
+    );
+}
+
+#[test]
+fn every_table_of_the_gallery_has_a_first_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let all = tables(&root().join("models/data"));
+    assert!(all.len() > 20);
+    for table in all {
+        is_used_as_it_stands(&table, folder.path());
+    }
+}
+
+#[test]
+fn records_of_rigs_have_first_models() {
+    let folder = tempfile::tempdir().unwrap();
+    // Where they are not, there is nothing to test.
+    for table in tables(Path::new("/work/shared/data/real")) {
+        let text = std::fs::read_to_string(&table).unwrap();
+        let head: String = text.lines().take(ROWS).map(|l| format!("{l}\n")).collect();
+        let part = folder.path().join(table.file_name().unwrap());
+        std::fs::write(&part, head).unwrap();
+        is_used_as_it_stands(&part, folder.path());
+    }
+}
+
+fn model_of(text: &str) -> Option<String> {
+    let mut sources = Sources::default();
+    let table = data::read("d.csv", text.as_bytes(), &Limits::default(), &mut sources);
+    draft(&table.unwrap())
+}
+
+#[test]
+fn shapes_and_headers_decide() {
+    let mut text = String::from("Time (ms),Angle [deg],rate,Cmd %,gear\n");
+    for k in 0..400 {
+        let t = f64::from(k) * 0.01;
+        let cmd = if (k / 50) % 2 == 0 { 10 } else { -20 };
+        let (angle, rate) = (90.0 * (3.0 * t).sin(), 270.0 * (3.0 * t).cos());
+        text.push_str(&format!("{},{angle},{},{cmd},3\n", 10 * k, rate / 1000.0));
+    }
+    let model = model_of(&text).unwrap();
+    for line in [
+        "state Angle : order 2, unit \"rad\"",
+        "input Cmd : hold, unit \"%\"",
+        "  t = \"Time (ms)\" * 1e-3",
+        "  Angle = \"Angle [deg]\" * pi/180",
+        "# \"gear\" never moves, and is left out.",
+        "ddAngle ~ poly(dAngle, Cmd; 3) * <1, sin(Angle), cos(Angle)>",
+    ] {
+        assert!(model.contains(line), "{line}\n{model}");
+    }
+    // Per millisecond of a time in milliseconds: the slope of the angle as it stands.
+    assert!(model.contains("dAngle = \"rate\""), "{model}");
+}
+
+#[test]
+fn a_table_without_a_state_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("d.csv"), "t,x\n0,1\n1,1\n2,1\n").unwrap();
+    let run = sidc_in(folder.path(), &["new", "d.csv"]);
+    assert_eq!(run.status, 1);
+    assert!(
+        run.stderr.starts_with("error[no-state]: d.csv:"),
+        "{}",
+        run.stderr
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Whatever the headers are, the model is one.
+    #[test]
+    fn any_headers_make_a_model(headers in proptest::collection::vec("[ -~°µθ]{0,12}", 1..7)) {
+        let quoted: Vec<String> = headers.iter().map(|h| format!("\"{}\"", h.replace('"', "\"\""))).collect();
+        let mut text = quoted.join(",") + "\n";
+        for k in 0..60 {
+            let cell = |c: usize| ((k * (c + 3)) as f64 * 0.1).sin().to_string();
+            text.push_str(&((0..headers.len()).map(cell).collect::<Vec<_>>().join(",") + "\n"));
+        }
+        let mut sources = Sources::default();
+        // A table that cannot be read is refused before.
+        if let Ok(table) = data::read("d.csv", text.as_bytes(), &Limits::default(), &mut sources)
+            && let Some(model) = draft(&table)
+        {
+            let mut sources = Sources::default();
+            let file = sources.add("m.sid", model.as_str());
+            let (program, said) = pipeline::compile(file, &sources, 1 << 30);
+            let said: Vec<&str> = said.iter().map(|d| d.message.as_str()).collect();
+            prop_assert!(program.is_some(), "{said:?}\n{model}");
+        }
+    }
+}

@@ -1,0 +1,335 @@
+//! `sidc report`: one page that stands alone, says what is the case, and takes no text of a file for its own.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::program::{Run, root, sidc, sidc_in};
+
+fn result(folder: &Path, model: &str, options: &[&str]) -> String {
+    let out = folder.join(format!("{model}.json")).display().to_string();
+    let (sid, csv) = (
+        format!("models/{model}.sid"),
+        format!("models/data/{model}.csv"),
+    );
+    let mut args = vec!["identify", &sid, &csv, "-q", "-o", &out];
+    args.extend(options);
+    let run = sidc(&args);
+    assert!(matches!(run.status, 0 | 3), "{}", run.stderr);
+    out
+}
+
+fn page(folder: &Path, model: &str, options: &[&str]) -> String {
+    let result = result(folder, model, options);
+    let run = report(&result, &format!("models/data/{model}.csv"));
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    run.stdout
+}
+
+fn report(result: &str, data: &str) -> Run {
+    sidc(&["report", result, data, "-q"])
+}
+
+/// Tags in order of appearance, after every one was found closed in turn: HTML that XML takes as well.
+fn elements(page: &str) -> Vec<String> {
+    let mut open: Vec<String> = Vec::new();
+    let mut all = Vec::new();
+    let mut rest = page.strip_prefix("<!DOCTYPE html>").unwrap();
+    while let Some(at) = rest.find('<') {
+        let end = rest[at..].find('>').unwrap() + at;
+        let tag = &rest[at + 1..end];
+        rest = &rest[end + 1..];
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop().as_deref(), Some(name));
+            continue;
+        }
+        let name = tag.split([' ', '/']).next().unwrap().to_string();
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        if !tag.ends_with('/') {
+            open.push(name);
+        }
+        all.push(tag.to_string());
+    }
+    assert!(open.is_empty(), "{open:?}");
+    all
+}
+
+/// What any page has to be.
+fn stands_alone(page: &str) {
+    let elements = elements(page);
+    for tag in &elements {
+        let fetches = ["src=", "href=", "srcset=", "data=", "action="];
+        assert!(!fetches.iter().any(|f| tag.contains(f)), "{tag}");
+        if tag.starts_with("svg ") {
+            assert!(
+                tag.contains("role=\"img\"") && tag.contains("aria-label=\""),
+                "{tag}"
+            );
+            assert!(!tag.contains("aria-label=\"\""), "{tag}");
+        }
+    }
+    for word in ["http:", "https:", "url(", "@import", "NaN", "Infinity"] {
+        assert!(!page.contains(word), "{word}");
+    }
+    let ids: Vec<&str> = elements.iter().filter_map(|t| attribute(t, "id")).collect();
+    let mut unique = ids.clone();
+    unique.sort_unstable();
+    unique.dedup();
+    assert_eq!(ids.len(), unique.len());
+    for label in elements
+        .iter()
+        .filter_map(|t| attribute(t, "aria-labelledby"))
+    {
+        assert!(ids.contains(&label), "{label}");
+    }
+}
+
+fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
+    let (_, rest) = tag.split_once(&format!(" {name}=\""))?;
+    rest.split('"').next()
+}
+
+#[test]
+fn pages_stand_alone_and_are_the_same_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let holdout: &[&str] = &["--holdout=25%", "--path"];
+    let cases: [(&str, &[&str]); 5] = [
+        ("duffing", holdout),
+        ("pendulum", &[]),
+        ("lotka_volterra", &[]),
+        ("narx", &[]),
+        ("rlc", &[]),
+    ];
+    for (model, options) in cases {
+        let first = page(folder.path(), model, options);
+        stands_alone(&first);
+        let result = folder.path().join(format!("{model}.json"));
+        let again = report(
+            result.to_str().unwrap(),
+            &format!("models/data/{model}.csv"),
+        );
+        assert!(first == again.stdout, "{model}");
+        assert!(first.len() < 400_000, "{model}: {}", first.len());
+        let here = root().display().to_string();
+        assert!(!first.contains(&here), "{model}");
+    }
+}
+
+#[test]
+fn a_page_says_what_is_the_case() {
+    let folder = tempfile::tempdir().unwrap();
+    let duffing = page(folder.path(), "duffing", &["--holdout=25%"]);
+    for words in [
+        "The equation passes",
+        "On what was held out of duffing.csv, run freely from t = 37.5 s, the equations follow every signal to the end",
+        "<math><mover accent=\"true\"><mi>x</mi><mo>¨</mo></mover><mo>=</mo></math>",
+        "data, the same here",
+        "sidc identify duffing.sid duffing.csv --holdout=25% -o duffing.json",
+        "state x : order 2",
+    ] {
+        assert!(duffing.contains(words), "{words}");
+    }
+    let doubted = page(folder.path(), "two_mass", &["--window=0..1"]);
+    for words in [
+        "1 of 2 equations is doubted",
+        "<code>tie</code>",
+        "step u by",
+    ] {
+        assert!(doubted.contains(words), "{words}");
+    }
+    stands_alone(&doubted);
+}
+
+#[test]
+fn other_data_are_called_other_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let result = result(folder.path(), "duffing", &[]);
+    let text = std::fs::read_to_string(root().join("models/data/duffing.csv")).unwrap();
+    let half: String = text.lines().take(500).map(|l| format!("{l}\n")).collect();
+    std::fs::write(folder.path().join("duffing.csv"), &half).unwrap();
+    let run = sidc_in(folder.path(), &["report", &result, "duffing.csv", "-q"]);
+    assert!(run.stdout.contains("its SHA-256 differs"), "{}", run.stderr);
+    std::fs::write(folder.path().join("other.csv"), &half).unwrap();
+    let run = sidc_in(folder.path(), &["report", &result, "other.csv", "-q"]);
+    assert!(
+        run.stdout
+            .contains("other data: the equations were not found from it")
+    );
+}
+
+/// Results without evidence, without equations, and such as run away, have their page.
+#[test]
+fn poor_results_have_a_page_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let data: String = (0..50)
+        .map(|k| format!("{},{}\n", f64::from(k) * 0.1, 1 + k))
+        .collect();
+    std::fs::write(folder.path().join("d.csv"), format!("t,x\n{data}")).unwrap();
+    let head = r#"{"sidc_result": 1, "variables": [{"name": "x", "kind": "state", "order": 1}],"#;
+    let bare = format!(
+        r#"{head} "equations": [{{"target": "dx", "terms": [{{"term": "x^2", "coefficient": 1.0}}], "status": "pass"}}]}}"#
+    );
+    let none = format!(
+        r#"{head} "equations": [], "failed": [{{"target": "dx", "reasons": [{{"code": "no-fit", "text": "<b>nothing</b> fits"}}]}}]}}"#
+    );
+    for (text, words) in [
+        (bare, "the equations end early"),
+        (none, "&lt;b&gt;nothing&lt;/b&gt; fits"),
+    ] {
+        std::fs::write(folder.path().join("r.json"), text).unwrap();
+        let run = sidc_in(
+            folder.path(),
+            &["report", "r.json", "d.csv", "-o", "r.html"],
+        );
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+        assert!(page.contains(words), "{words}");
+        stands_alone(&page);
+    }
+}
+
+/// Names of files, reasons, comments of the model: nothing of them becomes markup.
+#[test]
+fn hostile_texts_are_shown_and_not_obeyed() {
+    let folder = tempfile::tempdir().unwrap();
+    let evil = "\"><script>alert(1)</script>&\u{202e}\u{7}'.csv";
+    let result = result(folder.path(), "duffing", &[]);
+    let mut document: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&result).unwrap()).unwrap();
+    document["settings"]["model"] = evil.into();
+    document["settings"]["source"] = format!("# {evil}").into();
+    document["settings"]["data"] = serde_json::json!([evil]);
+    document["settings"]["holdout"] = serde_json::json!([evil]);
+    document["settings"]["files"][0]["name"] = evil.into();
+    document["settings"]["files"][1]["sha256"] = evil.into();
+    document["signals"][0]["origin"] = evil.into();
+    document["warnings"] = serde_json::json!([{"code": evil, "text": evil}]);
+    document["equations"][0]["reasons"] = serde_json::json!([{"code": evil, "text": evil}]);
+    document["equations"][0]["status"] = "doubt".into();
+    document["equations"][0]["terms"][0]["without"] =
+        serde_json::json!({"enter": [evil], "leave": [evil], "cost": 7.0});
+    let judged = &mut document["equations"][0]["evidence"]["identifiability"];
+    judged["alike"]["terms"][0] = evil.into();
+    judged["alike"]["cosines"][1] = serde_json::json!([5.0, -7.0, 0.1, 0.2]);
+    judged["equivalent"] = serde_json::json!([[evil]]);
+    judged["findings"] =
+        serde_json::json!([{"cause": "law", "text": evil, "advice": evil, "matters": true}]);
+    document["candidates"] = serde_json::json!([{"model": evil, "terms": 3, "error_db": -20.0, "seconds": 1.0,
+        "passes": true, "front": true, "best": true}]);
+    std::fs::write(&result, document.to_string()).unwrap();
+    let run = report(&result, "models/data/duffing.csv");
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let page = &run.stdout;
+    stands_alone(page);
+    assert_eq!(page.matches("<script>").count(), 1);
+    assert!(page.contains("&lt;script&gt;alert(1)&lt;/script&gt;"));
+    assert!(!page.contains('\u{202e}') && !page.contains('\u{7}'));
+}
+
+/// `--name: #rrggbb` of one block.
+fn colours(block: &str) -> Vec<(String, [f64; 3])> {
+    let all = block.split("--").skip(1).filter_map(|part| {
+        let (name, rest) = part.split_once(": #")?;
+        let hex = rest.get(..6)?;
+        let channel = |i: usize| {
+            let c = f64::from(u8::from_str_radix(&hex[2 * i..2 * i + 2], 16).unwrap()) / 255.0;
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
+        };
+        Some((name.to_string(), [channel(0), channel(1), channel(2)]))
+    });
+    all.collect()
+}
+
+/// WCAG 2: contrast of two colours by their relative luminance.
+fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let light = |c: [f64; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+    let (a, b) = (light(a), light(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+#[test]
+fn everything_that_is_read_can_be_seen() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = page(folder.path(), "rlc", &[]);
+    let blocks: Vec<&str> = page
+        .split(":root {")
+        .skip(1)
+        .map(|b| b.split('}').next().unwrap())
+        .collect();
+    assert_eq!(blocks.len(), 3, "light, dark, paper");
+    for block in blocks {
+        let all = colours(block);
+        let of = |name: &str| all.iter().find(|c| c.0 == name).unwrap().1;
+        for ground in ["paper", "wash"] {
+            for text in ["ink", "muted", "pass", "doubt", "fail", "known"] {
+                let found = contrast(of(text), of(ground));
+                assert!(found >= 4.5, "{text} on {ground}: {found:.2}");
+            }
+        }
+        for line in ["measured", "simulated", "residual", "input"] {
+            let found = contrast(of(line), of("paper"));
+            assert!(found >= 3.0, "{line}: {found:.2}");
+        }
+    }
+}
+
+/// Width and height of a PNG, and how many bytes it takes.
+fn size(png: &[u8]) -> (u32, u32) {
+    let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
+    (number(16), number(20))
+}
+
+/// Where there is a Chromium, pages are drawn at the width of a phone and of a desk, light and dark.
+#[test]
+fn browsers_draw_the_page() {
+    let found = ["chromium", "chromium-browser", "google-chrome"]
+        .into_iter()
+        .find(|name| {
+            Command::new(name)
+                .arg("--version")
+                .output()
+                .is_ok_and(|o| o.status.success())
+        });
+    let Some(browser) = found else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let html = folder.path().join("page.html");
+    std::fs::write(&html, page(folder.path(), "duffing", &["--holdout=25%"])).unwrap();
+    let mut sizes = Vec::new();
+    for (wide, scheme) in [(390, 0), (390, 1), (1280, 0), (1280, 1)] {
+        let png = folder.path().join(format!("{wide}-{scheme}.png"));
+        let run = Command::new(browser)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--hide-scrollbars",
+            ])
+            .arg(format!(
+                "--user-data-dir={}",
+                folder.path().join("profile").display()
+            ))
+            .arg(format!("--blink-settings=preferredColorScheme={scheme}"))
+            .arg(format!("--window-size={wide},2400"))
+            .arg(format!("--screenshot={}", png.display()))
+            .arg(format!("file://{}", html.display()))
+            .output()
+            .unwrap();
+        assert!(
+            run.status.success(),
+            "{}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+        let bytes = std::fs::read(&png).unwrap();
+        assert_eq!(size(&bytes), (wide, 2400));
+        // A page that is not drawn is one colour, and a few kilobytes.
+        assert!(bytes.len() > 60_000, "{wide} {scheme}: {}", bytes.len());
+        sizes.push(bytes.len());
+    }
+    assert!(
+        sizes[0] != sizes[1] && sizes[2] != sizes[3],
+        "dark is not light: {sizes:?}"
+    );
+}
