@@ -95,7 +95,7 @@ impl Notation for MathMl<'_> {
             0 if self.0.discrete && s != Signal::TIME => "<mi>k</mi>".to_string(),
             0 => return base,
             k if k > 0 => format!("<mi>k</mi><mo>+</mo><mn>{k}</mn>"),
-            k => format!("<mi>k</mi><mo>−</mo><mn>{}</mn>", -i32::from(k)),
+            k => format!("<mi>k</mi><mo>−</mo><mn>{}</mn>", -k),
         };
         format!(
             "<mrow>{base}<mo stretchy=\"false\">[</mo>{index}<mo stretchy=\"false\">]</mo></mrow>"

@@ -99,10 +99,10 @@ impl Column {
 
 /// The line through all samples; it is broken where one is missing.
 pub(super) fn line(time: &[f64], values: &[f64], (x, y): (&Axis, &Axis)) -> String {
-    let samples = time.iter().zip(values).enumerate();
+    let samples = time.iter().zip(values);
     let mut pen = Pen::default();
     if values.len() <= EXACT {
-        for (_, (t, v)) in samples {
+        for (t, v) in samples {
             match v.is_finite() {
                 true => pen.to(place(x, *t), height(y, *v)),
                 false => pen.lift(),
@@ -111,7 +111,7 @@ pub(super) fn line(time: &[f64], values: &[f64], (x, y): (&Axis, &Axis)) -> Stri
         return pen.text;
     }
     let mut open: Option<Column> = None;
-    for (i, (t, v)) in samples {
+    for (i, (t, v)) in samples.enumerate() {
         if !v.is_finite() {
             if let Some(done) = open.take() {
                 done.draw(&mut pen, y);

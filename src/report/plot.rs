@@ -32,7 +32,7 @@ pub(super) fn path(class: &str, d: &str) -> String {
 /// A box from `from` to `to` over the whole height.
 pub(super) fn shade(class: &str, x: &Axis, from: f64, to: f64) -> String {
     let (a, b) = (x.share(from).max(0.0), x.share(to).min(1.0));
-    if !(b > a) {
+    if a >= b || b.is_nan() || a.is_nan() {
         return String::new();
     }
     let at = |s: f64| (s * f64::from(WIDE)).round() as i32;
