@@ -25,10 +25,10 @@ const DOCUMENTS: &[&str] = &[
 /// Relative difference that rounding may make in a coefficient of six digits.
 const SAME: f64 = 1e-5;
 
-/// What the commands of a document make and use: results, pages, code, and models that lie in no folder.
+/// What the commands of a document make and use: results, and pages, code and models that lie in no folder.
 fn is_made(name: &str) -> bool {
-    let ends = |end: &&str| name.ends_with(*end);
-    [".json", ".html", ".py"].iter().any(ends) || (name.ends_with(".sid") && !name.contains('/'))
+    let made = [".html", ".py", ".sid"].iter().any(|e| name.ends_with(e));
+    name.ends_with(".json") || (made && !name.contains('/'))
 }
 
 /// Runs a command of a document; what it makes goes to and comes from `folder`.
