@@ -28,7 +28,7 @@ pub(super) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
     let drawn = drawn(e);
     let nearest = e.evidence.as_ref().and_then(|e| e.nearest.as_ref());
     let nearest = nearest
-        .filter(|n| whole || n.earns > n.costs - NEAR)
+        .filter(|n| n.earns > if whole { 1.0 } else { n.costs - NEAR })
         .map(missing);
     if whole {
         let line = |(t, trust): &(&FoundTerm, &Trust)| {
