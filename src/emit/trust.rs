@@ -12,6 +12,9 @@ use crate::term::Language;
 const VISIBLE: f64 = 1e-6;
 /// Short of its cost by less than this a term left out is named unasked: odds of e^1½ to 1.
 const NEAR: f64 = 3.0;
+/// Terms of one mark that get their reasons unasked, and intervals that are listed unasked.
+const REASONED: usize = 8;
+const LISTED: usize = 16;
 /// Terms that are named.
 const NAMED: usize = 3;
 /// Losses above which a figure says nothing more.
@@ -41,7 +44,9 @@ pub(super) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
     }
     let widths: Vec<String> = found.iter().filter_map(|f| width(d, f)).collect();
     let mut lines = Vec::new();
-    if !widths.is_empty() {
+    if widths.len() > LISTED {
+        lines.push(format!("95 %: {} intervals, with --evidence", widths.len()));
+    } else if !widths.is_empty() {
         lines.push(format!("95 %: {}", widths.join(", ")));
     }
     lines.extend(marks(d, e, &found));
@@ -83,11 +88,15 @@ fn marks(d: &Discovery, e: &Equation, found: &[(&FoundTerm, &Trust)]) -> Vec<Str
         format!("{} ({})", Language(d).term(&t.term), reasons.join(", "))
     };
     let of = |mark: Mark| {
-        let those: Vec<String> = found
-            .iter()
-            .filter(|(_, t)| own(t) == mark)
-            .map(one)
-            .collect();
+        let those: Vec<_> = found.iter().filter(|(_, t)| own(t) == mark).collect();
+        if those.len() > REASONED {
+            let (many, all) = (those.len(), found.len());
+            let name = mark.name();
+            return Some(format!(
+                "{name}: {many} of {all} terms (--evidence says why)"
+            ));
+        }
+        let those: Vec<String> = those.into_iter().map(one).collect();
         (!those.is_empty()).then(|| format!("{}: {}", mark.name(), those.join("; ")))
     };
     [Mark::Doubtful, Mark::Likely]

@@ -48,6 +48,12 @@ impl Judge {
         }
     }
 
+    /// The judge of a level: its floor, and how many readings count as one.
+    pub fn level(problem: &Problem, floor: f64, as_one: f64) -> Judge {
+        let readings = problem.measurements() as f64 / as_one;
+        Judge::new(problem, floor, as_one * price(readings))
+    }
+
     /// Cost of a support. Every coefficient and first state that is fitted leaves fewer readings to judge by, which few readings
     /// feel (Hurvich & Tsai, Biometrika 1989).
     fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {

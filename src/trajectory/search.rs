@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::beam::{Subset, subsets};
 use super::errors;
-use super::fit::{Fit, Judge, fit, price};
+use super::fit::{Fit, Judge, fit};
 use super::guide::Guide;
 use super::problem::{Point, Problem};
 use super::worth::readings_as_one;
@@ -85,9 +85,18 @@ impl<'a> Level<'a> {
 
     /// Fits supports, but those that were, two at a time; true if one became the best.
     fn fit(&mut self, points: impl IntoIterator<Item = Point>) -> bool {
+        self.fit_while(points, &mut || true)
+    }
+
+    /// Likewise as long as the guide goes on.
+    fn fit_while(
+        &mut self,
+        points: impl IntoIterator<Item = Point>,
+        guide: &mut dyn Guide,
+    ) -> bool {
         let mut points = points.into_iter();
         let mut better = false;
-        loop {
+        while guide.go_on() {
             let mut pair: Vec<Point> = Vec::new();
             while pair.len() < 2 {
                 let Some(point) = points.next() else { break };
@@ -109,6 +118,7 @@ impl<'a> Level<'a> {
                 better |= self.enter(support, found);
             }
         }
+        better
     }
 
     /// Notes what a fit came to; true if it became the best.
@@ -211,13 +221,13 @@ impl<'a> Level<'a> {
                 let rivals = proposals.into_iter().filter(|(_, s)| new(s));
                 let near = rivals.take_while(|(change, _)| *change < APART);
                 let near: Vec<Vec<usize>> = near.take(RIVALS).map(|(_, s)| s).collect();
-                better = self.fit(near.into_iter().map(point));
+                better = self.fit_while(near.into_iter().map(point), guide);
             }
             let support = current.support();
             if !better && last && without && support.len() <= PRUNED {
                 // Without each single term.
                 let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
-                better = self.fit(support.iter().map(|j| point(without(j))));
+                better = self.fit_while(support.iter().map(|j| point(without(j))), guide);
             }
             if !better {
                 return;
@@ -356,7 +366,7 @@ fn levels(
     let mut result = None;
     for place in 0..floors.len() {
         let last = place + 1 == floors.len();
-        let mut level = Level::new(problem, judge(problem, floors[place], as_one));
+        let mut level = Level::new(problem, Judge::level(problem, floors[place], as_one));
         let penalty = level.judge.penalty;
         let sigma = level.sigma(&problem.noise);
         let points = carried.drain(..).map(|point| Point {
@@ -425,18 +435,12 @@ fn joined(a: &[usize], b: &[usize]) -> Vec<usize> {
 
 /// The judge of the last level, every reading counted.
 pub(super) fn last_judge(problem: &Problem) -> Judge {
-    judge(problem, FLOORS[FLOORS.len() - 1], 1.0)
+    Judge::level(problem, FLOORS[FLOORS.len() - 1], 1.0)
 }
 
 /// The best fit of what the smooth curves propose, under the highest floor.
 pub(super) fn first(problem: &Problem) -> Option<Fit> {
-    let mut level = Level::new(problem, judge(problem, FLOORS[0], 1.0));
+    let mut level = Level::new(problem, Judge::level(problem, FLOORS[0], 1.0));
     level.start();
     level.best.into_iter().next()
-}
-
-/// The judge of a level: its floor under the noise, relative to the spread, and how many readings count as one.
-fn judge(problem: &Problem, floor: f64, as_one: f64) -> Judge {
-    let readings = problem.measurements() as f64 / as_one;
-    Judge::new(problem, floor, as_one * price(readings))
 }
