@@ -8,6 +8,7 @@
 mod cart_pendulum;
 mod controller;
 mod force;
+#[allow(dead_code)]
 mod run;
 #[path = "../simulate/mod.rs"]
 mod simulate;

@@ -14,6 +14,20 @@ pub struct Row {
     pub force: f64,
 }
 
+/// Every signal of a run, by name.
+pub fn columns(rows: &[Row]) -> Vec<(&'static str, Vec<f64>)> {
+    let column = |of: fn(&Row) -> f64| rows.iter().map(of).collect();
+    vec![
+        ("y", column(|r| r.state[0])),
+        ("dy", column(|r| r.state[1])),
+        ("ddy", column(|r| r.accelerations.0)),
+        ("theta", column(|r| r.state[2])),
+        ("dtheta", column(|r| r.state[3])),
+        ("ddtheta", column(|r| r.accelerations.1)),
+        ("F", column(|r| r.force)),
+    ]
+}
+
 /// A row for every instant but the last, where the last row's interval ends.
 pub fn run(
     plant: &Plant,

@@ -23,7 +23,7 @@ use std::time::Instant;
 use cart_pendulum::{Plant, State};
 use clap::Parser;
 use plot::Curve;
-use run::{Row, run};
+use run::{columns, run};
 use sidc::data::{Dataset, Samples};
 use sidc::discover::{Discovery, Options, Status, discover};
 use sidc::pipeline::{self, Program};
@@ -197,20 +197,10 @@ fn motion(
     let start: State = [0.0, 0.0, random.uniform(-0.5, 0.5), 0.0];
     let times = grid(rows + 1, 1.0 / RATE);
     let table = run(plant, start, &times, |k, _| force[k]);
-    let column = |of: &dyn Fn(&Row) -> f64| table.iter().map(of).collect::<Vec<f64>>();
-    let columns = [
-        ("y", column(&|r| r.state[0])),
-        ("dy", column(&|r| r.state[1])),
-        ("ddy", column(&|r| r.accelerations.0)),
-        ("theta", column(&|r| r.state[2])),
-        ("dtheta", column(&|r| r.state[3])),
-        ("ddtheta", column(&|r| r.accelerations.1)),
-        ("F", column(&|r| r.force)),
-    ];
-    let columns = columns
-        .each_ref()
-        .map(|(name, values)| (*name, &values[..]));
-    Ok(program.samples(&column(&|r| r.time), &columns)?)
+    let columns = columns(&table);
+    let columns: Vec<(&str, &[f64])> = columns.iter().map(|(n, v)| (*n, &v[..])).collect();
+    let time: Vec<f64> = table.iter().map(|r| r.time).collect();
+    Ok(program.samples(&time, &columns)?)
 }
 
 fn print_row(rows: usize, outcomes: &[Outcome]) {

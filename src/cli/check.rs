@@ -154,7 +154,8 @@ fn storage(library: &Library) -> String {
     )
 }
 
-fn counted(n: usize, one: &str, many: &str) -> String {
+/// `1 table`, `2 tables`
+pub(super) fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 

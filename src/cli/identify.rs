@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use super::check::counted;
 use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
 use super::narrate::Narrator;
@@ -107,8 +108,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
     let programs = programs(args, &files.models, &mut sources)?;
-    let read = |what: &str, n: usize| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    narrator.done(&format!("{} compiled", read("model", programs.len())));
+    let models = counted(programs.len(), "model", "models");
+    narrator.done(&format!("{models} compiled"));
     if files.data.is_empty() {
         return Err(Failure::new(
             "error[no-data]: no data file\n  = help: sidc identify MODEL.sid DATA.csv",
@@ -116,7 +117,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     }
     let (paths, held) = held_out(args, &files);
     let (tables, entries) = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
-    narrator.done(&format!("{} read", read("table", tables.len())));
+    narrator.done(&format!(
+        "{} read",
+        counted(tables.len(), "table", "tables")
+    ));
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,

@@ -64,6 +64,20 @@ pub fn evaluate(term: &Term, samples: &Samples) -> Vec<f64> {
     values
 }
 
+/// y − Σ coefficient · term on every row, in place; y has as many values as there are rows.
+pub fn subtract<'a>(
+    y: &mut [f64],
+    terms: impl IntoIterator<Item = (f64, &'a Term)>,
+    samples: &Samples,
+) {
+    for (coefficient, term) in terms {
+        let values = evaluate(term, samples);
+        y.iter_mut()
+            .zip(&values)
+            .for_each(|(y, v)| *y -= coefficient * v);
+    }
+}
+
 /// The terms of a library that is one list of them and nothing else.
 fn listed(library: &Library) -> Option<&[Term]> {
     match library.blocks() {

@@ -10,7 +10,7 @@ mod strongest;
 mod sums;
 mod values;
 
-pub use compile::{BadValue, bytes, compile, evaluate};
+pub use compile::{BadValue, bytes, compile, evaluate, subtract};
 pub use dense::Dense;
 pub use factored::Factored;
 pub use strongest::{Collector, Strongest};

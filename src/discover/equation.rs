@@ -16,7 +16,7 @@ use super::{
     Status,
 };
 use crate::data::{Dataset, Samples};
-use crate::dictionary::{BadValue, compile, evaluate};
+use crate::dictionary::{BadValue, compile, subtract};
 use crate::lang::model::Model;
 use crate::library::Library;
 use crate::solve::{self, Polished, Problem, Progress, Solution, Status as Solved};
@@ -240,7 +240,7 @@ impl Task<'_> {
         let mut y = samples
             .column(self.target)
             .map_or_else(|| vec![0.0; samples.len()], |c| c.values.clone());
-        subtract(&mut y, &self.known, samples);
+        subtract(&mut y, self.known.iter().map(|(c, t)| (*c, t)), samples);
         y
     }
 
@@ -280,11 +280,8 @@ impl Task<'_> {
     /// y − Σ coefficient · term on every row.
     fn residual(&self, terms: &[FoundTerm], samples: &Samples, y: &[f64]) -> Vec<f64> {
         let mut r = y.to_vec();
-        let weighted: Vec<(f64, Term)> = terms
-            .iter()
-            .map(|t| (t.coefficient, t.term.clone()))
-            .collect();
-        subtract(&mut r, &weighted, samples);
+        let weighted = terms.iter().map(|t| (t.coefficient, &t.term));
+        subtract(&mut r, weighted, samples);
         r
     }
 
@@ -381,13 +378,6 @@ pub(super) fn simpler(a: &Term, b: &Term) -> Ordering {
 
 fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a * b).collect()
-}
-
-fn subtract(y: &mut [f64], terms: &[(f64, Term)], samples: &Samples) {
-    for (c, term) in terms {
-        let values = evaluate(term, samples);
-        y.iter_mut().zip(&values).for_each(|(y, v)| *y -= c * v);
-    }
 }
 
 /// Root mean square of the largest coefficient · column.

@@ -5,6 +5,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::lanes::dot;
+
 /// `samples · ln(rss/rows + floor) + terms · per_term`: the smaller the better.
 ///
 /// The extended Bayesian criterion (Chen & Chen, Biometrika 2008), with a noise floor: below the known error of the data,
@@ -323,10 +325,6 @@ fn project_off(column: &mut [f64], direction: &[f64]) {
         .iter_mut()
         .zip(direction)
         .for_each(|(c, d)| *c -= along * d);
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 #[cfg(test)]

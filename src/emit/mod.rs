@@ -32,8 +32,9 @@ use crate::discover::Discovery;
 pub use evidence::{answer, remarks};
 pub use linearization::{bends, linearization};
 pub use mathml::{MathMl, escape};
-pub use number::significant;
+pub use number::{apart, significant};
 pub use text::equations;
+pub use trust::without;
 pub use validation::validation;
 
 /// A language that a discovery can be written in.

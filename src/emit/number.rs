@@ -29,6 +29,14 @@ pub fn significant(x: f64, digits: usize) -> String {
     }
 }
 
+/// Significant digits that tell the ends of an interval apart, and two more.
+pub fn apart(low: f64, high: f64) -> usize {
+    let size = low.abs().max(high.abs());
+    let digits = (size / (high - low).abs()).log10().ceil();
+    let digits = if digits.is_finite() { digits } else { 15.0 };
+    digits.clamp(0.0, 13.0) as usize + 2
+}
+
 #[cfg(test)]
 mod tests {
     use super::significant;

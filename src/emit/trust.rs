@@ -2,7 +2,7 @@
 //!
 //! In: an equation whose terms are marked. Out: lines. Never judges.
 
-use super::number::significant;
+use super::number::{apart, significant};
 use crate::discover::{
     Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Status, Trust, Without,
 };
@@ -146,10 +146,7 @@ fn width(d: &Discovery, (t, trust): &(&FoundTerm, &Trust)) -> Option<String> {
 
 /// An interval with as many digits as its width leaves.
 fn between((low, high): (f64, f64)) -> String {
-    let size = low.abs().max(high.abs());
-    let digits = (size / (high - low).abs()).log10().ceil();
-    let digits = if digits.is_finite() { digits } else { 15.0 };
-    let digits = digits.clamp(0.0, 13.0) as usize + 2;
+    let digits = apart(low, high);
     format!(
         "95 % {} to {}",
         significant(low, digits),
@@ -169,7 +166,8 @@ fn reasons(trust: &Trust, drawn: usize) -> Vec<String> {
         let times = (share * drawn as f64).round();
         all.push(format!("in {times} of {drawn} half records"));
     }
-    all.extend(trust.without.as_ref().map(without));
+    let without = trust.without.as_ref().map(without);
+    all.extend(without.map(|w| format!("without it: {w}")));
     all
 }
 
@@ -182,8 +180,8 @@ fn several(names: &[String]) -> String {
     }
 }
 
-/// `without it: x^2 instead, 14 lost`
-fn without(w: &Without) -> String {
+/// What becomes of an equation without the term: `x^2 instead, 14 lost`.
+pub fn without(w: &Without) -> String {
     let mut parts = Vec::new();
     if !w.enter.is_empty() {
         parts.push(format!("{} instead", several(&w.enter)));
@@ -197,5 +195,5 @@ fn without(w: &Without) -> String {
         cost if cost < 0.0 => format!("{} won", significant(-cost, 2)),
         cost => format!("{} lost", significant(cost, 2)),
     });
-    format!("without it: {}", parts.join(", "))
+    parts.join(", ")
 }

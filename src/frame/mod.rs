@@ -5,11 +5,12 @@
 
 mod project;
 
-pub use project::{Basis, dot, norm, subtract};
+pub use project::{Basis, norm};
 
 use crate::data::Samples;
-use crate::dictionary::{Dictionary, compile, evaluate};
+use crate::dictionary::{self, Dictionary, compile};
 use crate::discover::{Equation, Evidence, Options, Weights, split};
+use crate::lanes::dot;
 use crate::lang::model::{Model, VarKind};
 use crate::library::Library;
 use crate::term::{Signal, Term};
@@ -225,13 +226,10 @@ fn target(samples: &Samples, equation: &Equation, read: bool) -> Option<Vec<f64>
         true => samples.column(equation.target)?.values.clone(),
         false => vec![0.0; samples.len()],
     };
-    for t in equation.terms.iter().filter(|t| t.fixed == read) {
-        let sign = if read { -1.0 } else { 1.0 };
-        let values = evaluate(&t.term, samples);
-        y.iter_mut()
-            .zip(&values)
-            .for_each(|(y, v)| *y += sign * t.coefficient * v);
-    }
+    let sign = if read { 1.0 } else { -1.0 };
+    let terms = equation.terms.iter().filter(|t| t.fixed == read);
+    let terms = terms.map(|t| (sign * t.coefficient, &t.term));
+    dictionary::subtract(&mut y, terms, samples);
     y.iter().all(|y| y.is_finite()).then_some(y)
 }
 

@@ -5,6 +5,8 @@
 
 use nalgebra::DMatrix;
 
+use crate::lanes::{axpy, dot};
+
 /// A column of which less than this is left, relative, depends on those before it.
 const DEPENDENT: f64 = 1e-13;
 
@@ -54,7 +56,7 @@ impl Basis {
             for (direction, sum) in self.directions.iter().zip(&mut coordinates) {
                 let along = dot(direction, &left);
                 *sum += along;
-                subtract(&mut left, along, direction);
+                axpy(-along, direction, &mut left);
             }
         }
         (left, coordinates)
@@ -87,16 +89,8 @@ impl Basis {
     }
 }
 
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
-}
-
-pub fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);
 }
 
 #[cfg(test)]

@@ -259,7 +259,6 @@ fn holds(reduced: &Reduced, samples: &Samples) -> Option<bool> {
 
 fn anywhere(frame: &Frame, signals: &[Signal], far: f64, keep_signs: bool) -> Samples {
     let mut random = SplitMix::new(5);
-    let mut unit = || (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
     let columns = signals.iter().map(|s| {
         let (least, most) = range(&Expr::signal(*s), &frame.samples);
         let reach = far * (least.abs().max(most.abs()) + 1.0);
@@ -270,7 +269,7 @@ fn anywhere(frame: &Frame, signals: &[Signal], far: f64, keep_signs: bool) -> Sa
         };
         Column {
             signal: *s,
-            values: (0..POINTS).map(|_| value(unit())).collect(),
+            values: (0..POINTS).map(|_| value(random.unit())).collect(),
             origin: Origin::Measured { noise: None },
         }
     });

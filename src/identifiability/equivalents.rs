@@ -7,7 +7,7 @@ use std::collections::{BTreeSet, VecDeque};
 
 use super::gram::Gram;
 use crate::frame::Frame;
-use crate::frame::dot;
+use crate::lanes::dot;
 use crate::term::Language;
 
 /// Difference of the criterion under which two supports of equal size are a tie (as the choice of the support has it).

@@ -6,7 +6,8 @@ use super::spectrum::spectrum;
 use crate::data::Samples;
 use crate::discover::{Excitation, Leverage};
 use crate::frame::Frame;
-use crate::frame::{Basis, dot, norm};
+use crate::frame::{Basis, norm};
+use crate::lanes::dot;
 use crate::library::Library;
 use crate::term::{Language, Signal, SignalNames};
 

@@ -32,7 +32,7 @@ pub(super) fn isometry(gram: &Gram, terms: usize) -> Option<Isometry> {
             places.swap(i, j);
         }
         let (chosen, _) = places.split_at(terms);
-        let weights: Vec<f64> = chosen.iter().map(|_| normal(&mut random)).collect();
+        let weights: Vec<f64> = chosen.iter().map(|_| random.normal()).collect();
         let square: f64 = weights.iter().map(|w| w * w).sum();
         let mut length = 0.0;
         for (i, a) in chosen.iter().zip(&weights) {
@@ -52,11 +52,4 @@ pub(super) fn isometry(gram: &Gram, terms: usize) -> Option<Isometry> {
         }
     }
     Some(out)
-}
-
-/// Box–Muller.
-fn normal(random: &mut SplitMix) -> f64 {
-    let mut unit = || (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
-    let radius = (-2.0 * (1.0 - unit()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * unit()).cos()
 }

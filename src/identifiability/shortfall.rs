@@ -4,9 +4,10 @@
 //! what is left, or that the variable has a higher or a lower order than declared, or neither. Suggests; never changes the equation.
 
 use crate::data::{Origin, Samples};
-use crate::dictionary::evaluate;
+use crate::dictionary::{evaluate, subtract};
 use crate::discover::{Equation, Weights};
-use crate::frame::{Basis, dot, norm};
+use crate::frame::{Basis, norm};
+use crate::lanes::dot;
 use crate::library::Library;
 use crate::term::{Expr, Func, Signal, Term, VarId};
 
@@ -87,12 +88,8 @@ impl Left {
         let rows: Vec<usize> = (0..all.len()).step_by(step).collect();
         let samples = all.select(&rows);
         let mut y = samples.column(target)?.values.clone();
-        for t in asked.equation.terms.iter().filter(|t| t.fixed) {
-            let values = evaluate(&t.term, &samples);
-            y.iter_mut()
-                .zip(&values)
-                .for_each(|(y, v)| *y -= t.coefficient * v);
-        }
+        let fixed = asked.equation.terms.iter().filter(|t| t.fixed);
+        subtract(&mut y, fixed.map(|t| (t.coefficient, &t.term)), &samples);
         let weights = Weights::new(&samples, target, asked.library, &y);
         let weighted =
             |v: &[f64]| -> Vec<f64> { v.iter().zip(&weights.row).map(|(v, w)| v * w).collect() };

@@ -8,7 +8,8 @@ use super::gram::Gram;
 use super::relations::{Limits, Null, Search};
 use crate::discover::Cause;
 use crate::frame::Frame;
-use crate::frame::{norm, subtract};
+use crate::frame::norm;
+use crate::lanes::axpy;
 use crate::library::Library;
 use crate::term::{Signal, Term};
 
@@ -110,7 +111,7 @@ fn round(null: &Null, search: &Search, columns: &[(Signal, Vec<f64>, f64)], nois
             .collect();
         let mut rest = vec![0.0; search.columns[0].len()];
         for (p, w) in null.places.iter().zip(&weights) {
-            subtract(&mut rest, *w, search.columns[*p]);
+            axpy(-w, search.columns[*p], &mut rest);
         }
         let size = norm(&rest).max(f64::EPSILON);
         if size <= bound && weights.iter().all(|w| *w != 0.0) {

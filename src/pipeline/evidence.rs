@@ -30,7 +30,7 @@ pub(super) fn weigh(
 ) {
     let mut judged: Vec<Judged> = Vec::new();
     for equation in &discovery.equations {
-        judged.push(one(program, rows, stretches.is_none(), options, equation).unwrap_or_default());
+        judged.push(one(program, rows, options, equation).unwrap_or_default());
     }
     for (equation, judged) in discovery.equations.iter_mut().zip(&mut judged) {
         if let Some(told) = judged.told.take() {
@@ -80,9 +80,7 @@ pub(super) fn weigh_fitted(
         samples: &fitted.samples,
         read: read.as_ref(),
     };
-    let none = Stretches::default();
-    let stretches = fitted.stretches.as_ref().unwrap_or(&none);
-    weigh(program, rows, Some(stretches), options, discovery);
+    weigh(program, rows, fitted.stretches.as_ref(), options, discovery);
 }
 
 /// What one equation's rows say.
@@ -94,13 +92,7 @@ struct Judged {
     readings: Option<f64>,
 }
 
-fn one(
-    program: &Program,
-    rows: Rows,
-    alone: bool,
-    options: &Options,
-    equation: &Equation,
-) -> Option<Judged> {
+fn one(program: &Program, rows: Rows, options: &Options, equation: &Equation) -> Option<Judged> {
     // Whoever says stop does not want to wait.
     let stopped = |r: &Reason| STOPPED.contains(&r.code.as_str());
     if equation.reasons.iter().any(stopped) {
@@ -110,7 +102,7 @@ fn one(
     let frame = Frame::new(&program.model, library, rows.samples, equation, options)?;
     Some(Judged {
         told: Some(identifiability::judge(&frame, library, rows)),
-        stretches: alone.then(|| uncertainty::stretches(&frame)).flatten(),
+        stretches: uncertainty::stretches(&frame),
         readings: Some(frame.noise.rows),
     })
 }

@@ -5,7 +5,7 @@
 
 use super::{MEMORY, Program, Sources, needed};
 use crate::data::{Column, Origin, Samples};
-use crate::dictionary::{BadValue, Dictionary, compile, evaluate};
+use crate::dictionary::{BadValue, Dictionary, compile, subtract};
 use crate::lang::model::RightSide;
 use crate::lang::render;
 use crate::library::{Library, known_terms};
@@ -156,10 +156,8 @@ impl Program {
             None => return Err(format!("no column is named {target}")),
         };
         if let RightSide::Search { known, .. } = &equation.right {
-            for (weight, term) in known_terms(known.iter().map(|(e, _)| e)) {
-                let values = evaluate(&term, samples);
-                y.iter_mut().zip(values).for_each(|(y, v)| *y -= weight * v);
-            }
+            let known = known_terms(known.iter().map(|(e, _)| e));
+            subtract(&mut y, known.iter().map(|(a, t)| (*a, t)), samples);
         }
         let dictionary = compile(library, samples, None).map_err(|bad| self.undefined(&bad))?;
         Ok(Regression {

@@ -1,10 +1,10 @@
 //! Every coefficient with its interval, stability, mark, and what would stand in for its term.
 
 use super::equations::reading;
-use super::markup::{grouped, lead, number, section};
+use super::markup::{lead, number, section};
 use super::subject::Subject;
-use crate::discover::{Equation, FoundTerm, Mark, Trust, Without};
-use crate::emit::{MathMl, escape};
+use crate::discover::{Equation, FoundTerm, Mark, Trust};
+use crate::emit::{MathMl, apart, escape, without};
 use crate::term::Language;
 
 /// Box of one row's interval.
@@ -13,10 +13,6 @@ const WIDE: f64 = 1000.0;
 const MOST: f64 = 1.5;
 /// Deviations that are no more than rounding.
 const ROUNDING: f64 = 1e-12;
-/// Losses above which a figure says nothing more.
-const LARGE: f64 = 1000.0;
-/// Names that are listed of what stands in.
-const NAMED: usize = 4;
 
 pub(super) fn coefficients(s: &Subject) -> String {
     let mut body = String::new();
@@ -101,7 +97,7 @@ fn row(s: &Subject, e: &Equation, t: &FoundTerm, scale: f64) -> String {
             "without it",
             &trust
                 .and_then(|t| t.without.as_ref())
-                .map_or_else(String::new, without)
+                .map_or_else(String::new, |w| escape(&without(w)))
         ),
     )
 }
@@ -127,7 +123,7 @@ fn interval(d: &crate::discover::Discovery, t: &FoundTerm, scale: f64) -> String
         true => format!("<path class=\"zero\" d=\"M{0} 0v100\"/>", x(zero)),
         false => String::new(),
     };
-    let digits = digits(t.coefficient, high - low);
+    let digits = apart(low, high);
     let words = match high - low > 2.0 * ROUNDING * t.coefficient.abs() {
         true => format!("{} to {}", number(low, digits), number(high, digits)),
         false => "no wider than rounding".into(),
@@ -145,15 +141,6 @@ fn interval(d: &crate::discover::Discovery, t: &FoundTerm, scale: f64) -> String
     format!("{drawn}<span class=\"ends\">{words}</span>")
 }
 
-/// Enough digits to tell the ends of an interval apart.
-fn digits(coefficient: f64, width: f64) -> usize {
-    let ratio = (coefficient.abs() / width.abs()).log10();
-    match ratio.is_finite() {
-        true => (ratio.ceil() as i32 + 2).clamp(3, 15) as usize,
-        false => 6,
-    }
-}
-
 fn mark(trust: &Trust) -> String {
     let class = match trust.mark {
         Mark::Firm => "pass",
@@ -161,31 +148,4 @@ fn mark(trust: &Trust) -> String {
         Mark::Doubtful => "doubt",
     };
     format!("<span class=\"badge {class}\">{}</span>", trust.mark.name())
-}
-
-/// `u, x^2 instead of x; 44 lost`
-fn without(w: &Without) -> String {
-    let names = |all: &[String]| {
-        let shown: Vec<&str> = all.iter().take(NAMED).map(String::as_str).collect();
-        match all.len().saturating_sub(NAMED) {
-            0 => shown.join(", "),
-            more => format!("{} and {more} more", shown.join(", ")),
-        }
-    };
-    let mut text = match w.enter.is_empty() {
-        true => "nothing steps in".to_string(),
-        false => format!("{} steps in", names(&w.enter)),
-    };
-    if w.enter.len() > 1 {
-        text = text.replace("steps in", "step in");
-    }
-    if !w.leave.is_empty() {
-        text.push_str(&format!(", {} no longer needed", names(&w.leave)));
-    }
-    text.push_str(&match (w.same, w.cost > LARGE) {
-        (true, _) => "; the same in other words".to_string(),
-        (_, true) => format!("; over {} lost", grouped(LARGE as usize)),
-        _ => format!("; {} lost", number(w.cost, 2)),
-    });
-    escape(&text)
 }

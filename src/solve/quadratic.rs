@@ -178,7 +178,7 @@ impl Quadratic {
     /// The best single changes by predicted criterion, best first.
     pub fn moves(&self, support: &[usize], penalty: f64, most: usize) -> Vec<Move> {
         let (k, p) = (support.len(), self.p);
-        let Some(inverse) = self.inverse(support) else {
+        let Some(inverse) = self.inverse(support).filter(|_| p > 0) else {
             return Vec::new();
         };
         let x = self.times_right(&inverse, support);
@@ -194,15 +194,12 @@ impl Quadratic {
         let mut free = vec![1.0; p];
         let mut along = self.right.clone();
         wide(|| {
-            for (row, inverse) in rows
-                .chunks_exact_mut(p.max(1))
-                .zip(inverse.chunks_exact(k.max(1)))
-            {
+            for (row, inverse) in rows.chunks_exact_mut(p).zip(inverse.chunks_exact(k.max(1))) {
                 for (weight, s) in inverse.iter().zip(support) {
                     axpy(*weight, self.row(*s), row);
                 }
             }
-            for ((row, s), x) in rows.chunks_exact(p.max(1)).zip(support).zip(&x) {
+            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(&x) {
                 let own = self.row(*s);
                 for ((free, row), own) in free.iter_mut().zip(row).zip(own) {
                     *free -= own * row;

@@ -3,8 +3,9 @@
 //! In: products of stretches. Out: the share of halves in which each term found is chosen again. Halves come in complementary
 //! pairs (Shah & Samworth, J. R. Stat. Soc. B 2013), of whole stretches, so that rows that follow each other stay together.
 
-use super::Choice;
-use crate::discover::{Halves, SplitMix};
+use super::sum;
+use crate::discover::{Halves, SplitMix, Stretches};
+use crate::solve::quadratic::Quadratic;
 
 /// Complementary pairs.
 const PAIRS: usize = 25;
@@ -13,8 +14,7 @@ const FEWEST: usize = 4;
 const SEED: u64 = 1;
 
 /// How the halves were drawn, and each found term's share of them; `None` of too few stretches.
-pub(super) fn halves(choice: &Choice) -> Option<(Halves, Vec<f64>)> {
-    let stretches = choice.stretches;
+pub(super) fn halves(stretches: &Stretches) -> Option<(Halves, Vec<f64>)> {
     let count = stretches.products.len();
     if count < FEWEST {
         return None;
@@ -26,7 +26,7 @@ pub(super) fn halves(choice: &Choice) -> Option<(Halves, Vec<f64>)> {
         shuffle(&mut order, &mut random);
         let (first, second) = order.split_at(count / 2);
         for half in [first, second] {
-            let support = best(choice, half);
+            let support = best(stretches, half);
             for (times, place) in chosen.iter_mut().zip(&stretches.support) {
                 *times += usize::from(support.contains(place));
             }
@@ -44,16 +44,14 @@ pub(super) fn halves(choice: &Choice) -> Option<(Halves, Vec<f64>)> {
 }
 
 /// The best terms on some stretches: from those found, and from the one that explains most, single changes as far as they help.
-fn best(choice: &Choice, half: &[usize]) -> Vec<usize> {
-    let all: Vec<usize> = (0..choice.stretches.columns.len()).collect();
-    let form = choice.form(&choice.sum(half), &all);
-    let (_, price) = choice.stretches.price;
+fn best(stretches: &Stretches, half: &[usize]) -> Vec<usize> {
+    let columns = stretches.columns.len();
+    let products = half.iter().filter_map(|i| stretches.products.get(*i));
+    let form = Quadratic::new(&sum(products, columns + 1), columns);
+    let (_, price) = stretches.price;
     let strongest =
         (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
-    let starts = [
-        choice.stretches.support.clone(),
-        strongest.into_iter().collect(),
-    ];
+    let starts = [stretches.support.clone(), strongest.into_iter().collect()];
     let ends = starts.iter().map(|s| form.improve(s, price));
     let value = |s: &Vec<usize>| form.least(s).square + price * s.len() as f64;
     ends.min_by(|a, b| value(a).total_cmp(&value(b)))

@@ -36,12 +36,11 @@ pub(super) fn identical(term: &Term, others: &[Term]) -> bool {
 /// What the best combination of the others leaves of the term, relative; `None` where some value is not finite.
 fn rest(term: &Term, others: &[Term], signals: &[Signal], (low, high): (f64, f64)) -> Option<f64> {
     let mut random = SplitMix::new(3);
-    let mut unit = || (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
     let points: Vec<Vec<f64>> = (0..POINTS)
         .map(|_| {
             signals
                 .iter()
-                .map(|_| low + (high - low) * unit())
+                .map(|_| low + (high - low) * random.unit())
                 .collect()
         })
         .collect();

@@ -21,64 +21,85 @@ use crate::term::{Language, Signal, Term};
 pub use mark::mark;
 pub use rows::stretches;
 
-/// Sums over stretches, and forms of some columns.
-struct Choice<'a> {
-    stretches: &'a Stretches,
+/// Products of some stretches together.
+fn sum<'a>(products: impl Iterator<Item = &'a Vec<f64>>, width: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; width * width];
+    for part in products {
+        sum.iter_mut().zip(part).for_each(|(s, x)| *s += x);
+    }
+    sum
 }
 
-impl Choice<'_> {
-    fn width(&self) -> usize {
-        self.stretches.columns.len() + 1
-    }
+/// Some columns on whole records.
+struct Part<'a> {
+    stretches: &'a Stretches,
+    /// Places of the columns, rising.
+    kept: Vec<usize>,
+    form: Quadratic,
+    /// What was found, by place among the columns kept.
+    support: Vec<usize>,
+}
 
-    /// Products of some stretches together.
-    fn sum(&self, of: &[usize]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.width() * self.width()];
-        for part in of.iter().filter_map(|i| self.stretches.products.get(*i)) {
-            sum.iter_mut().zip(part).for_each(|(s, x)| *s += x);
-        }
-        sum
-    }
-
-    /// The form of the columns `kept`, of the products of some stretches.
-    fn form(&self, products: &[f64], kept: &[usize]) -> Quadratic {
-        let (w, last) = (self.width(), self.width() - 1);
+impl Part<'_> {
+    /// The columns of an equation but one that is barred, and what was found of the other equations.
+    fn of(stretches: &Stretches, target: Signal, barred: Option<usize>) -> Part<'_> {
+        let own = |(p, (t, _)): &(usize, &(Signal, Term))| {
+            Some(*p) != barred && (*t == target || stretches.support.contains(p))
+        };
+        let columns = stretches.columns.iter().enumerate().filter(own);
+        let kept: Vec<usize> = columns.map(|(p, _)| p).collect();
+        let (w, last) = (stretches.columns.len() + 1, stretches.columns.len());
         let places = || kept.iter().copied().chain([last]);
-        let part: Vec<f64> = places()
-            .flat_map(|i| places().map(move |j| (i, j)))
-            .map(|(i, j)| products.get(i * w + j).copied().unwrap_or(0.0))
+        let products: Vec<f64> = places()
+            .flat_map(|i| places().map(move |j| i * w + j))
+            .map(|at| stretches.whole.get(at).copied().unwrap_or(0.0))
             .collect();
-        Quadratic::new(&part, kept.len())
+        let place = |p: &usize| kept.binary_search(p).ok();
+        Part {
+            form: Quadratic::new(&products, kept.len()),
+            support: stretches.support.iter().filter_map(place).collect(),
+            kept,
+            stretches,
+        }
     }
+
+    /// The column at a place among those kept: the target of its equation, and its term.
+    fn column(&self, k: usize) -> Option<&(Signal, Term)> {
+        self.stretches.columns.get(*self.kept.get(k)?)
+    }
+}
+
+/// Twice the log likelihood that a difference of χ² is worth, the noise profiled out, which counts independent readings.
+fn worth(square: f64, readings: f64) -> f64 {
+    readings * (square / readings).ln_1p()
 }
 
 /// Gives every term that was found on these stretches its stability and what stands in for it.
 pub fn judge(stretches: &Stretches, discovery: &mut Discovery) {
-    let choice = Choice { stretches };
-    let found = halves::halves(&choice);
+    let (halves, shares) = halves::halves(stretches).unzip();
     let mut targets: Vec<Signal> = stretches.columns.iter().map(|(t, _)| *t).collect();
     targets.sort_unstable();
     targets.dedup();
     for target in targets {
-        let nearest = nearest::nearest(&choice, target, &Language(&*discovery));
+        let whole = Part::of(stretches, target, None);
+        let nearest = nearest::nearest(&whole, target, &Language(&*discovery));
+        for (k, place) in stretches.support.iter().enumerate() {
+            let own = stretches.columns.get(*place);
+            let Some((_, term)) = own.filter(|(t, _)| *t == target) else {
+                continue;
+            };
+            let without = without::without(&whole, *place, &Language(&*discovery));
+            let found = equation(discovery, target).and_then(|e| found_term(e, term));
+            if let Some(found) = found {
+                let trust = found.trust.get_or_insert_with(Box::default);
+                trust.stability = shares.as_ref().and_then(|s: &Vec<f64>| s.get(k).copied());
+                trust.without = without;
+            }
+        }
         let evidence = equation(discovery, target).and_then(|e| e.evidence.as_mut());
         if let Some(evidence) = evidence {
             evidence.nearest = nearest;
-            evidence.halves = found.as_ref().map(|(halves, _)| halves.clone());
-        }
-    }
-    for (k, place) in stretches.support.iter().enumerate() {
-        let Some((target, term)) = stretches.columns.get(*place) else {
-            continue;
-        };
-        let without = without::without(&choice, *place, &Language(&*discovery));
-        let Some(equation) = equation(discovery, *target) else {
-            continue;
-        };
-        if let Some(own) = found_term(equation, term) {
-            let trust = own.trust.get_or_insert_with(Box::default);
-            trust.stability = found.as_ref().and_then(|(_, s)| s.get(k).copied());
-            trust.without = without;
+            evidence.halves.clone_from(&halves);
         }
     }
 }

@@ -5,8 +5,10 @@
 
 use std::ops::Range;
 
+use super::sum;
 use crate::discover::Stretches;
-use crate::frame::{Basis, Frame, dot};
+use crate::frame::{Basis, Frame};
+use crate::lanes::dot;
 
 /// Stretches of rows.
 const STRETCHES: usize = 20;
@@ -18,15 +20,17 @@ const RIVALS: usize = 100;
 /// part of the target's is none.
 const DIGITS: f64 = 1e-9;
 
-/// One stretch where the rows do not show what the equation leaves of them. `None` where coefficients obey constraints, which
-/// single changes of terms would break.
+/// One stretch where the rows do not show what the equation leaves of them. `None` where a trajectory was fitted, whose own stretches
+/// tell more, and where coefficients obey constraints, which single changes of terms would break.
 pub fn stretches(frame: &Frame) -> Option<Stretches> {
-    if frame.evidence.certificate.constrained || frame.support.is_empty() {
+    let evidence = frame.evidence;
+    let otherwise = evidence.together.is_some() || evidence.certificate.constrained;
+    if otherwise || frame.support.is_empty() {
         return None;
     }
     let pool = pool(frame);
     let rows = frame.rows();
-    let seen = frame.evidence.method.is_empty();
+    let seen = evidence.method.is_empty();
     let count = match seen {
         true => STRETCHES.min(rows / ROWS).max(1),
         false => 1,
@@ -38,15 +42,15 @@ pub fn stretches(frame: &Frame) -> Option<Stretches> {
     let mut columns: Vec<&[f64]> = pool.iter().map(|p| frame.unit(*p)).collect();
     columns.push(&frame.target);
     let edge = |i: usize| i * rows / count;
+    let stretch = |i: usize| products(&columns, edge(i)..edge(i + 1), scale);
+    let products: Vec<Vec<f64>> = (0..count).map(stretch).collect();
     let price = |n: f64| n.max(2.0).ln() + 2.0 * (frame.candidates.max(1) as f64).ln();
     Some(Stretches {
         columns: (pool.iter())
             .map(|p| (frame.equation.target, frame.term(*p).clone()))
             .collect(),
-        products: (0..count)
-            .map(|i| products(&columns, edge(i)..edge(i + 1), scale))
-            .collect(),
-        whole: products(&columns, 0..rows, scale),
+        whole: sum(products.iter(), columns.len()),
+        products,
         support: (frame.support.iter())
             .filter_map(|p| pool.binary_search(p).ok())
             .collect(),

@@ -16,22 +16,17 @@ fn column(j: u16) -> Term {
     Term::signal(Signal::new(VarId(j + 2)))
 }
 
-fn normal(random: &mut SplitMix) -> f64 {
-    let mut unit = || (random.bits() >> 11) as f64 / (1_u64 << 53) as f64;
-    (0..12).map(|_| unit()).sum::<f64>() - 6.0
-}
-
 /// Rows of random columns, `twin` of them twice but for a small part; the target is the first two columns plus noise.
 fn stretches(noise: f64, twin: Option<f64>) -> Stretches {
     let mut random = SplitMix::new(4);
     let (rows, p) = (400, 6);
     let mut products = vec![vec![0.0; (p + 1) * (p + 1)]; 20];
     for row in 0..rows {
-        let mut x: Vec<f64> = (0..p).map(|_| normal(&mut random)).collect();
+        let mut x: Vec<f64> = (0..p).map(|_| random.normal()).collect();
         if let Some(part) = twin {
             x[5] = x[0] + part * x[5];
         }
-        x.push(2.0 * x[0] - x[1] + noise * normal(&mut random));
+        x.push(2.0 * x[0] - x[1] + noise * random.normal());
         for i in 0..=p {
             for j in 0..=p {
                 products[row / 20][i * (p + 1) + j] += x[i] * x[j] / (noise * noise);

@@ -21,6 +21,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     (
         "discover",
         &[
+            "lanes",
             "term",
             "lang",
             "library",
@@ -59,11 +60,20 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     ("draft", &["term", "lang", "data", "units"]),
     (
         "frame",
-        &["term", "lang", "library", "data", "dictionary", "discover"],
+        &[
+            "lanes",
+            "term",
+            "lang",
+            "library",
+            "data",
+            "dictionary",
+            "discover",
+        ],
     ),
     (
         "identifiability",
         &[
+            "lanes",
             "term",
             "lang",
             "library",
@@ -73,7 +83,10 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "frame",
         ],
     ),
-    ("uncertainty", &["term", "discover", "solve", "frame"]),
+    (
+        "uncertainty",
+        &["lanes", "term", "discover", "solve", "frame"],
+    ),
 ];
 
 /// Folders whose files are alternatives of each other, and the shared files they may all use.

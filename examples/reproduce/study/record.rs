@@ -2,7 +2,7 @@
 
 use super::cart_pendulum::{Plant, State};
 use super::force::{Force, Kind};
-use super::run::{Row, run};
+use super::run::{columns, run};
 use super::simulate::integrate::grid;
 use super::simulate::random::Random;
 
@@ -72,18 +72,9 @@ impl Experiment {
         let times = grid(self.rows + 1, 1.0 / RATE);
         let held = |k: usize, x: &State| self.scale * force.at(k, &plant, x);
         let rows = run(&plant, start, &times, held);
-        let column = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
         Record {
-            time: column(&|r| r.time),
-            columns: vec![
-                ("y", column(&|r| r.state[0])),
-                ("dy", column(&|r| r.state[1])),
-                ("ddy", column(&|r| r.accelerations.0)),
-                ("theta", column(&|r| r.state[2])),
-                ("dtheta", column(&|r| r.state[3])),
-                ("ddtheta", column(&|r| r.accelerations.1)),
-                ("F", column(&|r| r.force)),
-            ],
+            time: rows.iter().map(|r| r.time).collect(),
+            columns: columns(&rows),
         }
     }
 }

@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 use crate::data::Samples;
 use crate::discover::Form;
 use crate::discover::weights::rms;
+use crate::lanes::dot;
 use crate::term::{Expr, Signal, Term};
 
 /// Rows looked at.
@@ -228,10 +229,6 @@ fn growth(own: &[f64], others: &[&[f64]], targets: &[usize]) -> f64 {
 fn median(mut v: Vec<f64>) -> Option<f64> {
     v.sort_by(f64::total_cmp);
     v.get(v.len() / 2).copied()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn mean(v: &[f64]) -> f64 {
