@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use super::case::Case;
-use super::run::Draw;
+use super::run::{Draw, Marked};
 
 /// Half the width of a 95 % interval in standard errors.
 const HALF: f64 = 1.96;
@@ -29,11 +29,13 @@ pub struct Row {
     draws: usize,
     exact: usize,
     pub terms: Vec<TermFigures>,
+    /// Of all draws.
+    pub marks: Marked,
 }
 
 impl Row {
     pub fn new(case: &Case, draws: &[Draw]) -> Row {
-        let exact: Vec<&Vec<(f64, f64)>> = draws.iter().flatten().collect();
+        let exact: Vec<&Vec<(f64, f64)>> = draws.iter().filter_map(|d| d.exact.as_ref()).collect();
         let truth = case.laws.iter().flat_map(|(target, terms)| {
             terms
                 .iter()
@@ -43,7 +45,12 @@ impl Row {
             let found: Vec<(f64, f64)> = exact.iter().filter_map(|d| d.get(i).copied()).collect();
             figures(name, value, &found)
         });
+        let mut marks = Marked::default();
+        for d in draws {
+            add(&mut marks, &d.marks);
+        }
         Row {
+            marks,
             name: case.name,
             draws: draws.len(),
             exact: exact.len(),
@@ -106,6 +113,11 @@ impl Row {
         }
         text
     }
+}
+
+pub fn add(sum: &mut Marked, marks: &Marked) {
+    let pairs = sum.iter_mut().flatten().zip(marks.iter().flatten());
+    pairs.for_each(|(s, m)| *s += m);
 }
 
 impl TermFigures {

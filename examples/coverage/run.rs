@@ -13,8 +13,15 @@ use sidc::term::{Language, SignalNames};
 
 use super::case::Case;
 
-/// Coefficient and standard error of every true term, law by law; `None` unless the supports are the true ones.
-pub type Draw = Option<Vec<(f64, f64)>>;
+/// What one draw of noise came to.
+pub struct Draw {
+    /// Coefficient and standard error of every true term, law by law; `None` unless the supports are the true ones.
+    pub exact: Option<Vec<(f64, f64)>>,
+    pub marks: Marked,
+}
+
+/// Terms found: by mark (doubtful, likely, firm), those of the laws and others.
+pub type Marked = [[usize; 2]; 3];
 
 /// Draws that run at once.
 const THREADS: u64 = 2;
@@ -44,7 +51,11 @@ pub fn draws(case: &Case, level: f64, count: u64) -> Result<Vec<Draw>, String> {
 }
 
 fn draw(case: &Case, level: f64, seed: u64) -> Result<Draw, String> {
-    Ok(compared(case, &identify(case, level, seed)?))
+    let found = identify(case, level, seed)?;
+    Ok(Draw {
+        exact: compared(case, &found),
+        marks: marked(case, &found),
+    })
 }
 
 fn identify(case: &Case, level: f64, seed: u64) -> Result<Discovery, String> {
@@ -71,7 +82,23 @@ fn identify(case: &Case, level: f64, seed: u64) -> Result<Discovery, String> {
     pipeline::identify(&program, &measured, &options, on).map_err(|d| render(&d, &sources, false))
 }
 
-fn compared(case: &Case, found: &Discovery) -> Draw {
+fn marked(case: &Case, found: &Discovery) -> Marked {
+    let mut marks = Marked::default();
+    for e in &found.equations {
+        let target = found.name(e.target);
+        let law = case.laws.iter().find(|(t, _)| *t == target);
+        for t in &e.terms {
+            let name = Language(found).term(&t.term);
+            let own = law.is_some_and(|(_, terms)| terms.iter().any(|(n, _)| *n == name));
+            if let Some(trust) = &t.trust {
+                marks[trust.mark as usize][usize::from(!own)] += 1;
+            }
+        }
+    }
+    marks
+}
+
+fn compared(case: &Case, found: &Discovery) -> Option<Vec<(f64, f64)>> {
     let mut all = Vec::new();
     for (target, truth) in &case.laws {
         let equation = found
