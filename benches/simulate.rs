@@ -59,7 +59,7 @@ fn bench(c: &mut Criterion) {
             step,
             ..Options::default()
         };
-        simulate::simulate(&source, 0, &options, &mut || true).unwrap()
+        simulate::simulate(&source, 0, &options, &mut |_| true).unwrap()
     };
     let mut group = c.benchmark_group("cart-pendulum");
     group.sample_size(10);

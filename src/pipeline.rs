@@ -242,12 +242,12 @@ pub fn identify(
     Ok(discovery)
 }
 
-/// What was found, run on the rows used and on those held out; `None` where none were.
+/// What was found, run on the rows used and on those held out; `None` where none were. `go_on` hears the time reached in a run.
 pub fn validate(
     program: &Program,
     measured: &Measured,
     found: &Discovery,
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Option<Validation> {
     let data = (&measured.dataset, &measured.held);
     validate::validate((found, &program.model), data, go_on)

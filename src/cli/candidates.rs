@@ -77,7 +77,7 @@ fn restarted(
     parts: usize,
     (shared, limits): (&[String], &Limits),
 ) -> Vec<Merit> {
-    let mut go_on = || limits.go_on().is_continue();
+    let mut go_on = |_| limits.go_on().is_continue();
     let one = |(candidate, found): (&Candidate, &Found)| {
         let (model, held) = (&candidate.program.model, &candidate.measured.held);
         let runs = validate::restarted((&found.discovery, model), held, parts, &mut go_on);

@@ -44,8 +44,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         text.push_str(&terms(&program));
     }
     if !files.data.is_empty() {
-        let tables = inputs::tables(&files.data, args.memory_limit, &mut sources)?;
-        let line = Line::start(true, &program.model, &Limits::start(None));
+        let line = Line::start(true, &Limits::start(None));
+        let tables = inputs::tables(&files.data, args.memory_limit, &mut sources, &line)?;
         let staged = pipeline::measure(
             &program,
             &tables,

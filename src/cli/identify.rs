@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::check::counted;
-use super::inputs::{self, Inputs, Notes};
+use super::inputs::{self, Inputs};
 use super::limits::{self, Limits};
-use super::narrate::Narrator;
-use super::progress::{Line, Work};
+use super::narrate::{Narrator, Talk};
+use super::progress::Work;
 use super::values::{self, Held};
 use super::{Failure, answer, candidates, output, status};
 use crate::data::{HoldOut, Table};
@@ -76,12 +76,8 @@ pub struct Args {
     /// Show all evidence: what the data tell apart, what they do not, and from which rows
     #[arg(long)]
     pub(super) evidence: bool,
-    /// Only warnings and errors on stderr
-    #[arg(short, long)]
-    quiet: bool,
-    /// Say on stderr what is done and how long each stage takes
-    #[arg(short, long, conflicts_with = "quiet")]
-    verbose: bool,
+    #[command(flatten)]
+    talk: Talk,
 }
 
 /// A model as it was given.
@@ -104,7 +100,7 @@ pub(super) struct Candidate {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
-    let narrator = Narrator::new(args.verbose);
+    let narrator = args.talk.narrator();
     let files = Inputs::sort(&args.files)?;
     let mut sources = Sources::default();
     let programs = programs(args, &files.models, &mut sources)?;
@@ -116,7 +112,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ));
     }
     let (paths, held) = held_out(args, &files);
-    let (tables, entries) = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources)?;
+    let line = args.talk.line(&limits);
+    let read = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources, &line);
+    drop(line);
+    let (tables, entries) = read?;
     narrator.done(&format!(
         "{} read",
         counted(tables.len(), "table", "tables")
@@ -160,7 +159,7 @@ fn programs(
             };
             let compiled = pipeline::compile(file, sources, args.memory_limit);
             let warnings = answer::said(&compiled.1);
-            let mut program = inputs::report(compiled, sources, Notes::lines_unless(args.quiet))?;
+            let mut program = inputs::report(compiled, sources, args.talk.notes())?;
             values::set_noise(&mut program, &args.noise)?;
             Ok((origin, program, warnings))
         });
@@ -201,7 +200,7 @@ fn prepare(
     (tables, rows): (&[Table], &Rows),
     (sources, limits): (&mut Sources, &Limits),
 ) -> Result<Candidate, Failure> {
-    let line = Line::start(!args.quiet, &program.model, limits);
+    let line = args.talk.line(limits);
     let mut staged = pipeline::measure(
         &program,
         tables,
@@ -220,7 +219,7 @@ fn prepare(
         staged.1.retain(|d| !about_them.contains(&d.code));
     }
     warnings.extend(answer::said(&staged.1));
-    let measured = inputs::report(staged, sources, Notes::lines_unless(args.quiet))?;
+    let measured = inputs::report(staged, sources, args.talk.notes())?;
     Ok(Candidate {
         path,
         origin,
@@ -245,18 +244,22 @@ pub(super) fn find(
     (limits, narrator): (&Limits, &Narrator),
 ) -> Result<Found, Failure> {
     let (program, measured) = (&candidate.program, &candidate.measured);
-    let line = Line::start(!args.quiet, &program.model, limits);
+    let line = args.talk.line(limits);
+    let all = program.model.equations.len();
     let found = pipeline::identify(program, measured, &args.options(), &mut |step| {
         let equation = program.model.equations.get(step.equation);
         let target = equation.map_or_else(String::new, |e| program.model.name(e.target));
         narrator.at(&step, &target);
-        line.show(Work::Equation(step));
+        line.show(Work::Equation(step, target, all));
         limits.check()
     });
     narrator.close();
     narrator.done("evidence weighed");
     let found = found.map_err(|d| Failure::new(inputs::render(&d, sources)));
-    let mut go_on = || limits.go_on().is_continue();
+    let mut go_on = |time| {
+        line.show(Work::Running("the data".into(), time));
+        limits.go_on().is_continue()
+    };
     let mut validation = |d: &Discovery| pipeline::validate(program, measured, d, &mut go_on);
     let found = found.map(|discovery| Found {
         validation: validation(&discovery),

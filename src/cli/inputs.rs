@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::Failure;
+use super::progress::{Line, Work};
 use crate::data::{self, Limits, Table};
 use crate::lang;
 use crate::lang::diagnostic::{Diagnostic, Severity};
@@ -96,16 +97,36 @@ fn entry(path: &Path, hash: Sha256) -> FileEntry {
     }
 }
 
-/// A file that is hashed as it is read.
-struct Hashed {
+/// A file that is hashed, and told of, as it is read.
+struct Hashed<'a> {
     file: File,
     hash: Sha256,
+    name: &'a str,
+    /// Bytes read, and all.
+    read: (u64, u64),
+    line: &'a Line,
 }
 
-impl Read for Hashed {
+impl<'a> Hashed<'a> {
+    fn new(file: File, name: &'a str, line: &'a Line) -> Self {
+        let all = file.metadata().map_or(0, |m| m.len());
+        Hashed {
+            file,
+            hash: Sha256::new(),
+            name,
+            read: (0, all.max(1)),
+            line,
+        }
+    }
+}
+
+impl Read for Hashed<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let n = self.file.read(buffer)?;
         self.hash.update(buffer.get(..n).unwrap_or_default());
+        self.read.0 += n as u64;
+        let share = self.read.0 as f64 / self.read.1 as f64;
+        self.line.show(Work::Reading(self.name.into(), share));
         Ok(n)
     }
 }
@@ -120,8 +141,9 @@ pub fn tables(
     paths: &[PathBuf],
     memory: u64,
     sources: &mut Sources,
+    line: &Line,
 ) -> Result<Vec<Table>, Failure> {
-    tables_and_entries(paths, memory, sources).map(|(tables, _)| tables)
+    tables_and_entries(paths, memory, sources, line).map(|(tables, _)| tables)
 }
 
 /// The same, and what each file is known by.
@@ -129,6 +151,7 @@ pub fn tables_and_entries(
     paths: &[PathBuf],
     memory: u64,
     sources: &mut Sources,
+    line: &Line,
 ) -> Result<(Vec<Table>, Vec<FileEntry>), Failure> {
     let limits = Limits {
         table_bytes: memory,
@@ -138,11 +161,9 @@ pub fn tables_and_entries(
     let mut entries = Vec::new();
     let mut faults = Vec::new();
     for path in paths {
-        let mut file = Hashed {
-            file: open(path)?,
-            hash: Sha256::new(),
-        };
-        let read = data::read(&short_name(path), &mut file, &limits, sources);
+        let name = short_name(path);
+        let mut file = Hashed::new(open(path)?, &name, line);
+        let read = data::read(&name, &mut file, &limits, sources);
         entries.push(entry(path, file.hash));
         match read {
             Ok(table) => tables.push(table),
@@ -176,15 +197,6 @@ pub enum Notes {
     /// One line each, without excerpts.
     Lines,
     None,
-}
-
-impl Notes {
-    pub fn lines_unless(quiet: bool) -> Notes {
-        match quiet {
-            true => Notes::None,
-            false => Notes::Lines,
-        }
-    }
 }
 
 /// Prints what a stage had to say; without its result, that is the failure.

@@ -1,10 +1,40 @@
-//! What is being done and how long it took, a line a stage on standard error: `-v`.
+//! What a command that takes long says meanwhile: notes, a line of progress, and with `-v` every stage with its time.
 
 use std::cell::RefCell;
 use std::time::Instant;
 
-use super::progress;
+use super::inputs::Notes;
+use super::limits::Limits;
+use super::progress::{self, Line};
 use crate::discover::{Stage, Step};
+
+/// How much is said on stderr.
+#[derive(clap::Args)]
+pub struct Talk {
+    /// Only warnings and errors on stderr
+    #[arg(short, long)]
+    quiet: bool,
+    /// Say on stderr what is done and how long each stage takes
+    #[arg(short, long, conflicts_with = "quiet")]
+    verbose: bool,
+}
+
+impl Talk {
+    pub fn notes(&self) -> Notes {
+        match self.quiet {
+            true => Notes::None,
+            false => Notes::Lines,
+        }
+    }
+
+    pub fn line(&self, limits: &Limits) -> Line {
+        Line::start(!self.quiet, limits)
+    }
+
+    pub fn narrator(&self) -> Narrator {
+        Narrator::new(self.verbose)
+    }
+}
 
 /// Speaks where it was asked to.
 pub struct Narrator {
@@ -20,7 +50,7 @@ struct Told {
 }
 
 impl Narrator {
-    pub fn new(wanted: bool) -> Self {
+    fn new(wanted: bool) -> Self {
         let told = wanted.then(|| {
             RefCell::new(Told {
                 since: Instant::now(),

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::limits;
+use super::limits::{self, Limits};
+use super::progress::Line;
 use super::{Failure, inputs, output, status};
 use crate::draft::draft;
 use crate::lang;
@@ -24,11 +25,10 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut sources = Sources::default();
-    let tables = inputs::tables(
-        std::slice::from_ref(&args.data),
-        args.memory_limit,
-        &mut sources,
-    )?;
+    let line = Line::start(true, &Limits::start(None));
+    let data = std::slice::from_ref(&args.data);
+    let tables = inputs::tables(data, args.memory_limit, &mut sources, &line)?;
+    drop(line);
     let name = inputs::short_name(&args.data);
     let text = tables
         .first()

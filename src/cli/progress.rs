@@ -9,9 +9,8 @@ use std::time::Duration;
 
 use super::limits::{Clock, Limits};
 use crate::discover::{Stage, Step};
-use crate::lang::model::Model;
+use crate::emit::significant;
 use crate::solve::Progress;
-use crate::term::SignalNames;
 
 /// Work shorter than this needs no line.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -24,9 +23,15 @@ const CLEAR: &str = "\r\x1b[K";
 
 /// What is being done.
 pub enum Work {
+    /// A file of this name, so much of it.
+    Reading(String, f64),
     /// The signal of this name is put together from the data, its derivatives estimated.
     Preparing(String),
-    Equation(Step),
+    /// The equation of this target, of so many.
+    Equation(Step, String, usize),
+    /// Equations run along this record, and have reached this time.
+    Running(String, f64),
+    Drawing,
 }
 
 /// The line; gone when dropped.
@@ -37,16 +42,11 @@ pub struct Line {
 
 impl Line {
     /// A line that shows nothing yet.
-    pub fn start(wanted: bool, model: &Model, limits: &Limits) -> Self {
+    pub fn start(wanted: bool, limits: &Limits) -> Self {
         if !wanted || !std::io::stderr().is_terminal() {
             return Line { drawn: None };
         }
         let shared = Arc::new(Shared {
-            targets: model
-                .equations
-                .iter()
-                .map(|e| model.name(e.target))
-                .collect(),
             clock: limits.clock(),
             state: Mutex::default(),
         });
@@ -101,8 +101,6 @@ enum State {
 
 /// What the worker says and the drawer reads.
 struct Shared {
-    /// Names of the equations.
-    targets: Vec<String>,
     clock: Clock,
     state: Mutex<State>,
 }
@@ -125,7 +123,7 @@ impl Shared {
             match &*state {
                 State::Over => return,
                 State::At(work) if elapsed > PATIENCE => {
-                    let text = text(work, &self.targets, elapsed, self.clock.limit);
+                    let text = text(work, elapsed, self.clock.limit);
                     print(&format!("{CLEAR}{text}"));
                 }
                 _ => {}
@@ -135,18 +133,22 @@ impl Shared {
 }
 
 /// `12 s of 30 s: ddy (1 of 2), solving: step 14, gap 3.1e-5`
-fn text(work: &Work, targets: &[String], elapsed: Duration, limit: Option<Duration>) -> String {
+fn text(work: &Work, elapsed: Duration, limit: Option<Duration>) -> String {
     let mut text = duration(elapsed);
     if let Some(limit) = limit {
         text.push_str(&format!(" of {}", duration(limit)));
     }
     text.push_str(&match work {
+        Work::Reading(name, share) => format!(": reading {name}, {:.0} %", 100.0 * share),
         Work::Preparing(signal) => format!(": preparing {signal}"),
-        Work::Equation(step) => {
-            let (place, all) = (step.equation, targets.len());
-            let target = targets.get(place).map_or("", String::as_str);
-            format!(": {target} ({} of {all}), {}", place + 1, stage(step.stage))
+        Work::Equation(step, target, all) => {
+            let (place, stage) = (step.equation + 1, stage(step.stage));
+            format!(": {target} ({place} of {all}), {stage}")
         }
+        Work::Running(record, time) => {
+            format!(": running along {record}, t = {}", significant(*time, 4))
+        }
+        Work::Drawing => ": drawing the page".into(),
     });
     text.chars().take(WIDTH).collect()
 }
@@ -192,10 +194,9 @@ mod tests {
     use super::*;
 
     fn shown(stage: Stage, limit: Option<u64>) -> String {
-        let targets = ["ddy".to_string(), "ddtheta".to_string()];
-        let work = Work::Equation(Step { equation: 1, stage });
+        let work = Work::Equation(Step { equation: 1, stage }, "ddtheta".into(), 2);
         let limit = limit.map(Duration::from_secs);
-        text(&work, &targets, Duration::from_millis(12_300), limit)
+        text(&work, Duration::from_millis(12_300), limit)
     }
 
     #[test]
@@ -208,9 +209,21 @@ mod tests {
             shown(Stage::Evaluating, Some(200)),
             "12 s of 3 min 20 s: ddtheta (2 of 2), evaluating the library"
         );
-        let preparing = Work::Preparing("dx".into());
-        let line = text(&preparing, &[], Duration::from_secs(2), None);
-        assert_eq!(line, "2 s: preparing dx");
+        let others = [
+            (Work::Preparing("dx".into()), "2 s: preparing dx"),
+            (
+                Work::Reading("a.csv".into(), 0.356),
+                "2 s: reading a.csv, 36 %",
+            ),
+            (
+                Work::Running("run 3".into(), 1234.56),
+                "2 s: running along run 3, t = 1235",
+            ),
+            (Work::Drawing, "2 s: drawing the page"),
+        ];
+        for (work, line) in others {
+            assert_eq!(text(&work, Duration::from_secs(2), None), line);
+        }
     }
 
     #[test]

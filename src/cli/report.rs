@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::inputs::Notes;
 use super::limits::{self, Limits};
-use super::simulate::{bound, sort};
+use super::narrate::{Narrator, Talk};
+use super::progress::{Line, Work};
+use super::simulate::{Reading, bound, sort, watch};
 use super::{Failure, output, status, values};
 use crate::report::{self, Along, Subject};
 use crate::result::Document;
@@ -30,23 +31,29 @@ pub struct Args {
     /// Most memory for a table: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
-    /// Only warnings and errors on stderr
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    talk: Talk,
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
     let (result, data) = sort(&args.files, "report")?;
-    let notes = Notes::lines_unless(args.quiet);
-    let bound = bound(result, data, &args.params, (args.memory_limit, notes), &[])?;
+    let narrator = args.talk.narrator();
+    let reading = Reading {
+        params: &args.params,
+        memory: args.memory_limit,
+        talk: &args.talk,
+    };
+    let bound = bound(result, data, &reading, &[], (&limits, &narrator))?;
     limits.listen();
     let source = Source {
         discovery: &bound.opened.discovery,
         model: &bound.model,
         dataset: &bound.dataset,
     };
-    let runs = runs(&source, &bound.opened.document, &limits);
+    let line = args.talk.line(&limits);
+    let runs = runs(&source, &bound.opened.document, &line, (&limits, &narrator));
+    line.show(Work::Drawing);
     let page = report::html(&Subject {
         discovery: source.discovery,
         document: &bound.opened.document,
@@ -55,6 +62,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         runs: &runs,
         files: &bound.files,
     });
+    drop(line);
+    narrator.done("page drawn");
     match &args.output {
         Some(path) => output::write(path, &page)?,
         None => output::print(&page)?,
@@ -63,14 +72,19 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
 }
 
 /// Along every record, until time is up; stretches held out by themselves. A record that cannot be run is told in the page.
-fn runs(source: &Source, document: &Document, limits: &Limits) -> Vec<Along> {
+fn runs(
+    source: &Source,
+    document: &Document,
+    line: &Line,
+    (limits, narrator): (&Limits, &Narrator),
+) -> Vec<Along> {
     let mut runs = Vec::new();
     for (trajectory, record) in source.dataset.trajectories.iter().enumerate() {
         for (held, window) in report::stretches(document, record) {
             if !runs.is_empty() && limits.go_on().is_break() {
                 return runs;
             }
-            let mut go_on = || limits.go_on().is_continue();
+            let mut go_on = watch(&record.name, line, limits);
             let options = Options {
                 window,
                 ..Options::default()
@@ -81,6 +95,7 @@ fn runs(source: &Source, document: &Document, limits: &Limits) -> Vec<Along> {
                 held,
                 run: run.map_err(|d| d.message),
             });
+            narrator.done(&format!("run along {}", record.name));
         }
     }
     runs

@@ -3,8 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::inputs::{self, Notes};
+use super::check::counted;
+use super::inputs;
 use super::limits::{self, Limits};
+use super::narrate::{Narrator, Talk};
+use super::progress::{Line, Work};
 use super::{Failure, hint, output, status, values};
 use crate::data::{self, Dataset};
 use crate::discover::Discovery;
@@ -54,15 +57,20 @@ pub struct Args {
     /// Most memory for a table: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
-    /// Only warnings and errors on stderr
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    talk: Talk,
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
     let (result, data) = sort(&args.files, "simulate")?;
-    let notes = Notes::lines_unless(args.quiet);
+    let narrator = args.talk.narrator();
+    let reading = Reading {
+        params: &args.params,
+        memory: args.memory_limit,
+        talk: &args.talk,
+    };
+    let bound = bound(result, data, &reading, &args.start, (&limits, &narrator))?;
     let Bound {
         name,
         opened,
@@ -70,13 +78,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         dataset,
         given,
         ..
-    } = bound(
-        result,
-        data,
-        &args.params,
-        (args.memory_limit, notes),
-        &args.start,
-    )?;
+    } = bound;
     let d = &opened.discovery;
     limits.listen();
     let options = Options {
@@ -86,9 +88,15 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         step: args.step,
         bound: args.bound,
     };
-    let runs = runs(d, &model, &dataset, &options, &limits)?;
+    let source = Source {
+        discovery: d,
+        model: &model,
+        dataset: &dataset,
+    };
+    let runs = runs(&source, &options, &args.talk, (&limits, &narrator))?;
     for run in &runs {
-        inputs::report((Some(()), run.notes.clone()), &Sources::default(), notes)?;
+        let said = (Some(()), run.notes.clone());
+        inputs::report(said, &Sources::default(), args.talk.notes())?;
     }
     if let Some(path) = &args.output {
         output::write(path, &report::table(d, &runs))?;
@@ -113,13 +121,20 @@ pub(super) struct Bound {
     pub given: Vec<(Signal, f64)>,
 }
 
+/// How data are read.
+pub(super) struct Reading<'a> {
+    pub params: &'a [(String, Vec<f64>)],
+    pub memory: u64,
+    pub talk: &'a Talk,
+}
+
 /// Reads a result and binds data to what a simulation of it reads; components of the state in `start` need no column.
 pub(super) fn bound(
     result: &Path,
     data: &[PathBuf],
-    params: &[(String, Vec<f64>)],
-    (memory, notes): (u64, Notes),
+    reading: &Reading,
     start: &[Vec<(String, f64)>],
+    (limits, narrator): (&Limits, &Narrator),
 ) -> Result<Bound, Failure> {
     let name = inputs::short_name(result);
     let opened = result::open(&name, &inputs::text(result)?)
@@ -129,13 +144,22 @@ pub(super) fn bound(
     let mut sources = Sources::default();
     // Places in a model that nobody wrote are not shown; they are those of the first text.
     sources.add(name.as_str(), "");
-    let (tables, files) = inputs::tables_and_entries(data, memory, &mut sources)?;
-    let (dataset, mut said) = data::bind(&model, &tables, params, &mut sources);
+    narrator.done("result read");
+    let line = reading.talk.line(limits);
+    let read = inputs::tables_and_entries(data, reading.memory, &mut sources, &line);
+    drop(line);
+    let (tables, files) = read?;
+    narrator.done(&format!(
+        "{} read",
+        counted(tables.len(), "table", "tables")
+    ));
+    let (dataset, mut said) = data::bind(&model, &tables, reading.params, &mut sources);
     // A library is nobody's concern here.
     said.retain(|d| d.code != "constant-column");
     said.iter_mut().for_each(|d| to_user_of_result(d, &name));
     let whole = !said.iter().any(Diagnostic::is_error);
-    inputs::report((whole.then_some(()), said), &sources, notes)?;
+    inputs::report((whole.then_some(()), said), &sources, reading.talk.notes())?;
+    narrator.done("data bound");
     Ok(Bound {
         name,
         opened,
@@ -147,29 +171,33 @@ pub(super) fn bound(
 }
 
 fn runs(
-    d: &Discovery,
-    model: &Model,
-    dataset: &Dataset,
+    source: &Source,
     options: &Options,
-    limits: &Limits,
+    talk: &Talk,
+    (limits, narrator): (&Limits, &Narrator),
 ) -> Result<Vec<Run>, Failure> {
-    let source = Source {
-        discovery: d,
-        model,
-        dataset,
-    };
+    let line = talk.line(limits);
     let mut runs = Vec::new();
-    for trajectory in 0..dataset.trajectories.len() {
+    for (trajectory, record) in source.dataset.trajectories.iter().enumerate() {
         // A run that was never begun has nothing to keep.
         if trajectory > 0 && limits.go_on().is_break() {
             break;
         }
-        let mut go_on = || limits.go_on().is_continue();
-        let run = simulate::simulate(&source, trajectory, options, &mut go_on)
+        let mut go_on = watch(&record.name, &line, limits);
+        let run = simulate::simulate(source, trajectory, options, &mut go_on)
             .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
         runs.push(run);
+        narrator.done(&format!("run along {}", record.name));
     }
     Ok(runs)
+}
+
+/// Shows how far a run is, and ends it when time is up.
+pub(super) fn watch(name: &str, line: &Line, limits: &Limits) -> impl FnMut(f64) -> bool {
+    |time| {
+        line.show(Work::Running(name.into(), time));
+        limits.go_on().is_continue()
+    }
 }
 
 /// The result among the files, and the rest.

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::inputs::{self, Inputs, Notes};
+use super::check::counted;
+use super::inputs::{self, Inputs};
 use super::limits::{self, Limits};
-use super::progress::{Line, Work};
+use super::narrate::Talk;
+use super::progress::Work;
 use super::{Failure, output, status};
 use crate::data::{self, Dataset, Smoothed, Trajectory};
 use crate::emit::significant;
@@ -39,14 +41,13 @@ pub struct Args {
     /// Most memory for a table or a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
-    /// Only warnings and errors on stderr
-    #[arg(short, long)]
-    quiet: bool,
+    #[command(flatten)]
+    talk: Talk,
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
-    let notes = Notes::lines_unless(args.quiet);
+    let (notes, narrator) = (args.talk.notes(), args.talk.narrator());
     let mut sources = Sources::default();
     let file = inputs::model(files.model()?, &mut sources)?;
     let compiled = pipeline::compile(file, &sources, args.memory_limit);
@@ -63,7 +64,13 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             "error[not-smooth]: samples in discrete time are not samples of a smooth curve\n  = help: a model with derivatives, `dx ~ …`, smooths its signals",
         ));
     }
-    let tables = inputs::tables(&files.data, args.memory_limit, &mut sources)?;
+    let line = args.talk.line(&Limits::start(None));
+    let tables = inputs::tables(&files.data, args.memory_limit, &mut sources, &line)?;
+    drop(line);
+    narrator.done(&format!(
+        "{} read",
+        counted(tables.len(), "table", "tables")
+    ));
     let (mut dataset, mut said) = data::bind(model, &tables, &args.params, &mut sources);
     if !said.iter().any(Diagnostic::is_error) {
         said.extend(data::keep_window(
@@ -76,7 +83,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let whole = !said.iter().any(Diagnostic::is_error);
     inputs::report((whole.then_some(()), said), &sources, notes)?;
 
-    let line = Line::start(!args.quiet, model, &Limits::start(None));
+    let line = args.talk.line(&Limits::start(None));
     let mut found = Vec::new();
     let curves: Vec<Vec<Curve>> = dataset
         .trajectories
@@ -84,7 +91,9 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         .map(|t| {
             let mut curve = |s| {
                 line.show(Work::Preparing(model.name(s)));
-                smoothed(args, model, &dataset, t, s, &mut found)
+                let curve = smoothed(args, model, &dataset, t, s, &mut found);
+                narrator.done(&format!("{} smoothed", model.name(s)));
+                curve
             };
             signals(model, t).into_iter().map(&mut curve).collect()
         })

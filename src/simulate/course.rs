@@ -89,7 +89,7 @@ impl Course {
     /// The line that holds from `t` on; at a jump that of the right side.
     pub fn line(&self, time: &[f64], t: f64) -> Line {
         let own = t - self.late;
-        let row = time.partition_point(|s| *s <= own);
+        let row = after(time, own);
         let value = |i: usize| self.values.get(i).copied().unwrap_or(0.0);
         let last = self.values.len() - 1;
         let flat = |value| Line {
@@ -116,6 +116,21 @@ impl Course {
     pub fn sample(&self, row: usize) -> f64 {
         self.values.get(row).copied().unwrap_or(f64::NAN)
     }
+}
+
+/// How many instants are not after `t`. Most records are even, and then one look will do.
+fn after(time: &[f64], t: f64) -> usize {
+    let guess = || {
+        let (first, last) = time.first().zip(time.last())?;
+        let place = (t - first) / (last - first) * (time.len() - 1) as f64;
+        // Beside the row itself, where rounding leaves the place.
+        let near = (place + 0.5) as usize;
+        [near, near + 1].into_iter().find(|row| {
+            let before = row.checked_sub(1).and_then(|k| time.get(k));
+            before.is_some_and(|s| *s <= t) && time.get(*row).is_none_or(|s| *s > t)
+        })
+    };
+    guess().unwrap_or_else(|| time.partition_point(|s| *s <= t))
 }
 
 /// Fills what is missing: held from the last sample, or on the line to the next; before the first sample it is the first.

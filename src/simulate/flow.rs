@@ -32,16 +32,21 @@ impl<'a> Flow<'a> {
     }
 
     /// The courses of the inputs from here on.
-    pub fn drive(&mut self, lines: &[Line]) {
+    pub fn drive(&mut self, lines: impl Iterator<Item = Line>) {
         self.lines.clear();
-        self.lines.extend_from_slice(lines);
+        self.lines.extend(lines);
         self.moving.clear();
-        for (i, line) in lines.iter().enumerate() {
+        for (i, line) in self.lines.iter().enumerate() {
             self.plant.give_one(&mut self.work, i, line.value);
             if line.slope != 0.0 {
                 self.moving.push(i);
             }
         }
+    }
+
+    /// The courses that hold now, in the order of the form.
+    pub fn lines(&self) -> &[Line] {
+        &self.lines
     }
 
     #[inline]
@@ -76,7 +81,7 @@ impl<'a> Flow<'a> {
 /// Where and why the way ends.
 pub(super) type Ended = (FaultKind, f64);
 
-/// Watches over a run: bounds of the state, the work done, those who may stop it.
+/// Watches over a run: bounds of the state, the work done, those who hear the time reached and may stop it.
 pub(super) struct Guard<'a> {
     /// Typical sizes of the state, which tolerances refer to.
     pub sizes: Vec<f64>,
@@ -86,7 +91,7 @@ pub(super) struct Guard<'a> {
     /// Evaluations that the run may take.
     pub budget: u64,
     asked: u64,
-    go_on: &'a mut dyn FnMut() -> bool,
+    go_on: &'a mut dyn FnMut(f64) -> bool,
 }
 
 impl<'a> Guard<'a> {
@@ -95,7 +100,7 @@ impl<'a> Guard<'a> {
         bounds: Vec<f64>,
         names: Vec<Signal>,
         budget: u64,
-        go_on: &'a mut dyn FnMut() -> bool,
+        go_on: &'a mut dyn FnMut(f64) -> bool,
     ) -> Guard<'a> {
         Guard {
             sizes,
@@ -121,7 +126,7 @@ impl<'a> Guard<'a> {
         }
         if calls >= self.asked + ASK || calls < self.asked {
             self.asked = calls;
-            if !(self.go_on)() {
+            if !(self.go_on)(t) {
                 return Err((FaultKind::Stopped, t));
             }
         }

@@ -46,9 +46,8 @@ pub(super) fn iterate(
             if let (Err(kind), false) = (next, last) {
                 return Err((kind, *t));
             }
-            let mut values = x.clone();
-            values.extend(leg.plant.outputs(&mut work));
-            path.rows.push(values);
+            let outputs = leg.plant.outputs(&mut work);
+            path.rows.push(x.iter().copied().chain(outputs));
             path.inputs.push(inputs);
             leg.plant.next(&work, &mut x);
         }

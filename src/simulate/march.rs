@@ -14,12 +14,36 @@ use super::stiff;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Path {
     /// State, unknowns, outputs.
-    pub rows: Vec<Vec<f64>>,
+    pub rows: Rows,
     /// Inputs, in the order of the form.
-    pub inputs: Vec<Vec<f64>>,
+    pub inputs: Rows,
     pub fault: Option<Fault>,
     pub evaluations: u64,
     pub stiff_from: Option<f64>,
+}
+
+/// Rows of equal width, one behind the other: a long path is two allocations, not two a row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rows {
+    values: Vec<f64>,
+    count: usize,
+}
+
+impl Rows {
+    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
+        self.values.extend(row);
+        self.count += 1;
+    }
+
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The values at one place of every row.
+    pub fn column(&self, place: usize) -> impl Iterator<Item = &f64> {
+        let width = self.values.len() / self.count.max(1);
+        self.values.iter().skip(place).step_by(width.max(1))
+    }
 }
 
 /// Everything that stays the same along a leg.
@@ -74,37 +98,37 @@ impl Trip<'_> {
         guard.check(*first, &self.x, 0)?;
         let mut row = 0;
         while row < last {
-            let mut lines = self.lines(time[row]);
-            self.turn(&lines);
+            self.turn(time[row]);
             self.record(row)?;
             let cuts = self.cuts(time[row], time[row + 1]);
             let mut from = time[row];
             for cut in &cuts {
                 self.reach(from, &[*cut], guard)?;
                 from = *cut;
-                lines = self.lines(from);
-                self.turn(&lines);
+                self.turn(from);
             }
             let end = if cuts.is_empty() {
-                self.unchanged(&lines, row)
+                self.unchanged(row)
             } else {
                 row + 1
             };
             self.reach_rows(from, row + 1..=end, guard)?;
             row = end;
         }
-        self.turn(&self.lines(time[last]));
+        self.turn(time[last]);
         self.record(last)
     }
 
     /// The courses of all inputs from `t` on.
-    fn lines(&self, t: f64) -> Vec<Line> {
-        let drives = self.leg.drives.iter();
-        drives.map(|d| d.line(self.leg.sampled, t)).collect()
+    fn lines(&self, t: f64) -> impl Iterator<Item = Line> {
+        let (drives, sampled) = (self.leg.drives, self.leg.sampled);
+        drives.iter().map(move |d| d.line(sampled, t))
     }
 
-    fn turn(&mut self, lines: &[Line]) {
-        self.flow.drive(lines);
+    /// Inputs take their courses from `t` on.
+    fn turn(&mut self, t: f64) {
+        let (drives, sampled) = (self.leg.drives, self.leg.sampled);
+        self.flow.drive(drives.iter().map(|d| d.line(sampled, t)));
         self.explicit.restart();
     }
 
@@ -128,16 +152,15 @@ impl Trip<'_> {
     }
 
     /// The first row after `row` at which some input leaves its line, or the last.
-    fn unchanged(&self, lines: &[Line], row: usize) -> usize {
+    fn unchanged(&self, row: usize) -> usize {
         let time = self.leg.time;
         let last = time.len() - 1;
         let goes_on = |k: &usize| {
             *k < last
                 && self
                     .lines(time[*k])
-                    .iter()
-                    .zip(lines)
-                    .all(|(next, line)| line.continues(next))
+                    .zip(self.flow.lines())
+                    .all(|(next, line)| line.continues(&next))
         };
         let late = self.leg.drives.iter().any(|d| d.late() != 0.0);
         let mut end = row + 1;
@@ -255,11 +278,9 @@ impl Trip<'_> {
     fn record(&mut self, row: usize) -> Result<(), Ended> {
         let t = self.leg.time[row];
         let (q, outputs) = self.flow.unknowns(t, &self.x).map_err(|kind| (kind, t))?;
-        let mut values = self.x.clone();
-        values.extend_from_slice(q);
-        values.extend(outputs);
-        self.path.rows.push(values);
-        let inputs = self.lines(t).iter().map(|l| l.at(t)).collect();
+        let values = self.x.iter().chain(q).copied();
+        self.path.rows.push(values.chain(outputs));
+        let inputs = self.flow.lines().iter().map(|l| l.at(t));
         self.path.inputs.push(inputs);
         Ok(())
     }

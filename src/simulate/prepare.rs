@@ -34,7 +34,7 @@ const BEYOND: f64 = 1e6;
 /// Simulates one trajectory of the dataset, or the stretch of it that the options' window names.
 ///
 /// The record's first rows give the start, its inputs drive, its other readings are compared with. `go_on` is asked every few
-/// thousand evaluations and may end the run. A run that ends early is no error: see [`Run::fault`].
+/// thousand evaluations, hears the time reached and may end the run. A run that ends early is no error: see [`Run::fault`].
 ///
 /// # Errors
 /// There is nothing to simulate, or something to drive it with is missing: one diagnostic.
@@ -42,7 +42,7 @@ pub fn simulate(
     source: &Source,
     trajectory: usize,
     options: &Options,
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Run, Diagnostic> {
     let d = source.discovery;
     if d.equations.is_empty() {
@@ -98,7 +98,7 @@ struct Whole<'a> {
 impl Whole<'_> {
     fn run(
         &self,
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
         notes: &mut Vec<Diagnostic>,
     ) -> Result<Run, Diagnostic> {
         let rows = self.record.len();
@@ -147,10 +147,18 @@ impl Whole<'_> {
         names
     }
 
+    /// Columns for the inputs at their own instants, without those ahead or behind.
     fn applied(&self, rows: usize) -> Vec<(Signal, Vec<f64>)> {
-        let inputs = self.plant.form.inputs.iter();
-        let plain = inputs.filter(|s| s.shift == 0);
+        let inputs = &self.plant.form.inputs;
+        let plain = self.plain().into_iter().filter_map(|i| inputs.get(i));
         plain.map(|s| (*s, vec![f64::NAN; rows])).collect()
+    }
+
+    /// Their places among the inputs of the form.
+    fn plain(&self) -> Vec<usize> {
+        let inputs = self.plant.form.inputs.iter().enumerate();
+        let plain = inputs.filter(|(_, s)| s.shift == 0);
+        plain.map(|(i, _)| i).collect()
     }
 
     /// Rows between gaps. What nothing drives runs through them.
@@ -183,7 +191,7 @@ impl Whole<'_> {
         rows: std::ops::Range<usize>,
         first: bool,
         run: &mut Run,
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Leg, Diagnostic> {
         let given: &[(Signal, f64)] = if first { &self.options.start } else { &[] };
         let form = &self.plant.form;
@@ -211,7 +219,7 @@ impl Whole<'_> {
         let path = self.path(&leg, &x, begin, self.budget(rows.len()), go_on);
         let count = path.rows.len();
         let fault = path.fault.clone();
-        run.fill(begin, &path);
+        run.fill(begin, &path, &self.plain());
         Ok(Leg {
             rows: begin..begin + count,
             settled,
@@ -266,7 +274,7 @@ impl Whole<'_> {
         x: &[f64],
         begin: usize,
         budget: u64,
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Path {
         let state = &self.plant.form.state;
         let sizes = state.iter().map(|s| drives::size(self.record, *s));
@@ -307,7 +315,7 @@ impl Whole<'_> {
         leg: &march::Leg,
         candidates: &Candidates,
         (begin, from): (usize, usize),
-        go_on: &mut dyn FnMut() -> bool,
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> (Vec<Start>, usize) {
         let raw = start::at_row(&candidates.raw, from);
         let mut starts = start::at_row(&candidates.smooth, from);

@@ -79,21 +79,15 @@ impl Run {
         self.legs.iter().find_map(|l| l.fault.as_ref())
     }
 
-    /// Puts a path's rows into the columns.
-    pub(super) fn fill(&mut self, begin: usize, path: &Path) {
-        for (k, row) in path.rows.iter().enumerate() {
-            for ((_, column), value) in self.simulated.iter_mut().zip(row) {
-                if let Some(cell) = column.get_mut(begin + k) {
-                    *cell = *value;
-                }
-            }
-        }
-        for (k, row) in path.inputs.iter().enumerate() {
-            for ((_, column), value) in self.inputs.iter_mut().zip(row) {
-                if let Some(cell) = column.get_mut(begin + k) {
-                    *cell = *value;
-                }
-            }
+    /// Puts a path's rows into the columns; `inputs` are the places of those that are kept.
+    pub(super) fn fill(&mut self, begin: usize, path: &Path, inputs: &[usize]) {
+        let simulated = self.simulated.iter_mut().enumerate();
+        let simulated = simulated.map(|(place, column)| (column, &path.rows, place));
+        let inputs = self.inputs.iter_mut().zip(inputs);
+        let inputs = inputs.map(|(column, place)| (column, &path.inputs, *place));
+        for ((_, column), rows, place) in simulated.chain(inputs) {
+            let cells = column.iter_mut().skip(begin);
+            cells.zip(rows.column(place)).for_each(|(c, v)| *c = *v);
         }
         self.work.evaluations += path.evaluations;
         if self.work.stiff_from.is_none() {

@@ -6,6 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::march::Rows;
+
 /// Rows of the first stretch for each component that is free.
 const ROWS: usize = 6;
 /// Part of the record that may go into its start; of a short one so many rows, but no more than half.
@@ -19,7 +21,7 @@ const STEPS: usize = 12;
 const STEP: f64 = 1e-6;
 
 /// Simulates so many rows from a start; `None` if that fails.
-pub(super) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Vec<Vec<f64>>>;
+pub(super) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Rows>;
 
 /// What was read.
 pub(super) struct Readings {
@@ -121,13 +123,10 @@ fn fit(
 }
 
 /// Simulated less read, in standard deviations.
-fn residuals(readings: &Readings, path: &[Vec<f64>], rows: usize) -> DVector<f64> {
+fn residuals(readings: &Readings, path: &Rows, rows: usize) -> DVector<f64> {
     let mut out = Vec::new();
     for (place, values, sigma) in &readings.channels {
-        for (row, simulated) in path.iter().enumerate().take(rows) {
-            let (Some(s), Some(m)) = (simulated.get(*place), values.get(row)) else {
-                continue;
-            };
+        for (s, m) in path.column(*place).zip(values).take(rows) {
             if m.is_finite() {
                 out.push((s - m) / sigma);
             }

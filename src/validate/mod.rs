@@ -37,11 +37,11 @@ pub struct FreeRun {
 
 /// Runs the equations on the data used and on those held out; `None` where nothing was held out.
 ///
-/// `go_on` false ends it: what was run by then stands.
+/// `go_on` hears the time reached in a run; false ends it: what was run by then stands.
 pub fn validate(
     (d, model): (&Discovery, &Model),
     (used, held): (&Dataset, &Dataset),
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Option<Validation> {
     if held.trajectories.is_empty() {
         return None;
@@ -56,7 +56,7 @@ pub fn restarted(
     (d, model): (&Discovery, &Model),
     held: &Dataset,
     parts: usize,
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Validation {
     let cut = |t: &Trajectory| -> Vec<Trajectory> {
         let at = |k: usize| k * t.len() / parts.max(1);
@@ -75,7 +75,7 @@ fn run_all(
     (d, model): (&Discovery, &Model),
     dataset: &Dataset,
     held_out: bool,
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Vec<FreeRun> {
     let source = Source {
         discovery: d,

@@ -65,14 +65,14 @@ pub fn csv(rows: usize, step: f64, columns: &[(&str, &dyn Fn(f64) -> f64)]) -> S
 }
 
 pub fn run(opened: &Opened, csv: &str, options: &Options) -> Result<Run, Diagnostic> {
-    run_until(opened, csv, options, &mut || true)
+    run_until(opened, csv, options, &mut |_| true)
 }
 
 fn run_until(
     opened: &Opened,
     csv: &str,
     options: &Options,
-    go_on: &mut dyn FnMut() -> bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Run, Diagnostic> {
     let mut sources = Sources::default();
     let table = data::read("d.csv", csv.as_bytes(), &Limits::default(), &mut sources).unwrap();
@@ -614,7 +614,7 @@ fn a_run_that_is_stopped_keeps_what_there_is() {
         ],
     );
     let mut questions = 0;
-    let mut go_on = || {
+    let mut go_on = |_| {
         questions += 1;
         questions < 5
     };
@@ -674,4 +674,18 @@ fn stiff_and_explicit_runs_are_the_same_for_any_number_of_threads() {
         runs.into_iter().map(|r| r.join().unwrap()).collect()
     });
     assert!(together.iter().all(|r| r.simulated == alone.simulated));
+}
+
+#[test]
+fn inputs_are_recorded_as_they_are_where_others_are_read_a_sample_ahead() {
+    let text = document(
+        "discrete",
+        &["state y 0", "input u 0", "input w 0"],
+        &[("next(y)", &[(0.5, "next(u)"), (0.1, "u"), (1.0, "w")])],
+    );
+    let opened = result::open("r.json", &text).unwrap();
+    let rows: String = (0..9).map(|k| format!("0,{k},{}\n", 100 + k)).collect();
+    let run = run(&opened, &format!("y,u,w\n{rows}"), &Options::default()).unwrap();
+    assert_near(column(&run, &opened, "u"), |k| k as f64, 0.0);
+    assert_near(column(&run, &opened, "w"), |k| 100.0 + k as f64, 0.0);
 }
