@@ -15,6 +15,18 @@ pub(super) struct Column {
     pub values: Vec<f64>,
 }
 
+/// Seconds in words that headers use.
+const SECONDS: [(&str, &str, f64); 8] = [
+    ("ms", "1e-3", 1e-3),
+    ("us", "1e-6", 1e-6),
+    ("µs", "1e-6", 1e-6),
+    ("ns", "1e-9", 1e-9),
+    ("min", "60", 60.0),
+    ("h", "3600", 3600.0),
+    ("hour", "3600", 3600.0),
+    ("hours", "3600", 3600.0),
+];
+
 /// Words that mean something in a data block, or everywhere.
 const TAKEN: [&str; 5] = ["t", "pi", "run", "step", "none"];
 
@@ -174,6 +186,27 @@ impl Column {
     /// The header in lower case, without what stands in brackets.
     pub fn word(&self) -> String {
         self.name.to_lowercase()
+    }
+
+    /// What makes it one in seconds, as a text; `None` if it is taken as it stands.
+    pub fn seconds(&self) -> Option<&'static str> {
+        self.clock().map(|(_, text, _)| *text)
+    }
+
+    /// What it is multiplied by in a first model: times become seconds, degrees radians.
+    pub fn scale(&self) -> f64 {
+        let clock = self.clock().map(|(_, _, factor)| *factor);
+        let angle = self.is_degrees().then_some(std::f64::consts::PI / 180.0);
+        clock.or(angle).unwrap_or(1.0)
+    }
+
+    pub fn is_degrees(&self) -> bool {
+        self.unit_is(&["deg", "°", "degree", "degrees"])
+    }
+
+    fn clock(&self) -> Option<&'static (&'static str, &'static str, f64)> {
+        let unit = self.unit.as_deref()?;
+        SECONDS.iter().find(|(name, _, _)| *name == unit)
     }
 
     pub fn unit_is(&self, names: &[&str]) -> bool {

@@ -6,12 +6,13 @@
 mod column;
 mod order;
 mod roles;
+mod slope;
 mod write;
 
 use crate::data::Table;
 use column::{Column, columns};
 use order::order;
-use roles::{Roles, roles};
+use roles::{Rate, Roles, roles};
 
 /// A state as it will be declared.
 struct State<'a> {
@@ -19,8 +20,8 @@ struct State<'a> {
     name: String,
     order: u8,
     angle: Option<Angle>,
-    /// Columns of its rates, with how many times they are differentiated.
-    rates: Vec<(&'a Column, u8)>,
+    /// Columns of its rates.
+    rates: Vec<(&'a Column, Rate)>,
 }
 
 /// How an angle is counted.
@@ -58,9 +59,10 @@ fn states<'a>(all: &'a [Column], roles: &Roles) -> Vec<State<'a>> {
     let signals: Vec<&Column> = moving.chain(inputs).collect();
     let one = |i: &usize| -> Option<State<'a>> {
         let column = all.get(*i)?;
-        let own = roles.rates.iter().filter(|r| r.1 == *i);
-        let rates: Vec<(&Column, u8)> = own.filter_map(|r| Some((all.get(r.0)?, r.2))).collect();
-        let measured = rates.iter().map(|r| r.1).max().unwrap_or(0);
+        let own = roles.rates.iter().filter(|r| r.state == *i);
+        let rates: Vec<(&Column, Rate)> =
+            own.filter_map(|r| Some((all.get(r.column)?, *r))).collect();
+        let measured = rates.iter().map(|(_, r)| r.order).max().unwrap_or(0);
         let angle = angle(column);
         let is_place = angle.is_some() || column.unit_is(&PLACES);
         let order = match measured {
@@ -85,7 +87,7 @@ fn states<'a>(all: &'a [Column], roles: &Roles) -> Vec<State<'a>> {
 fn angle(c: &Column) -> Option<Angle> {
     let word = c.word();
     let stem = word.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_');
-    let degrees = c.unit_is(&["deg", "°", "degree", "degrees"]);
+    let degrees = c.is_degrees();
     let radians = c.unit_is(&["rad", "radian", "radians"]);
     let (low, high) = c.range();
     let wraps = |turn: f64| {

@@ -1,6 +1,7 @@
 //! What each column is likely to be: time, the mark of a run, a parameter, an input, a state or the rate of one.
 
 use super::column::Column;
+use super::slope::factor;
 
 /// All columns by their role; numbers are places in the list of columns.
 #[derive(Clone, Debug, Default)]
@@ -11,10 +12,20 @@ pub(super) struct Roles {
     /// With `true` if the input is held between samples.
     pub inputs: Vec<(usize, bool)>,
     pub states: Vec<usize>,
-    /// (rate, state, how many times differentiated)
-    pub rates: Vec<(usize, usize, u8)>,
+    pub rates: Vec<Rate>,
     /// Columns that never move.
     pub still: Vec<usize>,
+}
+
+/// A column that is the derivative of a state's.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rate {
+    pub column: usize,
+    pub state: usize,
+    /// How many times differentiated.
+    pub order: u8,
+    /// What makes it one in units of the model, as a text; `None` if only its name says that it is a rate.
+    pub factor: Option<&'static str>,
 }
 
 const TIME: [&str; 9] = [
@@ -59,9 +70,6 @@ const INPUT: [&str; 17] = [
     "valve",
     "throttle",
 ];
-
-/// A rate agrees with the differences of its state within this part of their size.
-const RATE: f64 = 0.15;
 
 pub(super) fn roles(columns: &[Column]) -> Roles {
     let mut out = Roles::default();
@@ -150,6 +158,8 @@ fn is_constant_between(c: &Column, columns: &[Column], roles: &Roles) -> bool {
 /// Rates by name (`dx` beside `x`, `ddx`, `x_dot`) and by what they are: a state that is the slope of another.
 fn find_rates(columns: &[Column], out: &mut Roles) {
     let states = out.states.clone();
+    let time = out.time.and_then(|t| columns.get(t));
+    let slope = |state: usize, rate: usize| factor(time?, columns.get(state)?, columns.get(rate)?);
     for i in &states {
         let Some(c) = columns.get(*i) else { continue };
         for (order, head) in [(1u8, "d"), (2, "dd"), (3, "ddd")] {
@@ -161,53 +171,38 @@ fn find_rates(columns: &[Column], out: &mut Roles) {
                             && [format!("{other}_dot"), format!("{other}dot")].contains(&c.name)))
             });
             if let Some(j) = named {
-                out.rates.push((*i, *j, order));
+                let factor = (order == 1).then(|| slope(*j, *i)).flatten();
+                out.rates.push(Rate {
+                    column: *i,
+                    state: *j,
+                    order,
+                    factor,
+                });
             }
         }
     }
-    let time = out.time.and_then(|t| columns.get(t));
     for i in &states {
-        let is_rate = |i: &usize, rates: &[(usize, usize, u8)]| rates.iter().any(|r| r.0 == *i);
+        let is_rate = |i: &usize, rates: &[Rate]| rates.iter().any(|r| r.column == *i);
         if is_rate(i, &out.rates) {
             continue;
         }
-        let slope_of = states.iter().find(|j| {
-            let taken = out.rates.iter().any(|r| r.1 == **j && r.2 == 1);
-            *j != i
-                && !taken
-                && !is_rate(j, &out.rates)
-                && is_slope(time, columns.get(**j), columns.get(*i))
+        let found = states.iter().find_map(|j| {
+            let taken = out.rates.iter().any(|r| r.state == *j && r.order == 1);
+            let free = j != i && !taken && !is_rate(j, &out.rates);
+            Some((*j, slope(*j, *i).filter(|_| free)?))
         });
-        if let Some(j) = slope_of {
-            out.rates.push((*i, *j, 1));
+        if let Some((state, factor)) = found {
+            out.rates.push(Rate {
+                column: *i,
+                state,
+                order: 1,
+                factor: Some(factor),
+            });
         }
     }
     let rates = &out.rates;
-    out.states.retain(|i| rates.iter().all(|r| r.0 != *i));
+    out.states.retain(|i| rates.iter().all(|r| r.column != *i));
     // A rate of a rate is one of the state below.
     let states = out.states.clone();
-    out.rates.retain(|r| states.contains(&r.1));
-}
-
-/// True if `rate` is what central differences of `state` say.
-fn is_slope(time: Option<&Column>, state: Option<&Column>, rate: Option<&Column>) -> bool {
-    let (Some(time), Some(state), Some(rate)) = (time, state, rate) else {
-        return false;
-    };
-    let (mut off, mut size, mut rows) = (0.0, 0.0, 0usize);
-    let triples = time
-        .values
-        .windows(3)
-        .zip(state.values.windows(3))
-        .zip(rate.values.windows(3));
-    for ((t, x), v) in triples {
-        let (dt, dx) = (t[2] - t[0], x[2] - x[0]);
-        let mean = (v[0] + v[1] + v[2]) / 3.0;
-        if dt > 0.0 && dx.is_finite() && mean.is_finite() {
-            off += (dx / dt - mean).powi(2);
-            size += mean * mean;
-            rows += 1;
-        }
-    }
-    rows >= 20 && size > 0.0 && off <= RATE * RATE * size
+    out.rates.retain(|r| states.contains(&r.state));
 }

@@ -19,18 +19,6 @@ pub(super) struct Parts<'a> {
 /// Candidate terms of one equation that are not exceeded: a first look is quick.
 const TERMS: usize = 80;
 
-/// Seconds in words that headers use.
-const SECONDS: [(&str, &str); 8] = [
-    ("ms", "1e-3"),
-    ("us", "1e-6"),
-    ("µs", "1e-6"),
-    ("ns", "1e-9"),
-    ("min", "60"),
-    ("h", "3600"),
-    ("hour", "3600"),
-    ("hours", "3600"),
-];
-
 pub(super) fn model(p: &Parts) -> String {
     let mut out = String::from("sidc 1\n");
     let file = comment(p.table);
@@ -125,8 +113,7 @@ fn data(p: &Parts) -> String {
     );
     if let Some(time) = p.roles.time.and_then(|t| p.all.get(t)) {
         let unit = time.unit.as_deref().unwrap_or("");
-        let factor = SECONDS.iter().find(|(name, _)| *name == unit);
-        let factor = factor.map_or_else(String::new, |(_, f)| format!(" * {f}"));
+        let factor = times(time.seconds().unwrap_or_default());
         let unknown = match (factor.is_empty(), unit) {
             (true, "" | "s") => "",
             (true, _) => "  # time is taken for seconds",
@@ -149,15 +136,9 @@ fn data(p: &Parts) -> String {
             _ => format!("\"{header}\"{factor}"),
         };
         out.push_str(&format!("  {} = {from}\n", s.name));
-        for (column, order) in s.rates.iter().filter(|(_, order)| *order <= s.order) {
-            let name = derivative(&s.name, *order);
-            let degrees = column.unit_is(&["deg/s", "°/s", "deg/s^2", "°/s²"]);
-            let rpm = column.unit_is(&["rpm", "1/min"]);
-            let factor = match (degrees, rpm) {
-                (true, _) => " * pi/180",
-                (_, true) => " * 2*pi/60",
-                _ => "",
-            };
+        for (column, rate) in s.rates.iter().filter(|(_, rate)| rate.order <= s.order) {
+            let name = derivative(&s.name, rate.order);
+            let factor = times(rate.factor.unwrap_or_else(|| by_unit(column)));
             out.push_str(&format!("  {name} = \"{}\"{factor}\n", column.header));
         }
     }
@@ -184,6 +165,24 @@ fn data(p: &Parts) -> String {
         out.push_str("# No column is time, so this is a law from sample to sample. Of a motion say `step 0.01` (seconds)\n# in the data block, give the states an order, and ask for dx instead of next x.\n");
     }
     out + "\n"
+}
+
+/// What makes a rate of an angle one in radians, going by its unit alone.
+fn by_unit(rate: &Column) -> &'static str {
+    let degrees = rate.unit_is(&["deg/s", "°/s", "deg/s^2", "°/s²"]);
+    let rpm = rate.unit_is(&["rpm", "1/min"]);
+    match (degrees, rpm) {
+        (true, _) => "pi/180",
+        (_, true) => "2*pi/60",
+        _ => "",
+    }
+}
+
+fn times(factor: &str) -> String {
+    match factor {
+        "" => String::new(),
+        f => format!(" * {f}"),
+    }
 }
 
 fn equations(p: &Parts) -> String {

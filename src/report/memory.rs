@@ -6,6 +6,7 @@ use super::markup::{counted, lead, number, section};
 use super::plot::{Plot, path};
 use super::subject::{Record, Subject};
 use crate::emit::escape;
+use crate::lanes;
 use crate::term::{Signal, SignalNames};
 
 const LAGS: usize = 40;
@@ -20,20 +21,24 @@ pub(super) fn autocorrelation(values: &[f64], lags: usize) -> Option<(Vec<f64>, 
     let finite = || values.iter().filter(|v| v.is_finite());
     let n = finite().count();
     let mean = finite().sum::<f64>() / n.max(1) as f64;
-    let centred: Vec<f64> = values
-        .iter()
-        .map(|v| if v.is_finite() { v - mean } else { 0.0 })
-        .collect();
-    let sum = |lag: usize| -> f64 {
-        let late = centred.iter().skip(lag);
-        centred.iter().zip(late).map(|(a, b)| a * b).sum()
-    };
-    let energy = sum(0);
     let lags = lags.min(n.saturating_sub(1) / 4);
+    // What lies before the first value adds nothing.
+    let mut centred = vec![0.0; lags];
+    let about_mean = |v: &f64| if v.is_finite() { v - mean } else { 0.0 };
+    centred.extend(values.iter().map(about_mean));
+    // All lags at once, the longest first: one pass over a long record, and sums that do not wait for each other.
+    let mut sums = vec![0.0; lags + 1];
+    lanes::wide(|| {
+        for past in centred.windows(lags + 1) {
+            lanes::axpy(past[lags], past, &mut sums);
+        }
+    });
+    sums.reverse();
+    let energy = sums[0];
     if !(energy > 0.0 && energy.is_finite()) || lags < 2 {
         return None;
     }
-    Some(((0..=lags).map(|k| sum(k) / energy).collect(), n))
+    Some((sums.iter().map(|s| s / energy).collect(), n))
 }
 
 pub(super) fn memory(s: &Subject) -> String {

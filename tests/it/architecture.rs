@@ -54,7 +54,8 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
     (
         "report",
         &[
-            "term", "lang", "data", "discover", "simulate", "validate", "units", "emit", "result",
+            "lanes", "term", "lang", "data", "discover", "simulate", "validate", "units", "emit",
+            "result",
         ],
     ),
     ("draft", &["term", "lang", "data", "units"]),

@@ -92,8 +92,11 @@ fn shapes_and_headers_decide() {
     ] {
         assert!(model.contains(line), "{line}\n{model}");
     }
-    // Per millisecond of a time in milliseconds: the slope of the angle as it stands.
-    assert!(model.contains("dAngle = \"rate\""), "{model}");
+    // Degrees a millisecond, as the slope of the angle says.
+    assert!(
+        model.contains("dAngle = \"rate\" * pi/180 * 1e3"),
+        "{model}"
+    );
 }
 
 #[test]

@@ -282,35 +282,95 @@ fn size(png: &[u8]) -> (u32, u32) {
     (number(16), number(20))
 }
 
+/// A Chromium that sees a page, if there is one.
+fn browser(folder: &Path) -> Option<Command> {
+    let runs = |name: &&str| {
+        let version = Command::new(name).arg("--version").output();
+        version.is_ok_and(|o| o.status.success())
+    };
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let mut command = Command::new(names.into_iter().find(runs)?);
+    let profile = folder.join("profile");
+    command
+        .args(["--headless", "--no-sandbox", "--disable-gpu"])
+        .arg("--hide-scrollbars")
+        .arg(format!("--user-data-dir={}", profile.display()));
+    Some(command)
+}
+
+/// What a browser makes of a page once keys and pointer have been used on its first picture.
+const PROBE: &str = r#"<script>
+const svg = document.querySelector('svg[data-x]'), out = document.querySelector('output'), said = [];
+const key = (to, name) => to.dispatchEvent(new KeyboardEvent('keydown', { key: name, bubbles: true }));
+const figure = svg.closest('figure'), box = svg.getBoundingClientRect();
+svg.dispatchEvent(new PointerEvent('pointermove', { clientX: box.left + box.width / 4, clientY: box.top + 3 }));
+said.push(out.textContent);
+svg.dispatchEvent(new PointerEvent('pointerleave'));
+said.push(out.hidden);
+svg.focus();
+for (let k = 0; 25 > k; k += 1) { key(svg, 'ArrowLeft'); }
+said.push(out.textContent, document.activeElement === svg);
+key(svg, 'Enter');
+said.push(figure.classList.contains('large'), figure.getBoundingClientRect().width > box.width);
+key(document, 'Escape');
+said.push(figure.classList.contains('large'));
+svg.dispatchEvent(new MouseEvent('dblclick', { bubbles: true }));
+said.push(figure.classList.contains('large'));
+document.title = said.join(' | ');
+</script>"#;
+
+/// Pointer and keys read the values of the lines, enlarge a picture and let go of it.
+#[test]
+fn pictures_are_read_by_pointer_and_by_keys() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(mut browser) = browser(folder.path()) else {
+        return;
+    };
+    let page = page(folder.path(), "duffing", &["--holdout=25%"]);
+    let html = folder.path().join("probed.html");
+    std::fs::write(&html, page.replace("</body>", &format!("{PROBE}</body>"))).unwrap();
+    let run = browser
+        .args(["--window-size=1280,900", "--dump-dom"])
+        .arg(format!("file://{}", html.display()))
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&run.stdout);
+    let title = text.split("<title>").nth(1).unwrap();
+    let title = title.split("</title>").next().unwrap();
+    let said: Vec<&str> = title.split(" | ").collect();
+    let [hover, left, keys, focused, large, wider, ended, again] = said[..] else {
+        panic!("{title}");
+    };
+    // A quarter of 50 s; there the run still follows.
+    assert!(hover.starts_with("12.5"), "{title}");
+    for shown in [hover, keys] {
+        let (_, values) = shown.split_once(": measured ").unwrap();
+        let (measured, simulated) = values.split_once(", simulated ").unwrap();
+        let [a, b] = [measured, simulated].map(|v| v.parse::<f64>().unwrap());
+        assert!((a - b).abs() < 0.02 && a.abs() < 2.2, "{title}");
+    }
+    assert!(keys.starts_with("12.5"), "{title}");
+    assert_eq!(
+        [left, focused, large, wider, ended, again],
+        ["true", "true", "true", "true", "false", "true"],
+        "{title}"
+    );
+}
+
 /// Where there is a Chromium, pages are drawn at the width of a phone and of a desk, light and dark.
 #[test]
 fn browsers_draw_the_page() {
-    let found = ["chromium", "chromium-browser", "google-chrome"]
-        .into_iter()
-        .find(|name| {
-            Command::new(name)
-                .arg("--version")
-                .output()
-                .is_ok_and(|o| o.status.success())
-        });
-    let Some(browser) = found else { return };
     let folder = tempfile::tempdir().unwrap();
+    if browser(folder.path()).is_none() {
+        return;
+    }
     let html = folder.path().join("page.html");
     std::fs::write(&html, page(folder.path(), "duffing", &["--holdout=25%"])).unwrap();
     let mut sizes = Vec::new();
     for (wide, scheme) in [(390, 0), (390, 1), (1280, 0), (1280, 1)] {
         let png = folder.path().join(format!("{wide}-{scheme}.png"));
-        let run = Command::new(browser)
-            .args([
-                "--headless",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--hide-scrollbars",
-            ])
-            .arg(format!(
-                "--user-data-dir={}",
-                folder.path().join("profile").display()
-            ))
+        let run = browser(folder.path())
+            .unwrap()
             .arg(format!("--blink-settings=preferredColorScheme={scheme}"))
             .arg(format!("--window-size={wide},2400"))
             .arg(format!("--screenshot={}", png.display()))
