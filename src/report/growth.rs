@@ -25,12 +25,18 @@ pub(super) fn growth(s: &Subject) -> String {
     section("growth", "Error against number of terms", &body)
 }
 
+/// Decibels that the axis of errors spans at least.
+const LEAST: f64 = 20.0;
+
 fn candidates(all: &[CandidateEntry]) -> String {
     let errors: Vec<f64> = all.iter().filter_map(|c| c.error_db).collect();
-    let (Some(y), Some(most)) = (Axis::over(errors.iter()), all.iter().map(|c| c.terms).max())
-    else {
+    let most = all.iter().map(|c| c.terms).max();
+    let (Some((low, high)), Some(most)) = (extremes(errors.iter()), most) else {
         return String::new();
     };
+    // A decibel is no difference, and must not look like one.
+    let room = (0.04 * (high - low)).max(0.5 * (LEAST - (high - low)));
+    let y = Axis::new(low - room, high + room);
     let x = Axis::new(0.0, most as f64 * 1.1 + 1.0);
     let dot = |c: &CandidateEntry| -> Option<String> {
         let (x, y) = (place(&x, c.terms as f64), height(&y, c.error_db?));
