@@ -87,9 +87,7 @@ impl Notation for MathMl<'_> {
                 let dots = dots.get(usize::from(n) - 1).copied().unwrap_or_default();
                 dotted(&base, dots)
             }
-            n => format!(
-                "<msup>{base}<mrow><mo form=\"prefix\">(</mo><mn>{n}</mn><mo form=\"postfix\">)</mo></mrow></msup>"
-            ),
+            n => format!("<msup>{base}{}</msup>", fenced(&format!("<mn>{n}</mn>"))),
         };
         let index = match s.shift {
             0 if self.0.discrete && s != Signal::TIME => "<mi>k</mi>".to_string(),
@@ -119,10 +117,7 @@ impl Notation for MathMl<'_> {
             ("abs", [x]) => {
                 format!("<mrow><mo form=\"prefix\">|</mo>{x}<mo form=\"postfix\">|</mo></mrow>")
             }
-            _ => format!(
-                "<mrow><mi>{}</mi><mo form=\"prefix\">(</mo>{inner}<mo form=\"postfix\">)</mo></mrow>",
-                escape(f.name)
-            ),
+            _ => row(&format!("<mi>{}</mi>{}", escape(f.name), fenced(&inner))),
         }
     }
 
@@ -141,7 +136,7 @@ impl Notation for MathMl<'_> {
     }
 
     fn parenthesise(&self, inner: &str) -> String {
-        format!("<mrow><mo form=\"prefix\">(</mo>{inner}<mo form=\"postfix\">)</mo></mrow>")
+        fenced(inner)
     }
 
     fn sign(&self, first: bool, negative: bool) -> &'static str {
@@ -157,6 +152,14 @@ impl Notation for MathMl<'_> {
 /// One element, whatever is in it.
 fn row(inner: &str) -> String {
     format!("<mrow>{inner}</mrow>")
+}
+
+/// In brackets, which grow about fractions alone: one that could grow is drawn with the space to do so.
+fn fenced(inner: &str) -> String {
+    let stretchy = inner.contains("<mfrac>");
+    format!(
+        "<mrow><mo form=\"prefix\" stretchy=\"{stretchy}\">(</mo>{inner}<mo form=\"postfix\" stretchy=\"{stretchy}\">)</mo></mrow>"
+    )
 }
 
 /// Dots stand on the stem, not on its index.

@@ -10,6 +10,7 @@ mod cli;
 mod constrained;
 mod coverage;
 mod data;
+mod dependencies;
 mod dictionary;
 mod docs;
 mod drafts;
