@@ -1,7 +1,7 @@
 //! Φ stored whole, column after column.
 
 use super::fill::Filled;
-use super::sums::{dot, is_safe, length};
+use super::sums::{dot, is_safe, length, scaled_dot};
 use super::{Collector, Dictionary, Strongest, cores};
 
 /// A column-major M × N matrix with its column norms.
@@ -67,7 +67,11 @@ impl Dense {
             for (i, values) in tasks {
                 for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
                     let product = dot(column, lambda);
-                    found.offer_all(j, &[product], &self.norms[j..=j]);
+                    if product.is_finite() {
+                        found.offer_all(j, &[product], &self.norms[j..=j]);
+                    } else {
+                        found.offer(j, scaled_dot(column, self.norms[j], lambda));
+                    }
                 }
             }
             found

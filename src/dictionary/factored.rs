@@ -8,7 +8,7 @@ use std::ops::Range;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::sums::{dot, is_safe, largest, length};
+use super::sums::{dot, is_safe, largest, length, scaled_dot};
 use super::{Collector, Dictionary, Strongest, cores};
 
 /// The matrix of a library of products. Memory: its factors, and one number a slot.
@@ -186,12 +186,26 @@ impl Factored {
                 self.products(&task, &self.right, price, |l, right, products| {
                     let slot = task.block.slot(l, right.start);
                     let norms = &self.norms[slot..slot + products.len()];
-                    found.offer_all(slot, products, norms);
+                    // Without an early end, so that many are looked at together.
+                    if products.iter().fold(true, |all, p| all & p.is_finite()) {
+                        found.offer_all(slot, products, norms);
+                    } else {
+                        self.offer_scaled(slot..slot + products.len(), lambda, &mut found);
+                    }
                 });
             }
             found
         });
         Collector::finish_all(collectors)
+    }
+
+    /// Columns of which some product overflowed, priced once more as columns of length one.
+    fn offer_scaled(&self, slots: Range<usize>, lambda: &[f64], found: &mut Collector) {
+        let mut column = vec![0.0; self.rows];
+        for slot in slots.filter(|slot| self.norms[*slot] > 0.0) {
+            self.product(slot, &mut column);
+            found.offer(slot, scaled_dot(&column, self.norms[slot], lambda));
+        }
     }
 
     /// `Rᵀ prepare(L)` for a task in tiles: `visit` gets a left column, some right ones and the products with those.

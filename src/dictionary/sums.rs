@@ -18,6 +18,11 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
+/// aᵀb/‖a‖ where aᵀb is beyond what a number can be; the length is that of a.
+pub(super) fn scaled_dot(a: &[f64], length: f64, b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a / length * b).sum()
+}
+
 /// Whether a sum of squares, or a length, is exact to rounding: nothing that matters was lost to underflow, nothing
 /// overflowed. NaN is not.
 #[inline]

@@ -90,11 +90,14 @@ impl Sources {
     }
 }
 
-/// Control characters but for line ends and tabs replaced by `?` or, where they take two bytes, by `¿`.
+/// Control characters but for line ends and tabs replaced by `?` or, where they take two bytes, by `¿`; carriage returns, which would
+/// write over the line, by blanks; characters that turn the direction of what follows by U+FFFD.
 pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| match c {
-            '\n' | '\r' | '\t' => c,
+            '\n' | '\t' => c,
+            '\r' => ' ',
+            '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => '\u{fffd}',
             c if c.is_control() && c.len_utf8() == 1 => '?',
             c if c.is_control() => '¿',
             c => c,

@@ -132,8 +132,23 @@ impl Whole<'_> {
             notes.push(refuse::restarts(run.legs.len() - 1));
         }
         run.cut(end);
+        notes.extend(self.undefined(&run));
         self.compare(&mut run);
         Ok(run)
+    }
+
+    /// Outputs without a value at rows that were simulated: nothing depends on them, so they end no run, and must be said.
+    fn undefined(&self, run: &Run) -> Vec<Diagnostic> {
+        let outputs = self.plant.form.outputs.iter();
+        let rows = || run.legs.iter().flat_map(|l| l.rows.clone());
+        let found = outputs.filter_map(|(s, _)| {
+            let values = run.column(*s)?;
+            let absent = |k: &usize| values.get(*k).is_some_and(|v| !v.is_finite());
+            let first = run.time.get(rows().find(absent)?)?;
+            let count = rows().filter(absent).count();
+            Some(refuse::undefined_output(self.d, *s, *first, count))
+        });
+        found.collect()
     }
 
     /// State, unknowns, outputs; in discrete time the unknowns are but the next state.

@@ -87,6 +87,18 @@ pub(super) fn ends_at_gap(time: f64) -> Diagnostic {
     )
 }
 
+pub(super) fn undefined_output(d: &Discovery, s: Signal, time: f64, rows: usize) -> Diagnostic {
+    let name = d.name(s);
+    let unit = if rows == 1 { "row" } else { "rows" };
+    Diagnostic::warning(
+        "output-undefined",
+        format!("the output {name} has no finite value in {rows} {unit}, first at t = {time}"),
+    )
+    .help(format!(
+        "look at the domain of the equation of {name}: logarithms, roots, denominators"
+    ))
+}
+
 pub(super) fn driven(d: &Discovery, signals: &[Signal]) -> Diagnostic {
     let names: Vec<String> = signals.iter().map(|s| d.name(*s)).collect();
     let (have, drive) = match names.len() {

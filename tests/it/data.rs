@@ -224,6 +224,20 @@ fn harmless_variants_are_read_alike() {
     }
 }
 
+/// A carriage return inside a line ends none: what is shown of a cell is what was read of it.
+#[test]
+fn a_line_ends_where_it_ended_when_it_was_read() {
+    let mut sources = Sources::default();
+    let table = table(&mut sources, "run.csv", "t,x\n0,1\r7\n\r\r1,2\r\n");
+    assert!(table.values(1)[0].is_nan());
+    assert_eq!(table.cell(0, 1), "1\r7");
+    assert_eq!((table.cell(1, 0), table.cell(1, 1)), ("1", "2"));
+    assert_eq!(
+        (table.values(0), table.values(1)[1]),
+        ([0.0, 1.0].as_slice(), 2.0)
+    );
+}
+
 // ---- Tables that do not fit the model. ----
 
 #[test]

@@ -262,3 +262,28 @@ fn memory_is_known_before_anything_is_evaluated() {
     let factors = 729 + 2 * 2187 + 26 + 1;
     assert_eq!(bytes(&library, 200), 8 * (factors * 200 + 1_594_323));
 }
+
+/// Numbers so large that their sum with λ is none: the correlation is still that of the column's direction.
+#[test]
+fn correlations_do_not_overflow() {
+    let samples = samples(&[vec![1.2e308, 1e308], vec![1.0, 1e-300]]);
+    let lambda = [3.0, 4.0];
+    let direction = 1.2f64.hypot(1.0);
+    let wanted = (3.0 * 1.2 + 4.0) / direction;
+    let block = Block {
+        left: vec![term(signal(1))],
+        right: vec![Term::one(), term(signal(2))],
+    };
+    let listed = Library::listed(vec![term(signal(1))]);
+    for library in [listed, Library::products(vec![block], Vec::new())] {
+        let phi = compile(&library, &samples, None).unwrap();
+        let found = phi.strongest(&lambda, 9, 0.0).columns;
+        let first = found.iter().find(|(j, _)| *j == 0).unwrap().1;
+        assert!((first - wanted).abs() < 1e-12, "{found:?}");
+        assert!(
+            found
+                .iter()
+                .all(|(j, c)| *j == 0 || (c - 3.0).abs() < 1e-12)
+        );
+    }
+}

@@ -689,3 +689,30 @@ fn inputs_are_recorded_as_they_are_where_others_are_read_a_sample_ahead() {
     assert_near(column(&run, &opened, "u"), |k| k as f64, 0.0);
     assert_near(column(&run, &opened, "w"), |k| 100.0 + k as f64, 0.0);
 }
+
+/// w = log x of a state that falls through zero: the run goes on, since nothing depends on w, and says where w has no value.
+#[test]
+fn an_output_without_a_value_is_said_and_ends_nothing() {
+    let found = |time: &str, target: &str, terms: &[(f64, &str)]| {
+        let variables = ["state x 1", "output w 0"];
+        let equations: &[(&str, &[(f64, &str)])] = &[(target, terms), ("w", &[(1.0, "log(x)")])];
+        let opened = result::open("r.json", &document(time, &variables, equations)).unwrap();
+        let data = csv(6, 1.0, &[("x", &|t| 2.5 - t)]);
+        let run = run(&opened, &data, &Options::default()).unwrap();
+        assert_eq!((run.legs[0].rows.clone(), run.fault()), (0..6, None));
+        let w = column(&run, &opened, "w");
+        assert!((w[2] - 0.5f64.ln()).abs() < 1e-9 && w[3].is_nan() && w[5].is_nan());
+        let note = run
+            .notes
+            .iter()
+            .find(|n| n.code == "output-undefined")
+            .unwrap();
+        note.message.clone()
+    };
+    let said = "the output w has no finite value in 3 rows, first at t = 3";
+    assert_eq!(found("continuous", "dx", &[(-1.0, "1")]), said);
+    assert_eq!(
+        found("discrete", "next(x)", &[(1.0, "x"), (-1.0, "1")]),
+        said
+    );
+}

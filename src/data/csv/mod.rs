@@ -47,6 +47,8 @@ pub struct Table {
     rows: Vec<Line>,
     faults: Vec<Faults>,
     text: String,
+    /// What ends a line of it.
+    end: char,
     separator: u8,
 }
 
@@ -166,6 +168,7 @@ pub fn read(
         header,
         rows: Vec::with_capacity(rows),
         text: String::new(),
+        end,
         separator,
     };
     let mut errors = refusals::Capped::new();
@@ -284,7 +287,8 @@ impl Table {
 
     fn line(&self, at: Line) -> &str {
         let rest = self.text.get(at.start..).unwrap_or("");
-        rest.split(['\n', '\r']).next().unwrap_or("")
+        let line = rest.split(self.end).next().unwrap_or("");
+        line.strip_suffix('\r').unwrap_or(line)
     }
 
     fn range(&self, line: &str, column: usize) -> (usize, usize) {

@@ -29,8 +29,8 @@ impl Checker<'_> {
             let Some(size) = self.sized(right) else {
                 continue;
             };
-            if size.nodes.saturating_mul(copies) > super::measure::MAX_NODES * 4 {
-                self.say(complain::too_large(right.span, size));
+            let more = size.nodes.saturating_mul(copies - 1);
+            if self.afford(right.span, more).is_none() {
                 continue;
             }
             let right = if *known {

@@ -293,6 +293,7 @@ impl Checker<'_> {
         if a > b || b - a >= MAX_RANGE {
             return self.fail(complain::range_bounds(span, a, b, MAX_RANGE));
         }
+        self.afford(span, b - a)?;
         let width = if first.starts_with('0') {
             first.len()
         } else {

@@ -1,12 +1,15 @@
 //! How large an expression is once every `let` in it is written out.
 //!
-//! A chain of `let`s can double its size in each line; the cap stops that before memory is taken.
+//! A chain of `let`s can double its size in each line, and a range stands for ten thousand names; the caps stop that before memory is taken.
 
 use super::Checker;
 use crate::lang::ast::{Expr, ExprKind};
+use crate::lang::source::Span;
 
 /// Nodes of one statement, `let`s written out: a library of 10⁵ listed terms fits.
 pub const MAX_NODES: usize = 500_000;
+/// Nodes of a whole model, ranges and copies for several targets written out too: some 500 MB.
+const MAX_MODEL: usize = 4 * MAX_NODES;
 /// Nesting, `let`s written out; what recursive passes must survive.
 pub const MAX_DEPTH: usize = 300;
 
@@ -24,7 +27,21 @@ impl Checker<'_> {
         if size.nodes > MAX_NODES || size.depth > MAX_DEPTH {
             return self.fail(super::complain::too_large(e.span, size));
         }
+        self.afford(e.span, size.nodes)?;
         Some(size)
+    }
+
+    /// Counts what is about to be written out; `None`, reported once, if the model has become too large. A line of ten characters may
+    /// stand for 10⁵ nodes, so statements that are small enough are not enough.
+    pub fn afford(&mut self, at: Span, nodes: usize) -> Option<()> {
+        self.written = self.written.saturating_add(nodes);
+        if self.written <= MAX_MODEL {
+            return Some(());
+        }
+        if self.reported.insert("\0model".to_string()) {
+            self.say(super::complain::model_too_large(at, MAX_MODEL));
+        }
+        None
     }
 
     fn size(&self, e: &Expr) -> Size {

@@ -60,6 +60,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
         scope: Scope::default(),
         found: Vec::new(),
         reported: BTreeSet::new(),
+        written: 0,
     };
     c.headers();
     c.find_time_kind();
@@ -87,6 +88,8 @@ struct Checker<'a> {
     found: Vec<Diagnostic>,
     /// Unknown names, each reported once.
     reported: BTreeSet<String>,
+    /// Nodes written out so far.
+    written: usize,
 }
 
 impl<'a> Checker<'a> {

@@ -184,6 +184,36 @@ fn chains_of_lets_do_not_explode() {
     in_time(&(text + "dx ~ <a39>\n"));
 }
 
+/// A name or a range of a few characters stands for 10⁵ parts: many of those in one file must not take the machine's memory.
+#[test]
+fn what_short_names_stand_for_is_counted_in_the_whole_file() {
+    let mut text = "state x\nlet a0 = <1, x>\n".to_string();
+    for i in 1..16 {
+        text += &format!("let a{i} = a{0} * a{0}\n", i - 1);
+    }
+    for i in 0..1_000 {
+        text += &format!("let b{i} = a15\n");
+    }
+    let ranges = "<x1..x9999>\n";
+    let ranges: String = (0..1_000).map(|i| format!("let b{i} = {ranges}")).collect();
+    let items = vec!["x1..x9999"; 1_000].join(", ");
+    for text in [
+        text + "dx ~ <1>\n",
+        format!("state x1..x9999\n{ranges}dx1 ~ <1>\n"),
+        format!("state x1..x9999\ndx1 ~ <{items}>\n"),
+    ] {
+        in_time(&text);
+        let (_, found, said) = compiled("large.sid", &text);
+        let errors: Vec<&str> = found
+            .iter()
+            .filter(|d| d.is_error())
+            .map(|d| d.code)
+            .collect();
+        assert_eq!(errors, ["too-large"], "{said}");
+        assert!(said.contains("more than 2000000 parts"), "{said}");
+    }
+}
+
 #[test]
 fn a_model_of_sixty_lines_takes_no_time() {
     let mut text = "state x1..x12 : order 2\ninput u\n".to_string();
@@ -221,4 +251,11 @@ fn many_states_and_many_unknown_names_are_read_in_time() {
 fn no_control_character_reaches_the_terminal() {
     let (_, _, said) = compiled("a\u{1b}[31m.sid", "state x\ndx ~ <y\u{1b}[2J\u{9b}31m>\n");
     assert!(!said.contains(['\u{1b}', '\u{9b}']), "{said:?}");
+    // Nor one that writes over a line, or turns it around.
+    let (_, _, said) = compiled(
+        "a.sid",
+        "state x\r\n# \u{202e}\rstate y\ndx ~ \r<y>\u{2066}\n",
+    );
+    assert!(!said.contains(['\r', '\u{202e}', '\u{2066}']), "{said:?}");
+    assert!(said.contains("dx ~  <y>\u{fffd}"), "{said}");
 }

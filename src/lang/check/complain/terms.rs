@@ -23,6 +23,16 @@ pub fn too_large(at: Span, size: Size) -> Diagnostic {
     .help("use a generator such as `poly(x; 3)` instead of products of products")
 }
 
+pub fn model_too_large(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-large",
+        "the model is too large once every `let` and every range is written out",
+    )
+    .at(at, "up to here")
+    .fact(format!("more than {limit} parts"))
+    .help("use generators such as `poly(x1..x9; 3)` instead of lists and products of lists")
+}
+
 pub fn too_many_factors(at: Span, factors: usize, limit: usize) -> Diagnostic {
     Diagnostic::error("too-large", format!("a product of {factors} factors"))
         .at(at, format!("the limit is {limit}"))
