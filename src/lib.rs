@@ -25,4 +25,5 @@ pub mod trajectory;
 pub mod uncertainty;
 pub mod units;
 pub mod validate;
+pub mod verify;
 pub mod weak;

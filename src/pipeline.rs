@@ -18,8 +18,10 @@ use crate::validate::{self, Validation};
 mod evidence;
 mod regression;
 mod unevaluable;
+mod verification;
 
 pub use regression::Regression;
+pub use verification::{verification_work, verify};
 
 /// A checked model with the library of each equation; `None` where the equation is known.
 #[derive(Debug)]

@@ -4,20 +4,24 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::check::counted;
-use super::inputs::{self, Inputs};
+use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
 use super::narrate::{Narrator, Talk};
-use super::progress::Work;
+use super::progress::{self, Work};
 use super::values::{self, Held};
 use super::{Failure, answer, candidates, output, status};
 use crate::data::{HoldOut, Table};
-use crate::discover::{Discovery, METHODS, Method, Options, Reason};
+use crate::discover::{Discovery, METHODS, Method, Options, Reason, Step};
 use crate::lang::source::Sources;
 use crate::pipeline::{self, Measured, Program, Rows};
 use crate::result::{CandidateEntry, FileEntry};
 use crate::solve::{SOLVERS, Solver};
 use crate::term::SignalNames;
 use crate::validate::Validation;
+
+/// Products that a verification makes in a second, of numbers of 106 bits, and how many are announced.
+const PRODUCTS: f64 = 2e8;
+const LONG: u128 = 1_000_000_000;
 
 /// Find the equations of a model in data
 #[derive(clap::Args)]
@@ -76,6 +80,9 @@ pub struct Args {
     /// Show all evidence: what the data tell apart, what they do not, and from which rows
     #[arg(long)]
     pub(super) evidence: bool,
+    /// Check every equation and its proof once more, by separate code in 106 bits
+    #[arg(long)]
+    verify: bool,
     #[command(flatten)]
     talk: Talk,
 }
@@ -246,29 +253,48 @@ pub(super) fn find(
     let (program, measured) = (&candidate.program, &candidate.measured);
     let line = args.talk.line(limits);
     let all = program.model.equations.len();
-    let found = pipeline::identify(program, measured, &args.options(), &mut |step| {
+    let mut watch = |step: Step| {
         let equation = program.model.equations.get(step.equation);
         let target = equation.map_or_else(String::new, |e| program.model.name(e.target));
         narrator.at(&step, &target);
         line.show(Work::Equation(step, target, all));
         limits.check()
-    });
+    };
+    let found = pipeline::identify(program, measured, &args.options(), &mut watch);
     narrator.close();
     narrator.done("evidence weighed");
-    let found = found.map_err(|d| Failure::new(inputs::render(&d, sources)));
+    let mut found = found.map_err(|d| Failure::new(inputs::render(&d, sources)))?;
+    if args.verify {
+        if args.talk.notes() != Notes::None {
+            announce(pipeline::verification_work(program, measured, &found));
+        }
+        pipeline::verify(program, measured, &mut found, &mut watch);
+        narrator.close();
+    }
     let mut go_on = |time| {
         line.show(Work::Running("the data".into(), time));
         limits.go_on().is_continue()
     };
     let mut validation = |d: &Discovery| pipeline::validate(program, measured, d, &mut go_on);
-    let found = found.map(|discovery| Found {
-        validation: validation(&discovery),
-        discovery,
-    })?;
+    let found = Found {
+        validation: validation(&found),
+        discovery: found,
+    };
     if found.validation.is_some() {
         narrator.done("run on data held out");
     }
     Ok(found)
+}
+
+/// Says how long a verification takes, if that is long enough to wonder.
+fn announce(products: u128) {
+    if products > LONG {
+        let seconds = products as f64 / PRODUCTS;
+        progress::instead(&format!(
+            "verifying: {:.1e} products in 106 bits, some {seconds:.0} s; Ctrl-C or --time-limit ends it\n",
+            products as f64
+        ));
+    }
 }
 
 /// Writes and prints what was found; the exit status.

@@ -77,6 +77,7 @@ impl Narrator {
             Stage::Solving(_) => "solved",
             Stage::Refitting(_) => "trajectory and terms fitted together",
             Stage::Choosing => "terms chosen",
+            Stage::Verifying(..) => "verified",
         };
         let name = format!("{target}: {stage}");
         let mut told = told.borrow_mut();

@@ -158,8 +158,15 @@ fn stage(stage: Stage) -> String {
         Stage::Evaluating => "evaluating the library".into(),
         Stage::Refitting(n) => format!("trajectory and terms together, {n} sets of terms"),
         Stage::Choosing => "choosing the terms".into(),
+        Stage::Verifying(done, all) => format!("verifying {}", share(done, all)),
         Stage::Solving(p) => format!("solving{}", figures(p)),
     }
+}
+
+/// `12 % of 14348907 columns`
+fn share(done: usize, all: usize) -> String {
+    let part = 100.0 * done as f64 / all.max(1) as f64;
+    format!("{part:.0} % of {all} columns")
 }
 
 /// What a solver knows of its way; a figure of zero is one that it does not know.

@@ -1,8 +1,10 @@
 //! What was found: the equations of a system, each with its evidence. All that emitters, simulation and reports may see.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
-use super::{Halves, Identifiability, Nearest, Trust};
+use super::{Halves, Identifiability, Nearest, Trust, Verification, Witness};
 use crate::lang::model::{Model, VarKind};
 use crate::term::{Signal, SignalNames, Term, VarId};
 use crate::units::{self, Unit};
@@ -153,6 +155,12 @@ pub struct Evidence {
     /// What the rows can tell apart.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub identifiability: Option<Box<Identifiability>>,
+    /// What a second look at it came to, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub verification: Option<Box<Verification>>,
+    /// What it takes to look once more; not written.
+    #[serde(skip)]
+    pub witness: Option<Arc<Witness>>,
 }
 
 /// Two laws of one target: one that repeats other equations of the system, and one that does not.

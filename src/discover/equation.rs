@@ -1,6 +1,7 @@
 //! One equation, start to end: rows, Φ, proposal, choice, polish, proof, doubts.
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 use super::doubts::{self, Case};
 use super::memory;
@@ -11,6 +12,7 @@ use super::subset::Criterion;
 use super::support::{self, Choice};
 use super::watch::{Stage, Stop, Watcher};
 use super::weights::{Weights, rms};
+use super::witness::Witness;
 use super::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, Method, Options, Proof, Reason,
     Status,
@@ -52,6 +54,8 @@ pub(super) struct Answer {
     pub coefficients: Vec<f64>,
     pub standard_errors: Vec<f64>,
     pub proof: Proof,
+    /// What it takes to check the proof, but for the rows.
+    pub witness: Witness,
     pub ties: Vec<Vec<usize>>,
     pub searched: usize,
     pub solver: &'static str,
@@ -176,11 +180,13 @@ impl Task<'_> {
             polished,
             ..
         } = proposed;
+        let (proof, witness) = prove(&prepared.problem(), solution, choice, polished);
         Answer {
             support: choice.support.clone(),
             coefficients: polished.coefficients.clone(),
             standard_errors: polished.standard_errors.clone(),
-            proof: prove(&prepared.problem(), solution, choice, polished),
+            proof,
+            witness,
             ties: choice.ties.clone(),
             searched: choice.searched,
             solver: self.options.solver.name(),
@@ -197,8 +203,14 @@ impl Task<'_> {
         let weights = &prepared.weights;
         let size = rms(&prepared.aim);
         let terms = self.found_terms(answer);
+        let mut witness = None;
         let (rows, left, held_out, method) = match &prepared.basis {
             Basis::Samples { split, used, y } => {
+                witness = Some(Arc::new(Witness {
+                    rows: split.used.clone(),
+                    weights: weights.row.clone(),
+                    ..answer.witness.clone()
+                }));
                 let left = self.residual(&terms, used, y);
                 let left = rms(&product(&left, &weights.row));
                 (
@@ -231,6 +243,8 @@ impl Task<'_> {
             halves: None,
             nearest: None,
             identifiability: None,
+            verification: None,
+            witness,
         };
         self.equation(names, terms, evidence, answer)
     }

@@ -3,6 +3,8 @@
 //! In: a model, its libraries, a dataset. Out: the estimation problem, or why there is none; then its [`Equation`]s with evidence.
 //! The estimation itself is the room `trajectory`; here its figures are weighed.
 
+use std::sync::Arc;
+
 use super::dependent::Measured;
 use super::equation::{named, simpler};
 use super::joint_doubts::{self, Case};
@@ -11,7 +13,7 @@ use super::pools::{Pools, pools};
 use super::watch::Watcher;
 use super::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, InputDelay, Method, Options,
-    Reason, Status, Stretches, Together, fixed, fixed_terms,
+    Reason, Status, Stretches, Together, Witness, fixed, fixed_terms,
 };
 use crate::data::{Column, Dataset, Origin, Samples};
 use crate::lang::model::Model;
@@ -145,6 +147,13 @@ pub fn discover_jointly(
         discovery.equations.push(equation);
     }
     let samples = samples(problem, &found);
+    let witness = Arc::new(Witness {
+        path: Some(Arc::new(samples.clone())),
+        ..Witness::default()
+    });
+    for evidence in discovery.equations.iter_mut().flat_map(|e| &mut e.evidence) {
+        evidence.witness = Some(witness.clone());
+    }
     super::relation::judge(&mut discovery, &samples, None);
     super::dependent::judge(&mut discovery, &measured_states(problem));
     let stretches = match stopped {

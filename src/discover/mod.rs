@@ -31,6 +31,7 @@ mod trust;
 mod watch;
 mod weak;
 mod weights;
+mod witness;
 
 use crate::data::{Dataset, Origin, Samples};
 use crate::dictionary::BadValue;
@@ -55,6 +56,7 @@ pub use ties::check_constraints;
 pub use trust::{Halves, MARKS, Mark, Marks, Nearest, Stretches, Trust, Without};
 pub use watch::{Stage, Step, Stop, Watch};
 pub use weights::Weights;
+pub use witness::{Verification, VerifiedProof, Witness};
 
 /// What an equation is found from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,23 +3,32 @@
 use super::Proof;
 use super::support::Choice;
 use super::weights::norm;
+use super::witness::Witness;
 use crate::solve::{self, Certificate, Polished, Problem, Solution};
 
-/// The certificate of the printed answer if it is the solver's own, else of the solver's.
+/// The certificate of the printed answer if it is the solver's own, else of the solver's; and what it takes to check it, but
+/// for the rows.
 pub(super) fn prove(
     problem: &Problem,
     solution: &Solution,
     choice: &Choice,
     polished: &Polished,
-) -> Proof {
-    let own = certify_answer(problem, solution, choice, polished);
+) -> (Proof, Witness) {
+    let (own, moved) = certify_answer(problem, solution, choice, polished);
     let of_answer = choice.as_proposed && own.proves_optimal;
     let (certificate, tolerance) = if of_answer {
         (own, problem.tolerance)
     } else {
         certify_proposal(problem, solution)
     };
-    Proof {
+    let own_dual = || solution.dual.clone();
+    let witness = Witness {
+        tolerance,
+        dual: moved.filter(|_| of_answer).unwrap_or_else(own_dual),
+        proposal: (!of_answer).then(|| solution.coefficients.clone()),
+        ..Witness::default()
+    };
+    let proof = Proof {
         tolerance: tolerance / norm(problem.target),
         gap: finite(certificate.gap),
         max_correlation: finite(certificate.largest_correlation),
@@ -31,7 +40,8 @@ pub(super) fn prove(
         unique: certificate.proves_unique,
         of_answer,
         constrained: false,
-    }
+    };
+    (proof, witness)
 }
 
 /// What a solver that ended early found may still be the best of all that fit as well as it does: its certificate, and the ε
@@ -51,13 +61,14 @@ fn certify_proposal(problem: &Problem, solution: &Solution) -> (Certificate, f64
     (asked, problem.tolerance)
 }
 
-/// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more.
+/// The polished answer with the solver's dual point, or with that point moved onto the answer's vertex if that proves more; and that
+/// point, if it is the one.
 fn certify_answer(
     problem: &Problem,
     solution: &Solution,
     choice: &Choice,
     polished: &Polished,
-) -> Certificate {
+) -> (Certificate, Option<Vec<f64>>) {
     let support = &choice.support;
     let columns = support.iter().copied();
     let answer: Vec<(usize, f64)> = columns.zip(polished.coefficients.clone()).collect();
@@ -66,18 +77,18 @@ fn certify_answer(
     let plain = certify(&solution.dual);
     if solution.dual.iter().all(|l| *l == 0.0) {
         // A solver without a dual point claims no proof, and none is made up for it.
-        return plain;
+        return (plain, None);
     }
     let moved = solve::refine_dual(problem, support, &signs, &solution.dual);
     if moved == solution.dual {
         // Nothing to prove anew: every certificate is a look at all columns.
-        return plain;
+        return (plain, None);
     }
     let refined = certify(&moved);
     if refined.gap.abs() < plain.gap.abs() {
-        refined
+        (refined, Some(moved))
     } else {
-        plain
+        (plain, None)
     }
 }
 

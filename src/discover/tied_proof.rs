@@ -14,6 +14,7 @@ use super::tied_support::{Chosen, Supports};
 use super::together::{Member, pools, search};
 use super::watch::Watcher;
 use super::weights::norm;
+use super::witness::Witness;
 use crate::solve::{
     self, Joint, JointProof, JointSolution, Outcome, Problem, Row, Status as Solved, certify_joint,
     solve_joint,
@@ -197,6 +198,8 @@ pub(super) fn answer(
             of_answer: proved.of_answer,
             constrained: true,
         },
+        // The multipliers of the constraints are not kept: nothing of this proof can be checked by itself.
+        witness: Witness::default(),
         coefficients: chosen.fit.values[b].clone(),
         standard_errors: chosen.fit.standard_errors[b].clone(),
         ties: chosen.ties[b].clone(),

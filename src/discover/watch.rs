@@ -19,6 +19,8 @@ pub enum Stage {
     Choosing,
     /// So many sets of terms were fitted with their trajectory.
     Refitting(usize),
+    /// It is checked once more: so many columns of so many.
+    Verifying(usize, usize),
 }
 
 /// A stage of the equation with this place in the model, from 0.
@@ -63,6 +65,12 @@ impl Stop {
             "{} before the search was through; this is the best there was",
             self.cause()
         );
+        Reason::new(self.code(), text)
+    }
+
+    /// The doubt of an equation that was to be checked once more.
+    pub fn unverified(self) -> Reason {
+        let text = format!("{} before the equation was verified", self.cause());
         Reason::new(self.code(), text)
     }
 

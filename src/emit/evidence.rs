@@ -6,7 +6,7 @@ use crate::discover::{
 use crate::term::SignalNames;
 
 use super::number::significant;
-use super::{identifiability, path, text, trust, units};
+use super::{identifiability, path, text, trust, units, verification};
 
 /// The terminal's answer: each equation, its proof, its fit, its doubts; then what was not found. `whole` asks for all evidence.
 pub fn answer(d: &Discovery, whole: bool) -> String {
@@ -50,6 +50,7 @@ fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
             proof(evidence),
         ],
     };
+    lines.extend(verification::lines(evidence.verification.as_deref()));
     // A doubt says it with more figures.
     if e.reasons.iter().all(|r| r.code != "same-relation") {
         lines.extend(evidence.relation.as_ref().and_then(independent));

@@ -26,6 +26,7 @@ mod text;
 mod trust;
 mod units;
 mod validation;
+mod verification;
 
 use crate::discover::Discovery;
 

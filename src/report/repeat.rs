@@ -3,7 +3,7 @@
 use super::markup::{lead, number, paragraph, section};
 use super::subject::Subject;
 use crate::emit::escape;
-use crate::result::{FileEntry, Settings};
+use crate::result::{EquationEntry, FileEntry, Settings};
 
 /// Text of a model that is shown.
 const LONGEST: usize = 100_000;
@@ -94,6 +94,13 @@ fn command(s: &Subject) -> String {
     words.extend(options(settings));
     if s.document.equations.iter().any(|e| !e.path.is_empty()) {
         words.push("--path".into());
+    }
+    let verified = |e: &EquationEntry| {
+        let evidence = e.evidence.as_ref();
+        evidence.is_some_and(|e| e.verification.is_some())
+    };
+    if s.document.equations.iter().any(verified) {
+        words.push("--verify".into());
     }
     words.extend(["-o".into(), word(s.name)]);
     let given: Vec<String> = s.files.iter().map(|f| word(&f.name)).collect();

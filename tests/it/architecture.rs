@@ -33,6 +33,7 @@ const MAY_KNOW: &[(&str, &[&str])] = &[
             "units",
         ],
     ),
+    ("verify", &["lanes", "term", "library", "data", "discover"]),
     ("simulate", &["term", "lang", "data", "discover"]),
     (
         "validate",

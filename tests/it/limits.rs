@@ -179,6 +179,7 @@ fn stage(s: Stage) -> u8 {
         Stage::Evaluating => 0,
         Stage::Solving(_) => 1,
         Stage::Choosing | Stage::Refitting(_) => 2,
+        Stage::Verifying(..) => 3,
     }
 }
 

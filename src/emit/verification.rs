@@ -1,0 +1,53 @@
+//! What a second look at an equation came to, in words.
+
+use super::number::significant;
+use crate::discover::Verification;
+
+/// Lines for one equation; none where nobody looked. What does not hold stands among the doubts.
+pub fn lines(verified: Option<&Verification>) -> Vec<String> {
+    let Some(v) = verified else {
+        return Vec::new();
+    };
+    let mut lines = Vec::new();
+    lines.extend(confirmed(v).map(|text| {
+        let failed = if v.holds { "verified" } else { "checked" };
+        format!("{failed} by separate code in 106 bits: {text}")
+    }));
+    if !v.open.is_empty() {
+        lines.push(format!("not verified: {}", v.open.join("; ")));
+    }
+    lines
+}
+
+/// What was looked at, and the figures; `None` if nothing was.
+fn confirmed(v: &Verification) -> Option<String> {
+    let mut parts = Vec::new();
+    if let Some(p) = &v.proof {
+        parts.push(format!(
+            "all {} columns on {} rows give gap ≤ {}, max |φᵀλ| ≤ {:.6}{}, rounding ≤ {}",
+            v.columns,
+            v.rows,
+            significant(p.gap.abs(), 2),
+            p.max_correlation,
+            match p.unique {
+                true => format!(", ≤ {:.4} off the support", 1.0 - p.margin),
+                false => String::new(),
+            },
+            significant(p.rounding, 1)
+        ));
+    }
+    if let Some(along) = v.along {
+        parts.push(format!(
+            "the equation holds to {} along its trajectory of {} samples, which leaves of the readings what is said",
+            significant(along, 1),
+            v.rows
+        ));
+    }
+    if let Some(digits) = v.digits {
+        parts.push(format!(
+            "residual {}, coefficients those of least squares to {digits:.0} digits",
+            significant(v.residual, 2)
+        ));
+    }
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
