@@ -2,6 +2,8 @@
 //!
 //! In: a model and its libraries. Out: rows, groups, diagnostics. Needs no data.
 
+use std::collections::BTreeMap;
+
 use super::constraints::{coefficient, written};
 use super::fixed_terms;
 use crate::lang::diagnostic::Diagnostic;
@@ -9,6 +11,11 @@ use crate::lang::model::{Coefficient, Constraint, Equation, Model, Relation};
 use crate::library::Library;
 use crate::solve::{self, Row, Sense};
 use crate::term::{SignalNames, Term};
+
+/// Most constraints that share coefficients: whether they contradict each other takes time with the cube of their number.
+const MOST_TOGETHER: usize = 200;
+/// Most contradictions that are told.
+const MOST_CONFLICTS: usize = 10;
 
 /// One constraint as a row; its blocks are the places of equations in the model.
 #[derive(Clone, Debug)]
@@ -26,22 +33,55 @@ pub(super) fn ties<'a>(model: &'a Model, libraries: &[Option<Library>]) -> Vec<T
 
 /// What is wrong with the constraints before any data: terms that are no candidates, and constraints that contradict each other.
 pub fn check_constraints(model: &Model, libraries: &[Option<Library>]) -> Vec<Diagnostic> {
-    let (mut tied, mut found) = lower(model, libraries);
+    let (tied, mut found) = lower(model, libraries);
     if !found.is_empty() {
         return found;
     }
-    let rows = |tied: &[Tied]| tied.iter().map(|t| t.row.clone()).collect::<Vec<Row>>();
-    while let Some(set) = solve::conflict(&rows(&tied)) {
-        let constraints: Vec<&Constraint> = set.iter().map(|k| tied[*k].constraint).collect();
-        found.push(conflict(model, &constraints));
-        // There may be other conflicts without these.
-        let mut place = 0;
-        tied.retain(|_| {
-            place += 1;
-            !set.contains(&(place - 1))
-        });
+    for mut part in parts(&tied) {
+        if let Some(beyond) = part.get(MOST_TOGETHER) {
+            found.push(too_many_together(part.len(), beyond.constraint));
+            continue;
+        }
+        let rows = |part: &[&Tied]| part.iter().map(|t| t.row.clone()).collect::<Vec<Row>>();
+        while found.len() < MOST_CONFLICTS
+            && let Some(set) = solve::conflict(&rows(&part))
+        {
+            let constraints: Vec<&Constraint> = set.iter().map(|k| part[*k].constraint).collect();
+            found.push(conflict(model, &constraints));
+            // There may be other conflicts without these.
+            let mut place = 0;
+            part.retain(|_| {
+                place += 1;
+                !set.contains(&(place - 1))
+            });
+        }
     }
     found
+}
+
+/// Constraints that share coefficients, directly or through others.
+fn parts<'t, 'a>(tied: &'t [Tied<'a>]) -> Vec<Vec<&'t Tied<'a>>> {
+    fn root(above: &mut [usize], mut row: usize) -> usize {
+        while above[row] != row {
+            above[row] = above[above[row]];
+            row = above[row];
+        }
+        row
+    }
+    let mut above: Vec<usize> = (0..tied.len()).collect();
+    let mut first = BTreeMap::new();
+    for (k, t) in tied.iter().enumerate() {
+        for (block, column, _) in &t.row.entries {
+            let known = *first.entry((*block, *column)).or_insert(k);
+            let (a, b) = (root(&mut above, known), root(&mut above, k));
+            above[a.max(b)] = a.min(b);
+        }
+    }
+    let mut parts: BTreeMap<usize, Vec<&Tied>> = BTreeMap::new();
+    for (k, t) in tied.iter().enumerate() {
+        parts.entry(root(&mut above, k)).or_default().push(t);
+    }
+    parts.into_values().collect()
 }
 
 /// Equations that constraints connect, directly or through others: sorted places; equations without constraints are in no group.
@@ -153,6 +193,15 @@ fn no_candidate(model: &Model, equation: &Equation, c: &Coefficient) -> Diagnost
     .at(c.span, "no candidate")
     .also(equation.span, format!("the candidates of {target}"))
     .help("add the term to the library, or leave the constraint out; `sidc check --terms` lists the candidates")
+}
+
+fn too_many_together(count: usize, beyond: &Constraint) -> Diagnostic {
+    Diagnostic::error(
+        "too-large",
+        format!("{count} constraints share coefficients; the limit is {MOST_TOGETHER}"),
+    )
+    .at(beyond.span, "one too many")
+    .help("leave out those that follow from others, or that the data show anyway")
 }
 
 fn conflict(model: &Model, constraints: &[&Constraint]) -> Diagnostic {

@@ -1,8 +1,11 @@
 //! Constraints are solved: what they improve, where they bind, and what is said where they cannot hold.
 
 use std::path::Path;
+use std::time::Instant;
 
 use serde_json::Value;
+use sidc::lang::source::Sources;
+use sidc::pipeline;
 
 use super::program::{Run, file, sidc, sidc_in};
 
@@ -262,4 +265,37 @@ fn thousands_of_candidates_are_priced_under_constraints() {
     let evidence = &d["equations"][0]["evidence"];
     assert_eq!(evidence["certificate"]["of_answer"], true, "{evidence}");
     assert_eq!(evidence["solver"], "clarabel");
+}
+
+/// Codes of what is wrong with a model.
+fn errors(text: &str) -> Vec<&'static str> {
+    let mut sources = Sources::default();
+    let file = sources.add("m.sid", text);
+    let (_, found) = pipeline::compile(file, &sources, pipeline::MEMORY);
+    found
+        .iter()
+        .filter(|d| d.is_error())
+        .map(|d| d.code)
+        .collect()
+}
+
+/// Constraints that share nothing are judged apart, those that share coefficients up to a number: neither takes the day.
+#[test]
+fn thousands_of_constraints_are_judged_in_time() {
+    let states: Vec<String> = (1..=400).map(|i| format!("dx{i} ~ <x1, x{i}>\n")).collect();
+    let head = format!("state x1..x400\n{}", states.concat());
+    let each = |of: &dyn Fn(usize) -> String| (1..=400).map(of).collect::<String>();
+    let start = Instant::now();
+    let apart =
+        each(&|i| format!("constrain coef(dx{i}, x1) > 0\nconstrain coef(dx{i}, x1) < 1\n"));
+    assert_eq!(errors(&(head.clone() + &apart)), [""; 0]);
+    let against =
+        each(&|i| format!("constrain coef(dx{i}, x1) > 1\nconstrain coef(dx{i}, x1) < 0\n"));
+    assert_eq!(
+        errors(&(head.clone() + &against)),
+        ["constraints-conflict"; 10]
+    );
+    let chain = each(&|i| format!("constrain coef(dx{i}, x1) < coef(dx{}, x1)\n", i % 400 + 1));
+    assert_eq!(errors(&(head + &chain)), ["too-large"]);
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }

@@ -4,6 +4,7 @@
 
 mod agreement;
 mod architecture;
+mod attack;
 mod baselines;
 mod calculus;
 mod cli;

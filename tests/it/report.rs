@@ -342,14 +342,13 @@ fn pictures_are_read_by_pointer_and_by_keys() {
         panic!("{title}");
     };
     // A quarter of 50 s; there the run still follows.
-    assert!(hover.starts_with("12.5"), "{title}");
     for shown in [hover, keys] {
-        let (_, values) = shown.split_once(": measured ").unwrap();
+        let (time, values) = shown.split_once(": measured ").unwrap();
+        assert!((time.parse::<f64>().unwrap() - 12.5).abs() < 0.1, "{title}");
         let (measured, simulated) = values.split_once(", simulated ").unwrap();
         let [a, b] = [measured, simulated].map(|v| v.parse::<f64>().unwrap());
         assert!((a - b).abs() < 0.02 && a.abs() < 2.2, "{title}");
     }
-    assert!(keys.starts_with("12.5"), "{title}");
     assert_eq!(
         [left, focused, large, wider, ended, again],
         ["true", "true", "true", "true", "false", "true"],

@@ -151,12 +151,12 @@ impl Checker<'_> {
         if let Some(number) = sum_of_numbers(&sets) {
             return self.checked_term(number.span, number.expr);
         }
-        if let Some(span) = number_minus_term(&sets) {
-            return self.fail(complain::arithmetic_outside_list(span, self.text(span)));
-        }
         let differences = sets.iter().filter(|(s, _)| *s == Sign::Minus).count();
         if let (true, Some((_, last))) = (differences > MAX_CHAIN, sets.last()) {
             return self.fail(complain::chain_too_long(last.span, MAX_CHAIN));
+        }
+        if let Some(span) = number_minus_term(&sets) {
+            return self.fail(complain::arithmetic_outside_list(span, self.text(span)));
         }
         let mut pending: Vec<LibExpr> = Vec::with_capacity(sets.len());
         for (sign, set) in sets {

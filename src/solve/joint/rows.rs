@@ -11,16 +11,27 @@ const STRICT: f64 = 1e-5;
 
 /// A smallest set of rows that no coefficients obey together: without any one of them there are some. `None` if all can be obeyed.
 pub fn conflict(rows: &[Row]) -> Option<Vec<usize>> {
-    let mut kept: Vec<usize> = (0..rows.len()).collect();
-    if obeyable(rows, &kept) {
+    let mut kept: Vec<usize> = Vec::new();
+    let mut from = 0;
+    let obeyed = |kept: &[usize], from: usize| {
+        let chosen: Vec<usize> = kept.iter().copied().chain(from..rows.len()).collect();
+        obeyable(rows, &chosen)
+    };
+    if obeyed(&kept, from) {
         return None;
     }
-    // Deletion filter (Chinneck & Dravnieks 1991): what contradicts without a row does not need it.
-    for row in 0..rows.len() {
-        let without: Vec<usize> = kept.iter().copied().filter(|k| *k != row).collect();
-        if !obeyable(rows, &without) {
-            kept = without;
+    // The last row from which on the others contradict is one of them (the deletion filter of Chinneck & Dravnieks 1991, halving).
+    while from < rows.len() && (kept.is_empty() || obeyed(&kept, rows.len())) {
+        let mut beyond = rows.len();
+        while beyond - from > 1 {
+            let middle = from.midpoint(beyond);
+            match obeyed(&kept, middle) {
+                true => beyond = middle,
+                false => from = middle,
+            }
         }
+        kept.push(from);
+        from += 1;
     }
     Some(kept)
 }

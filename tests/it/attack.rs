@@ -1,0 +1,134 @@
+//! The fuzzer's targets on a stable toolchain: the corpus, everything that once failed, and some thousand inputs made from it.
+//!
+//! What a target promises is said in `fuzz/src`; how to fuzz for longer in docs/robustness.md.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use sidc::discover::SplitMix;
+
+#[path = "../../fuzz/src/lib.rs"]
+mod fuzz;
+
+/// Inputs made of each corpus, as far as there is time.
+const MADE: usize = 3_000;
+const TIME: Duration = Duration::from_secs(3);
+/// Longest input made.
+const LONGEST: usize = 2_000;
+
+/// The inputs of a folder beside the fuzzer, by name.
+fn inputs(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fuzz")
+        .join(folder);
+    let entries = std::fs::read_dir(root.join(target)).into_iter().flatten();
+    let mut all: Vec<(String, Vec<u8>)> = entries
+        .map(|e| e.unwrap().path())
+        .map(|p| (p.display().to_string(), std::fs::read(&p).unwrap()))
+        .collect();
+    all.sort();
+    all
+}
+
+/// Runs an input; what breaks is shown whole, so that it can become a regression.
+fn attack(target: &str, name: &str, data: &[u8]) {
+    let run = std::panic::catch_unwind(|| fuzz::attack(target, data));
+    assert!(
+        run.is_ok(),
+        "{target} fails on {name}: {:?}",
+        String::from_utf8_lossy(data)
+    );
+}
+
+/// One input cut, spliced with another, repeated in part, or with bytes changed.
+fn mutated(corpus: &[(String, Vec<u8>)], random: &mut SplitMix) -> Vec<u8> {
+    let any = |random: &mut SplitMix| match corpus.get(random.below(corpus.len())) {
+        Some((_, data)) => data.clone(),
+        None => Vec::new(),
+    };
+    let mut data = any(random);
+    for _ in 0..=random.below(4) {
+        let at = random.below(data.len() + 1);
+        let end = (at + random.below(20)).min(data.len());
+        match random.below(6) {
+            0 => data.truncate(at),
+            1 => data.insert(at, random.bits() as u8),
+            2 => drop(data.splice(at..end, any(random).into_iter().skip(at))),
+            3 => {
+                let piece = data[at..end].to_vec();
+                drop(data.splice(at..at, piece));
+            }
+            4 => drop(data.drain(at..end)),
+            _ => data[at..end]
+                .iter_mut()
+                .for_each(|b| *b = random.bits() as u8),
+        }
+    }
+    data.truncate(LONGEST);
+    data
+}
+
+fn hold(target: &str) {
+    let corpus = inputs("corpus", target);
+    assert!(!corpus.is_empty(), "no corpus for {target}");
+    for (name, data) in corpus.iter().chain(&inputs("regressions", target)) {
+        attack(target, name, data);
+    }
+    let (start, mut random) = (Instant::now(), SplitMix::new(9));
+    for i in 0..MADE {
+        if start.elapsed() > TIME {
+            break;
+        }
+        attack(
+            target,
+            &format!("input {i}"),
+            &mutated(&corpus, &mut random),
+        );
+    }
+}
+
+#[test]
+fn models_nobody_meant() {
+    hold("language");
+}
+
+#[test]
+fn tables_nobody_meant() {
+    hold("csv");
+}
+
+#[test]
+fn results_nobody_wrote() {
+    hold("result");
+}
+
+#[test]
+fn systems_nobody_measured() {
+    hold("simulate");
+}
+
+#[test]
+fn sets_against_the_same_sets_written_out() {
+    hold("algebra");
+}
+
+#[test]
+fn factors_against_whole_columns() {
+    hold("dictionary");
+}
+
+/// Each target has a shim, and the fuzzer knows no others.
+#[test]
+fn every_target_can_be_fuzzed() {
+    let manifest =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/Cargo.toml"))
+            .unwrap();
+    let bins = manifest
+        .lines()
+        .filter(|l| l.starts_with("path = \"fuzz_targets/"));
+    let names: Vec<String> = fuzz::TARGETS
+        .iter()
+        .map(|(n, _)| format!("path = \"fuzz_targets/{n}.rs\""))
+        .collect();
+    assert_eq!(bins.collect::<Vec<_>>(), names);
+}
