@@ -48,7 +48,8 @@ fn confirmed(v: &Verification) -> Option<String> {
     }
     if let Some(digits) = v.digits {
         parts.push(format!(
-            "coefficients those of least squares to {digits:.0} digits"
+            "coefficients within {} of those of least squares",
+            significant(10f64.powf(-digits), 1)
         ));
     }
     (!parts.is_empty()).then(|| parts.join("; "))
