@@ -20,7 +20,7 @@ use crate::term::SignalNames;
 use crate::validate::Validation;
 
 /// Products that a verification makes in a second, of numbers of 106 bits, and how many are announced.
-const PRODUCTS: f64 = 2e8;
+const PRODUCTS: f64 = 1e8;
 const LONG: u128 = 1_000_000_000;
 
 /// Find the equations of a model in data

@@ -43,8 +43,9 @@ pub struct Verification {
     /// Rows, and columns of candidate terms, that were evaluated once more.
     pub rows: usize,
     pub columns: usize,
-    /// Root mean square of what the equation leaves, relative to the target.
-    pub residual: f64,
+    /// Root mean square of what the equation leaves, relative to the target; absent where it was not found from rows that are kept.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub residual: Option<f64>,
     /// Root mean square of what the equation leaves along the trajectory that it was estimated with, relative; absent where it was
     /// found from rows.
     #[serde(skip_serializing_if = "Option::is_none", default)]

@@ -38,15 +38,18 @@ fn confirmed(v: &Verification) -> Option<String> {
     }
     if let Some(along) = v.along {
         parts.push(format!(
-            "the equation holds to {} along its trajectory of {} samples, which leaves of the readings what is said",
+            "the equation holds to {} along its trajectory of {} samples, which leaves as much of the readings as is stated",
             significant(along, 1),
             v.rows
         ));
     }
+    if let Some(residual) = v.residual {
+        parts.push(format!("residual {}", significant(residual, 2)));
+    }
     if let Some(digits) = v.digits {
         parts.push(format!(
-            "residual {}, coefficients those of least squares to {digits:.0} digits",
-            significant(v.residual, 2)
+            "coefficients within {} of those of least squares",
+            significant(10f64.powf(-digits), 1)
         ));
     }
     (!parts.is_empty()).then(|| parts.join("; "))

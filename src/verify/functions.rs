@@ -38,7 +38,7 @@ pub fn exp(x: Double) -> Double {
     if x.hi < -760.0 {
         return Double::ZERO;
     }
-    if !(x.hi < 710.0) {
+    if x.hi >= 710.0 || x.hi.is_nan() {
         return Double::from(x.hi.exp());
     }
     let k = (x.hi / LN_2[0]).round();

@@ -96,7 +96,6 @@ pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
     let evidence = case.equation.evidence.as_ref()?;
     let mut out = Verification {
         rows: evidence.rows,
-        residual: evidence.residual,
         ..Verification::default()
     };
     let Some(witness) = evidence.witness.as_deref() else {
@@ -133,6 +132,11 @@ pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
     check.proof(&sums, &mut out, monitor)?;
     out.holds = out.fails.is_empty();
     Some(out)
+}
+
+/// False also for what is not a number: such a figure shows nothing.
+fn within(figure: f64, limit: f64) -> bool {
+    figure <= limit
 }
 
 /// One equation with what it is checked against.
@@ -184,17 +188,15 @@ impl<'a> Check<'a> {
             .map(|((_, a), n)| a.abs() * n.size())
             .collect();
         let largest = shares.iter().copied().fold(size, f64::max);
-        out.residual = sums.left.value.hi / size;
         if !sums.left.error.is_finite() {
             out.fails.push(words::no_value(self.case.names, &found));
-            out.residual = self.evidence.residual;
             return Some(sums);
         }
-        let off = (out.residual - self.evidence.residual).abs();
-        let rounding = sums.left.error / size;
-        if off > STATED.0 * out.residual + STATED.1 * largest / size + rounding {
-            let text = words::residual(out.residual, self.evidence.residual);
-            out.fails.push(text);
+        let (left, stated) = (sums.left.value.hi / size, self.evidence.residual);
+        out.residual = Some(left);
+        let rounding = STATED.1 * largest / size + sums.left.error / size;
+        if !within((left - stated).abs(), STATED.0 * left + rounding) {
+            out.fails.push(words::residual(left, stated));
         }
         if self.evidence.certificate.constrained {
             out.open.push(words::constrained());

@@ -6,7 +6,7 @@
 use super::double::Double;
 use super::rows::Rows;
 use super::value::{self, Bounded};
-use super::words;
+use super::{within, words};
 use crate::data::{Dataset, Samples};
 use crate::discover::{ChannelFit, Discovery, Equation, Evidence, Together, Verification};
 use crate::term::{Signal, SignalNames};
@@ -36,7 +36,7 @@ impl Path<'_> {
         }
         let off = self.off(go_on)?;
         out.along = Some(off);
-        if !(off <= HOLDS) {
+        if !within(off, HOLDS) {
             let target = self.names.name(self.equation.target);
             out.fails.push(words::along(&target, off));
         }
@@ -86,7 +86,7 @@ impl Path<'_> {
             return;
         };
         let left = self.left(signal);
-        if !((left - channel.left).abs() <= STATED * left) {
+        if !within((left - channel.left).abs(), STATED * left) {
             out.fails
                 .push(words::channel(&channel.signal, left, channel.left));
         }

@@ -7,7 +7,7 @@ use super::columns::{self, Priced};
 use super::double::Double;
 use super::rows::{Asked, Sums};
 use super::value::Bounded;
-use super::{Check, Monitor, words};
+use super::{Check, Monitor, within, words};
 use crate::discover::{Verification, VerifiedProof};
 use crate::term::Term;
 
@@ -144,15 +144,18 @@ impl Check<'_> {
         if let Some(slot) = priced.unknown {
             out.fails.push(words::unknown(&at(slot)));
         }
-        if (found.max_correlation - claimed.max_correlation).abs() > STATED {
+        if !within(
+            (found.max_correlation - claimed.max_correlation).abs(),
+            STATED,
+        ) {
             let term = at(priced.largest_slot);
             out.fails.push(words::correlation(found, claimed, &term));
         }
         let allowed = self.allowed();
-        if !(found.residual <= allowed) {
+        if !within(found.residual, allowed) {
             out.fails.push(words::outside(found.residual, allowed));
         }
-        if !(found.gap.abs() <= OPTIMAL) {
+        if !within(found.gap.abs(), OPTIMAL) {
             out.fails.push(words::gap(found.gap, OPTIMAL));
         }
         if claimed.unique && claimed.of_answer && !found.unique && found.optimal {

@@ -14,16 +14,15 @@ fn short(x: f64) -> String {
 
 pub fn no_rows(e: &Evidence) -> String {
     match e.method.is_empty() {
-        true => "there is nothing to check it with".into(),
+        true => "anything, since the rows it was found from were not kept".into(),
         false => {
-            "its rows are integrals of the weak form, which are not computed a second time".into()
+            "anything, since its rows are integrals of the weak form, which are not computed a second time".into()
         }
     }
 }
 
 pub fn likelihood() -> String {
-    "that no other trajectory and terms are more likely: that has no proof, and no second computation"
-        .into()
+    "that no other trajectory and terms are more likely, of which there is no proof".into()
 }
 
 pub fn along(target: &str, off: f64) -> String {
@@ -92,16 +91,16 @@ pub fn coefficient(term: &str, is: f64, should: f64) -> String {
 }
 
 pub fn constrained() -> String {
-    "its proof is that of all tied equations under their constraints, which is not made a second time".into()
+    "its proof, which is that of all tied equations under their constraints together".into()
 }
 
 pub fn nothing_proved() -> String {
-    "there is no proof to check".into()
+    "a proof, since there is none".into()
 }
 
 pub fn chosen(searched: usize) -> String {
     format!(
-        "that no other of the {searched} terms searched make a better equation by the criterion: that has no proof"
+        "that no other choice among the {searched} terms searched is better by the criterion, of which there is no proof"
     )
 }
 

@@ -111,7 +111,7 @@ fn what_is_proved_is_accepted_with_its_margin() {
     assert!(proof.optimal && proof.unique, "{proof:?}");
     assert!(proof.gap.abs() < 1e-12, "{proof:?}");
     assert!((proof.margin - certificate.margin).abs() < 1e-9);
-    assert!(proof.rounding < 1e-22, "{proof:?}");
+    assert!(proof.rounding < 1e-20, "{proof:?}");
 }
 
 #[test]
@@ -445,13 +445,13 @@ fn what_cannot_be_verified_is_said() {
             "lorenz",
             "lorenz",
             "--solver=omp",
-            "there is no proof to check",
+            "a proof, since there is none",
         ),
         (
             "lorenz",
             "lorenz",
             "--samples=100",
-            "by the criterion: that has no proof",
+            "is better by the criterion",
         ),
     ];
     for (model, data, option, words) in cases {
