@@ -156,6 +156,7 @@ fn stage(stage: Stage) -> String {
         Stage::Evaluating => "evaluating the library".into(),
         Stage::Refitting(n) => format!("trajectory and terms together, {n} sets of terms"),
         Stage::Choosing => "choosing the terms".into(),
+        Stage::Weighing => "weighing the evidence".into(),
         Stage::Solving(p) => format!("solving{}", figures(p)),
     }
 }
