@@ -211,12 +211,13 @@ pub fn identify(
     watch: Watch,
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
-        let found = discover::discover_jointly(&program.model, problem, options, watch);
+        let found = discover::discover_jointly(&program.model, problem, options, &mut *watch);
         let (mut discovery, fitted) = found.unwrap_or_else(|| {
             let nothing = discover::nothing_fits(&program.model, problem);
             (nothing, Fitted::default())
         });
-        evidence::weigh_fitted(program, measured, &fitted, options, &mut discovery);
+        let found = (&mut discovery, watch);
+        evidence::weigh_fitted(program, measured, &fitted, options, found);
         return Ok(discovery);
     }
     let found = discover::discover(
@@ -224,7 +225,7 @@ pub fn identify(
         &program.libraries,
         (&measured.dataset, &measured.samples),
         options,
-        watch,
+        &mut *watch,
     );
     let mut discovery = found.map_err(|bad| {
         bad.into_iter()
@@ -240,7 +241,7 @@ pub fn identify(
         samples: &measured.samples,
         read: None,
     };
-    evidence::weigh(program, rows, None, options, &mut discovery);
+    evidence::weigh(program, rows, None, options, (&mut discovery, watch));
     Ok(discovery)
 }
 

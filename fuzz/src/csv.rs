@@ -25,6 +25,7 @@ const FEW: usize = 200;
 const LIMITS: Limits = Limits {
     columns: 500,
     file_bytes: 1 << 20,
+    line_bytes: 1 << 16,
     table_bytes: 1 << 24,
 };
 

@@ -89,7 +89,7 @@ pub fn simulate(data: &[u8]) {
         dataset: &dataset,
     };
     let mut asked = 0;
-    let run = simulate::simulate(&source, 0, &options, &mut || {
+    let run = simulate::simulate(&source, 0, &options, &mut |_| {
         asked += 1;
         assert!(
             asked < PATIENCE.0 + PATIENCE.1,

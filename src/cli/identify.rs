@@ -158,7 +158,7 @@ fn programs(
     let mut failed = Failure::default();
     let mut programs = Vec::new();
     for path in models {
-        let done = inputs::text_and_entry(path).and_then(|(text, entry)| {
+        let done = inputs::model_text(path).and_then(|(text, entry)| {
             let file = sources.add(path.display().to_string(), text.as_str());
             let origin = Origin {
                 text,

@@ -14,8 +14,10 @@ use crate::lang::diagnostic::{Diagnostic, Severity};
 use crate::lang::source::{FileId, Sources};
 use crate::result::FileEntry;
 
-/// Largest model or result, bytes: far beyond any written by hand.
-const LARGEST_TEXT: u64 = 64 << 20;
+/// Largest model, bytes: far beyond any written by hand, and little enough that whatever it says is understood in seconds.
+const LARGEST_MODEL: u64 = 1 << 20;
+/// Largest result, bytes.
+const LARGEST_RESULT: u64 = 64 << 20;
 
 /// The command line's files, told apart.
 pub struct Inputs {
@@ -55,38 +57,59 @@ impl Inputs {
     }
 }
 
-/// Reads a whole text file of limited size.
+/// Reads a whole result document.
 ///
 /// # Errors
 /// Not there, not a file, too large, not UTF-8.
-pub fn text(path: &Path) -> Result<String, Failure> {
-    text_and_entry(path).map(|(text, _)| text)
+pub fn result(path: &Path) -> Result<String, Failure> {
+    text(path, LARGEST_RESULT, "a result").map(|(text, _)| text)
 }
 
-/// The same, and what the file is known by.
-pub fn text_and_entry(path: &Path) -> Result<(String, FileEntry), Failure> {
-    let fail =
-        |why: String| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
+/// Reads a whole model, and what it is known by.
+///
+/// # Errors
+/// As for a result.
+pub fn model_text(path: &Path) -> Result<(String, FileEntry), Failure> {
+    text(path, LARGEST_MODEL, "a model")
+}
+
+fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), Failure> {
+    let fail = |why: &str| unreadable(path, why);
     let file = open(path)?;
+    let length = file.metadata().map_or(0, |m| m.len());
     let mut bytes = Vec::new();
-    file.take(LARGEST_TEXT + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|e| fail(e.to_string()))?;
-    if bytes.len() as u64 > LARGEST_TEXT {
-        return Err(fail(format!("larger than {} MB", LARGEST_TEXT >> 20)));
+    if length <= limit {
+        file.take(limit + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|e| fail(&plain(&e)))?;
+    }
+    if length.max(bytes.len() as u64) > limit {
+        let limit = limit >> 20;
+        return Err(fail(&format!(
+            "larger than {limit} MiB, the limit of {what}"
+        )));
     }
     let entry = entry(path, Sha256::new_with_prefix(&bytes));
+    Ok((utf8(bytes).map_err(|why| fail(&why))?, entry))
+}
+
+/// Bytes as text without byte order marks, or why they are none.
+fn utf8(bytes: Vec<u8>) -> Result<String, String> {
+    if let Some(at) = bytes.iter().position(|b| *b == 0) {
+        return Err(format!(
+            "byte {at} is NUL, so this is UTF-16 or no text at all; save the file as UTF-8"
+        ));
+    }
     let text = String::from_utf8(bytes).map_err(|e| {
-        fail(format!(
-            "not UTF-8 at byte {}; save the file as UTF-8",
-            e.utf8_error().valid_up_to()
-        ))
+        let at = e.utf8_error().valid_up_to();
+        format!("not UTF-8 at byte {at}; save the file as UTF-8")
     })?;
-    let text = match text.strip_prefix('\u{feff}') {
-        Some(rest) => rest.to_string(),
-        None => text,
-    };
-    Ok((text, entry))
+    let text = text.trim_start_matches('\u{feff}');
+    // Files of old Macs end lines with a lone carriage return.
+    match text.contains('\n') {
+        true => Ok(text.to_string()),
+        false => Ok(text.replace('\r', "\n")),
+    }
 }
 
 fn entry(path: &Path, hash: Sha256) -> FileEntry {
@@ -108,13 +131,13 @@ struct Hashed<'a> {
 }
 
 impl<'a> Hashed<'a> {
-    fn new(file: File, name: &'a str, line: &'a Line) -> Self {
-        let all = file.metadata().map_or(0, |m| m.len());
+    /// `length`: the bytes that it has.
+    fn new(file: File, name: &'a str, (length, line): (u64, &'a Line)) -> Self {
         Hashed {
             file,
             hash: Sha256::new(),
             name,
-            read: (0, all.max(1)),
+            read: (0, length.max(1)),
             line,
         }
     }
@@ -133,7 +156,8 @@ impl Read for Hashed<'_> {
 
 /// Adds a model's text to the sources.
 pub fn model(path: &Path, sources: &mut Sources) -> Result<FileId, Failure> {
-    Ok(sources.add(path.display().to_string(), text(path)?))
+    let (text, _) = model_text(path)?;
+    Ok(sources.add(path.display().to_string(), text))
 }
 
 /// Reads every data file, each into `memory` bytes at most; all their faults at once.
@@ -162,7 +186,14 @@ pub fn tables_and_entries(
     let mut faults = Vec::new();
     for path in paths {
         let name = short_name(path);
-        let mut file = Hashed::new(open(path)?, &name, line);
+        let file = open(path)?;
+        let length = file.metadata().map_or(0, |m| m.len());
+        // What a file's length says is not found out by reading it.
+        if let Some(fault) = data::too_large(&name, length, &limits) {
+            faults.push(fault);
+            continue;
+        }
+        let mut file = Hashed::new(file, &name, (length, line));
         let read = data::read(&name, &mut file, &limits, sources);
         entries.push(entry(path, file.hash));
         match read {
@@ -228,9 +259,13 @@ pub fn report<T>(
     }
 }
 
+fn unreadable(path: &Path, why: &str) -> Failure {
+    Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()))
+}
+
 fn open(path: &Path) -> Result<File, Failure> {
-    let fail =
-        |why: &str| Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()));
+    let fail = |why: &str| unreadable(path, why);
+    // Asked before, because to open a pipe is to wait for who writes it.
     let kind = std::fs::metadata(path).map_err(|e| fail(&plain(&e)))?;
     if kind.is_dir() {
         return Err(fail("this is a folder, not a file"));

@@ -1,8 +1,8 @@
 //! How long a run may take and how much memory: the options' values, the clock, and Ctrl-C.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::{progress, status};
@@ -58,8 +58,7 @@ impl Limits {
         let interrupted = self.interrupted.clone();
         let heard = move || {
             if interrupted.swap(true, Ordering::Relaxed) {
-                progress::instead("");
-                std::process::exit(status::KILLED.into());
+                end();
             }
             progress::instead(
                 "interrupted: ending with what there is; Ctrl-C again ends at once\n",
@@ -93,6 +92,23 @@ impl Limits {
             ControlFlow::Continue(()) => ControlFlow::Continue(()),
         }
     }
+}
+
+/// Held while a file is written.
+static WRITING: Mutex<()> = Mutex::new(());
+
+/// Until the guard is dropped no Ctrl-C ends the process, whether the work listens or not.
+pub fn unbroken() -> MutexGuard<'static, ()> {
+    // Where the work listens already it goes on listening.
+    let _ = ctrlc::try_set_handler(end);
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the process, once no file is half-written.
+fn end() {
+    let _whole = WRITING.lock();
+    progress::instead("");
+    std::process::exit(status::KILLED.into());
 }
 
 /// `30`, `30s`, `5m`, `1h`, `500ms`

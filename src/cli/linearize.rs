@@ -29,7 +29,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
-    let text = inputs::text(&args.result)?;
+    let text = inputs::result(&args.result)?;
     let name = inputs::short_name(&args.result);
     let d = result::read(&name, &text)
         .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;

@@ -72,7 +72,10 @@ impl Narrator {
     /// Work on an equation goes on; a line is written when its stage ends.
     pub fn at(&self, step: &Step, target: &str) {
         let Some(told) = &self.told else { return };
+        let mut told = told.borrow_mut();
         let stage = match step.stage {
+            // One line for all equations, once it is done.
+            Stage::Weighing => return told.close(),
             Stage::Evaluating => "library evaluated",
             Stage::Solving(_) => "solved",
             Stage::Refitting(_) => "trajectory and terms fitted together",
@@ -80,7 +83,6 @@ impl Narrator {
             Stage::Verifying(..) => "verified",
         };
         let name = format!("{target}: {stage}");
-        let mut told = told.borrow_mut();
         if told.under_way.as_deref() != Some(&name) {
             told.close();
             told.under_way = Some(name);

@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use super::limits::{self, Limits};
 use super::progress::Line;
 use super::{Failure, inputs, output, status};
+use crate::data::{self, Table};
 use crate::draft::draft;
 use crate::lang;
+use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Sources;
 
 /// Write a first model of a table, with comments: states, orders, angles, inputs
@@ -30,10 +32,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let tables = inputs::tables(data, args.memory_limit, &mut sources, &line)?;
     drop(line);
     let name = inputs::short_name(&args.data);
-    let text = tables
-        .first()
-        .and_then(draft)
-        .ok_or_else(|| nothing(&name))?;
+    let text = tables.first().and_then(draft);
+    let text = text.ok_or_else(|| nothing(&name, &tables, &mut sources))?;
     let mut sources = Sources::default();
     let file = sources.add(name, text.as_str());
     let text = lang::format(file, &text)
@@ -45,7 +45,16 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     Ok(status::PASS)
 }
 
-fn nothing(name: &str) -> Failure {
+/// Why there is no model: cells that are no numbers, or numbers that do not move.
+fn nothing(name: &str, tables: &[Table], sources: &mut Sources) -> Failure {
+    let faults = |t: &Table| {
+        let columns: Vec<usize> = (0..t.headers().len()).collect();
+        data::bad_cells(t, &columns, sources)
+    };
+    let faults: Vec<Diagnostic> = tables.iter().flat_map(faults).collect();
+    if !faults.is_empty() {
+        return Failure::new(inputs::render(&faults, sources));
+    }
     Failure::new(format!(
         "error[no-state]: {name}: no column of numbers moves, so there is nothing to find a law of\n  = help: a table has a line of headers and, below it, a column for each signal"
     ))

@@ -159,6 +159,7 @@ fn stage(stage: Stage) -> String {
         Stage::Refitting(n) => format!("trajectory and terms together, {n} sets of terms"),
         Stage::Choosing => "choosing the terms".into(),
         Stage::Verifying(done, all) => format!("verifying {}", share(done, all)),
+        Stage::Weighing => "weighing the evidence".into(),
         Stage::Solving(p) => format!("solving{}", figures(p)),
     }
 }

@@ -137,7 +137,7 @@ pub(super) fn bound(
     (limits, narrator): (&Limits, &Narrator),
 ) -> Result<Bound, Failure> {
     let name = inputs::short_name(result);
-    let opened = result::open(&name, &inputs::text(result)?)
+    let opened = result::open(&name, &inputs::result(result)?)
         .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
     let given = given(&opened.discovery, start)?;
     let model = simulate::reads(&opened.discovery, &opened.model, &given);

@@ -8,6 +8,7 @@ use crate::lang::source::Sources;
 use crate::term::{Signal, SignalNames};
 
 use super::csv::Table;
+use super::figure::shown;
 use super::instants;
 use super::piece::Piece;
 
@@ -68,16 +69,20 @@ pub(super) fn falling_time(
     };
     if now == before {
         return Some(
-            Diagnostic::error("time-not-rising", format!("{place}: time {now} stands twice{more}"))
-                .at(span, format!("same as the row before: {before}"))
+            Diagnostic::error("time-not-rising", format!("{place}: time {} stands twice{more}", shown(now)))
+                .at(span, format!("same as the row before: {}", shown(before)))
                 .help("delete one of the rows; if the clock's digits are too few, leave the column out and give `step`"),
         );
     }
     let d = Diagnostic::error(
         "time-not-rising",
-        format!("{place}: time falls from {before} to {now}{more}"),
+        format!(
+            "{place}: time falls from {} to {}{more}",
+            shown(before),
+            shown(now)
+        ),
     )
-    .at(span, format!("after {before}"));
+    .at(span, format!("after {}", shown(before)));
     // Back to the start, or to the same instant every time: several records in one file.
     if now > start + 0.1 * (before - start) {
         return Some(d.help("sort the rows by time, or delete the rows out of order"));
@@ -278,7 +283,7 @@ fn constant(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagn
     if count > 1 {
         let name = model.name(signal);
         out.push(
-            Diagnostic::warning("constant-column", format!("{name} is {first} in all {count} rows"))
+            Diagnostic::warning("constant-column", format!("{name} is {} in all {count} rows", shown(*first)))
                 .fact(format!(
                     "terms with {name} are multiples of the same terms without it: their coefficients cannot be told apart"
                 ))

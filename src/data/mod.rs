@@ -10,6 +10,7 @@ mod columns;
 mod csv;
 mod dataset;
 mod derivatives;
+mod figure;
 mod holdout;
 mod inputs;
 mod instants;
@@ -22,7 +23,7 @@ mod window;
 
 pub use bind::bind;
 pub use breaks::breaks;
-pub use csv::{Limits, Table, read};
+pub use csv::{Limits, Table, bad_cells, read, too_large};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use holdout::{HoldOut, Stretch, hold_out};
 pub use instants::{gaps, pieces, settled};

@@ -10,7 +10,7 @@ use super::equation::{named, simpler};
 use super::joint_doubts::{self, Case};
 use super::joint_search::{self, Settled};
 use super::pools::{Pools, pools};
-use super::watch::Watcher;
+use super::watch::{Stage, Watcher};
 use super::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, InputDelay, Method, Options,
     Reason, Status, Stretches, Together, Witness, fixed, fixed_terms,
@@ -71,7 +71,8 @@ pub fn joint(
         return Err("the data are clean".into());
     }
     let with = |system: System| bare.with(system, dataset, &noise, options.robust);
-    let pools = pools(model, libraries, &|s| with(s).map_err(missing), go_on)?;
+    let size = (bare.states(), bare.samples());
+    let pools = pools(model, libraries, size, &|s| with(s).map_err(missing), go_on)?;
     let problem = with(make(&pools)?).map_err(missing)?;
     if let Some(term) = problem.undefined() {
         return Err(format!(
@@ -156,16 +157,24 @@ pub fn discover_jointly(
     }
     super::relation::judge(&mut discovery, &samples, None);
     super::dependent::judge(&mut discovery, &measured_states(problem));
-    let stretches = match stopped {
-        Some(_) => None,
-        None => stretched(problem, &found),
+    let mut go_on = || watcher.at(Stage::Weighing).is_none();
+    let stretches = match go_on() {
+        true => stretched(problem, &found, &mut go_on),
+        false => None,
     };
+    if let Some(stop) = watcher.stop() {
+        super::watch::unweighed(&mut discovery, 0, stop);
+    }
     Some((discovery, Fitted { samples, stretches }))
 }
 
 /// The likelihood about the answer, stretch by stretch.
-fn stretched(problem: &Problem, found: &Found) -> Option<Stretches> {
-    let pieces = trajectory::pieces(problem, found)?;
+fn stretched(
+    problem: &Problem,
+    found: &Found,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<Stretches> {
+    let pieces = trajectory::pieces(problem, found, go_on)?;
     let system = &problem.system;
     let column = |j: &usize| {
         let law = &system.laws[system.law_of(*j)];

@@ -80,6 +80,10 @@ impl Guide for Look<'_, '_, '_> {
         self.search.go_on(self.laws)
     }
 
+    fn in_time(&mut self) -> bool {
+        self.search.in_time()
+    }
+
     fn first(&mut self, problem: &Problem, fit: &Fit) -> bool {
         if unexplained(problem, fit) {
             let late = self.search.delay(problem, fit, self.inputs);
@@ -87,6 +91,22 @@ impl Guide for Look<'_, '_, '_> {
             self.late = late.filter(|l| l.gain > enough);
         }
         self.late.is_none()
+    }
+}
+
+/// A search to its end.
+struct Plain<'s, 'a, 'w> {
+    search: &'s mut Search<'a, 'w>,
+    laws: &'s [Law],
+}
+
+impl Guide for Plain<'_, '_, '_> {
+    fn go_on(&mut self) -> bool {
+        self.search.go_on(self.laws)
+    }
+
+    fn in_time(&mut self) -> bool {
+        self.search.in_time()
     }
 }
 
@@ -98,8 +118,16 @@ impl Search<'_, '_> {
         self.watcher.at(Stage::Refitting(self.at)).is_none()
     }
 
+    fn in_time(&mut self) -> bool {
+        self.watcher.at(Stage::Refitting(self.at)).is_none()
+    }
+
     fn run(&mut self, problem: &Problem) -> Option<Found> {
-        trajectory::search(problem, &mut || self.go_on(&problem.system.laws))
+        let mut plain = Plain {
+            search: self,
+            laws: &problem.system.laws,
+        };
+        trajectory::search(problem, &mut plain)
     }
 
     /// The first answer. Under an input that acts at another time a search piles up terms that make up for it: if already the
@@ -139,7 +167,7 @@ impl Search<'_, '_> {
         let Some(found) = self.run(problem) else {
             return Some(settled);
         };
-        let without = trajectory::undelayed(problem, &found.best, late);
+        let without = trajectory::undelayed(problem, &found.best, late, &mut || self.in_time());
         if without - settled.found.best.value >= settled.found.penalty {
             return Some(settled);
         }
@@ -151,8 +179,8 @@ impl Search<'_, '_> {
         if inputs.is_empty() {
             return None;
         }
-        let proposals = trajectory::proposals(problem, fit.support(), inputs);
-        let mut go_on = || self.watcher.at(Stage::Refitting(self.at)).is_none();
+        let mut go_on = || self.in_time();
+        let proposals = trajectory::proposals(problem, fit.support(), inputs, &mut go_on);
         trajectory::delay(problem, fit, &proposals, &mut go_on)
     }
 
@@ -179,8 +207,7 @@ impl Search<'_, '_> {
         if best.support().len() > MOST || unexplained(&settled.problem, best) {
             return None;
         }
-        let mut go_on = || self.watcher.at(Stage::Refitting(self.at)).is_none();
-        trajectory::offset(&settled.problem, best, &mut go_on)
+        trajectory::offset(&settled.problem, best, &mut || self.in_time())
     }
 
     /// Moves inputs in time where that explains what is left, and searches again.
@@ -195,7 +222,7 @@ impl Search<'_, '_> {
             let Some(more) = self.delay(problem, best, inputs) else {
                 return;
             };
-            let before = trajectory::undelayed(problem, best, &more);
+            let before = trajectory::undelayed(problem, best, &more, &mut || self.in_time());
             let more = Late { gain: 0.0, ..more };
             let Some(mut late) = together(moved.as_ref(), more) else {
                 return;

@@ -54,7 +54,7 @@ pub use joint::{Fitted, discover_jointly, joint, nothing_fits};
 pub use rows::{Split, SplitMix, split};
 pub use ties::check_constraints;
 pub use trust::{Halves, MARKS, Mark, Marks, Nearest, Stretches, Trust, Without};
-pub use watch::{Stage, Step, Stop, Watch};
+pub use watch::{Stage, Step, Stop, Watch, unweighed};
 pub use weights::Weights;
 pub use witness::{Verification, VerifiedProof, Witness};
 

@@ -21,6 +21,8 @@ const PROPOSED: usize = 30;
 const MOST: usize = 120;
 /// Noise of the laws in units of the sensors', for a cautious beginning.
 const SLACK: f64 = 0.1;
+/// Products of numbers that all sketches may take: about a minute.
+const WORK: f64 = 1e11;
 /// Most entries of a sketch, and its fewest and most rows.
 const ENTRIES: usize = 16_000_000;
 const ROWS: (usize, usize) = (300, 2000);
@@ -28,11 +30,14 @@ const ROWS: (usize, usize) = (300, 2000);
 /// Slots by equation; `None` means all of them.
 pub(super) type Pools = Vec<Option<Vec<usize>>>;
 
+/// `size`: how many states and samples there are.
+///
 /// # Errors
-/// A library too large for a sketch, in words that follow "because".
+/// A library too large for a sketch, or too many of them for so many states, in words that follow "because".
 pub(super) fn pools(
     model: &Model,
     libraries: &[Option<Library>],
+    size: (usize, usize),
     with: &dyn Fn(System) -> Result<trajectory::Problem, String>,
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Pools, String> {
@@ -46,6 +51,16 @@ pub(super) fn pools(
         return Err(format!("a library of {largest} terms is too large"));
     }
     let large = |l: &&Library| l.len() > SMALL;
+    let (states, samples) = size;
+    let work = libraries.iter().flatten().filter(large).map(|l| {
+        let (n, m, p) = (states as f64, samples as f64, l.len() as f64);
+        m * n * n * (n + p)
+    });
+    if work.sum::<f64>() > WORK {
+        return Err(format!(
+            "{states} states with {all} terms in all are too many for {samples} samples"
+        ));
+    }
     let searched = SEARCHED / libraries.iter().flatten().filter(large).count().max(1);
     for (place, library) in libraries.iter().enumerate() {
         let Some(library) = library.as_ref().filter(large) else {
@@ -83,7 +98,9 @@ fn proposals(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Vec<usize> {
     let rows = (ENTRIES / columns).clamp(ROWS.0, ROWS.1);
-    let sketched = problem.sketch(SLACK, rows);
+    let Some(sketched) = problem.sketch(SLACK, rows, go_on) else {
+        return Vec::new();
+    };
     let phi = Dense::new(rows, sketched.columns);
     let sketch = Problem {
         dictionary: &phi,

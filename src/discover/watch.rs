@@ -5,7 +5,7 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use super::Reason;
+use super::{Discovery, Equation, Reason, Status};
 use crate::solve::{Monitor, Progress};
 
 /// What is done for one equation.
@@ -21,6 +21,8 @@ pub enum Stage {
     Refitting(usize),
     /// It is checked once more: so many columns of so many.
     Verifying(usize, usize),
+    /// What the data say of the answer is weighed.
+    Weighing,
 }
 
 /// A stage of the equation with this place in the model, from 0.
@@ -74,11 +76,51 @@ impl Stop {
         Reason::new(self.code(), text)
     }
 
+    /// The doubt of an equation whose evidence there was no time for.
+    fn unweighed(self) -> Reason {
+        let text = format!(
+            "{} before the evidence was weighed; what the data tell apart is not known",
+            self.cause()
+        );
+        Reason::new(self.code(), text)
+    }
+
     /// The failure of an equation that was not come to.
     pub(super) fn failure(self) -> Reason {
         let text = format!("{} before there was an answer", self.cause());
         Reason::new(self.code(), text)
     }
+}
+
+/// Doubts every equation from `first` on that was found, and whose evidence nobody weighed because of the stop.
+pub fn unweighed(d: &mut Discovery, first: usize, stop: Stop) {
+    for e in d.equations.iter_mut().skip(first) {
+        if e.status != Status::Known && !e.was_stopped() {
+            e.status = Status::Doubt;
+            e.reasons.push(stop.unweighed());
+        }
+    }
+}
+
+impl Equation {
+    /// Whether the work on it was ended early: whoever says stop does not want to wait.
+    pub fn was_stopped(&self) -> bool {
+        self.reasons.iter().any(is_stop)
+    }
+}
+
+impl Discovery {
+    /// Whether the work on any equation was.
+    pub fn was_stopped(&self) -> bool {
+        let failed = self.failed.iter().flat_map(|f| &f.reasons);
+        failed
+            .chain(self.equations.iter().flat_map(|e| &e.reasons))
+            .any(is_stop)
+    }
+}
+
+fn is_stop(reason: &Reason) -> bool {
+    ["interrupted", "time-limit"].contains(&reason.code.as_str())
 }
 
 /// A watch on one discovery, that remembers the answer: whoever said stop is not asked again.

@@ -1,5 +1,7 @@
 //! One column of a table: what its header says, and the shape of what is in it.
 
+use std::collections::BTreeMap;
+
 use crate::data::Table;
 use crate::lang::parse::token::{is_name, normalise};
 
@@ -30,18 +32,32 @@ const SECONDS: [(&str, &str, f64); 8] = [
 /// Words that mean something in a data block, or everywhere.
 const TAKEN: [&str; 5] = ["t", "pi", "run", "step", "none"];
 
+/// Columns that a first model has at most: every pair of them is looked at, and more than these nobody reads.
+const MOST: usize = 100;
+
 /// Columns that are numbers, and why the others are left out.
 pub(super) fn columns(table: &Table) -> (Vec<Column>, Vec<String>) {
     let mut used: Vec<Column> = Vec::new();
     let mut left = Vec::new();
+    let mut counts = BTreeMap::new();
+    for header in table.headers() {
+        *counts.entry(header.as_str()).or_insert(0) += 1;
+    }
     for (i, header) in table.headers().iter().enumerate() {
+        if used.len() == MOST {
+            let more = table.headers().len() - i;
+            left.push(format!(
+                "the last {more} columns: a first model has at most {MOST}"
+            ));
+            break;
+        }
         let values = table.values(i);
         let why = match () {
             () if header.trim().is_empty() => Some("has no header"),
             () if header.chars().any(|c| c == '"' || c.is_control()) => {
                 Some("has a header that no data block can name")
             }
-            () if table.headers().iter().filter(|h| *h == header).count() > 1 => {
+            () if counts.get(header.as_str()).is_some_and(|n| *n > 1) => {
                 Some("stands in the table more than once")
             }
             () if !values.iter().any(|v| v.is_finite()) => Some("holds no numbers"),

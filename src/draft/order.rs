@@ -38,7 +38,7 @@ pub(super) fn order(state: &Column, signals: &[&Column], time: Option<&Column>) 
         }
     }
     let wide = rows.first().map_or(0, Vec::len);
-    if rows.len() < 2 * wide {
+    if wide == 0 || rows.len() < 2 * wide {
         return 1;
     }
     let a = DMatrix::from_fn(rows.len(), wide, |i, j| rows[i][j]);

@@ -5,6 +5,7 @@
 pub mod ast;
 mod check;
 pub mod diagnostic;
+mod excerpt;
 mod format;
 pub mod model;
 pub mod parse;

@@ -10,6 +10,7 @@ use codespan_reporting::term::termcolor::{Ansi, NoColor, WriteColor};
 use codespan_reporting::term::{self, Config};
 
 use super::diagnostic::{Diagnostic, Severity};
+use super::excerpt::shorten;
 use super::source::{FileId, Source, Sources, printable};
 
 /// Widest line of a message; longer facts are wrapped.
@@ -17,6 +18,9 @@ const WIDTH: usize = 110;
 
 /// Most findings of one severity shown; a file with more has one mistake made many times.
 const MOST: usize = 50;
+
+/// Longest text shown whole, characters.
+const LONGEST: usize = 4000;
 
 /// All findings, one after another, each followed by an empty line; of very many the first, and their number.
 pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> String {
@@ -68,25 +72,28 @@ fn write_all<W: WriteColor>(
     sources: &Sources,
     into_bytes: impl Fn(W) -> Vec<u8>,
 ) -> String {
-    let files = Lines::of(sources);
+    let whole = Lines::of(sources);
     let config = Config {
         start_context_lines: 1,
         end_context_lines: 1,
         ..Config::default()
     };
     for d in diagnostics {
+        let short = shorten(d, sources);
+        let (d, files) = match &short {
+            Some(s) => (&s.finding, &Lines::with_columns(&s.sources, &s.columns)),
+            None => (d, &whole),
+        };
         // Writing to memory cannot fail, and a place outside its text still deserves its message.
-        if term::emit_to_write_style(&mut out, &config, &files, &convert(d, sources)).is_err() {
-            let without_places = Diagnostic {
+        let mut write = |d: &Diagnostic| {
+            let converted = convert(d, files.sources);
+            term::emit_to_write_style(&mut out, &config, files, &converted)
+        };
+        if write(d).is_err() {
+            let _ = write(&Diagnostic {
                 labels: Vec::new(),
                 ..d.clone()
-            };
-            let _ = term::emit_to_write_style(
-                &mut out,
-                &config,
-                &files,
-                &convert(&without_places, sources),
-            );
+            });
         }
     }
     let text = String::from_utf8_lossy(&into_bytes(out)).into_owned();
@@ -110,20 +117,35 @@ fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
             l.span.file,
             visible(l.span.start..l.span.end, sources.get(l.span.file)),
         )
-        .with_message(printable(&l.text))
+        .with_message(printable(&brief(&l.text)))
     });
-    let help = d.help.iter().map(|h| wrap("help: ", &printable(h)));
+    let help = d.help.iter().map(|h| wrap("help: ", &printable(&brief(h))));
     report::Diagnostic::new(severity)
         .with_code(d.code)
-        .with_message(printable(&d.message))
+        .with_message(printable(&brief(&d.message)))
         .with_labels(labels.collect())
         .with_notes(
             d.notes
                 .iter()
-                .map(|n| wrap("", &printable(n)))
+                .map(|n| wrap("", &printable(&brief(n))))
                 .chain(help)
                 .collect(),
         )
+}
+
+/// A text without its middle if it is longer than anybody reads: names from files have any length.
+fn brief(text: &str) -> String {
+    let length = text.chars().count();
+    if length <= LONGEST {
+        return text.to_string();
+    }
+    let half = LONGEST / 2;
+    let end: String = text.chars().skip(length - half).collect();
+    text.chars()
+        .take(half)
+        .chain("…".chars())
+        .collect::<String>()
+        + &end
 }
 
 /// The range, inside its text and on character boundaries.
@@ -198,13 +220,20 @@ fn plain(line: &str) -> String {
 /// The texts with the starts of their lines.
 struct Lines<'a> {
     sources: &'a Sources,
+    /// Places whose columns are not those of the texts.
+    columns: &'a [(FileId, usize, usize)],
     starts: std::cell::RefCell<Vec<(FileId, Vec<usize>)>>,
 }
 
 impl<'a> Lines<'a> {
     fn of(sources: &'a Sources) -> Self {
+        Lines::with_columns(sources, &[])
+    }
+
+    fn with_columns(sources: &'a Sources, columns: &'a [(FileId, usize, usize)]) -> Self {
         Lines {
             sources,
+            columns,
             starts: std::cell::RefCell::default(),
         }
     }
@@ -244,6 +273,16 @@ impl<'a> Files<'a> for Lines<'_> {
         self.with_starts(id, |starts| {
             starts.partition_point(|s| *s <= byte).saturating_sub(1)
         })
+    }
+
+    fn column_number(&'a self, id: FileId, line: usize, byte: usize) -> Result<usize, Error> {
+        let known = self.columns.iter().find(|c| (c.0, c.1) == (id, byte));
+        if let Some((_, _, column)) = known {
+            return Ok(*column);
+        }
+        let range = self.line_range(id, line)?;
+        let text = &self.source_of(id)?.text;
+        Ok(codespan_reporting::files::column_index(text, range, byte) + 1)
     }
 
     fn line_number(&'a self, id: FileId, line: usize) -> Result<usize, Error> {

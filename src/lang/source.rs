@@ -66,6 +66,13 @@ impl Sources {
         id
     }
 
+    /// Puts another text in the place of one.
+    pub(super) fn replace(&mut self, id: FileId, text: String) {
+        if let Some(source) = self.files.get_mut(id.0 as usize) {
+            source.text = text;
+        }
+    }
+
     pub fn get(&self, id: FileId) -> Option<&Source> {
         self.files.get(id.0 as usize)
     }
@@ -90,17 +97,31 @@ impl Sources {
     }
 }
 
-/// Control characters but for line ends and tabs replaced by `?` or, where they take two bytes, by `¿`; carriage returns, which would
-/// write over the line, by blanks; characters that turn the direction of what follows by U+FFFD.
+/// Characters that steer a terminal, or that nobody sees, replaced by signs that take as many bytes; line ends and tabs stay.
 pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| match c {
             '\n' | '\t' => c,
+            // It would write over its line.
             '\r' => ' ',
-            '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => '\u{fffd}',
-            c if c.is_control() && c.len_utf8() == 1 => '?',
-            c if c.is_control() => '¿',
-            c => c,
+            c if !is_unseen(c) => c,
+            c => match c.len_utf8() {
+                1 => '?',
+                2 => '¿',
+                3 => '\u{fffd}',
+                _ => '\u{1fbc4}',
+            },
         })
         .collect()
+}
+
+/// Control characters, and those that only turn, join or part others.
+pub fn is_unseen(c: char) -> bool {
+    c.is_control()
+        || matches!(
+            c,
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{180e}' | '\u{feff}'
+        )
+        || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
+        || matches!(c, '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e0fff}')
 }

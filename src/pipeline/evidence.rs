@@ -7,7 +7,10 @@ use std::ops::ControlFlow;
 
 use super::{Measured, Program, needed};
 use crate::data;
-use crate::discover::{Discovery, Equation, Fitted, Identifiability, Options, Reason, Stretches};
+use crate::discover::{
+    self, Discovery, Equation, Fitted, Identifiability, Options, Stage, Step, Stop, Stretches,
+    Watch,
+};
 use crate::frame::Frame;
 use crate::identifiability::{self, Rows};
 use crate::library::Library;
@@ -16,8 +19,6 @@ use crate::uncertainty;
 
 /// Samples from which on readings are not differentiated only to say what is missing.
 const READ: usize = 20_000;
-/// Doubts of equations that were cut short.
-const STOPPED: [&str; 2] = ["interrupted", "time-limit"];
 
 /// Weighs every equation on its rows. `stretches` are of all equations, where these were estimated together; an equation that
 /// failed hears what its library lacks.
@@ -26,12 +27,19 @@ pub(super) fn weigh(
     rows: Rows,
     stretches: Option<&Stretches>,
     options: &Options,
-    discovery: &mut Discovery,
+    (discovery, watch): (&mut Discovery, Watch),
 ) {
     let mut judged: Vec<Judged> = Vec::new();
-    for equation in &discovery.equations {
-        judged.push(one(program, rows, options, equation).unwrap_or_default());
+    for place in 0..discovery.equations.len() {
+        if let ControlFlow::Break(stop) = asked(discovery, place, watch) {
+            discover::unweighed(discovery, place, stop);
+            break;
+        }
+        let equation = discovery.equations.get(place);
+        let one = equation.and_then(|e| one(program, rows, options, e));
+        judged.push(one.unwrap_or_default());
     }
+    judged.resize_with(discovery.equations.len(), Judged::default);
     for (equation, judged) in discovery.equations.iter_mut().zip(&mut judged) {
         if let Some(told) = judged.told.take() {
             identifiability::attach(equation, told);
@@ -53,17 +61,29 @@ pub(super) fn weigh(
     }
 }
 
+/// Whether to weigh the equation at a place; nobody is asked again who said stop already.
+fn asked(discovery: &Discovery, place: usize, watch: Watch) -> ControlFlow<Stop> {
+    if discovery.was_stopped() {
+        return ControlFlow::Continue(());
+    }
+    watch(Step {
+        equation: place,
+        stage: Stage::Weighing,
+    })
+}
+
 /// The same for equations estimated with their trajectory, and what the readings say where that does not explain them.
 pub(super) fn weigh_fitted(
     program: &Program,
     measured: &Measured,
     fitted: &Fitted,
     options: &Options,
-    discovery: &mut Discovery,
+    (discovery, watch): (&mut Discovery, Watch),
 ) {
     let dataset = &measured.dataset;
     let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
-    let read = (rows < READ && identifiability::wants_readings(discovery)).then(|| {
+    let wanted = !discovery.was_stopped() && identifiability::wants_readings(discovery);
+    let read = (rows < READ && wanted).then(|| {
         let mut signals = needed(program);
         let targets = program.model.equations.iter().map(|e| e.target);
         // Lower derivatives may be missing in the library, the next one shows a higher order.
@@ -80,7 +100,8 @@ pub(super) fn weigh_fitted(
         samples: &fitted.samples,
         read: read.as_ref(),
     };
-    weigh(program, rows, fitted.stretches.as_ref(), options, discovery);
+    let stretches = fitted.stretches.as_ref();
+    weigh(program, rows, stretches, options, (discovery, watch));
 }
 
 /// What one equation's rows say.
@@ -93,9 +114,7 @@ struct Judged {
 }
 
 fn one(program: &Program, rows: Rows, options: &Options, equation: &Equation) -> Option<Judged> {
-    // Whoever says stop does not want to wait.
-    let stopped = |r: &Reason| STOPPED.contains(&r.code.as_str());
-    if equation.reasons.iter().any(stopped) {
+    if equation.was_stopped() {
         return None;
     }
     let library = library(program, equation.target)?;

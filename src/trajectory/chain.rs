@@ -8,13 +8,14 @@ use super::record::Record;
 use super::smooth::Curve;
 use super::sweep::Link;
 
-/// Hands the links of a record to `take`, with the number of the sample they start at; `None` at the last sample.
+/// Hands the links of a record to `take`, with the number of the sample they start at; `None` at the last sample. `None` is also what
+/// comes out if `take` says no.
 pub(super) fn links(
     problem: &Problem,
     record: &Record,
     curve: &Curve,
-    take: &mut dyn FnMut(usize, Option<Link>),
-) {
+    take: &mut dyn FnMut(usize, Option<Link>) -> bool,
+) -> Option<()> {
     let system = &problem.system;
     let (n, m, p) = (
         system.states.len(),
@@ -64,16 +65,16 @@ pub(super) fn links(
             let moved: f64 = (0..n).map(|j| transition[i * n + j] * here[j]).sum();
             defect[i] += moved - next[i];
         }
-        take(
-            k,
-            Some(Link {
-                transition: &transition,
-                columns: &columns,
-                defect: &defect,
-            }),
-        );
+        let link = Link {
+            transition: &transition,
+            columns: &columns,
+            defect: &defect,
+        };
+        if !take(k, Some(link)) {
+            return None;
+        }
     }
-    take(last, None);
+    take(last, None).then_some(())
 }
 
 /// x^e / e!

@@ -4,6 +4,7 @@
 //! problem with that delay. Records are compared over the instants for which every delay knows the input.
 
 use super::fit::{Fit, Judge, as_it_is, fit};
+use super::guide::GoOn;
 use super::problem::{Point, Problem};
 use super::record::{Outside, Record};
 use super::screen::{Proposal, TRIED};
@@ -44,9 +45,10 @@ pub fn delay(
     let judge = last_judge(&base);
     let own = cut_point(problem, &found.point, (reach, reach));
     let as_found = as_it_is(&base, &own, &judge) + found.bent;
-    let undelayed = fit(&base, own.clone(), &judge, f64::INFINITY).map_or(as_found, |f| f.value);
+    let undelayed =
+        fit(&base, own.clone(), &judge, f64::INFINITY, go_on).map_or(as_found, |f| f.value);
     let few = found.support().len() <= MOST * problem.system.laws.len();
-    let mut trial = |proposal: &Proposal, start: Point| {
+    let trial = |proposal: &Proposal, start: Point, go_on: GoOn| {
         let mut trial = Trial {
             problem,
             inputs: &proposal.inputs,
@@ -63,15 +65,17 @@ pub fn delay(
         all.extend(trial(
             proposal,
             cut_point(problem, &proposal.start, (reach, reach)),
+            go_on,
         ));
         if few {
-            all.extend(trial(proposal, own.clone()));
+            all.extend(trial(proposal, own.clone(), go_on));
         }
     }
     if all.is_empty() {
         let proposal = proposals.first().filter(|p| p.samples != 0.0)?;
         let moved = moved(problem, &proposal.inputs, proposal.samples, reach);
-        all.extend(trial(proposal, first(&moved)?.point));
+        let start = first(&moved, &mut || go_on())?.point;
+        all.extend(trial(proposal, start, go_on));
     }
     let best = all.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
     let ((samples, value), inputs) = best.filter(|b| b.0.0 != 0.0)?;
@@ -84,7 +88,12 @@ pub fn delay(
 }
 
 /// The criterion of a fit without the delay, over the samples that the delay leaves.
-pub fn undelayed(problem: &Problem, found: &Fit, late: &Late) -> f64 {
+pub fn undelayed(
+    problem: &Problem,
+    found: &Fit,
+    late: &Late,
+    go_on: &mut dyn FnMut() -> bool,
+) -> f64 {
     let (front, back) = ends(late);
     let problem_cut = cut(problem, front, back);
     let start = cut_point(problem, &found.point, (front, back));
@@ -93,6 +102,7 @@ pub fn undelayed(problem: &Problem, found: &Fit, late: &Late) -> f64 {
         start,
         &last_judge(&problem_cut),
         f64::INFINITY,
+        go_on,
     );
     fitted.map_or(f64::INFINITY, |f| f.value)
 }
@@ -142,12 +152,13 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    fn try_out(&mut self, samples: f64) {
+    fn try_out(&mut self, samples: f64, go_on: GoOn) {
         if samples.abs() > self.reach as f64 {
             return;
         }
         let problem = moved(self.problem, self.inputs, samples, self.reach);
-        let Some(found) = fit(&problem, self.start.clone(), self.judge, f64::INFINITY) else {
+        let start = self.start.clone();
+        let Some(found) = fit(&problem, start, self.judge, f64::INFINITY, go_on) else {
             return;
         };
         if found.value < self.best.1 {
@@ -158,9 +169,9 @@ impl Trial<'_> {
 
     /// The best delay about one that was proposed; no delay is one too.
     fn seek(&mut self, proposed: f64, go_on: &mut dyn FnMut() -> bool) {
-        self.try_out(proposed);
+        self.try_out(proposed, go_on);
         if proposed != 0.0 && go_on() {
-            self.try_out(0.0);
+            self.try_out(0.0, go_on);
         }
         let smallest = if self.held() { 1.0 } else { 0.0 };
         for part in PARTS.into_iter().filter(|p| *p >= smallest) {
@@ -169,7 +180,7 @@ impl Trial<'_> {
                 if !go_on() {
                     return;
                 }
-                self.try_out(middle + sign * part);
+                self.try_out(middle + sign * part, go_on);
             }
         }
     }

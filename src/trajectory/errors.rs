@@ -7,6 +7,7 @@
 
 use super::code::Code;
 use super::fit::Fit;
+use super::guide::GoOn;
 use super::problem::Problem;
 use super::record::Record;
 use super::triangle::Triangle;
@@ -15,18 +16,18 @@ use crate::solve::Memory;
 /// Residuals smaller than this part of the noise that the fit went by may be cut off by its arithmetic, which is as fine as that asks for.
 const ARITHMETIC: f64 = 0.1;
 
-/// Sets the variances; those of the fit stay where its laws lead nowhere.
-pub(super) fn judge(problem: &Problem, fit: &mut Fit) {
-    if let Some(variances) = variances(problem, fit) {
+/// Sets the variances; those of the fit stay where its laws lead nowhere, or `go_on` gave it up.
+pub(super) fn judge(problem: &Problem, fit: &mut Fit, go_on: GoOn) {
+    if let Some(variances) = variances(problem, fit, go_on) {
         fit.variances = variances;
     }
 }
 
-fn variances(problem: &Problem, fit: &Fit) -> Option<Vec<f64>> {
+fn variances(problem: &Problem, fit: &Fit, go_on: GoOn) -> Option<Vec<f64>> {
     let code = Code::new(&problem.system, fit.support());
     let mut triangle = Triangle::new(fit.support().len());
     let eliminated = problem
-        .eliminate_all(&code, &fit.point, &mut triangle)
+        .eliminate_all(&code, &fit.point, &mut triangle, go_on)
         .ok()?;
     let n = problem.states();
     let memories: Vec<Memory> = (0..n)

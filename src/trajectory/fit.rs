@@ -4,6 +4,7 @@
 //! eliminate the states, solve for the coefficients, put the states back; the noise of each channel is what it leaves.
 
 use super::code::Code;
+use super::guide::GoOn;
 use super::problem::{Point, Problem};
 use super::triangle::Triangle;
 
@@ -116,8 +117,14 @@ impl Fit {
 }
 
 /// Fits the support of `from`, whose coefficients, path and noise are the start. A fit that is not on the way to a criterion of
-/// `beat` is given up where it is.
-pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> Option<Fit> {
+/// `beat` is given up where it is; `None` also where `go_on` gave it up.
+pub(super) fn fit(
+    problem: &Problem,
+    from: Point,
+    judge: &Judge,
+    beat: f64,
+    go_on: GoOn,
+) -> Option<Fit> {
     let code = Code::new(&problem.system, &from.support);
     let k = from.support.len();
     let cost = judge.cost(problem, &from.support);
@@ -126,7 +133,9 @@ pub(super) fn fit(problem: &Problem, from: Point, judge: &Judge, beat: f64) -> O
     let mut found = None;
     for left in (0..STEPS).rev() {
         let mut triangle = Triangle::new(k);
-        let eliminated = problem.eliminate_all(&code, &point, &mut triangle).ok()?;
+        let eliminated = problem
+            .eliminate_all(&code, &point, &mut triangle, go_on)
+            .ok()?;
         let solved = triangle.solve();
         let step = &solved.coefficients;
         let mut farthest = 0.0f64;

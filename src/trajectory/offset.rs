@@ -4,6 +4,7 @@
 //! one. A term and the one that is its derivative by the state say what the offset may be: sin(x − b) = sin x − b cos x + ….
 
 use super::fit::{Fit, Judge, fit};
+use super::guide::GoOn;
 use super::problem::{Point, Problem};
 use super::search::last_judge;
 use crate::term::{Expr, Signal, Term};
@@ -60,7 +61,7 @@ pub fn offset(problem: &Problem, found: &Fit, go_on: &mut dyn FnMut() -> bool) -
                 judge: &judge,
                 hopeless: found.value + HOPELESS * judge.penalty,
             };
-            let Some((value, fitted)) = trial.settle(value, found, column) else {
+            let Some((value, fitted)) = trial.settle(value, (found, column), go_on) else {
                 continue;
             };
             let gain = found.value - fitted.value - judge.penalty;
@@ -120,9 +121,14 @@ struct Trial<'a> {
 
 impl Trial<'_> {
     /// Without one term the offset is found, then all terms go that it explains.
-    fn settle(&self, value: f64, found: &Fit, without: usize) -> Option<(f64, Fit)> {
+    fn settle(
+        &self,
+        value: f64,
+        (found, without): (&Fit, usize),
+        go_on: GoOn,
+    ) -> Option<(f64, Fit)> {
         let start = self.moved(&found.point, value);
-        let (mut value, mut fitted) = self.best(value, dropped(&start, without))?;
+        let (mut value, mut fitted) = self.best(value, dropped(&start, without), go_on)?;
         loop {
             let weak = |i: &usize| {
                 let error = fitted.variances[*i].sqrt();
@@ -133,7 +139,7 @@ impl Trial<'_> {
             order.sort_by(|i, j| strength(i).total_cmp(&strength(j)));
             let next = order.first().and_then(|i| {
                 let column = fitted.support()[*i];
-                self.best(value, dropped(&fitted.point, column))
+                self.best(value, dropped(&fitted.point, column), go_on)
             });
             match next.filter(|(_, f)| f.value < fitted.value && !f.support().is_empty()) {
                 Some(better) => (value, fitted) = better,
@@ -143,14 +149,15 @@ impl Trial<'_> {
     }
 
     /// The best offset near one, by parabolas.
-    fn best(&self, value: f64, start: Point) -> Option<(f64, Fit)> {
-        let at = |v: f64, from: &Point, before: f64| {
+    fn best(&self, value: f64, start: Point, go_on: GoOn) -> Option<(f64, Fit)> {
+        let mut at = |v: f64, from: &Point, before: f64| {
             let problem = self.shifted(v);
             fit(
                 &problem,
                 self.moved(from, v - before),
                 self.judge,
                 self.hopeless,
+                go_on,
             )
         };
         let mut middle = at(value, &start, value).filter(|f| f.value < self.hopeless)?;

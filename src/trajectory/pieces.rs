@@ -31,10 +31,10 @@ pub struct Pieces {
     pub whole: Vec<f64>,
 }
 
-/// `None` where the records are too short to be divided, or the laws lead nowhere.
-pub fn pieces(problem: &Problem, found: &Found) -> Option<Pieces> {
+/// `None` where the records are too short to be divided, the laws lead nowhere, or `go_on` gave it up.
+pub fn pieces(problem: &Problem, found: &Found, go_on: &mut dyn FnMut() -> bool) -> Option<Pieces> {
     let point = &found.best.point;
-    let (form, whole) = problem.form_and_products(point).ok()?;
+    let (form, whole) = problem.form_and_products(point, go_on).ok()?;
     let mut columns = point.support.clone();
     for m in form.moves(&point.support, 0.0, 4 * RIVALS) {
         columns.extend(m.comes.filter(|j| !columns.contains(j)));
@@ -59,7 +59,7 @@ pub fn pieces(problem: &Problem, found: &Found) -> Option<Pieces> {
     };
     let products = groups.iter().map(|group| {
         let mut moments = Moments::new(all);
-        problem.linearise(point, group, &mut moments).ok()?;
+        problem.linearise(point, group, &mut moments, go_on).ok()?;
         Some(part(&moments.shifted(&point.active()), share))
     });
     let products = products.collect::<Option<Vec<_>>>()?;

@@ -7,11 +7,11 @@ use std::ops::Range;
 use super::channel::Channel;
 use super::code::{Code, Diverged};
 use super::flow::{BLOCK, Block, Flow, Work};
+use super::guide::GoOn;
 use super::lattice::{Lattice, lattice, news};
 use super::moments::Moments;
 use super::record::{Record, Sensor, records};
 use super::sensors::{Sensors, groups};
-use super::sketch::{Sketch, Sketched};
 use super::smooth::{Curve, curves};
 use super::strays::{self, LeftOut};
 use super::stretch::stretches;
@@ -259,50 +259,24 @@ impl Problem {
         }
     }
 
-    /// The quadratic form of all columns about the smooth curves, laws taken to answer to nothing but their chains; `slack` is
-    /// their noise a sample in units of the sensors'.
-    pub(super) fn first_form(&self, sigma: &[f64], slack: f64) -> Quadratic {
-        let mut moments = Moments::new(self.all.outputs());
-        self.first_rows(sigma, slack, &mut moments);
-        Quadratic::new(&moments.shifted(&[]), self.all.outputs())
-    }
-
-    fn first_rows(&self, sigma: &[f64], slack: f64, gather: &mut impl Gather) {
-        for (r, (record, curve)) in self.records.iter().zip(&self.curves).enumerate() {
-            let sigma = &sigma[self.sensors.of(r)];
-            let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
-            let mut sweep = Sweep::new(&stiffness, gather, false);
-            super::chain::links(self, record, curve, &mut |k, link| {
-                sweep.measure(&self.readings_at(record, &curve.states, sigma, k));
-                if let Some(link) = link {
-                    sweep.advance(&link);
-                }
-            });
-            sweep.end();
-        }
-    }
-
-    /// A sketch of the first linearisation: `rows` rows on all columns, whitened, for libraries too large for a form.
-    pub fn sketch(&self, slack: f64, rows: usize) -> Sketched {
-        let mut sketch = Sketch::new(self.all.outputs(), rows);
-        self.first_rows(&self.noise, slack, &mut sketch);
-        sketch.end()
-    }
-
     /// The quadratic form of all columns about a point, on stretches of long records.
     ///
     /// # Errors
-    /// Laws that lead nowhere from there.
-    pub(super) fn form(&self, at: &Point) -> Result<Quadratic, Diverged> {
-        Ok(self.form_and_products(at)?.0)
+    /// Laws that lead nowhere from there, or work that was given up.
+    pub(super) fn form(&self, at: &Point, go_on: GoOn) -> Result<Quadratic, Diverged> {
+        Ok(self.form_and_products(at, go_on)?.0)
     }
 
     /// Likewise, with the products of all columns, the right side last, that it is of.
-    pub(super) fn form_and_products(&self, at: &Point) -> Result<(Quadratic, Vec<f64>), Diverged> {
+    pub(super) fn form_and_products(
+        &self,
+        at: &Point,
+        go_on: GoOn,
+    ) -> Result<(Quadratic, Vec<f64>), Diverged> {
         let mut moments = Moments::new(self.all.outputs());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
         let parts = stretches(&lengths);
-        self.linearise(at, &parts, &mut moments)?;
+        self.linearise(at, &parts, &mut moments, go_on)?;
         let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
         let share = self.samples() as f64 / used as f64;
         let mut products = moments.shifted(&at.active());
@@ -317,10 +291,11 @@ impl Problem {
         at: &Point,
         parts: &[(usize, Range<usize>)],
         gather: &mut impl Gather,
+        go_on: GoOn,
     ) -> Result<(), Diverged> {
         let code = Code::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
-        self.eliminate(&code, all, at, gather, false, parts)?;
+        self.eliminate((&code, all), at, gather, (false, parts), go_on)?;
         Ok(())
     }
 
@@ -330,21 +305,22 @@ impl Problem {
         code: &Code,
         at: &Point,
         gather: &mut impl Gather,
+        go_on: GoOn,
     ) -> Result<Vec<Eliminated>, Diverged> {
         let whole = self.records.iter().map(|r| 0..r.len());
         let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
-        self.eliminate(code, None, at, gather, true, &whole)
+        self.eliminate((code, None), at, gather, (true, &whole), go_on)
     }
 
-    /// Likewise of parts of records, of U of all columns if `all` is given. `keep` says that states will be asked for.
+    /// Likewise of parts of records, of U of all columns if `all` is given. `keep` says that states will be asked for. Work that is
+    /// given up leads nowhere either.
     fn eliminate(
         &self,
-        code: &Code,
-        all: Option<(&Tape, &[Range<usize>])>,
+        (code, all): (&Code, Option<(&Tape, &[Range<usize>])>),
         at: &Point,
         gather: &mut impl Gather,
-        keep: bool,
-        parts: &[(usize, Range<usize>)],
+        (keep, parts): (bool, &[(usize, Range<usize>)]),
+        go_on: GoOn,
     ) -> Result<Vec<Eliminated>, Diverged> {
         let flow = Flow {
             code,
@@ -362,6 +338,9 @@ impl Problem {
             let mut sweep = Sweep::new(&stiffness, gather, keep);
             let last = samples.end - 1;
             for from in (samples.start..last).step_by(BLOCK) {
+                if !go_on() {
+                    return Err(Diverged);
+                }
                 let intervals = from..(from + BLOCK).min(last);
                 flow.block(record, path, intervals.clone(), &mut work, &mut block)?;
                 for (b, k) in intervals.enumerate() {
@@ -396,7 +375,13 @@ impl Problem {
     }
 
     /// What was read at sample `k`, against a path; states without a reading are held loosely where they are.
-    fn readings_at(&self, record: &Record, path: &[f64], sigma: &[f64], k: usize) -> Vec<Reading> {
+    pub(super) fn readings_at(
+        &self,
+        record: &Record,
+        path: &[f64],
+        sigma: &[f64],
+        k: usize,
+    ) -> Vec<Reading> {
         let n = self.states();
         (0..n)
             .map(|i| {

@@ -5,8 +5,10 @@
 //! proposals. Never accepts one.
 
 use super::delay::{moved, reach};
+use super::guide::GoOn;
+use super::pair::guided;
 use super::problem::{Point, Problem};
-use super::search::{both, last_judge};
+use super::search::last_judge;
 use crate::solve::quadratic::Quadratic;
 use crate::term::{Expr, Tape, VarId};
 
@@ -29,14 +31,21 @@ pub struct Proposal {
     pub(super) start: Point,
 }
 
-/// The best delay of all inputs together and of each, the best first. `support`: terms that are among those tried.
-pub fn proposals(problem: &Problem, support: &[usize], inputs: &[VarId]) -> Vec<Proposal> {
+/// The best delay of all inputs together and of each, the best first. `support`: terms that are among those tried. Nothing where
+/// `go_on` gave it up.
+pub fn proposals(
+    problem: &Problem,
+    support: &[usize],
+    inputs: &[VarId],
+    go_on: &mut dyn FnMut() -> bool,
+) -> Vec<Proposal> {
     let mut sets: Vec<Vec<VarId>> = inputs.iter().map(|v| vec![*v]).collect();
     if inputs.len() > 1 {
         sets.insert(0, inputs.to_vec());
     }
     let screen = Screen::new(problem, support, inputs);
-    let mut found: Vec<Proposal> = sets.into_iter().map(|set| screen.best(set)).collect();
+    let best = |set| screen.best(set, go_on);
+    let mut found: Vec<Proposal> = sets.into_iter().filter_map(best).collect();
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
     found
 }
@@ -68,23 +77,26 @@ impl Screen {
         }
     }
 
-    fn best(&self, inputs: Vec<VarId>) -> Proposal {
+    fn best(&self, inputs: Vec<VarId>, go_on: GoOn) -> Option<Proposal> {
         let tried = || TRIED.into_iter().filter(|s| *s <= self.reach);
-        let side = |sign: f64| -> Vec<(f64, f64)> {
+        let side = |sign: f64, go_on: GoOn| -> Option<Vec<(f64, f64)>> {
             let delays = tried().map(|s| sign * s as f64);
-            delays.map(|s| (s, self.left(&inputs, s))).collect()
+            delays
+                .map(|s| Some((s, self.left(&inputs, s, go_on)?)))
+                .collect()
         };
-        let (later, earlier) = both(|| side(1.0), || side(-1.0));
-        let mut best = (0.0, self.left(&inputs, 0.0));
-        for (samples, value) in later.into_iter().chain(earlier) {
+        let guide = &mut || go_on();
+        let (later, earlier) = guided(guide, |go_on| side(1.0, go_on), |go_on| side(-1.0, go_on));
+        let mut best = (0.0, self.left(&inputs, 0.0, go_on)?);
+        for (samples, value) in later?.into_iter().chain(earlier?) {
             if value < best.1 {
                 best = (samples, value);
             }
         }
         let (samples, value) = best;
-        let form = self.form(&inputs, samples);
+        let form = self.form(&inputs, samples, go_on)?;
         let support = self.support(&form);
-        Proposal {
+        Some(Proposal {
             samples,
             value,
             start: Point {
@@ -93,18 +105,19 @@ impl Screen {
                 ..self.few.start(&self.sigma)
             },
             inputs,
-        }
+        })
     }
 
     /// The quadratic form with inputs so many samples later.
-    fn form(&self, inputs: &[VarId], samples: f64) -> Quadratic {
-        moved(&self.few, inputs, samples, self.reach).first_form(&self.sigma, SLACK)
+    fn form(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<Quadratic> {
+        let moved = moved(&self.few, inputs, samples, self.reach);
+        moved.first_form(&self.sigma, SLACK, go_on)
     }
 
     /// χ² of all columns: they are so few that chance makes no delay of it.
-    fn left(&self, inputs: &[VarId], samples: f64) -> f64 {
-        let form = self.form(inputs, samples);
-        form.least(&(0..form.p).collect::<Vec<_>>()).square
+    fn left(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<f64> {
+        let form = self.form(inputs, samples, go_on)?;
+        Some(form.least(&(0..form.p).collect::<Vec<_>>()).square)
     }
 
     /// Terms that are worth their price, in units of what all of them leave.

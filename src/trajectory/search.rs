@@ -9,7 +9,8 @@ use std::sync::Arc;
 use super::beam::{Subset, subsets};
 use super::errors;
 use super::fit::{Fit, Judge, fit};
-use super::guide::Guide;
+use super::guide::{GoOn, Grace, Guide};
+use super::pair::guided;
 use super::problem::{Point, Problem};
 use super::worth::readings_as_one;
 use crate::solve::quadratic::Quadratic;
@@ -83,20 +84,11 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Fits supports, but those that were, two at a time; true if one became the best.
-    fn fit(&mut self, points: impl IntoIterator<Item = Point>) -> bool {
-        self.fit_while(points, &mut || true)
-    }
-
-    /// Likewise as long as the guide goes on.
-    fn fit_while(
-        &mut self,
-        points: impl IntoIterator<Item = Point>,
-        guide: &mut dyn Guide,
-    ) -> bool {
+    /// Fits supports, but those that were, two at a time, as long as the guide goes on; true if one became the best.
+    fn fit(&mut self, points: impl IntoIterator<Item = Point>, guide: &mut dyn Guide) -> bool {
         let mut points = points.into_iter();
         let mut better = false;
-        while guide.go_on() {
+        while guide.in_time() {
             let mut pair: Vec<Point> = Vec::new();
             while pair.len() < 2 {
                 let Some(point) = points.next() else { break };
@@ -107,11 +99,14 @@ impl<'a> Level<'a> {
             }
             let (problem, judge) = (self.problem, &self.judge);
             let beat = self.best.first().map_or(f64::INFINITY, |f| f.value);
-            let one = |p: Point| (p.support.clone(), fit(problem, p, judge, beat));
+            let one =
+                |p: Point, go_on: GoOn| (p.support.clone(), fit(problem, p, judge, beat, go_on));
             let (second, first) = (pair.pop(), pair.pop());
             let found = match (first, second) {
-                (Some(a), Some(b)) => <[_; 2]>::from(both(|| one(a), || one(b))).into(),
-                (None, Some(b)) => vec![one(b)],
+                (Some(a), Some(b)) => {
+                    <[_; 2]>::from(guided(guide, |go| one(a, go), |go| one(b, go))).into()
+                }
+                (None, Some(b)) => vec![one(b, &mut || guide.in_time())],
                 _ => return better,
             };
             for (support, found) in found {
@@ -134,14 +129,15 @@ impl<'a> Level<'a> {
     }
 
     /// The best fit and the form about it, which is made once.
-    fn about(&mut self) -> Option<(Fit, Arc<Quadratic>)> {
+    fn about(&mut self, guide: &mut dyn Guide) -> Option<(Fit, Arc<Quadratic>)> {
         let best = self.best.first()?.clone();
         if let Some((support, form)) = &self.form
             && support == best.support()
         {
             return Some((best, form.clone()));
         }
-        let form = Arc::new(self.problem.form(&best.point).ok()?);
+        let form = self.problem.form(&best.point, &mut || guide.in_time());
+        let form = Arc::new(form.ok()?);
         self.form = Some((best.support().to_vec(), form.clone()));
         Some((best, form))
     }
@@ -155,15 +151,16 @@ impl<'a> Level<'a> {
     }
 
     /// From the smooth curves: best subsets a law, at several strengths.
-    fn start(&mut self) {
+    fn start(&mut self, guide: &mut dyn Guide) {
         let problem = self.problem;
         let sigma = self.sigma(&problem.noise);
         let [first, second] = FIRST_SLACKS;
-        let (first, second) = both(
-            || problem.first_form(&sigma, first),
-            || problem.first_form(&sigma, second),
+        let (first, second) = guided(
+            guide,
+            |go_on| problem.first_form(&sigma, first, go_on),
+            |go_on| problem.first_form(&sigma, second, go_on),
         );
-        for form in [first, second] {
+        for form in [first, second].into_iter().flatten() {
             let sizes: Vec<Vec<Subset>> = (problem.ranges.iter())
                 .map(|r| subsets(&form, &[], r.clone(), MOST))
                 .collect();
@@ -182,13 +179,13 @@ impl<'a> Level<'a> {
                 moved(&form, &problem.start(&sigma), support)
             };
             let points = FIRST_PENALTIES.map(point);
-            self.fit(points);
-            let Some((best, form)) = self.about() else {
+            self.fit(points, guide);
+            let Some((best, form)) = self.about(guide) else {
                 continue;
             };
             if let Some(support) = form.backward(&[self.judge.penalty]).into_iter().next() {
                 let support = form.improve(&support, self.judge.penalty);
-                self.fit([moved(&form, &best.point, support)]);
+                self.fit([moved(&form, &best.point, support)], guide);
             }
         }
     }
@@ -198,17 +195,17 @@ impl<'a> Level<'a> {
     fn improve(&mut self, (last, without): (bool, bool), guide: &mut dyn Guide) {
         let mut fits = 0;
         while fits < FITS && guide.go_on() {
-            let Some((current, form)) = self.about() else {
+            let Some((current, form)) = self.about(guide) else {
                 return;
             };
             let point = |support| moved(&form, &current.point, support);
-            let proposals = self.proposals(&form, current.support());
+            let proposals = self.proposals(&form, current.support(), guide);
             let near = proposals.iter().take_while(|(change, _)| *change <= WORSE);
             let near: Vec<Vec<usize>> = near.map(|(_, s)| s.clone()).collect();
             let mut better = false;
             for pair in near[..near.len().min(FITS - fits)].chunks(2) {
                 fits += pair.len();
-                better = self.fit(pair.iter().cloned().map(point));
+                better = self.fit(pair.iter().cloned().map(point), guide);
                 if better {
                     break;
                 }
@@ -221,13 +218,13 @@ impl<'a> Level<'a> {
                 let rivals = proposals.into_iter().filter(|(_, s)| new(s));
                 let near = rivals.take_while(|(change, _)| *change < APART);
                 let near: Vec<Vec<usize>> = near.take(RIVALS).map(|(_, s)| s).collect();
-                better = self.fit_while(near.into_iter().map(point), guide);
+                better = self.fit(near.into_iter().map(point), guide);
             }
             let support = current.support();
             if !better && last && without && support.len() <= PRUNED {
                 // Without each single term.
                 let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
-                better = self.fit_while(support.iter().map(|j| point(without(j))), guide);
+                better = self.fit(support.iter().map(|j| point(without(j))), guide);
             }
             if !better {
                 return;
@@ -236,7 +233,12 @@ impl<'a> Level<'a> {
     }
 
     /// Supports not fitted yet with the predicted change of the criterion, best first.
-    fn proposals(&self, form: &Quadratic, support: &[usize]) -> Vec<(f64, Vec<usize>)> {
+    fn proposals(
+        &self,
+        form: &Quadratic,
+        support: &[usize],
+        guide: &mut dyn Guide,
+    ) -> Vec<(f64, Vec<usize>)> {
         let penalty = self.judge.penalty;
         let value = |s: &[usize]| form.least(s).square + penalty * s.len() as f64;
         let base = value(support);
@@ -251,6 +253,9 @@ impl<'a> Level<'a> {
         let strongest =
             (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
         for (backward, strength) in form.backward(&strengths).into_iter().zip(strengths) {
+            if !guide.in_time() {
+                break;
+            }
             let starts = [backward, strongest.into_iter().collect(), support.to_vec()];
             let cost = |s: &Vec<usize>| form.least(s).square + strength * s.len() as f64;
             let ends = starts.iter().map(|s| form.improve(s, strength));
@@ -267,7 +272,7 @@ impl<'a> Level<'a> {
         }
         let mut combined = support.to_vec();
         for range in &self.problem.ranges {
-            if range.is_empty() {
+            if range.is_empty() || !guide.in_time() {
                 continue;
             }
             let others: Vec<usize> = support
@@ -310,14 +315,23 @@ pub fn search(problem: &Problem, guide: &mut dyn Guide) -> Option<Found> {
                 paths: problem.start(&[]).paths,
                 ..found.best.point.clone()
             };
-            let all = levels(problem, vec![start], (found.as_one, false), guide)?;
+            let level = (found.as_one, false);
+            let all = match guide.in_time() {
+                true => levels(problem, vec![start.clone()], level, guide),
+                false => None,
+            };
+            // What was found by the time it is stopped counts for nothing until all samples have judged it.
+            let all = match all {
+                None => levels(problem, vec![start], level, &mut Grace::default())?,
+                Some(all) => all,
+            };
             Found {
                 tried: found.tried + all.tried,
                 ..all
             }
         }
     };
-    errors::judge(problem, &mut found.best);
+    errors::judge(problem, &mut found.best, &mut || guide.in_time());
     Some(found)
 }
 
@@ -373,9 +387,9 @@ fn levels(
             sigma: sigma.clone(),
             ..point
         });
-        level.fit(points.collect::<Vec<_>>());
+        level.fit(points.collect::<Vec<_>>(), guide);
         if level.best.is_empty() || fresh && (place == 0 || last) {
-            level.start();
+            level.start(guide);
         }
         let first = level.best.first().filter(|_| anew && place == 0);
         if first.is_some_and(|fit| !guide.first(problem, fit)) {
@@ -403,21 +417,6 @@ fn levels(
     result
 }
 
-/// Both at the same time.
-pub(super) fn both<A: Send, B: Send>(
-    a: impl FnOnce() -> A + Send,
-    b: impl FnOnce() -> B + Send,
-) -> (A, B) {
-    std::thread::scope(|scope| {
-        let other = scope.spawn(b);
-        let a = a();
-        match other.join() {
-            Ok(b) => (a, b),
-            Err(panic) => std::panic::resume_unwind(panic),
-        }
-    })
-}
-
 fn moved(form: &Quadratic, from: &Point, support: Vec<usize>) -> Point {
     let coefficients = form.least(&support).coefficients;
     Point {
@@ -439,8 +438,8 @@ pub(super) fn last_judge(problem: &Problem) -> Judge {
 }
 
 /// The best fit of what the smooth curves propose, under the highest floor.
-pub(super) fn first(problem: &Problem) -> Option<Fit> {
+pub(super) fn first(problem: &Problem, guide: &mut dyn Guide) -> Option<Fit> {
     let mut level = Level::new(problem, Judge::level(problem, FLOORS[0], 1.0));
-    level.start();
+    level.start(guide);
     level.best.into_iter().next()
 }

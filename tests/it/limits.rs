@@ -168,6 +168,9 @@ fn every_stage_of_every_equation_is_told_in_order() {
     let (d, told) = until(|_| false, Stop::Interrupted);
     assert!(d.passes());
     let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.equation, stage(s.stage))).collect();
+    // The evidence of all equations is weighed when all are found.
+    let weighed = stages.split_off(stages.partition_point(|s| s.1 < 3));
+    assert_eq!(weighed, [(0, 3), (1, 3), (2, 3)]);
     assert!(stages.is_sorted(), "{stages:?}");
     stages.dedup();
     let all: Vec<(usize, u8)> = (0..3).flat_map(|e| (0..3).map(move |s| (e, s))).collect();
@@ -179,7 +182,7 @@ fn stage(s: Stage) -> u8 {
         Stage::Evaluating => 0,
         Stage::Solving(_) => 1,
         Stage::Choosing | Stage::Refitting(_) => 2,
-        Stage::Verifying(..) => 3,
+        Stage::Weighing | Stage::Verifying(..) => 3,
     }
 }
 
@@ -230,6 +233,35 @@ fn a_stop_while_choosing_is_a_doubt_too() {
             .certificate
             .optimal
     );
+}
+
+#[test]
+fn a_stop_while_evidence_is_weighed_doubts_what_was_not_weighed() {
+    let weighing = |s: &Step| s.equation == 1 && matches!(s.stage, Stage::Weighing);
+    let (d, told) = until(weighing, Stop::Interrupted);
+    assert!(
+        weighing(told.last().unwrap()),
+        "told of more after its stop"
+    );
+    assert!(d.failed.is_empty());
+    let evidence = |e: &sidc::discover::Equation| {
+        let evidence = e.evidence.as_ref().unwrap();
+        evidence.identifiability.is_some()
+    };
+    let first = &d.equations[0];
+    assert!(first.status == Status::Pass && evidence(first));
+    for e in &d.equations[1..] {
+        assert_eq!(
+            (e.status, codes(&e.reasons)),
+            (Status::Doubt, vec!["interrupted".into()])
+        );
+        assert!(
+            e.reasons[0]
+                .text
+                .contains("before the evidence was weighed")
+        );
+        assert!(!evidence(e) && e.terms.len() > 1, "{e:?}");
+    }
 }
 
 #[test]

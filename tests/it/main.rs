@@ -20,6 +20,7 @@ mod emit;
 mod gallery;
 mod holdout;
 mod honest;
+mod hostile;
 mod hostile_results;
 mod joint;
 mod known_parts;

@@ -4,6 +4,8 @@
 //! as faults: they matter only if a model uses their column. Never guesses at decimal commas, encodings or dates.
 
 mod cells;
+mod decode;
+mod lines;
 mod refusals;
 
 use std::io::Read;
@@ -11,7 +13,9 @@ use std::io::Read;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::{Sources, Span};
 use cells::{Cell, Fault};
-pub(super) use refusals::bad_cells;
+pub use decode::too_large;
+use lines::{Line, Lines};
+pub use refusals::bad_cells;
 
 /// How many findings of one kind are shown in full.
 pub(super) const SHOWN: usize = 5;
@@ -22,7 +26,9 @@ pub struct Limits {
     pub columns: usize,
     /// Largest file, bytes.
     pub file_bytes: u64,
-    /// Largest table, bytes: 8 per cell and 16 per row.
+    /// Longest line, bytes.
+    pub line_bytes: u64,
+    /// Largest table, bytes: its text, 8 per cell and 16 per row.
     pub table_bytes: u64,
 }
 
@@ -31,6 +37,7 @@ impl Default for Limits {
         Limits {
             columns: 10_000,
             file_bytes: 2 << 30,
+            line_bytes: 16 << 20,
             table_bytes: 4 << 30,
         }
     }
@@ -47,16 +54,7 @@ pub struct Table {
     rows: Vec<Line>,
     faults: Vec<Faults>,
     text: String,
-    /// What ends a line of it.
-    end: char,
     separator: u8,
-}
-
-/// Where a line starts in the text, and its number in the file, from 1.
-#[derive(Clone, Copy, Debug, Default)]
-struct Line {
-    start: usize,
-    number: usize,
 }
 
 /// The cells of one column that are no numbers.
@@ -69,7 +67,7 @@ struct Faults {
 /// Reads a comma, semicolon or tab separated table whose first line names the columns.
 ///
 /// `#` lines and blank lines are skipped. Errors: `unreadable-file`, `not-text`, `utf-16`, `not-utf8`, `file-too-large`,
-/// `table-too-large`, `too-many-columns`, `empty-file`, `no-header`, `no-rows`, `duplicate-header`, `units-row`, `open-quote`,
+/// `line-too-long`, `table-too-large`, `too-many-columns`, `empty-file`, `no-header`, `no-rows`, `duplicate-header`, `units-row`, `open-quote`,
 /// `ragged-row`. Time and memory linear in the text.
 pub fn read(
     name: &str,
@@ -77,23 +75,21 @@ pub fn read(
     limits: &Limits,
     sources: &mut Sources,
 ) -> Result<Table, Vec<Diagnostic>> {
-    let text = decode(name, reader, limits).map_err(|d| vec![d])?;
-    // Files of old Macs end lines with a lone carriage return.
-    let end = if text.contains('\n') { '\n' } else { '\r' };
-    let mut lines = Lines {
-        text: &text,
-        end,
-        next: Line {
-            start: 0,
-            number: 1,
-        },
-        comment: None,
-    };
+    let text = decode::decode(name, reader, limits).map_err(|d| vec![d])?;
+    let mut lines = Lines::of(&text);
     let Some((header, header_text)) = lines.next() else {
         return Err(vec![refusals::empty_file(name)]);
     };
-    let comment = lines.comment;
+    let comment = lines.comment();
     let separator = detect_separator(header_text, lines.clone().next().map(|(_, l)| l));
+    let cells = cells::count(header_text, separator) + 1;
+    if cells > limits.columns {
+        return Err(vec![refusals::too_many_columns(
+            name,
+            cells,
+            limits.columns,
+        )]);
+    }
     let mut ranges = Vec::new();
     let place = |sources: &mut Sources, line: Line, text: &str, range| {
         excerpt(name, sources, line.number, text, range)
@@ -103,13 +99,6 @@ pub fn read(
         return Err(vec![refusals::open_quote(span)]);
     }
     let width = ranges.len();
-    if width > limits.columns {
-        return Err(vec![refusals::too_many_columns(
-            name,
-            width,
-            limits.columns,
-        )]);
-    }
     let headers: Vec<String> = ranges
         .iter()
         .map(|&(a, b)| slice(header_text, (a, b)).replace("\"\"", "\""))
@@ -146,15 +135,9 @@ pub fn read(
         return Err(found.collect());
     }
 
-    let at_most = text.len() - header.start;
-    let rows = text
-        .as_bytes()
-        .iter()
-        .filter(|b| **b == end as u8)
-        .count()
-        .min(at_most)
-        + 1;
-    let bytes = (rows as u64).saturating_mul(8 * width as u64 + 16);
+    let rows = lines.at_most();
+    let numbers = (rows as u64).saturating_mul(8 * width as u64 + 16);
+    let bytes = numbers.saturating_add(text.len() as u64);
     if bytes > limits.table_bytes {
         let d = refusals::table_too_large(name, rows, width, bytes, limits.table_bytes);
         return Err(vec![d]);
@@ -168,12 +151,22 @@ pub fn read(
         header,
         rows: Vec::with_capacity(rows),
         text: String::new(),
-        end,
         separator,
     };
     let mut errors = refusals::Capped::new();
     let mut full_rows = 0;
     for (line, line_text) in lines {
+        // Places of cells are noted down: there is no memory for those of a row without end.
+        if line_text.len() > limits.columns {
+            let cells = cells::count(line_text, separator) + 1;
+            if cells > limits.columns {
+                errors.add(|| {
+                    let span = place(sources, line, line_text, (0, line_text.len()));
+                    refusals::ragged_row(span, cells, width, separator, line_text)
+                });
+                continue;
+            }
+        }
         if let Err(at) = cells::split(line_text, separator, &mut ranges) {
             errors.add(|| {
                 refusals::open_quote(place(sources, line, line_text, (at, line_text.len())))
@@ -287,8 +280,7 @@ impl Table {
 
     fn line(&self, at: Line) -> &str {
         let rest = self.text.get(at.start..).unwrap_or("");
-        let line = rest.split(self.end).next().unwrap_or("");
-        line.strip_suffix('\r').unwrap_or(line)
+        rest.split(['\n', '\r']).next().unwrap_or("")
     }
 
     fn range(&self, line: &str, column: usize) -> (usize, usize) {
@@ -296,59 +288,6 @@ impl Table {
         // An open quote was refused when the file was read.
         let _ = cells::split(line, self.separator, &mut ranges);
         ranges.get(column).copied().unwrap_or((0, line.len()))
-    }
-}
-
-/// The whole input as text without its byte order mark.
-fn decode(name: &str, reader: impl Read, limits: &Limits) -> Result<String, Diagnostic> {
-    let mut bytes = Vec::new();
-    reader
-        .take(limits.file_bytes.saturating_add(1))
-        .read_to_end(&mut bytes)
-        .map_err(|e| refusals::unreadable(name, &e))?;
-    if bytes.len() as u64 > limits.file_bytes {
-        return Err(refusals::file_too_large(name, limits.file_bytes));
-    }
-    if let Some(d) = refusals::not_text(name, &bytes) {
-        return Err(d);
-    }
-    let mut text = String::from_utf8(bytes)
-        .map_err(|e| refusals::not_utf8(name, e.as_bytes(), e.utf8_error().valid_up_to()))?;
-    if text.starts_with('\u{feff}') {
-        text.drain(..'\u{feff}'.len_utf8());
-    }
-    Ok(text)
-}
-
-/// Lines that count, with their places; remembers the last `#` line it skipped.
-#[derive(Clone)]
-struct Lines<'a> {
-    text: &'a str,
-    end: char,
-    next: Line,
-    comment: Option<&'a str>,
-}
-
-impl<'a> Iterator for Lines<'a> {
-    type Item = (Line, &'a str);
-
-    fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let at = self.next;
-            let rest = self.text.get(at.start..).filter(|r| !r.is_empty())?;
-            let line = rest.split(self.end).next().unwrap_or(rest);
-            self.next = Line {
-                start: at.start + line.len() + 1,
-                number: at.number + 1,
-            };
-            let line = line.strip_suffix('\r').unwrap_or(line);
-            let shown = line.trim_start();
-            if shown.starts_with('#') {
-                self.comment = Some(shown);
-            } else if !shown.is_empty() {
-                return Some((at, line));
-            }
-        }
     }
 }
 

@@ -43,11 +43,7 @@ impl Capped {
 }
 
 /// The faulty cells of the columns in use, the first few in full.
-pub(in crate::data) fn bad_cells(
-    table: &Table,
-    columns: &[usize],
-    sources: &mut Sources,
-) -> Vec<Diagnostic> {
+pub fn bad_cells(table: &Table, columns: &[usize], sources: &mut Sources) -> Vec<Diagnostic> {
     let faults = |c: &usize| table.faults.get(*c);
     let total: usize = columns.iter().filter_map(faults).map(|f| f.count).sum();
     let mut places: Vec<(usize, usize, Fault)> = columns
@@ -138,7 +134,19 @@ fn bad_cell(
 }
 
 pub(super) fn unreadable(name: &str, e: &std::io::Error) -> Diagnostic {
-    Diagnostic::error("unreadable-file", format!("cannot read {name}: {e}"))
+    Diagnostic::error(
+        "unreadable-file",
+        format!("cannot read {name}: {}", plain(e)),
+    )
+}
+
+/// "No such file or directory" without the number behind it.
+fn plain(e: &std::io::Error) -> String {
+    let text = e.to_string();
+    match text.split_once(" (os error") {
+        Some((words, _)) => words.to_lowercase(),
+        None => text,
+    }
 }
 
 pub(super) fn file_too_large(name: &str, limit: u64) -> Diagnostic {
@@ -147,6 +155,32 @@ pub(super) fn file_too_large(name: &str, limit: u64) -> Diagnostic {
         format!("{name} is larger than the limit of {}", size(limit)),
     )
     .help("keep fewer rows or columns, or split the file into several trajectories")
+}
+
+/// What to do about a table that is too large.
+const SMALLER: &str =
+    "keep only the columns that the model uses, or fewer rows, or set a higher --memory-limit";
+
+pub(super) fn text_too_large(name: &str, limit: u64) -> Diagnostic {
+    Diagnostic::error(
+        "table-too-large",
+        format!(
+            "{name}: its text alone takes more than {}, the limit of a table",
+            size(limit)
+        ),
+    )
+    .help(SMALLER)
+}
+
+pub(super) fn line_too_long(name: &str, number: usize, limit: u64) -> Diagnostic {
+    Diagnostic::error(
+        "line-too-long",
+        format!(
+            "{name}, line {number}: longer than the limit of {}",
+            size(limit)
+        ),
+    )
+    .help("a table has one line for each instant: check how it was exported")
 }
 
 pub(super) fn table_too_large(
@@ -164,9 +198,7 @@ pub(super) fn table_too_large(
             size(limit)
         ),
     )
-    .help(
-        "keep only the columns that the model uses, or fewer rows, or set a higher --memory-limit",
-    )
+    .help(SMALLER)
 }
 
 fn size(bytes: u64) -> String {
@@ -211,14 +243,24 @@ pub(super) fn not_text(name: &str, bytes: &[u8]) -> Option<Diagnostic> {
             .count()
     };
     let (even, odd) = (zeros(0), zeros(1));
+    if bytes.starts_with(b"\xff\xfe\0\0") || bytes.starts_with(b"\0\0\xfe\xff") {
+        return Some(not_this_encoding("not-utf8", name, "UTF-32"));
+    }
     let marked = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     if marked || even.max(odd) > head.len() / 4 && even.min(odd) < head.len() / 50 {
-        return Some(
-            Diagnostic::error("utf-16", format!("{name} is encoded in UTF-16"))
-                .help(format!("iconv -f UTF-16 -t UTF-8 {name} > utf8_{name}")),
-        );
+        return Some(not_this_encoding("utf-16", name, "UTF-16"));
     }
-    let at = bytes.iter().position(|b| *b == 0)?;
+    nul(name, 0, bytes)
+}
+
+fn not_this_encoding(code: &'static str, name: &str, encoding: &str) -> Diagnostic {
+    Diagnostic::error(code, format!("{name} is encoded in {encoding}"))
+        .help(format!("iconv -f {encoding} -t UTF-8 {name} > utf8_{name}"))
+}
+
+/// A NUL among bytes of which so many stand before them.
+pub(super) fn nul(name: &str, before: usize, bytes: &[u8]) -> Option<Diagnostic> {
+    let at = before + bytes.iter().position(|b| *b == 0)?;
     Some(
         Diagnostic::error("not-text", format!("{name} is binary: byte {at} is NUL"))
             .help("export the data as CSV in UTF-8"),

@@ -54,6 +54,9 @@ pub(super) fn seek(
     let task = again.tasks.iter().find(|t| t.target == equation.target)?;
     let mut prepared = task.as_found(names, equation, again.watcher)?;
     let mut proposed = task.propose(&mut prepared, again.watcher);
+    if again.watcher.stop().is_some() {
+        return None;
+    }
     let mut seeker = Seeker {
         task,
         prepared: &prepared,
@@ -164,6 +167,9 @@ impl Seeker<'_, '_> {
         for _ in 0..most {
             open.sort_by(|a, b| b.value.total_cmp(&a.value));
             let Some(node) = open.pop() else { break };
+            if watcher.stop().is_some() {
+                break;
+            }
             if best.as_ref().is_some_and(|b| b.value <= node.value) {
                 break;
             }

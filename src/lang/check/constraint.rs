@@ -7,6 +7,9 @@ use crate::lang::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
 use crate::lang::model::{Coefficient, Constraint, Equation, Relation, RightSide};
 use crate::lang::source::Span;
 
+/// Most constraints: they are held against each other before any data are read.
+const MOST: usize = 1000;
+
 /// `Σ weight · coef + constant`
 #[derive(Clone, Default)]
 struct Linear {
@@ -33,6 +36,10 @@ impl Checker<'_> {
         let mut out = Vec::new();
         for s in self.statements() {
             if let StatementKind::Constrain { first, rest } = &s.kind {
+                if out.len() + rest.len() > MOST {
+                    self.say(complain::too_many_constraints(s.span, MOST));
+                    break;
+                }
                 self.chain(s.span, first, rest, equations, &mut out);
             }
         }

@@ -3,7 +3,7 @@
 //! Each constructor takes places and words of the user's own text, and gives a message with a fix to copy.
 
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::Span;
+use crate::lang::source::{Span, is_unseen};
 
 pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
     Diagnostic::error(
@@ -75,7 +75,7 @@ pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
 }
 
 pub fn strange_character(at: Span, c: char) -> Diagnostic {
-    let shown = if c.is_control() {
+    let shown = if is_unseen(c) {
         format!("U+{:04X}", c as u32)
     } else {
         c.to_string()

@@ -55,6 +55,12 @@ pub fn too_many_symmetries(at: Span, limit: usize) -> Diagnostic {
         .help("join those that always hold together")
 }
 
+pub fn too_many_constraints(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-large", format!("more than {limit} constraints"))
+        .at(at, "one too many")
+        .help("leave out those that follow from others")
+}
+
 pub fn unknown_limit(at: Span, key: &str) -> Diagnostic {
     let d = Diagnostic::error("unknown-attribute", format!("no limit named `{key}`"));
     match did_you_mean(key, ["degree"]) {

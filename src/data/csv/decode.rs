@@ -1,0 +1,89 @@
+//! Bytes → the text of a table, refused as soon as it is known to be none.
+//!
+//! In: a reader and limits. Out: the whole text in UTF-8 without its byte order mark. Reads no more than it takes to know: a file
+//! beyond a limit, an endless line and a binary are left where they are found out.
+
+use std::io::Read;
+
+use super::{Limits, refusals};
+use crate::lang::diagnostic::Diagnostic;
+
+/// Bytes looked at together.
+const PIECE: u64 = 1 << 16;
+const MARK: char = '\u{feff}';
+
+/// The whole input as text.
+pub(super) fn decode(
+    name: &str,
+    mut reader: impl Read,
+    limits: &Limits,
+) -> Result<String, Diagnostic> {
+    let mut bytes = Vec::new();
+    let mut line = Line::default();
+    loop {
+        let before = bytes.len();
+        let piece = reader.by_ref().take(PIECE).read_to_end(&mut bytes);
+        piece.map_err(|e| refusals::unreadable(name, &e))?;
+        let new = bytes.get(before..).unwrap_or_default();
+        if new.is_empty() {
+            break;
+        }
+        if let Some(d) = too_large(name, bytes.len() as u64, limits) {
+            return Err(d);
+        }
+        let binary = match before {
+            0 => refusals::not_text(name, new),
+            _ => refusals::nul(name, before, new),
+        };
+        if let Some(d) = binary {
+            return Err(d);
+        }
+        if let Some(number) = line.longer_than(limits.line_bytes, new) {
+            return Err(refusals::line_too_long(name, number, limits.line_bytes));
+        }
+    }
+    utf8(name, bytes)
+}
+
+/// A file of so many bytes is beyond a limit: asked before it is read.
+pub fn too_large(name: &str, bytes: u64, limits: &Limits) -> Option<Diagnostic> {
+    if bytes > limits.file_bytes {
+        return Some(refusals::file_too_large(name, limits.file_bytes));
+    }
+    (bytes > limits.table_bytes).then(|| refusals::text_too_large(name, limits.table_bytes))
+}
+
+fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, Diagnostic> {
+    let mut text = String::from_utf8(bytes)
+        .map_err(|e| refusals::not_utf8(name, e.as_bytes(), e.utf8_error().valid_up_to()))?;
+    // Files put together from others may have several.
+    let marks = text.len() - text.trim_start_matches(MARK).len();
+    text.drain(..marks);
+    Ok(text)
+}
+
+/// The line under way: its number, from 0, and its length so far.
+#[derive(Default)]
+struct Line {
+    number: usize,
+    length: u64,
+}
+
+impl Line {
+    /// Number in the file, from 1, of a line that the new bytes make longer than the limit.
+    fn longer_than(&mut self, limit: u64, new: &[u8]) -> Option<usize> {
+        for part in new.split_inclusive(|b| matches!(b, b'\n' | b'\r')) {
+            self.length += part.len() as u64;
+            if self.length > limit {
+                return Some(self.number + 1);
+            }
+            if part.ends_with(b"\n") {
+                self.number += 1;
+            }
+            if part.ends_with(b"\n") || part.ends_with(b"\r") {
+                self.length = 0;
+            }
+        }
+        None
+    }
+}
