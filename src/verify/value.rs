@@ -86,7 +86,12 @@ impl Bounded {
     }
 
     pub fn scale(self, k: f64) -> Bounded {
-        self.times(Bounded::exact(k))
+        // What is exact stays so: 1 − cos x is zero at rest, and known to be.
+        match k {
+            1.0 => self,
+            -1.0 => self.negative(),
+            k => self.times(Bounded::exact(k)),
+        }
     }
 
     pub fn over(self, other: Bounded) -> Bounded {
