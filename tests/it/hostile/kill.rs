@@ -19,10 +19,7 @@ fn jobs() -> Vec<Job> {
         file,
         old: "what was there before\n".into(),
     };
-    let loose = format!(
-        "{MODEL}{}",
-        "#   a comment\nlet  c =  2\n".replace('c', "q").repeat(1)
-    );
+    let loose = format!("{MODEL}#   a comment\n");
     let ragged: String = (0..8_000).map(|i| format!("let   a{i}=  {i}\n")).collect();
     vec![
         job(
@@ -181,7 +178,8 @@ fn ctrl_c_leaves_the_old_file_or_the_new_one_and_nothing_else() {
                 }
             }
             let pid = child.id().to_string();
-            let _ = Command::new("kill").args(["-INT", &pid]).status();
+            // It may have ended already, which is no fault.
+            let _ = Command::new("kill").args(["-INT", &pid]).output();
             let ran = finished(child, folder.path());
             let known = [0, 1, 3, 130, -2];
             assert!(
