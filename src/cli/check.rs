@@ -66,7 +66,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ));
         text.push_str(&answer::signals_text(&program, &measured));
     }
-    output::print(&text)?;
+    output::show(&text)?;
     // The process ends here; freeing every term of a large library one by one would be a good part of its time.
     std::mem::forget(program);
     Ok(status::PASS)

@@ -30,7 +30,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             continue;
         }
         if args.check {
-            unformatted.push(path.display().to_string());
+            unformatted.push(inputs::shown(path));
         } else {
             output::write(path, &formatted)?;
         }

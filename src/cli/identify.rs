@@ -311,7 +311,7 @@ pub(super) fn conclude(
     if args.json {
         output::print(&document)?;
     } else {
-        output::print(&answer::text(args, candidate, found, others))?;
+        output::show(&answer::text(args, candidate, found, others))?;
     }
     Ok(match found.discovery.passes() {
         true => status::PASS,

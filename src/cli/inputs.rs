@@ -11,7 +11,7 @@ use super::progress::{Line, Work};
 use crate::data::{self, Limits, Table};
 use crate::lang;
 use crate::lang::diagnostic::{Diagnostic, Severity};
-use crate::lang::source::{FileId, Sources};
+use crate::lang::source::{FileId, Sources, printable};
 use crate::result::FileEntry;
 
 /// Largest model, bytes: far beyond any written by hand, and little enough that whatever it says is understood in seconds.
@@ -50,7 +50,7 @@ impl Inputs {
             [model] => Ok(model),
             [_, second, ..] => Err(Failure::new(format!(
                 "error[several-models]: one model at a time; {} is a second one",
-                second.display()
+                shown(second)
             ))),
             [] => Err(Failure::new("error[no-model]: no model")),
         }
@@ -215,6 +215,11 @@ pub fn short_name(path: &Path) -> String {
     )
 }
 
+/// A path as messages show it: a name may be any bytes.
+pub fn shown(path: &Path) -> String {
+    printable(&path.display().to_string())
+}
+
 /// Diagnostics as text, in colour on a terminal.
 pub fn render(diagnostics: &[Diagnostic], sources: &Sources) -> String {
     let colour = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
@@ -260,7 +265,7 @@ pub fn report<T>(
 }
 
 fn unreadable(path: &Path, why: &str) -> Failure {
-    Failure::new(format!("error[unreadable-file]: {}: {why}", path.display()))
+    Failure::new(format!("error[unreadable-file]: {}: {why}", shown(path)))
 }
 
 fn open(path: &Path) -> Result<File, Failure> {

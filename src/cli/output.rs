@@ -4,7 +4,13 @@ use std::fs::{File, Metadata};
 use std::io::Write;
 use std::path::Path;
 
-use super::{Failure, limits};
+use super::{Failure, inputs, limits};
+use crate::lang::source::printable;
+
+/// Prints what people read: names from files steer no terminal.
+pub fn show(text: &str) -> Result<(), Failure> {
+    print(&printable(text))
+}
 
 /// Prints to stdout in one piece; a closed pipe is no fault.
 pub fn print(text: &str) -> Result<(), Failure> {
@@ -22,7 +28,8 @@ const TEMPORARY: &str = ".sidc-";
 /// the file keeps its permissions.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     let fail = |e: &dyn std::fmt::Display| {
-        Failure::new(format!("error[unwritable-file]: {}: {e}", path.display()))
+        let place = inputs::shown(path);
+        Failure::new(format!("error[unwritable-file]: {place}: {e}"))
     };
     let old = std::fs::metadata(path).ok();
     if old.as_ref().is_some_and(|m| !m.is_file()) {

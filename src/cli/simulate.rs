@@ -104,7 +104,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     if args.json {
         output::print(&report::document(d, &name, &runs)?)?;
     } else {
-        output::print(&report::text(d, &runs, &options))?;
+        output::show(&report::text(d, &runs, &options))?;
     }
     let ended = runs.iter().any(|r| r.fault().is_some()) || runs.len() < dataset.trajectories.len();
     Ok(if ended { status::DOUBT } else { status::PASS })

@@ -85,7 +85,7 @@ impl Reading {
             lines.push(format!("  step {step:?}\n"));
         }
         if let Some(run) = &self.run {
-            if run.chars().any(|c| c == '"' || c.is_control()) {
+            if run.contains(['"', '\n']) {
                 return Err(format!("{run:?} is no header"));
             }
             lines.push(format!("  run = \"{run}\"\n"));
@@ -130,7 +130,8 @@ fn is_arithmetic(text: &str) -> bool {
     for c in text.chars() {
         match c {
             '"' => quoted = !quoted,
-            c if c.is_control() => return false,
+            '\n' => return false,
+            // Whatever a model may have in quotes.
             _ if quoted => {}
             c if c.is_ascii_alphanumeric() || " _.+-*/^(),".contains(c) => {}
             _ => return false,

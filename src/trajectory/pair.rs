@@ -18,7 +18,7 @@ pub(super) fn guided<A, B: Send>(
     a: impl FnOnce(GoOn) -> A,
     b: impl FnOnce(GoOn) -> B + Send,
 ) -> (A, B) {
-    let stopped = AtomicBool::new(false);
+    let (stopped, done) = (AtomicBool::new(false), AtomicBool::new(false));
     let mut asks = || {
         let on = !stopped.load(Ordering::Relaxed) && guide.in_time();
         stopped.store(!on, Ordering::Relaxed);
@@ -27,12 +27,14 @@ pub(super) fn guided<A, B: Send>(
     let caller = thread::current();
     thread::scope(|scope| {
         let other = scope.spawn(|| {
-            let done = b(&mut || !stopped.load(Ordering::Relaxed));
+            let b = b(&mut || !stopped.load(Ordering::Relaxed));
+            done.store(true, Ordering::Release);
             caller.unpark();
-            done
+            b
         });
         let a = a(&mut asks);
-        while !other.is_finished() {
+        // A thread that failed is finished and has not done its work.
+        while !done.load(Ordering::Acquire) && !other.is_finished() {
             thread::park_timeout(PATIENCE);
             asks();
         }

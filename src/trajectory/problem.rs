@@ -67,6 +67,9 @@ impl Point {
     }
 }
 
+/// All columns, and which of them each law has.
+type All<'a> = (&'a Tape, &'a [Range<usize>]);
+
 /// Noise of the laws from sample to sample, relative to the sensors': enough to forgive rounding and chaos, too little to add up
 /// to anything over a record.
 const SLACK: f64 = 3e-3;
@@ -316,7 +319,7 @@ impl Problem {
     /// given up leads nowhere either.
     fn eliminate(
         &self,
-        (code, all): (&Code, Option<(&Tape, &[Range<usize>])>),
+        (code, all): (&Code, Option<All>),
         at: &Point,
         gather: &mut impl Gather,
         (keep, parts): (bool, &[(usize, Range<usize>)]),

@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 use super::random;
 use super::reference::{Case, check, compare, number};
 use super::systems;
+use crate::hostile::corpus;
 use crate::program::root;
 use sidc::emit;
 
@@ -18,19 +19,8 @@ const POINTS: usize = 4;
 fn cases() -> Vec<Case> {
     let written = systems().into_iter().map(|(_, d)| d);
     let drawn = (0..SYSTEMS).map(random::system);
-    let all = written.chain(hostile()).chain(drawn).enumerate();
+    let all = written.chain([corpus::system()]).chain(drawn).enumerate();
     all.map(|(i, d)| Case::new(d, POINTS, i as u64)).collect()
-}
-
-/// Names that are code in some language.
-#[cfg(unix)]
-fn hostile() -> Option<sidc::discover::Discovery> {
-    Some(crate::hostile::names::system())
-}
-
-#[cfg(not(unix))]
-fn hostile() -> Option<sidc::discover::Discovery> {
-    None
 }
 
 fn emitted(target: &str, case: &Case) -> String {

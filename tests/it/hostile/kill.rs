@@ -19,10 +19,7 @@ fn jobs() -> Vec<Job> {
         file,
         old: "what was there before\n".into(),
     };
-    let loose = format!(
-        "{MODEL}{}",
-        "#   a comment\nlet  c =  2\n".replace('c', "q").repeat(1)
-    );
+    let loose = format!("{MODEL}#   a comment\n");
     let ragged: String = (0..8_000).map(|i| format!("let   a{i}=  {i}\n")).collect();
     vec![
         job(
@@ -131,16 +128,7 @@ fn a_kill_leaves_the_old_file_or_the_new_one() {
     for job in jobs() {
         let (new, takes) = whole(&job, folder.path());
         // Parts of the time that a run takes, and the moment the file is there.
-        for part in [
-            0.05,
-            0.4,
-            0.8,
-            0.95,
-            1.0,
-            f64::INFINITY,
-            f64::INFINITY,
-            f64::INFINITY,
-        ] {
+        for part in [0.3, 0.8, 1.0, f64::INFINITY, f64::INFINITY] {
             std::fs::write(folder.path().join(job.file), &job.old).unwrap();
             let mut child = started(folder.path(), job.args);
             if part.is_finite() {
@@ -171,7 +159,7 @@ fn ctrl_c_leaves_the_old_file_or_the_new_one_and_nothing_else() {
     let folder = workshop();
     for job in jobs() {
         let (new, takes) = whole(&job, folder.path());
-        for part in [0.3, 0.9, f64::INFINITY, f64::INFINITY] {
+        for part in [0.9, f64::INFINITY] {
             std::fs::write(folder.path().join(job.file), &job.old).unwrap();
             let mut child = started(folder.path(), job.args);
             match part.is_finite() {
@@ -181,7 +169,8 @@ fn ctrl_c_leaves_the_old_file_or_the_new_one_and_nothing_else() {
                 }
             }
             let pid = child.id().to_string();
-            let _ = Command::new("kill").args(["-INT", &pid]).status();
+            // It may have ended already, which is no fault.
+            let _ = Command::new("kill").args(["-INT", &pid]).output();
             let ran = finished(child, folder.path());
             let known = [0, 1, 3, 130, -2];
             assert!(

@@ -3,6 +3,7 @@
 //! Every child runs under a limit of memory and is killed after a time that no honest run takes; what is asserted is its status, its
 //! words, and how much memory it touched. docs/robustness.md says the same in words.
 
+pub mod corpus;
 #[cfg(unix)]
 mod files;
 #[cfg(unix)]
@@ -10,7 +11,7 @@ mod kill;
 #[cfg(unix)]
 mod models;
 #[cfg(unix)]
-pub mod names;
+mod names;
 #[cfg(unix)]
 mod outputs;
 mod reader;

@@ -43,8 +43,11 @@ fn interrupted(folder: &Path, args: &[&str], mark: Option<&str>, listens: bool) 
         });
     }
     if listens {
+        // The shell before it may listen too.
+        let name = format!("/proc/{}/comm", child.id());
+        let own = || std::fs::read_to_string(&name).is_ok_and(|n| n.trim() == "sidc");
         wait_until(&mut child, "listening", |c| {
-            signals(c, "SigCgt:") || signals(c, "SigIgn:")
+            own() && (signals(c, "SigCgt:") || signals(c, "SigIgn:"))
         });
     }
     if signals(&child, "SigIgn:") {
