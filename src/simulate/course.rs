@@ -103,6 +103,10 @@ impl Course {
             (i, Between::Hold) => flat(value(i - 1)),
             (i, Between::Linear) => {
                 let slope = (value(i) - value(i - 1)) / (time[i] - time[i - 1]);
+                if !slope.is_finite() {
+                    // Steeper than a number can be: a jump at the next sample.
+                    return flat(value(i - 1));
+                }
                 Line {
                     from: time[i - 1] + self.late,
                     value: value(i - 1),
@@ -146,7 +150,11 @@ fn bridge(time: &[f64], values: &mut [f64], between: Between) -> Option<()> {
             (_, None, _) => values[first],
             (Between::Linear, Some(a), Some(b)) => {
                 let share = (time[i] - time[a]) / (time[*b] - time[a]);
-                values[a] + share * (values[*b] - values[a])
+                let rise = values[*b] - values[a];
+                match rise.is_finite() {
+                    true => values[a] + share * rise,
+                    false => (1.0 - share) * values[a] + share * values[*b],
+                }
             }
             (_, Some(a), _) => values[a],
         };
@@ -171,5 +179,18 @@ mod tests {
         let late = Course::new(&time, &[5.0, 6.0, 7.0], Between::Hold, 0.25).unwrap();
         assert_eq!(late.line(&time, 1.0).at(1.2), 5.0);
         assert_eq!(late.line(&time, 1.25).at(1.3), 6.0);
+    }
+
+    #[test]
+    fn no_input_is_too_steep_or_too_large_for_a_value() {
+        let time = [0.0, 1e-6, 2e-6, 3e-6];
+        let samples = [1e305, -1e305, 1.0, 2.0];
+        let steep = Course::new(&time, &samples, Between::Linear, 0.0).unwrap();
+        assert_eq!(steep.line(&time, 0.0).at(1e-6), 1e305);
+        assert_eq!(steep.line(&time, 1e-6).at(1.5e-6), -1e305);
+        assert!((steep.line(&time, 2e-6).at(2.5e-6) - 1.5).abs() < 1e-9);
+        let gap = [1.7e308, f64::NAN, -1.7e308, 0.0];
+        let bridged = Course::new(&time, &gap, Between::Linear, 0.0).unwrap();
+        assert!(bridged.sample(1).abs() < 1e300);
     }
 }

@@ -295,7 +295,8 @@ impl Whole<'_> {
         let sizes = state.iter().map(|s| drives::size(self.record, *s));
         let sizes: Vec<f64> = sizes.collect();
         let largest = sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
-        let bounds = largest.map(|s| BEYOND * s).collect();
+        // What is infinite is beyond any bound.
+        let bounds = largest.map(|s| (BEYOND * s).min(f64::MAX)).collect();
         let mut guard = Guard::new(sizes, bounds, state.clone(), budget, go_on);
         if !self.d.discrete {
             return march(leg, x, &mut guard);

@@ -716,3 +716,21 @@ fn an_output_without_a_value_is_said_and_ends_nothing() {
         said
     );
 }
+
+/// A state whose bound is beyond all numbers has left its world where it becomes infinite.
+#[test]
+fn a_state_that_becomes_infinite_ends_the_run() {
+    let opened = continuous(&["state x 1"], &[("dx", &[(1e308, "1")])]);
+    let data = csv(4, 1.0, &[("x", &|t| 1e307 * t)]);
+    for method in [Method::Explicit, Method::Stiff] {
+        let options = Options {
+            method,
+            ..Options::default()
+        };
+        let run = run(&opened, &data, &options).unwrap();
+        let fault = run.fault().expect("2e308 is no number");
+        assert_ne!(fault.kind, FaultKind::Stopped);
+        assert!(column(&run, &opened, "x").iter().all(|x| x.is_finite()));
+        assert!(run.legs[0].rows.end <= 2, "{:?}", run.legs);
+    }
+}
