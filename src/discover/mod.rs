@@ -28,6 +28,7 @@ mod tied_support;
 mod ties;
 mod together;
 mod trust;
+mod unfitted;
 mod watch;
 mod weak;
 mod weights;
@@ -50,10 +51,11 @@ pub use form::{Form, Rate, Row};
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
-pub use joint::{Fitted, discover_jointly, joint, nothing_fits};
+pub use joint::{Fitted, discover_jointly, joint};
 pub use rows::{Split, SplitMix, split};
 pub use ties::check_constraints;
 pub use trust::{Halves, MARKS, Mark, Marks, Nearest, Stretches, Trust, Without};
+pub use unfitted::nothing_fits;
 pub use watch::{Stage, Step, Stop, Watch, unweighed};
 pub use weights::Weights;
 pub use witness::{Verification, VerifiedProof, Witness};
