@@ -1,6 +1,6 @@
 //! An equation and its proof checked once more, by other code and in 106 bits.
 //!
-//! In: an equation with its [`Witness`](crate::discover::Witness), its library, the samples. Out: a [`Verification`]: figures that no rounding can have flattered, what does
+//! In: an equation with its [`Witness`], its library, the samples. Out: a [`Verification`]: figures that no rounding can have flattered, what does
 //! not hold, and what was not checked. Every term is evaluated afresh from the signals, which count as exact, and every sum made
 //! anew. It shares no code with solvers, certificates and dictionaries, and never changes an equation.
 
