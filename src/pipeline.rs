@@ -256,6 +256,18 @@ pub fn validate(
     validate::validate((found, &program.model), data, go_on)
 }
 
+impl Program {
+    /// The place of an equation in the model and its library; `None` if nothing is looked for there.
+    fn sought(&self, target: Signal) -> Option<(usize, &Library)> {
+        let place = self
+            .model
+            .equations
+            .iter()
+            .position(|e| e.target == target)?;
+        Some((place, self.libraries.get(place)?.as_ref()?))
+    }
+}
+
 /// Every signal that some equation mentions, each once, sorted.
 pub fn needed(program: &Program) -> Vec<Signal> {
     let mut all = Vec::new();

@@ -119,14 +119,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ));
     }
     let (paths, held) = held_out(args, &files);
-    let line = args.talk.line(&limits);
-    let read = inputs::tables_and_entries(&paths, args.memory_limit, &mut sources, &line);
-    drop(line);
-    let (tables, entries) = read?;
-    narrator.done(&format!(
-        "{} read",
-        counted(tables.len(), "table", "tables")
-    ));
+    let read = (args.memory_limit, &mut sources);
+    let (tables, entries) = args.talk.tables(&paths, read, (&limits, &narrator))?;
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,

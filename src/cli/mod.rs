@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand; the only place that touches files and terminals.
 
+mod against;
 mod answer;
 mod candidates;
 mod check;

@@ -1,12 +1,18 @@
 //! What a command that takes long says meanwhile: notes, a line of progress, and with `-v` every stage with its time.
 
 use std::cell::RefCell;
+use std::path::PathBuf;
 use std::time::Instant;
 
-use super::inputs::Notes;
+use super::Failure;
+use super::check::counted;
+use super::inputs::{self, Notes};
 use super::limits::Limits;
 use super::progress::{self, Line};
+use crate::data::Table;
 use crate::discover::{Stage, Step};
+use crate::lang::source::Sources;
+use crate::result::FileEntry;
 
 /// How much is said on stderr.
 #[derive(clap::Args)]
@@ -29,6 +35,25 @@ impl Talk {
 
     pub fn line(&self, limits: &Limits) -> Line {
         Line::start(!self.quiet, limits)
+    }
+
+    /// Reads every data file into so much memory at most, told of meanwhile; what each is known by.
+    ///
+    /// # Errors
+    /// All faults of all files.
+    pub fn tables(
+        &self,
+        paths: &[PathBuf],
+        (memory, sources): (u64, &mut Sources),
+        (limits, narrator): (&Limits, &Narrator),
+    ) -> Result<(Vec<Table>, Vec<FileEntry>), Failure> {
+        let line = self.line(limits);
+        let read = inputs::tables_and_entries(paths, memory, sources, &line);
+        drop(line);
+        let read = read?;
+        let tables = counted(read.0.len(), "table", "tables");
+        narrator.done(&format!("{tables} read"));
+        Ok(read)
     }
 
     pub fn narrator(&self) -> Narrator {

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use super::check::counted;
 use super::inputs::{self, Inputs};
 use super::limits::{self, Limits};
 use super::narrate::Talk;
@@ -64,13 +63,9 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             "error[not-smooth]: samples in discrete time are not samples of a smooth curve\n  = help: a model with derivatives, `dx ~ …`, smooths its signals",
         ));
     }
-    let line = args.talk.line(&Limits::start(None));
-    let tables = inputs::tables(&files.data, args.memory_limit, &mut sources, &line)?;
-    drop(line);
-    narrator.done(&format!(
-        "{} read",
-        counted(tables.len(), "table", "tables")
-    ));
+    let limits = Limits::start(None);
+    let read = (args.memory_limit, &mut sources);
+    let (tables, _) = (args.talk).tables(&files.data, read, (&limits, &narrator))?;
     let (mut dataset, mut said) = data::bind(model, &tables, &args.params, &mut sources);
     if !said.iter().any(Diagnostic::is_error) {
         said.extend(data::keep_window(
@@ -83,7 +78,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let whole = !said.iter().any(Diagnostic::is_error);
     inputs::report((whole.then_some(()), said), &sources, notes)?;
 
-    let line = args.talk.line(&Limits::start(None));
+    let line = args.talk.line(&limits);
     let mut found = Vec::new();
     let curves: Vec<Vec<Curve>> = dataset
         .trajectories

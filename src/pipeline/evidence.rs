@@ -13,7 +13,6 @@ use crate::discover::{
 };
 use crate::frame::Frame;
 use crate::identifiability::{self, Rows};
-use crate::library::Library;
 use crate::term::Signal;
 use crate::uncertainty;
 
@@ -53,8 +52,9 @@ pub(super) fn weigh(
     }
     uncertainty::mark(discovery);
     for failed in &mut discovery.failed {
-        let library = library(program, failed.target);
-        let lacks = library.and_then(|l| identifiability::lacking(&program.model, l, rows, failed));
+        let sought = program.sought(failed.target);
+        let lacks =
+            sought.and_then(|(_, l)| identifiability::lacking(&program.model, l, rows, failed));
         if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
             reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
         }
@@ -117,17 +117,11 @@ fn one(program: &Program, rows: Rows, options: &Options, equation: &Equation) ->
     if equation.was_stopped() {
         return None;
     }
-    let library = library(program, equation.target)?;
+    let (_, library) = program.sought(equation.target)?;
     let frame = Frame::new(&program.model, library, rows.samples, equation, options)?;
     Some(Judged {
         told: Some(identifiability::judge(&frame, library, rows)),
         stretches: uncertainty::stretches(&frame),
         readings: Some(frame.noise.rows),
     })
-}
-
-fn library(program: &Program, target: Signal) -> Option<&Library> {
-    let places = program.model.equations.iter().zip(&program.libraries);
-    let mut own = places.filter(|(e, _)| e.target == target);
-    own.find_map(|(_, l)| l.as_ref())
 }

@@ -7,7 +7,6 @@ use super::{Measured, Program};
 use crate::discover::{
     Discovery, Equation, Reason, Stage, Status, Step, Stop, Verification, Watch,
 };
-use crate::library::Library;
 use crate::verify::{self, Case};
 
 /// Checks every equation that was found, by other code and in other arithmetic. Where `watch` ends the work, equations that
@@ -15,13 +14,13 @@ use crate::verify::{self, Case};
 pub fn verify(program: &Program, measured: &Measured, discovery: &mut Discovery, watch: Watch) {
     let mut stopped = None;
     for at in 0..discovery.equations.len() {
-        let Some((place, library)) = sought(program, discovery, at) else {
+        let Some((place, case)) = case(program, measured, discovery, at) else {
             continue;
         };
         let checked = match stopped {
             Some(stop) => Err(stop),
-            None => one(discovery, at, (library, measured), &mut |columns| {
-                let stage = Stage::Verifying(columns, library.slots());
+            None => one(&case, &mut |columns| {
+                let stage = Stage::Verifying(columns, case.library.slots());
                 let step = Step {
                     equation: place,
                     stage,
@@ -39,40 +38,19 @@ pub fn verify(program: &Program, measured: &Measured, discovery: &mut Discovery,
 /// Products in 106 bits that checking all equations takes.
 pub fn verification_work(program: &Program, measured: &Measured, discovery: &Discovery) -> u128 {
     let all = 0..discovery.equations.len();
-    let case = |at: usize| {
-        let (_, library) = sought(program, discovery, at)?;
-        Some(verify::work(&Case {
-            names: discovery,
-            equation: discovery.equations.get(at)?,
-            library,
-            samples: &measured.samples,
-            dataset: &measured.dataset,
-        }))
-    };
-    all.filter_map(case).sum()
+    let cases = all.filter_map(|at| case(program, measured, discovery, at));
+    cases.map(|(_, case)| verify::work(&case)).sum()
 }
 
-/// The place in the model and the library of an equation that was sought.
-fn sought<'a>(
+/// An equation that was sought, with its place in the model.
+fn case<'a>(
     program: &'a Program,
-    discovery: &Discovery,
+    measured: &'a Measured,
+    discovery: &'a Discovery,
     at: usize,
-) -> Option<(usize, &'a Library)> {
-    let target = discovery.equations.get(at)?.target;
-    let all = program.model.equations.iter();
-    let place = all.clone().position(|e| e.target == target)?;
-    Some((place, program.libraries.get(place)?.as_ref()?))
-}
-
-fn one(
-    discovery: &Discovery,
-    at: usize,
-    (library, measured): (&Library, &Measured),
-    watch: &mut dyn FnMut(usize) -> Option<Stop>,
-) -> Result<Option<Verification>, Stop> {
-    let Some(equation) = discovery.equations.get(at) else {
-        return Ok(None);
-    };
+) -> Option<(usize, Case<'a>)> {
+    let equation = discovery.equations.get(at)?;
+    let (place, library) = program.sought(equation.target)?;
     let case = Case {
         names: discovery,
         equation,
@@ -80,11 +58,18 @@ fn one(
         samples: &measured.samples,
         dataset: &measured.dataset,
     };
+    Some((place, case))
+}
+
+fn one(
+    case: &Case,
+    watch: &mut dyn FnMut(usize) -> Option<Stop>,
+) -> Result<Option<Verification>, Stop> {
     let mut stop = watch(0);
     if let Some(stop) = stop {
         return Err(stop);
     }
-    let verified = verify::verify(&case, &mut |columns| {
+    let verified = verify::verify(case, &mut |columns| {
         stop = watch(columns);
         stop.is_none()
     });

@@ -7,7 +7,7 @@ use serde_json::Value;
 use sidc::lang::source::Sources;
 use sidc::pipeline;
 
-use super::program::{Run, file, sidc, sidc_in};
+use super::program::{Run, error_codes, file, sidc, sidc_in};
 
 const CARTS: &str = "models/two_carts.sid";
 const DATA: &str = "models/data/two_carts.csv";
@@ -272,11 +272,7 @@ fn errors(text: &str) -> Vec<&'static str> {
     let mut sources = Sources::default();
     let file = sources.add("m.sid", text);
     let (_, found) = pipeline::compile(file, &sources, pipeline::MEMORY);
-    found
-        .iter()
-        .filter(|d| d.is_error())
-        .map(|d| d.code)
-        .collect()
+    error_codes(&found)
 }
 
 /// Constraints that share nothing are judged apart, those that share coefficients up to a number: neither takes the day.

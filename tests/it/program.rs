@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use sidc::lang::diagnostic::Diagnostic;
+
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -41,6 +43,12 @@ pub fn sidc(args: &[&str]) -> Run {
 /// A file of the repository.
 pub fn file(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap()
+}
+
+/// Codes of what is wrong, of all that was said.
+pub fn error_codes(found: &[Diagnostic]) -> Vec<&'static str> {
+    let errors = found.iter().filter(|d| d.is_error());
+    errors.map(|d| d.code).collect()
 }
 
 /// A text in words and numbers, in turn.

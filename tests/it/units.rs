@@ -8,7 +8,7 @@ use sidc::pipeline;
 use sidc::result;
 use sidc::units::{Likeness, Unit, coefficient, parse};
 
-use super::program::{sidc, sidc_in};
+use super::program::{error_codes, sidc, sidc_in};
 
 fn unit(text: &str) -> Unit {
     parse(text).unwrap_or_else(|f| panic!("{text}: {f:?}")).0
@@ -319,11 +319,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     let mut sources = Sources::default();
     let file = sources.add("m.sid", text);
     let (_, found) = lang::compile(file, &sources, &pipeline::vocabulary());
-    found
-        .iter()
-        .filter(|d| d.is_error())
-        .map(|d| d.code)
-        .collect()
+    error_codes(&found)
 }
 
 #[test]

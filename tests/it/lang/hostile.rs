@@ -9,6 +9,7 @@ use sidc::lang::parse;
 use sidc::lang::source::FileId;
 
 use super::{compiled, formatting, texts_in};
+use crate::program::error_codes;
 
 const WORDS: &[&str] = &[
     "state",
@@ -204,12 +205,7 @@ fn what_short_names_stand_for_is_counted_in_the_whole_file() {
     ] {
         in_time(&text);
         let (_, found, said) = compiled("large.sid", &text);
-        let errors: Vec<&str> = found
-            .iter()
-            .filter(|d| d.is_error())
-            .map(|d| d.code)
-            .collect();
-        assert_eq!(errors, ["too-large"], "{said}");
+        assert_eq!(error_codes(&found), ["too-large"], "{said}");
         assert!(said.contains("more than 2000000 parts"), "{said}");
     }
 }
