@@ -32,11 +32,7 @@ impl Drive {
     pub fn line(&self, time: &[f64], t: f64) -> Line {
         match self {
             Drive::Course(c) => c.line(time, t),
-            Drive::Slope(c) => Line {
-                from: t,
-                value: c.line(time, t).slope,
-                slope: 0.0,
-            },
+            Drive::Slope(c) => Line::flat(t, c.line(time, t).slope),
             Drive::Rest => Line::default(),
         }
     }
@@ -56,12 +52,26 @@ pub(super) struct Line {
     pub from: f64,
     pub value: f64,
     pub slope: f64,
+    /// Where it meets the next, and the value there without rounding.
+    pub meets: (f64, f64),
 }
 
 impl Line {
+    fn flat(from: f64, value: f64) -> Line {
+        Line {
+            from,
+            value,
+            slope: 0.0,
+            meets: (from, value),
+        }
+    }
+
     #[inline]
     pub fn at(&self, t: f64) -> f64 {
-        self.value + self.slope * (t - self.from)
+        match self.meets {
+            (end, value) if t == end => value,
+            _ => self.value + self.slope * (t - self.from),
+        }
     }
 
     /// True if `next` goes on where this one ends.
@@ -92,11 +102,7 @@ impl Course {
         let row = after(time, own);
         let value = |i: usize| self.values.get(i).copied().unwrap_or(0.0);
         let last = self.values.len() - 1;
-        let flat = |value| Line {
-            from: t,
-            value,
-            slope: 0.0,
-        };
+        let flat = |value| Line::flat(t, value);
         match (row, self.between) {
             (0, _) => flat(value(0)),
             (i, _) if i > last => flat(value(last)),
@@ -111,6 +117,7 @@ impl Course {
                     from: time[i - 1] + self.late,
                     value: value(i - 1),
                     slope,
+                    meets: (time[i] + self.late, value(i)),
                 }
             }
         }

@@ -11,38 +11,51 @@ use super::flow::{Ended, Flow, Guard};
 pub(super) const TOLERANCE: f64 = 1e-13;
 /// h·λ near the method's limit of stability (3.31 on the real axis), in so many steps, and in how many others between them not.
 const STABILITY: (f64, usize, usize) = (3.0, 15, 6);
+/// A step is at most so many times the last one.
+const GROWTH: f64 = 8.0;
+/// An error this small allows more than that: (0.9/8)⁵.
+const SMALL: f64 = 1.8e-5;
 /// Steps between two stops that are too many for an explicit method, whatever the reason.
 const MANY: usize = 20_000;
 /// Steps are not made smaller than this, relative to the time.
 const SMALLEST: f64 = 1e-15;
 
-const NODES: [f64; 7] = [0.0, 0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
-const STAGES: [&[f64]; 7] = [
-    &[],
-    &[0.2],
-    &[3.0 / 40.0, 9.0 / 40.0],
-    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-    &[
-        19372.0 / 6561.0,
-        -25360.0 / 2187.0,
-        64448.0 / 6561.0,
-        -212.0 / 729.0,
-    ],
-    &[
-        9017.0 / 3168.0,
-        -355.0 / 33.0,
-        46732.0 / 5247.0,
-        49.0 / 176.0,
-        -5103.0 / 18656.0,
-    ],
-    &[
-        35.0 / 384.0,
-        0.0,
-        500.0 / 1113.0,
-        125.0 / 192.0,
-        -2187.0 / 6784.0,
-        11.0 / 84.0,
-    ],
+/// When each stage is, as a part of the step, and what of the slopes so far leads to it.
+const STAGES: [(f64, &[f64]); 7] = [
+    (0.0, &[]),
+    (0.2, &[0.2]),
+    (0.3, &[3.0 / 40.0, 9.0 / 40.0]),
+    (0.8, &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0]),
+    (
+        8.0 / 9.0,
+        &[
+            19372.0 / 6561.0,
+            -25360.0 / 2187.0,
+            64448.0 / 6561.0,
+            -212.0 / 729.0,
+        ],
+    ),
+    (
+        1.0,
+        &[
+            9017.0 / 3168.0,
+            -355.0 / 33.0,
+            46732.0 / 5247.0,
+            49.0 / 176.0,
+            -5103.0 / 18656.0,
+        ],
+    ),
+    (
+        1.0,
+        &[
+            35.0 / 384.0,
+            0.0,
+            500.0 / 1113.0,
+            125.0 / 192.0,
+            -2187.0 / 6784.0,
+            11.0 / 84.0,
+        ],
+    ),
 ];
 /// Weights of the 5th order less those of the 4th.
 const ERROR: [f64; 7] = [
@@ -68,17 +81,21 @@ pub(super) enum Reached {
 pub(super) struct Explicit {
     /// The step that the last error suggests; 0 if there was none.
     h: f64,
-    slopes: [Vec<f64>; 7],
+    /// Of every component at every stage.
+    slopes: Vec<[f64; 7]>,
+    /// Of every component at one stage.
+    rates: Vec<f64>,
     stage: Vec<f64>,
     end: Vec<f64>,
-    /// `slopes[0]` belongs to the present state and inputs.
+    /// The first slopes belong to the present state and inputs.
     fresh: bool,
 }
 
 impl Explicit {
     pub fn new(n: usize) -> Explicit {
         Explicit {
-            slopes: std::array::from_fn(|_| vec![0.0; n]),
+            slopes: vec![[0.0; 7]; n],
+            rates: vec![0.0; n],
             stage: vec![0.0; n],
             end: vec![0.0; n],
             ..Explicit::default()
@@ -109,13 +126,16 @@ impl Explicit {
             // The last step is stretched rather than leaving a sliver.
             let left = stop - t;
             let last = self.h >= 0.999 * left;
-            let h = if last { left } else { self.h };
+            let (h, end) = match last {
+                true => (left, stop),
+                false => (self.h, t + self.h),
+            };
             if h <= smallest {
                 return Err((failed.unwrap_or(FaultKind::StepTooSmall), t));
             }
             steps += 1;
             guard.check(t, x, flow.work.calls)?;
-            let error = match self.attempt(flow, t, x, h, guard) {
+            let error = match self.attempt(flow, (t, end), x, h, guard) {
                 Ok(error) => error,
                 Err(kind) => {
                     // Beyond the end of its world the trial step sees nothing; nearer by it may.
@@ -124,7 +144,10 @@ impl Explicit {
                     continue;
                 }
             };
-            let factor = 0.9 * error.max(1e-12).powf(-0.2);
+            let factor = match error {
+                small if small < SMALL => GROWTH,
+                _ => 0.9 * error.powf(-0.2),
+            };
             if error > 1.0 {
                 self.h = h * factor.clamp(0.1, 1.0);
                 continue;
@@ -141,10 +164,10 @@ impl Explicit {
                 };
             }
             x.copy_from_slice(&self.end);
-            self.slopes.swap(0, 6);
-            t = if last { stop } else { t + h };
+            self.slopes.iter_mut().for_each(|k| k.swap(0, 6));
+            t = end;
             // A step cut short by a stop says nothing against a longer one.
-            let next = h * factor.min(8.0);
+            let next = h * factor.min(GROWTH);
             self.h = if last { next.max(self.h) } else { next };
             if watch && t < stop && (limits >= STABILITY.1 || steps > MANY) {
                 return Ok(Reached::Stiff(t));
@@ -184,63 +207,70 @@ impl Explicit {
         x: &[f64],
         guard: &Guard,
     ) -> Result<(), Ended> {
-        flow.rates(t, x, &mut self.slopes[0])
+        flow.rates(t, x, &mut self.rates)
             .map_err(|kind| (kind, t))?;
-        self.fresh = true;
         let sizes = x.iter().zip(&guard.sizes).map(|(x, s)| x.abs() + s);
-        let moves = self.slopes[0].iter().zip(sizes).map(|(k, s)| k.abs() / s);
+        let moves = self.rates.iter().zip(sizes).map(|(k, s)| k.abs() / s);
         let fastest = moves.fold(0.0, f64::max);
         self.h = f64::min(stop - t, 0.01 / fastest.max(1e-300));
         Ok(())
     }
 
-    /// One step from x to `end`; its error, 1 being what is allowed.
+    /// One step from x to `end`, over a time of h; its error, 1 being what is allowed.
     fn attempt(
         &mut self,
         flow: &mut Flow,
-        t: f64,
+        (t, end): (f64, f64),
         x: &[f64],
         h: f64,
         guard: &Guard,
     ) -> Result<f64, FaultKind> {
         if !self.fresh {
-            flow.rates(t, x, &mut self.slopes[0])?;
+            flow.rates(t, x, &mut self.rates)?;
+            self.keep(0);
             self.fresh = true;
         }
-        for (stage, (weights, node)) in STAGES.iter().zip(NODES).enumerate().skip(1) {
-            let (known, rest) = self.slopes.split_at_mut(stage);
+        for (stage, (node, weights)) in STAGES.iter().enumerate().skip(1) {
             // The last two stages are kept: their distance tells how fast the fastest motion is.
-            let target = if stage == 6 {
-                &mut self.end
-            } else {
-                &mut self.stage
+            let target = match stage {
+                6 => &mut self.end,
+                _ => &mut self.stage,
             };
-            for (i, z) in target.iter_mut().enumerate() {
-                let moved = known.iter().zip(*weights);
-                *z = x[i] + h * moved.map(|(k, w)| w * k[i]).sum::<f64>();
+            for ((z, x), k) in target.iter_mut().zip(x).zip(&self.slopes) {
+                *z = x + h * dot(k, weights);
             }
-            flow.rates(t + node * h, target, &mut rest[0])?;
+            // Where it ends is the next one's beginning, to the last bit.
+            let at = if *node == 1.0 { end } else { t + node * h };
+            flow.rates(at, target, &mut self.rates)?;
+            self.keep(stage);
         }
         let mut square = 0.0;
-        for (i, (end, size)) in self.end.iter().zip(&guard.sizes).enumerate() {
-            let slopes = self.slopes.iter().zip(ERROR);
-            let error = h * slopes.map(|(k, e)| e * k[i]).sum::<f64>();
-            let scale = TOLERANCE * (size + x[i].abs().max(end.abs()));
-            square += (error / scale).powi(2);
+        let states = x.iter().zip(&self.end).zip(&guard.sizes);
+        for (((x, end), size), k) in states.zip(&self.slopes) {
+            let scale = TOLERANCE * (size + x.abs().max(end.abs()));
+            square += (h * dot(k, &ERROR) / scale).powi(2);
         }
         let error = (square / x.len().max(1) as f64).sqrt();
         // What is not a number is no step.
         Ok(if error.is_nan() { f64::INFINITY } else { error })
     }
 
+    /// The rates are the slopes of this stage.
+    fn keep(&mut self, stage: usize) {
+        for (k, rate) in self.slopes.iter_mut().zip(&self.rates) {
+            k[stage] = *rate;
+        }
+    }
+
     /// h·|λ| of the fastest motion, from the last two stages.
     fn stretch(&self, h: f64, guard: &Guard) -> f64 {
         let (mut rates, mut states) = (0.0, 0.0);
-        for (i, size) in guard.sizes.iter().enumerate() {
-            rates += ((self.slopes[6][i] - self.slopes[5][i]) / size).powi(2);
+        let stages = self.end.iter().zip(&self.stage).zip(&self.slopes);
+        for (((end, stage), k), size) in stages.zip(&guard.sizes) {
+            rates += ((k[6] - k[5]) / size).powi(2);
             // At such tolerances the slow components differ by rounding only.
-            let rounding = 4.0 * f64::EPSILON * self.end[i].abs();
-            let moved = (self.end[i] - self.stage[i]).abs() - rounding;
+            let rounding = 4.0 * f64::EPSILON * end.abs();
+            let moved = (end - stage).abs() - rounding;
             states += (moved.max(0.0) / size).powi(2);
         }
         if states > 0.0 {
@@ -257,25 +287,23 @@ impl Explicit {
         x: &mut [f64],
         h: f64,
     ) -> Result<(), FaultKind> {
-        let [k1, k2, k3, k4, ..] = &mut self.slopes;
-        flow.rates(t, x, k1)?;
-        moved(&mut self.stage, x, k1, 0.5 * h);
-        flow.rates(t + 0.5 * h, &self.stage, k2)?;
-        moved(&mut self.stage, x, k2, 0.5 * h);
-        flow.rates(t + 0.5 * h, &self.stage, k3)?;
-        moved(&mut self.stage, x, k3, h);
-        flow.rates(t + h, &self.stage, k4)?;
-        for (i, x) in x.iter_mut().enumerate() {
-            *x += h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]);
+        flow.rates(t, x, &mut self.rates)?;
+        self.keep(0);
+        for (stage, part) in [(1, 0.5), (2, 0.5), (3, 1.0)] {
+            for ((z, x), k) in self.stage.iter_mut().zip(&*x).zip(&self.rates) {
+                *z = x + part * h * k;
+            }
+            flow.rates(t + part * h, &self.stage, &mut self.rates)?;
+            self.keep(stage);
+        }
+        for (x, k) in x.iter_mut().zip(&self.slopes) {
+            *x += h / 6.0 * (k[0] + 2.0 * (k[1] + k[2]) + k[3]);
         }
         Ok(())
     }
 }
 
-/// out = x + h·k
 #[inline]
-fn moved(out: &mut [f64], x: &[f64], k: &[f64], h: f64) {
-    for ((z, x), k) in out.iter_mut().zip(x).zip(k) {
-        *z = x + h * k;
-    }
+fn dot(slopes: &[f64; 7], weights: &[f64]) -> f64 {
+    slopes.iter().zip(weights).map(|(k, w)| k * w).sum()
 }

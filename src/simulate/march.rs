@@ -30,6 +30,11 @@ pub(super) struct Rows {
 }
 
 impl Rows {
+    /// Room for so many values.
+    fn reserve(&mut self, values: usize) {
+        self.values.reserve_exact(values);
+    }
+
     pub fn push(&mut self, row: impl IntoIterator<Item = f64>) {
         self.values.extend(row);
         self.count += 1;
@@ -73,6 +78,10 @@ pub(super) fn march(leg: &Leg, start: &[f64], guard: &mut Guard) -> Path {
         stiff: leg.method == Method::Stiff && leg.step.is_none(),
         path: Path::default(),
     };
+    let (form, rows) = (&leg.plant.form, leg.time.len());
+    let width = start.len() + form.rows.len() + form.outputs.len();
+    trip.path.rows.reserve(rows * width);
+    trip.path.inputs.reserve(rows * form.inputs.len());
     if let Err((kind, time)) = trip.run(guard) {
         trip.path.fault = Some(trip.fault(kind, time, guard));
     }

@@ -70,6 +70,7 @@ pub fn simulate(
     }
     let mut notes = Vec::new();
     let drives = drives::drives(d, source.model, &record, &plant.form, &mut notes)?;
+    let sizes = plant.form.state.iter().map(|s| drives::size(t, *s));
     let whole = Whole {
         d,
         model: source.model,
@@ -77,6 +78,7 @@ pub fn simulate(
         record: t,
         plant: &plant,
         drives: &drives,
+        sizes: sizes.collect(),
         options,
     };
     let mut run = whole.run(go_on, &mut notes)?;
@@ -92,6 +94,8 @@ struct Whole<'a> {
     record: &'a Trajectory,
     plant: &'a Plant,
     drives: &'a Drives,
+    /// Typical sizes of the state.
+    sizes: Vec<f64>,
     options: &'a Options,
 }
 
@@ -292,12 +296,10 @@ impl Whole<'_> {
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Path {
         let state = &self.plant.form.state;
-        let sizes = state.iter().map(|s| drives::size(self.record, *s));
-        let sizes: Vec<f64> = sizes.collect();
-        let largest = sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
+        let largest = self.sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
         // What is infinite is beyond any bound.
         let bounds = largest.map(|s| (BEYOND * s).min(f64::MAX)).collect();
-        let mut guard = Guard::new(sizes, bounds, state.clone(), budget, go_on);
+        let mut guard = Guard::new(self.sizes.clone(), bounds, state.clone(), budget, go_on);
         if !self.d.discrete {
             return march(leg, x, &mut guard);
         }
@@ -362,10 +364,9 @@ impl Whole<'_> {
             return (raw, 0);
         }
         let estimated = |s: &Start| matches!(s.origin, Origin::Smoothed | Origin::Differentiated);
-        let free = starts.iter().enumerate().filter(|(_, s)| estimated(s));
-        let free: Vec<(usize, f64)> = free
-            .map(|(i, s)| (i, drives::size(self.record, s.signal)))
-            .collect();
+        let sized = starts.iter().zip(&self.sizes).enumerate();
+        let free = sized.filter(|(_, (s, _))| estimated(s));
+        let free: Vec<(usize, f64)> = free.map(|(i, (_, size))| (i, *size)).collect();
         let Some(found) = settle(&readings, &values(&starts), &free, &mut trial) else {
             return (starts, 0);
         };
