@@ -107,6 +107,14 @@ pub(crate) fn count(line: &str, separator: u8) -> usize {
 }
 
 fn trim(line: &str, start: usize, end: usize) -> (usize, usize) {
+    // Most cells are bare.
+    let ends = line.as_bytes().get(start..end).unwrap_or(&[]);
+    if let ([first, ..], [.., last]) = (ends, ends)
+        && first.is_ascii_graphic()
+        && last.is_ascii_graphic()
+    {
+        return (start, end);
+    }
     let text = line.get(start..end).unwrap_or("");
     let left = text.len() - text.trim_start().len();
     (start + left, start + left + text.trim().len())

@@ -72,6 +72,15 @@ struct Line {
 impl Line {
     /// Number in the file, from 1, of a line that the new bytes make longer than the limit.
     fn longer_than(&mut self, limit: u64, new: &[u8]) -> Option<usize> {
+        if self.length + new.len() as u64 <= limit {
+            let ends = |b: &u8| matches!(b, b'\n' | b'\r');
+            self.number += new.iter().filter(|b| **b == b'\n').count();
+            self.length = match new.iter().rposition(ends) {
+                Some(end) => (new.len() - end - 1) as u64,
+                None => self.length + new.len() as u64,
+            };
+            return None;
+        }
         for part in new.split_inclusive(|b| matches!(b, b'\n' | b'\r')) {
             self.length += part.len() as u64;
             if self.length > limit {

@@ -46,6 +46,39 @@ impl<'a> Lines<'a> {
         rest.iter().filter(ends).count() + 1
     }
 
+    /// Bytes that follow.
+    pub fn length(&self) -> usize {
+        self.text.len().saturating_sub(self.next.start)
+    }
+
+    /// Lines before the next, blank ones and comments too.
+    pub fn before(&self) -> usize {
+        self.next.number - 1
+    }
+
+    /// What follows in up to so many parts of like length; lines of all but the first are numbered from 1.
+    pub fn parts(self, count: usize) -> Vec<Lines<'a>> {
+        let (text, mut next) = (self.text, self.next);
+        let step = self.length() / count.max(1) + 1;
+        let mut parts = Vec::new();
+        while next.start < text.len() || parts.is_empty() {
+            // Never between a carriage return and its line feed.
+            let rest = text.as_bytes().get(next.start + step..).unwrap_or(&[]);
+            let line = rest.iter().position(|b| *b == b'\n');
+            let end = line.map_or(text.len(), |at| next.start + step + at + 1);
+            parts.push(Lines {
+                text: text.get(..end).unwrap_or(text),
+                next,
+                ..self
+            });
+            next = Line {
+                start: end,
+                number: 1,
+            };
+        }
+        parts
+    }
+
     /// The line at a place, and how many bytes end it.
     fn at(&self, rest: &'a str) -> (&'a str, usize) {
         if !self.lone_returns {

@@ -5,17 +5,19 @@
 
 mod cells;
 mod decode;
+mod header;
 mod lines;
 mod refusals;
+mod rows;
 
 use std::io::Read;
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::{Sources, Span};
-use cells::{Cell, Fault};
 pub use decode::too_large;
 use lines::{Line, Lines};
 pub use refusals::bad_cells;
+use rows::{Rows, Shape};
 
 /// How many findings of one kind are shown in full.
 pub(super) const SHOWN: usize = 5;
@@ -49,19 +51,9 @@ pub struct Table {
     pub name: String,
     headers: Vec<String>,
     header: Line,
-    /// C columns of R values; NaN where missing or faulty.
-    columns: Vec<Vec<f64>>,
-    rows: Vec<Line>,
-    faults: Vec<Faults>,
+    rows: Rows,
     text: String,
     separator: u8,
-}
-
-/// The cells of one column that are no numbers.
-#[derive(Clone, Debug, Default)]
-struct Faults {
-    count: usize,
-    first: Vec<(usize, Fault)>,
 }
 
 /// Reads a comma, semicolon or tab separated table whose first line names the columns.
@@ -77,158 +69,48 @@ pub fn read(
 ) -> Result<Table, Vec<Diagnostic>> {
     let text = decode::decode(name, reader, limits).map_err(|d| vec![d])?;
     let mut lines = Lines::of(&text);
-    let Some((header, header_text)) = lines.next() else {
-        return Err(vec![refusals::empty_file(name)]);
-    };
-    let comment = lines.comment();
-    let separator = detect_separator(header_text, lines.clone().next().map(|(_, l)| l));
-    let cells = cells::count(header_text, separator) + 1;
-    if cells > limits.columns {
-        return Err(vec![refusals::too_many_columns(
-            name,
-            cells,
-            limits.columns,
-        )]);
-    }
-    let mut ranges = Vec::new();
-    let place = |sources: &mut Sources, line: Line, text: &str, range| {
-        excerpt(name, sources, line.number, text, range)
-    };
-    if let Err(at) = cells::split(header_text, separator, &mut ranges) {
-        let span = place(sources, header, header_text, (at, header_text.len()));
-        return Err(vec![refusals::open_quote(span)]);
-    }
-    let width = ranges.len();
-    let headers: Vec<String> = ranges
-        .iter()
-        .map(|&(a, b)| slice(header_text, (a, b)).replace("\"\"", "\""))
-        .collect();
-    let parsed: Vec<Cell> = headers.iter().map(|h| cells::parse(h)).collect();
-    if parsed.iter().any(|c| matches!(c, Cell::Number(_)))
-        && !parsed.iter().any(|c| matches!(c, Cell::Bad(Fault::Text)))
-    {
-        let span = place(sources, header, header_text, (0, header_text.len()));
-        let comment = comment.map(|c: &str| c.trim_start_matches(['#', ' ']).to_string());
-        return Err(vec![refusals::no_header(span, width, comment)]);
-    }
-    let repeated = repeated_headers(&headers);
-    if !repeated.is_empty() {
-        let found = repeated
-            .into_iter()
-            .take(SHOWN)
-            .filter_map(|(first, again)| {
-                let first = place(sources, header, header_text, *ranges.get(first)?);
-                let (start, end) = *ranges.get(again)?;
-                let name = headers.get(again)?;
-                // Both labels in one excerpt, unless the line is too long to show whole.
-                let again = if header_text.len() <= EXCERPT {
-                    Span {
-                        start,
-                        end,
-                        ..first
-                    }
-                } else {
-                    place(sources, header, header_text, (start, end))
-                };
-                Some(refusals::duplicate_header(name, first, again))
-            });
-        return Err(found.collect());
-    }
-
-    let rows = lines.at_most();
-    let numbers = (rows as u64).saturating_mul(8 * width as u64 + 16);
+    let header = header::read(name, &mut lines, limits, sources)?;
+    let (width, separator) = (header.names.len(), header.separator);
+    let most = lines.at_most();
+    let numbers = (most as u64).saturating_mul(8 * width as u64 + 16);
     let bytes = numbers.saturating_add(text.len() as u64);
     if bytes > limits.table_bytes {
-        let d = refusals::table_too_large(name, rows, width, bytes, limits.table_bytes);
+        let d = refusals::table_too_large(name, most, width, bytes, limits.table_bytes);
         return Err(vec![d]);
     }
-
-    let mut table = Table {
-        name: name.to_string(),
-        columns: headers.iter().map(|_| Vec::with_capacity(rows)).collect(),
-        faults: headers.iter().map(|_| Faults::default()).collect(),
-        headers,
-        header,
-        rows: Vec::with_capacity(rows),
-        text: String::new(),
+    let shape = Shape {
         separator,
+        width,
+        limit: limits.columns,
     };
-    let mut errors = refusals::Capped::new();
-    let mut full_rows = 0;
-    for (line, line_text) in lines {
-        // Places of cells are noted down: there is no memory for those of a row without end.
-        if line_text.len() > limits.columns {
-            let cells = cells::count(line_text, separator) + 1;
-            if cells > limits.columns {
-                errors.add(|| {
-                    let span = place(sources, line, line_text, (0, line_text.len()));
-                    refusals::ragged_row(span, cells, width, separator, line_text)
-                });
-                continue;
-            }
-        }
-        if let Err(at) = cells::split(line_text, separator, &mut ranges) {
-            errors.add(|| {
-                refusals::open_quote(place(sources, line, line_text, (at, line_text.len())))
-            });
-            continue;
-        }
-        let surplus_is_empty = ranges.iter().skip(width).all(|(a, b)| a == b);
-        if ranges.len() < width || !surplus_is_empty {
-            errors.add(|| {
-                let span = place(sources, line, line_text, (0, line_text.len()));
-                refusals::ragged_row(span, ranges.len(), width, separator, line_text)
-            });
-            continue;
-        }
-        let row = table.rows.len();
-        table.rows.push(line);
-        for ((column, faults), range) in
-            table.columns.iter_mut().zip(&mut table.faults).zip(&ranges)
-        {
-            column.push(match cells::parse(slice(line_text, *range)) {
-                Cell::Number(x) => x,
-                Cell::Missing => f64::NAN,
-                Cell::Bad(fault) => {
-                    faults.count += 1;
-                    if faults.first.len() < SHOWN {
-                        faults.first.push((row, fault));
-                    }
-                    f64::NAN
-                }
-            });
-        }
-        if ranges.iter().any(|(a, b)| a < b) {
-            full_rows = table.rows.len();
-        }
-        if row == 0 && is_units_row(&table) {
-            let span = place(sources, line, line_text, (0, line_text.len()));
-            errors.add(|| {
-                refusals::unknown_separator(span, line_text)
-                    .unwrap_or_else(|| refusals::units_row(span))
-            });
-        }
+    let rows = rows::read(lines, most, shape);
+    let wrong = refusals::rows(name, &rows, shape, &text, sources);
+    if !wrong.is_empty() {
+        return Err(wrong);
     }
-    // Spreadsheets leave lines of bare separators at the end.
-    table.rows.truncate(full_rows);
-    table.columns.iter_mut().for_each(|c| c.truncate(full_rows));
-    if table.rows.is_empty() && errors.is_empty() {
-        let span = place(sources, header, header_text, (0, header_text.len()));
+    if rows.lines.is_empty() {
+        let whole = (0, header.text.len());
+        let span = excerpt(name, sources, header.line.number, header.text, whole);
         return Err(vec![refusals::no_rows(span)]);
     }
-    errors.into_result()?;
-    table.text = text;
-    Ok(table)
+    Ok(Table {
+        name: name.to_string(),
+        header: header.line,
+        headers: header.names,
+        rows,
+        separator,
+        text,
+    })
 }
 
 impl Table {
     /// Number of rows R.
     pub fn len(&self) -> usize {
-        self.rows.len()
+        self.rows.lines.len()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.rows.lines.is_empty()
     }
 
     /// The headers, trimmed, in file order; some may be empty.
@@ -245,7 +127,7 @@ impl Table {
 
     /// R values; NaN where a cell is missing or no number.
     pub fn values(&self, column: usize) -> &[f64] {
-        self.columns.get(column).map_or(&[], |c| c.as_slice())
+        self.rows.columns.get(column).map_or(&[], |c| c.as_slice())
     }
 
     /// The cell as written, trimmed.
@@ -256,7 +138,7 @@ impl Table {
 
     /// Line of a row in the file, from 1.
     pub fn line_number(&self, row: usize) -> usize {
-        self.rows.get(row).map_or(0, |l| l.number)
+        self.rows.lines.get(row).map_or(0, |l| l.number)
     }
 
     /// Adds a row's line to the sources and points at one cell of it.
@@ -273,14 +155,13 @@ impl Table {
     }
 
     fn locate(&self, row: usize, column: usize) -> (usize, &str, (usize, usize)) {
-        let at = self.rows.get(row).copied().unwrap_or_default();
+        let at = self.rows.lines.get(row).copied().unwrap_or_default();
         let line = self.line(at);
         (at.number, line, self.range(line, column))
     }
 
     fn line(&self, at: Line) -> &str {
-        let rest = self.text.get(at.start..).unwrap_or("");
-        rest.split(['\n', '\r']).next().unwrap_or("")
+        line_at(&self.text, at)
     }
 
     fn range(&self, line: &str, column: usize) -> (usize, usize) {
@@ -289,44 +170,6 @@ impl Table {
         let _ = cells::split(line, self.separator, &mut ranges);
         ranges.get(column).copied().unwrap_or((0, line.len()))
     }
-}
-
-/// The separator that cuts the header and the row below it into equally many cells; else the most frequent one.
-fn detect_separator(header: &str, row: Option<&str>) -> u8 {
-    let found: Vec<(u8, usize)> = [b'\t', b';', b',']
-        .into_iter()
-        .map(|s| (s, cells::count(header, s)))
-        .filter(|(_, n)| *n > 0)
-        .collect();
-    let agrees = |s: u8, n: usize| row.is_some_and(|r| cells::count(r, s) == n);
-    let best = found.iter().find(|&&(s, n)| agrees(s, n));
-    let most = || found.iter().rev().max_by_key(|(_, n)| *n);
-    best.or_else(most).map_or(b',', |(s, _)| *s)
-}
-
-fn repeated_headers(headers: &[String]) -> Vec<(usize, usize)> {
-    let mut seen = std::collections::BTreeMap::new();
-    let mut repeated = Vec::new();
-    for (i, h) in headers.iter().enumerate().filter(|(_, h)| !h.is_empty()) {
-        match seen.get(h) {
-            Some(first) => repeated.push((*first, i)),
-            None => {
-                seen.insert(h, i);
-            }
-        }
-    }
-    repeated
-}
-
-/// True if every cell of the first row that holds anything is text; a table of one text column may be what it is.
-fn is_units_row(table: &Table) -> bool {
-    let text = |f: &Faults| matches!(f.first.first(), Some((0, Fault::Text)));
-    let bad = table.faults.iter().filter(|f| text(f)).count();
-    let numbers = table
-        .columns
-        .iter()
-        .filter(|c| c.iter().any(|x| x.is_finite()));
-    bad > 0 && numbers.count() == 0 && table.faults.iter().all(|f| f.count == 0 || text(f))
 }
 
 /// Longest line shown whole, bytes.
@@ -358,6 +201,12 @@ fn excerpt(
     let file = sources.add_excerpt(name, number, format!("{before}{shown}{after}"));
     let shift = |at: usize| at.clamp(from, to) - from + before.len();
     Span::new(file, shift(range.0), shift(range.1))
+}
+
+/// A line by its place in the text.
+fn line_at(text: &str, at: Line) -> &str {
+    let rest = text.get(at.start..).unwrap_or("");
+    rest.split(['\n', '\r']).next().unwrap_or("")
 }
 
 fn slice(text: &str, range: (usize, usize)) -> &str {

@@ -4,47 +4,55 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::{Sources, Span};
 
 use super::cells::Fault;
-use super::{SHOWN, Table};
+use super::lines::Line;
+use super::rows::{Rows, Shape, Why};
+use super::{SHOWN, Table, excerpt, line_at};
 
-/// Errors of one file: the first few in full, the rest counted.
-pub(super) struct Capped {
-    shown: Vec<Diagnostic>,
-    more: usize,
-}
-
-impl Capped {
-    pub(super) fn new() -> Self {
-        Capped {
-            shown: Vec::new(),
-            more: 0,
-        }
+/// What is wrong with the lines of a table, the first few in full.
+pub(super) fn rows(
+    name: &str,
+    rows: &Rows,
+    shape: Shape,
+    text: &str,
+    sources: &mut Sources,
+) -> Vec<Diagnostic> {
+    let mut place = |line: Line, from: usize| {
+        let text = line_at(text, line);
+        let span = excerpt(name, sources, line.number, text, (from, text.len()));
+        (span, text)
+    };
+    let wrong = rows.wrong.first.iter();
+    let mut out: Vec<(usize, Diagnostic)> = wrong
+        .map(|(line, why)| {
+            let (at, cells) = match *why {
+                Why::Open(at) => (at, None),
+                Why::Ragged(cells) => (0, Some(cells)),
+            };
+            let (span, text) = place(*line, at);
+            let d = match cells {
+                None => open_quote(span),
+                Some(cells) => ragged_row(span, cells, shape.width, shape.separator, text),
+            };
+            (line.number, d)
+        })
+        .collect();
+    let mut more = rows.wrong.more;
+    if let (Some(line), true) = (rows.lines.first(), rows.first_is_of_words()) {
+        let (span, text) = place(*line, 0);
+        let d = unknown_separator(span, text).unwrap_or_else(|| units_row(span));
+        out.push((line.number, d));
+        out.sort_by_key(|(number, _)| *number);
+        more += out.len().saturating_sub(SHOWN);
+        out.truncate(SHOWN);
     }
-
-    pub(super) fn add(&mut self, make: impl FnOnce() -> Diagnostic) {
-        if self.shown.len() < SHOWN {
-            self.shown.push(make());
-        } else {
-            self.more += 1;
-        }
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.shown.is_empty()
-    }
-
-    pub(super) fn into_result(mut self) -> Result<(), Vec<Diagnostic>> {
-        count_rest(&mut self.shown, self.more, "row");
-        if self.shown.is_empty() {
-            Ok(())
-        } else {
-            Err(self.shown)
-        }
-    }
+    let mut out: Vec<Diagnostic> = out.into_iter().map(|(_, d)| d).collect();
+    count_rest(&mut out, more, "row");
+    out
 }
 
 /// The faulty cells of the columns in use, the first few in full.
 pub fn bad_cells(table: &Table, columns: &[usize], sources: &mut Sources) -> Vec<Diagnostic> {
-    let faults = |c: &usize| table.faults.get(*c);
+    let faults = |c: &usize| table.rows.faults.get(*c);
     let total: usize = columns.iter().filter_map(faults).map(|f| f.count).sum();
     let mut places: Vec<(usize, usize, Fault)> = columns
         .iter()

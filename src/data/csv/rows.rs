@@ -1,0 +1,265 @@
+//! The rows of a table, read on every core where there are many.
+//!
+//! In: the lines below the header. Out: their numbers by columns, the cells that are none, and the lines that are no rows. The
+//! same for any number of cores.
+
+use super::cells::{self, Cell, Fault};
+use super::lines::{Line, Lines};
+use super::{SHOWN, slice};
+
+/// Text below which a second thread costs more than it saves, bytes.
+const WORTH_A_THREAD: usize = 1 << 20;
+
+/// What a row has to be.
+#[derive(Clone, Copy)]
+pub(super) struct Shape {
+    pub separator: u8,
+    /// Cells of the header.
+    pub width: usize,
+    /// Cells that no row may have.
+    pub limit: usize,
+}
+
+/// R rows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rows {
+    pub lines: Vec<Line>,
+    /// C columns of R values; NaN where missing or faulty.
+    pub columns: Vec<Vec<f64>>,
+    /// One for each column.
+    pub faults: Vec<Faults>,
+    pub wrong: Wrong,
+    /// Rows up to the last that holds anything.
+    full: usize,
+}
+
+/// The cells of one column that are no numbers.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Faults {
+    pub count: usize,
+    pub first: Vec<(usize, Fault)>,
+}
+
+/// The lines that are no rows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wrong {
+    pub first: Vec<(Line, Why)>,
+    /// How many come after these.
+    pub more: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Why {
+    /// A quote opens here and is not closed.
+    Open(usize),
+    /// So many cells.
+    Ragged(usize),
+}
+
+/// Reads all rows; `most` is no less than there are. Empty rows at the end are left out: spreadsheets leave lines of bare
+/// separators there.
+pub(super) fn read(lines: Lines, most: usize, shape: Shape) -> Rows {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let count = match lines.length() {
+        short if short < WORTH_A_THREAD => 1,
+        long => cores().min(long / WORTH_A_THREAD + 1),
+    };
+    let mut parts = lines.parts(count).into_iter();
+    let Some(first) = parts.next() else {
+        return Rows::default();
+    };
+    let mut all = Rows::with_capacity(most, shape.width);
+    std::thread::scope(|scope| {
+        let read = |part: Lines<'_>| {
+            let mut rows = Rows::with_capacity(most / count, shape.width);
+            let lines = rows.read(part, shape);
+            (rows, lines)
+        };
+        let others: Vec<_> = parts.map(|p| scope.spawn(move || read(p))).collect();
+        let mut lines = all.read(first, shape);
+        for other in others {
+            match other.join() {
+                Ok((rows, more)) => {
+                    all.append(rows, lines);
+                    lines += more;
+                }
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+    });
+    all.lines.truncate(all.full);
+    all.columns.iter_mut().for_each(|c| c.truncate(all.full));
+    all
+}
+
+impl Rows {
+    fn with_capacity(rows: usize, width: usize) -> Rows {
+        Rows {
+            lines: Vec::with_capacity(rows),
+            columns: (0..width).map(|_| Vec::with_capacity(rows)).collect(),
+            faults: vec![Faults::default(); width],
+            ..Rows::default()
+        }
+    }
+
+    /// Reads these lines; the number of the last.
+    fn read(&mut self, mut lines: Lines, shape: Shape) -> usize {
+        let mut ranges = Vec::new();
+        for (line, text) in &mut lines {
+            match cut(text, shape, &mut ranges) {
+                Ok(()) => self.row(line, text, &ranges),
+                Err(why) => self.wrong.add(line, why),
+            }
+        }
+        lines.before()
+    }
+
+    fn row(&mut self, line: Line, text: &str, ranges: &[(usize, usize)]) {
+        let row = self.lines.len();
+        self.lines.push(line);
+        let columns = self.columns.iter_mut().zip(&mut self.faults);
+        for ((column, faults), range) in columns.zip(ranges) {
+            column.push(match cells::parse(slice(text, *range)) {
+                Cell::Number(x) => x,
+                Cell::Missing => f64::NAN,
+                Cell::Bad(fault) => {
+                    faults.add(row, fault);
+                    f64::NAN
+                }
+            });
+        }
+        if ranges.iter().any(|(a, b)| a < b) {
+            self.full = self.lines.len();
+        }
+    }
+
+    /// Adds rows from further down, whose lines count from there.
+    fn append(&mut self, other: Rows, lines: usize) {
+        let rows = self.lines.len();
+        let moved = |line: Line| Line {
+            number: line.number + lines,
+            ..line
+        };
+        if other.full > 0 {
+            self.full = rows + other.full;
+        }
+        self.lines.extend(other.lines.into_iter().map(moved));
+        for (column, more) in self.columns.iter_mut().zip(&other.columns) {
+            column.extend_from_slice(more);
+        }
+        for (faults, more) in self.faults.iter_mut().zip(other.faults) {
+            let count = faults.count + more.count;
+            let first = more.first.into_iter();
+            first.for_each(|(row, fault)| faults.add(rows + row, fault));
+            faults.count = count;
+        }
+        let first = other.wrong.first.into_iter();
+        first.for_each(|(line, why)| self.wrong.add(moved(line), why));
+        self.wrong.more += other.wrong.more;
+    }
+
+    /// True if every cell of the first row that holds anything is text; a table of one text column may be what it is.
+    pub fn first_is_of_words(&self) -> bool {
+        let number = |c: &Vec<f64>| c.first().is_some_and(|x| x.is_finite());
+        let first = |f: &Faults| match f.first.first() {
+            Some((0, fault)) => Some(*fault),
+            _ => None,
+        };
+        let faults = || self.faults.iter().filter_map(first);
+        let words = faults().count() > 0 && faults().all(|f| f == Fault::Text);
+        words && !self.columns.iter().any(number)
+    }
+}
+
+impl Faults {
+    fn add(&mut self, row: usize, fault: Fault) {
+        self.count += 1;
+        if self.first.len() < SHOWN {
+            self.first.push((row, fault));
+        }
+    }
+}
+
+impl Wrong {
+    fn add(&mut self, line: Line, why: Why) {
+        match self.first.len() < SHOWN {
+            true => self.first.push((line, why)),
+            false => self.more += 1,
+        }
+    }
+}
+
+/// The places of a row's cells. Surplus ones may be there if they are empty.
+fn cut(text: &str, shape: Shape, ranges: &mut Vec<(usize, usize)>) -> Result<(), Why> {
+    // Places of cells are noted down: there is no memory for those of a row without end.
+    if text.len() > shape.limit {
+        let cells = cells::count(text, shape.separator) + 1;
+        if cells > shape.limit {
+            return Err(Why::Ragged(cells));
+        }
+    }
+    cells::split(text, shape.separator, ranges).map_err(Why::Open)?;
+    let surplus_is_empty = ranges.iter().skip(shape.width).all(|(a, b)| a == b);
+    match ranges.len() >= shape.width && surplus_is_empty {
+        true => Ok(()),
+        false => Err(Why::Ragged(ranges.len())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(r: &Rows) -> (Vec<usize>, Vec<Vec<u64>>, String, String) {
+        let bits = |c: &Vec<f64>| c.iter().map(|x| x.to_bits()).collect();
+        (
+            r.lines.iter().map(|l| l.number).collect(),
+            r.columns.iter().map(bits).collect(),
+            format!("{:?} {:?}", r.faults, r.wrong),
+            format!("{:?} {}", r.lines, r.full),
+        )
+    }
+
+    /// Wherever the text is cut, rows, lines and faults are the same.
+    #[test]
+    fn parts_read_what_the_whole_reads() {
+        let mut text = String::from("a,b\n");
+        for k in 0..200 {
+            text += match k % 17 {
+                3 => "# a comment\r\n",
+                5 => "\n",
+                7 => "1\n",
+                8 => "x,2\r\n",
+                9 => "\"1,2\n",
+                11 => "1e999,\r",
+                13 => "\r\n\r\n",
+                _ => "0.25,-3\n",
+            };
+        }
+        text += ",\n,";
+        let shape = Shape {
+            separator: b',',
+            width: 2,
+            limit: 100,
+        };
+        let lines = || {
+            let mut lines = Lines::of(&text);
+            lines.next();
+            lines
+        };
+        let mut whole = Rows::with_capacity(0, 2);
+        let number = whole.read(lines(), shape);
+        for count in 1..12 {
+            let mut all = Rows::with_capacity(0, 2);
+            let mut before = 0;
+            for part in lines().parts(count) {
+                let mut rows = Rows::with_capacity(0, 2);
+                let read = rows.read(part, shape);
+                all.append(rows, before);
+                before += read;
+            }
+            assert_eq!(before, number);
+            assert_eq!(figures(&all), figures(&whole), "{count}");
+        }
+    }
+}
