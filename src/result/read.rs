@@ -69,6 +69,19 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
             "its names and terms are not one declaration and one equation each",
         ));
     }
+    let of_rate = model.equations.iter().any(|e| e.target.der > 0);
+    let why = match doc.time {
+        TimeKind::Continuous if model.discrete => {
+            "its time is continuous, and it has an equation for a next sample"
+        }
+        TimeKind::Discrete if of_rate => {
+            "its time is discrete, and it has an equation for a derivative"
+        }
+        _ => "",
+    };
+    if !why.is_empty() {
+        return Err(damaged(name, why));
+    }
     let mut d = Discovery::of(&model);
     d.system = doc.system.clone();
     d.discrete = doc.time == TimeKind::Discrete;

@@ -57,6 +57,21 @@ fn names_and_terms_cannot_smuggle_statements() {
 }
 
 #[test]
+fn time_and_equations_are_of_one_kind() {
+    let term = r#"{"term": "x", "coefficient": 0.5}"#;
+    let x = r#"{"name": "x", "kind": "state", "order": 1}"#;
+    let (continuous, sampled) = (document(x, "dx", term), document(x, "next(x)", term));
+    let discrete = |text: &str| text.replacen('{', r#"{"time": "discrete", "#, 1);
+    assert_eq!(refusal(&continuous), None);
+    assert_eq!(refusal(&discrete(&sampled)), None);
+    for (text, kind) in [(sampled, "continuous"), (discrete(&continuous), "discrete")] {
+        let refused = result::read("r.json", &text).unwrap_err();
+        let words = format!("its time is {kind}, and it has an equation for a");
+        assert!(refused.message.contains(&words), "{}", refused.message);
+    }
+}
+
+#[test]
 fn an_output_may_contain_the_highest_derivative() {
     let text = r#"{"sidc_result": 1,
         "variables": [{"name": "x", "kind": "state", "order": 2}, {"name": "a", "kind": "output"}],
