@@ -64,16 +64,23 @@ pub fn vocabulary() -> Vocabulary {
     }
 }
 
-/// Text → program, of which no library takes more than `memory` bytes.
+/// Text → program, of which all libraries together take `memory` bytes at most: each equation has an equal share.
 pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> {
     let (model, mut diagnostics) = lang::compile(file, sources, &vocabulary());
     let Some(model) = model else {
         return (None, diagnostics);
     };
     let mut libraries = Vec::new();
-    for (library, found) in expand_all(&model, memory) {
+    let sought = |e: &&Equation| matches!(e.right, RightSide::Search { .. });
+    let sharers = model.equations.iter().filter(sought).count().max(1) as u64;
+    for (library, found) in expand_all(&model, memory / sharers) {
         // One `let` used by several equations has the same to say about each.
-        for d in found {
+        for mut d in found {
+            if d.code == "library-too-large" && sharers > 1 {
+                d = d.fact(format!(
+                    "the equations share --memory-limit: 1/{sharers} each"
+                ));
+            }
             if !diagnostics.contains(&d) {
                 diagnostics.push(d);
             }

@@ -27,6 +27,7 @@ const LIMITS: Limits = Limits {
     file_bytes: 1 << 20,
     line_bytes: 1 << 16,
     table_bytes: 1 << 24,
+    taken: 0,
 };
 
 pub fn csv(data: &[u8]) {

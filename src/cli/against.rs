@@ -30,7 +30,7 @@ pub struct Against {
     /// End the runs after this time, with what there is: 30, 30s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = limits::time)]
     pub time_limit: Option<Duration>,
-    /// Most memory for a table: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    /// Most memory for all tables: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
     #[command(flatten)]

@@ -68,7 +68,7 @@ pub struct Args {
     /// Stop after this time with what there is: 30, 30s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = limits::time)]
     time_limit: Option<Duration>,
-    /// Most memory for a table, a library, and its values: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    /// Most memory for all tables, for all libraries, and for the values of one: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
     /// Give readings more than five standard deviations from the trajectory no weight

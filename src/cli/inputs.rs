@@ -160,7 +160,7 @@ pub fn model(path: &Path, sources: &mut Sources) -> Result<FileId, Failure> {
     Ok(sources.add(path.display().to_string(), text))
 }
 
-/// Reads every data file, each into `memory` bytes at most; all their faults at once.
+/// Reads every data file, all into `memory` bytes at most; all their faults at once.
 pub fn tables(
     paths: &[PathBuf],
     memory: u64,
@@ -177,7 +177,7 @@ pub fn tables_and_entries(
     sources: &mut Sources,
     line: &Line,
 ) -> Result<(Vec<Table>, Vec<FileEntry>), Failure> {
-    let limits = Limits {
+    let mut limits = Limits {
         table_bytes: memory,
         ..Limits::default()
     };
@@ -197,7 +197,10 @@ pub fn tables_and_entries(
         let read = data::read(&name, &mut file, &limits, sources);
         entries.push(entry(path, file.hash));
         match read {
-            Ok(table) => tables.push(table),
+            Ok(table) => {
+                limits.taken += table.bytes();
+                tables.push(table);
+            }
             Err(found) => faults.extend(found),
         }
     }

@@ -37,7 +37,7 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_parser = super::values::parameter)]
     params: Vec<(String, Vec<f64>)>,
-    /// Most memory for a table or a library: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    /// Most memory for all tables, and for all libraries: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = limits::memory, default_value = limits::MEMORY)]
     memory_limit: u64,
     #[command(flatten)]

@@ -137,10 +137,7 @@ fn piece<'a>(
     let numbers = || (0..rows.len()).map(|k| k as f64).collect::<Vec<f64>>();
     let time = match (time, model.data.step) {
         (Some(t), _) if model.discrete => {
-            let step = instants::steps(&t).map_or(1.0, |s| s.median);
-            let start = t.first().copied().unwrap_or(0.0);
-            // A lost sample leaves a hole in the numbers, so that no shift reaches across it.
-            let k = t.iter().map(|t| ((t - start) / step).round()).collect();
+            let k = instants::numbers(&t);
             signals.push((Signal::TIME, t));
             k
         }

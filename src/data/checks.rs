@@ -178,7 +178,10 @@ pub(super) fn steps(
     }
     let told = format!("steps from {min:.6} to {max:.6} s, median {median:.6} s");
     if discrete {
-        let whole = |d: f64| (d / median - (d / median).round()).abs() <= 0.05;
+        let whole = |d: f64| {
+            let samples = (d / median).round();
+            samples >= 1.0 && (d / median - samples).abs() <= 0.05
+        };
         if time.windows(2).all(|w| whole(w[1] - w[0])) {
             return;
         }

@@ -30,6 +30,17 @@ pub(super) fn steps(time: &[f64]) -> Option<Steps> {
     })
 }
 
+/// Numbers of the samples at rising instants, from 0. A lost sample leaves a hole in them, so that no shift reaches across it.
+pub(super) fn numbers(time: &[f64]) -> Vec<f64> {
+    let step = steps(time).map_or(1.0, |s| s.median);
+    let later = time.windows(2).scan(0.0, |k, w| {
+        // Counted from sample to sample, so that neither a gap nor a slow clock shifts those behind it.
+        *k += ((w[1] - w[0]) / step).round().max(1.0);
+        Some(*k)
+    });
+    time.first().map(|_| 0.0).into_iter().chain(later).collect()
+}
+
 /// Times that are an even grid but for their printed digits, put back on the grid.
 ///
 /// Returns the grid and the largest correction, if every time is within half a unit of its last printed digit (a unit of less
@@ -134,6 +145,18 @@ pub fn pieces(time: &[f64]) -> Vec<std::ops::Range<usize>> {
 #[allow(clippy::expect_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn samples_are_numbered_across_holes() {
+        assert_eq!(
+            numbers(&[0.0, 0.1, 0.2, 0.5, 0.6]),
+            [0.0, 1.0, 2.0, 5.0, 6.0]
+        );
+        // Behind a gap of ten samples and a half, no two fall together.
+        let after_gap = numbers(&[0.0, 1.0, 2.0, 12.5, 13.49, 14.49]);
+        assert_eq!(after_gap, [0.0, 1.0, 2.0, 13.0, 14.0, 15.0]);
+        assert!(numbers(&[]).is_empty());
+    }
 
     #[test]
     fn rounded_grids_are_recognised() {

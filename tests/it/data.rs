@@ -200,6 +200,14 @@ fn limits_are_told_before_memory_is_taken() {
             },
             "t,x,y\n0,1,2\n0,1,2\n",
         ),
+        read(
+            Limits {
+                table_bytes: 1000,
+                taken: 900,
+                ..d
+            },
+            "t,x,y\n0,1,2\n0,1,2\n",
+        ),
     ];
     insta::assert_snapshot!("data_limits", out.join("\n"));
 }

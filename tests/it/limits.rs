@@ -10,7 +10,7 @@ use sidc::pipeline::{self, MEMORY, Measured, Program, Rows};
 use sidc::result::{Document, FailedEntry};
 use sidc::solve::SOLVERS;
 
-use super::program::{Run, file, sidc};
+use super::program::{Run, file, sidc, sidc_in};
 
 const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
 const PENDULUM: [&str; 2] = ["models/pendulum.sid", "models/data/pendulum.csv"];
@@ -75,6 +75,44 @@ fn limits_that_are_not_reached_change_nothing() {
     let limits = ["--json", "--time-limit", "1h", "--memory-limit", "241kB"];
     let limited = identify(LORENZ, &limits);
     assert_eq!((limited.status, limited.stdout), (0, free.stdout));
+}
+
+/// What one equation may have alone, two have to share.
+#[test]
+fn equations_share_the_memory_of_libraries_and_files_that_of_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let law = |state: &str| format!("d{state} ~ poly(x, y, sin x, cos x, sin y, cos y; 8)\n");
+    write("one.sid", &format!("state x, y\n{}", law("x")));
+    write("two.sid", &format!("state x, y\n{}{}", law("x"), law("y")));
+    write("rows.csv", &format!("t,x,y\n{}", "0.1,1,2\n".repeat(5_000)));
+    let check = |files: &[&str], limit: &str| {
+        let args = [&["check"], files, &["--memory-limit", limit]].concat();
+        sidc_in(folder.path(), &args)
+    };
+    assert_eq!(check(&["one.sid"], "100kB").status, 0);
+    let shared = check(&["two.sid"], "100kB");
+    assert!(
+        shared.stderr.contains("error[library-too-large]"),
+        "{}",
+        shared.stderr
+    );
+    assert!(
+        shared.stderr.contains("share --memory-limit: 1/2 each"),
+        "{}",
+        shared.stderr
+    );
+    let twice = check(&["one.sid", "rows.csv", "rows.csv"], "400kB");
+    assert!(
+        twice.stderr.contains("error[table-too-large]"),
+        "{}",
+        twice.stderr
+    );
+    assert!(
+        twice.stderr.contains("the tables before it take"),
+        "{}",
+        twice.stderr
+    );
 }
 
 #[test]

@@ -50,7 +50,8 @@ pub fn too_large(name: &str, bytes: u64, limits: &Limits) -> Option<Diagnostic> 
     if bytes > limits.file_bytes {
         return Some(refusals::file_too_large(name, limits.file_bytes));
     }
-    (bytes > limits.table_bytes).then(|| refusals::text_too_large(name, limits.table_bytes))
+    let all = bytes.saturating_add(limits.taken);
+    (all > limits.table_bytes).then(|| refusals::text_too_large(name, limits))
 }
 
 fn utf8(name: &str, bytes: Vec<u8>) -> Result<String, Diagnostic> {

@@ -30,8 +30,10 @@ pub struct Limits {
     pub file_bytes: u64,
     /// Longest line, bytes.
     pub line_bytes: u64,
-    /// Largest table, bytes: its text, 8 per cell and 16 per row.
+    /// All tables, bytes: of each its text, 8 per cell and 16 per row.
     pub table_bytes: u64,
+    /// What of them the tables read before have taken.
+    pub taken: u64,
 }
 
 impl Default for Limits {
@@ -41,6 +43,7 @@ impl Default for Limits {
             file_bytes: 2 << 30,
             line_bytes: 16 << 20,
             table_bytes: 4 << 30,
+            taken: 0,
         }
     }
 }
@@ -72,10 +75,9 @@ pub fn read(
     let header = header::read(name, &mut lines, limits, sources)?;
     let (width, separator) = (header.names.len(), header.separator);
     let most = lines.at_most();
-    let numbers = (most as u64).saturating_mul(8 * width as u64 + 16);
-    let bytes = numbers.saturating_add(text.len() as u64);
-    if bytes > limits.table_bytes {
-        let d = refusals::table_too_large(name, most, width, bytes, limits.table_bytes);
+    let bytes = bytes(&text, most, width);
+    if bytes.saturating_add(limits.taken) > limits.table_bytes {
+        let d = refusals::table_too_large(name, (most, width), bytes, limits);
         return Err(vec![d]);
     }
     let shape = Shape {
@@ -103,7 +105,18 @@ pub fn read(
     })
 }
 
+/// What a table of so many rows and columns takes.
+fn bytes(text: &str, rows: usize, columns: usize) -> u64 {
+    let numbers = (rows as u64).saturating_mul(8 * columns as u64 + 16);
+    numbers.saturating_add(text.len() as u64)
+}
+
 impl Table {
+    /// Memory, as [`Limits::table_bytes`] counts it.
+    pub fn bytes(&self) -> u64 {
+        bytes(&self.text, self.len(), self.headers.len())
+    }
+
     /// Number of rows R.
     pub fn len(&self) -> usize {
         self.rows.lines.len()

@@ -6,7 +6,7 @@ use crate::lang::source::{Sources, Span};
 use super::cells::Fault;
 use super::lines::Line;
 use super::rows::{Rows, Shape, Why};
-use super::{SHOWN, Table, excerpt, line_at};
+use super::{Limits, SHOWN, Table, excerpt, line_at};
 
 /// What is wrong with the lines of a table, the first few in full.
 pub(super) fn rows(
@@ -169,15 +169,21 @@ pub(super) fn file_too_large(name: &str, limit: u64) -> Diagnostic {
 const SMALLER: &str =
     "keep only the columns that the model uses, or fewer rows, or set a higher --memory-limit";
 
-pub(super) fn text_too_large(name: &str, limit: u64) -> Diagnostic {
-    Diagnostic::error(
-        "table-too-large",
-        format!(
-            "{name}: its text alone takes more than {}, the limit of a table",
-            size(limit)
-        ),
-    )
-    .help(SMALLER)
+pub(super) fn text_too_large(name: &str, limits: &Limits) -> Diagnostic {
+    let text = format!(
+        "{name}: its text alone takes more than {}, the limit of tables",
+        size(limits.table_bytes)
+    );
+    too_large(text, limits)
+}
+
+/// With what the tables before take of the limit.
+fn too_large(text: String, limits: &Limits) -> Diagnostic {
+    let d = Diagnostic::error("table-too-large", text).help(SMALLER);
+    match limits.taken {
+        0 => d,
+        taken => d.fact(format!("the tables before it take {}", size(taken))),
+    }
 }
 
 pub(super) fn line_too_long(name: &str, number: usize, limit: u64) -> Diagnostic {
@@ -193,20 +199,16 @@ pub(super) fn line_too_long(name: &str, number: usize, limit: u64) -> Diagnostic
 
 pub(super) fn table_too_large(
     name: &str,
-    rows: usize,
-    columns: usize,
+    (rows, columns): (usize, usize),
     bytes: u64,
-    limit: u64,
+    limits: &Limits,
 ) -> Diagnostic {
-    Diagnostic::error(
-        "table-too-large",
-        format!(
-            "{name}: {rows} lines of {columns} columns would need {}, the limit is {}",
-            size(bytes),
-            size(limit)
-        ),
-    )
-    .help(SMALLER)
+    let text = format!(
+        "{name}: {rows} lines of {columns} columns would need {}, the limit is {}",
+        size(bytes),
+        size(limits.table_bytes)
+    );
+    too_large(text, limits)
 }
 
 fn size(bytes: u64) -> String {
