@@ -170,3 +170,123 @@ impl Scaling {
         (head / self.weight - 2.0 * self.w.head * dot(&self.w.tail, tail)) / self.corner()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn pair(numbers: &[f64]) -> Pair {
+        Pair {
+            head: numbers[0],
+            tail: numbers[1..].to_vec(),
+        }
+    }
+
+    /// A point inside the cone.
+    fn inside() -> impl Strategy<Value = Pair> {
+        (0.01..3.0, any_tail()).prop_map(|(more, tail)| Pair {
+            head: norm(&tail) + more,
+            tail,
+        })
+    }
+
+    fn any_tail() -> impl Strategy<Value = Vec<f64>> {
+        prop::collection::vec(-2.0..2.0, 3)
+    }
+
+    fn any_pair() -> impl Strategy<Value = Pair> {
+        prop::collection::vec(-2.0..2.0, 4).prop_map(|n| pair(&n))
+    }
+
+    fn near(a: &Pair, b: &Pair, scale: f64) -> bool {
+        let heads = (a.head - b.head).abs();
+        let tails = a.tail.iter().zip(&b.tail).map(|(x, y)| (x - y).abs());
+        tails.fold(heads, f64::max) <= 1e-9 * (1.0 + scale)
+    }
+
+    proptest! {
+        /// W s = W⁻¹ x, W⁻¹ W = 1, W W = W², and all of W is symmetric.
+        #[test]
+        fn scalings_scale(x in inside(), s in inside(), a in any_pair(), b in any_pair()) {
+            let w = Scaling::new(&x, &s).unwrap();
+            let size = 10.0 * (x.head + s.head) / x.determinant().min(s.determinant());
+            prop_assert!(near(&w.apply(&s), &w.apply_inverse(&x), size));
+            prop_assert!(near(&w.apply_inverse(&w.apply(&a)), &a, size));
+            prop_assert!(near(&w.apply(&w.apply(&a)), &w.apply_squared(&a), size * size));
+            prop_assert!((w.apply(&a).dot(&b) - a.dot(&w.apply(&b))).abs() <= 1e-9 * size);
+        }
+
+        /// The head's equation taken out of W² z = c leaves what `schur`, `eliminate` and `recover` say, and `rank_one` is `schur`.
+        #[test]
+        fn eliminating_the_head_solves_the_same(x in inside(), s in inside(), z in any_pair()) {
+            let w = Scaling::new(&x, &s).unwrap();
+            let size = 10.0 * w.weight.max(1.0) * w.corner() * w.corner();
+            let right = w.apply_squared(&z);
+            let mut tail = right.tail.clone();
+            w.eliminate(right.head, &mut tail);
+            let left = w.schur(&z.tail);
+            let (vector, factor) = w.rank_one();
+            let along = dot(vector, &z.tail);
+            for k in 0..3 {
+                prop_assert!((left[k] - tail[k]).abs() <= 1e-9 * size, "{} {}", left[k], tail[k]);
+                let again = w.weight * z.tail[k] - factor * along * vector[k];
+                prop_assert!((left[k] - again).abs() <= 1e-9 * size);
+            }
+            prop_assert!((w.recover(right.head, &z.tail) - z.head).abs() <= 1e-9 * size);
+        }
+
+        /// The longest step ends on the border of the cone; a step into the cone has no end.
+        #[test]
+        fn steps_end_on_the_border(x in inside(), step in any_pair()) {
+            let longest = x.longest_step(&step);
+            let at = |a: f64| {
+                let mut point = x.clone();
+                point.add_scaled(a, &step);
+                point.head - norm(&point.tail)
+            };
+            if longest.is_finite() {
+                let scale = x.head + longest * (step.head.abs() + norm(&step.tail));
+                prop_assert!(longest > 0.0 && at(longest).abs() <= 1e-6 * scale, "{longest}");
+                prop_assert!(at(0.99 * longest) > 0.0);
+            } else {
+                prop_assert!(at(1e3) > 0.0);
+            }
+        }
+
+        /// v∘(W⁻¹ answer) = u: the cone's product with v undoes the division.
+        #[test]
+        fn complementarity_divides_by_v(
+            x in inside(), s in inside(), mu in 0.0..2.0,
+            steps in prop::option::of((any_pair(), any_pair())),
+        ) {
+            let w = Scaling::new(&x, &s).unwrap();
+            let (v, answer) = (w.apply(&s), w.complementarity(mu, steps.as_ref()));
+            let product = |a: &Pair, b: &Pair| Pair {
+                head: a.dot(b),
+                tail: a.tail.iter().zip(&b.tail).map(|(p, q)| a.head * q + b.head * p).collect(),
+            };
+            let got = product(&v, &w.apply_inverse(&answer));
+            let mut wanted = product(&v, &v);
+            wanted.head = mu - wanted.head;
+            wanted.tail.iter_mut().for_each(|t| *t = -*t);
+            if let Some((dx, ds)) = &steps {
+                let second = product(&w.apply_inverse(dx), &w.apply(ds));
+                wanted.add_scaled(-1.0, &second);
+            }
+            let size = 10.0 * (x.head + s.head) / x.determinant().min(s.determinant());
+            prop_assert!(near(&got, &wanted, size * size));
+        }
+    }
+
+    #[test]
+    fn outside_the_cone_there_is_no_scaling() {
+        let (good, bad) = (pair(&[2.0, 1.0, 1.0]), pair(&[1.0, 1.0, 1.0]));
+        assert!(Scaling::new(&good, &good).is_some());
+        assert!(Scaling::new(&good, &bad).is_none() && Scaling::new(&bad, &good).is_none());
+        // The other half of the double cone has the same determinant.
+        assert!(Scaling::new(&good, &pair(&[-2.0, 1.0, 1.0])).is_none());
+        assert!(Scaling::new(&pair(&[-2.0, 1.0, 1.0]), &good).is_none());
+    }
+}

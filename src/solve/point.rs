@@ -238,3 +238,83 @@ fn longest(x: &[f64], d: &[f64]) -> f64 {
         .map(|(x, d)| -x / d)
         .fold(f64::INFINITY, f64::min)
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::dictionary::Dense;
+    use crate::solve::Problem;
+
+    const ROWS: usize = 4;
+
+    proptest! {
+        /// With noise the start lies inside of everything: the primal equation holds, the dual ones do, all signs are right.
+        #[test]
+        fn the_start_is_strictly_feasible(numbers in prop::collection::vec(-1.0..1.0, ROWS * 8), part in 0.01..0.9) {
+            let (target, columns) = numbers.split_at(ROWS);
+            prop_assume!(norm(target) > 0.1);
+            let dictionary = Dense::new(ROWS, columns.to_vec());
+            let reduced = Reduced::new(&Problem {
+                dictionary: &dictionary,
+                target,
+                tolerance: part * norm(target),
+            });
+            let tolerance = reduced.inner_tolerance().unwrap();
+            let start = Point::start(&reduced, tolerance);
+            let cone = start.cone.as_ref().unwrap();
+            prop_assert!((norm(&cone.x.tail) / tolerance - 0.5).abs() < 1e-3);
+            prop_assert!(cone.s.head > norm(&cone.s.tail));
+            for all in [&start.p, &start.q, &start.sp, &start.sq] {
+                prop_assert!(all.iter().all(|v| *v > 0.0));
+            }
+            let left = start.residuals(&reduced);
+            let size = 1.0 + norm(&start.x());
+            prop_assert!(norm(&left.primal) < 1e-9 * size, "{:?}", left.primal);
+            prop_assert!(left.dual < 1e-12, "{}", left.dual);
+            prop_assert!(left.mu > 0.0 && left.gap > 0.0);
+        }
+
+        /// A step stays inside, and stops short only where it has to.
+        #[test]
+        fn steps_stay_inside(numbers in prop::collection::vec(-1.0..1.0, ROWS * 12)) {
+            let (target, rest) = numbers.split_at(ROWS);
+            let (columns, moves) = rest.split_at(ROWS * 4);
+            let dictionary = Dense::new(ROWS, columns.to_vec());
+            prop_assume!(norm(target) > 0.1);
+            let reduced = Reduced::new(&Problem { dictionary: &dictionary, target, tolerance: 0.0 });
+            let mut point = Point::start(&reduced, 0.0);
+            let part = |k: usize| moves[4 * k..4 * k + 4].iter().map(|v| 5.0 * v).collect();
+            let direction = Direction {
+                p: part(0), q: part(1), sp: part(2), sq: part(3), lambda: part(4), cone: None,
+            };
+            let (primal, dual) = point.steps(&direction);
+            let least = |x: &[f64], d: &[f64], a: f64| {
+                let ends = x.iter().zip(d).map(|(x, d)| x + a / STEP * d);
+                ends.fold(f64::INFINITY, f64::min)
+            };
+            for (step, pairs) in [
+                (primal, [(&point.p, &direction.p), (&point.q, &direction.q)]),
+                (dual, [(&point.sp, &direction.sp), (&point.sq, &direction.sq)]),
+            ] {
+                prop_assert!(step > 0.0 && step <= 1.0);
+                let border = pairs.map(|(x, d)| least(x, d, step)).into_iter().fold(f64::INFINITY, f64::min);
+                prop_assert!(border >= -1e-12 && (step == 1.0 || border.abs() < 1e-9), "{step} {border}");
+            }
+            let lambda: Vec<f64> = point.lambda.iter().zip(&direction.lambda).map(|(l, d)| l + dual * d).collect();
+            let p: Vec<f64> = point.p.iter().zip(&direction.p).map(|(x, d)| x + primal * d).collect();
+            point.advance(&direction);
+            prop_assert_eq!((&point.lambda, &point.p), (&lambda, &p));
+            let inside = [&point.p, &point.q, &point.sp, &point.sq];
+            prop_assert!(inside.iter().all(|v| v.iter().all(|x| *x > 0.0)));
+        }
+    }
+
+    #[test]
+    fn nothing_ends_a_step_along_the_border() {
+        assert_eq!(longest(&[1.0, 0.0], &[2.0, 0.0]), f64::INFINITY);
+        assert_eq!(longest(&[1.0, 3.0], &[-2.0, -1.0]), 0.5);
+    }
+}

@@ -80,10 +80,6 @@ impl Hasher for Fnv {
         self.write_u64(u64::from(x));
     }
 
-    fn write_i32(&mut self, x: i32) {
-        self.write_u64(x as u64);
-    }
-
     fn write_usize(&mut self, x: usize) {
         self.write_u64(x as u64);
     }

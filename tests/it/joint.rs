@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use sidc::dictionary::Dense;
 use sidc::solve::{
-    FitBlock, Joint, Outcome, Problem, Row, Sense, certify_joint, fit, nearest, solve_joint,
+    FitBlock, Joint, JointSolution, Outcome, Problem, Row, Sense, certify_joint, fit, nearest,
+    solve_joint,
 };
 
 /// Deterministic numbers in −1 … 1.
@@ -180,7 +181,49 @@ proptest! {
         let proof = certify_joint(&joint, &found.coefficients, &found.duals, &found.multipliers);
         // Clarabel stops at 1e-8; the rows then miss by as much.
         prop_assert!(proof.gap.abs() < 1e-5, "{proof:?}");
+        let (primal, dual, prices) = by_definition(&joint, &found);
+        let largest = prices.iter().flatten().fold(0.0, |m: f64, (p, _)| m.max(*p));
+        prop_assert!((proof.primal / primal - 1.0).abs() < 1e-12);
+        prop_assert!((proof.largest_price / largest - 1.0).abs() < 1e-12);
+        prop_assert!((proof.dual / dual * largest.max(1.0) - 1.0).abs() < 1e-9);
+        for (margin, prices) in proof.margins.iter().zip(&prices) {
+            let off = prices.iter().filter(|(_, on)| !on).fold(0.0, |m: f64, (p, _)| m.max(*p));
+            prop_assert!((margin - (1.0 - off / largest.max(1.0))).abs() < 1e-12);
+        }
     }
+}
+
+/// Σ ‖D a‖₁/‖y‖, the bound of the dual point as it is, and for each block the price of every column, with whether it is on the support.
+fn by_definition(joint: &Joint, found: &JointSolution) -> (f64, f64, Vec<Vec<(f64, bool)>>) {
+    let (mut primal, mut dual, mut all) = (0.0, 0.0, Vec::new());
+    let multiplier = |k: usize| match joint.rows[k].sense {
+        Sense::Equal => found.multipliers[k],
+        _ => found.multipliers[k].min(0.0),
+    };
+    for (k, row) in joint.rows.iter().enumerate() {
+        dual += multiplier(k) * row.right;
+    }
+    for (b, problem) in joint.blocks.iter().enumerate() {
+        let lambda = DVector::from_column_slice(&found.duals[b]);
+        let y = DVector::from_column_slice(problem.target);
+        dual += y.dot(&lambda) - problem.tolerance * lambda.norm();
+        let mut prices = Vec::new();
+        for j in 0..problem.dictionary.cols() {
+            let mut column = vec![0.0; y.len()];
+            problem.dictionary.column(j, &mut column);
+            let column = DVector::from_vec(column);
+            let mut pull = column.dot(&lambda);
+            for (k, row) in joint.rows.iter().enumerate() {
+                let here = row.entries.iter().filter(|(of, c, _)| (*of, *c) == (b, j));
+                pull += here.map(|(_, _, w)| multiplier(k) * w).sum::<f64>();
+            }
+            let on = found.coefficients[b].iter().find(|(c, _)| *c == j);
+            primal += on.map_or(0.0, |(_, a)| a.abs()) * column.norm() / y.norm();
+            prices.push((pull.abs() * y.norm() / column.norm(), on.is_some()));
+        }
+        all.push(prices);
+    }
+    (primal, dual, all)
 }
 
 #[test]

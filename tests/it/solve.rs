@@ -157,6 +157,15 @@ fn clarabel_finds_the_pendulum_too() {
     );
 }
 
+/// Too many columns to be put side by side: solvers that need that grow a working set of them.
+#[test]
+fn millions_of_entries_are_solved_on_growing_sets() {
+    let phi = gaussian(12, 420_000, 3, |_| 1.0);
+    let target = combine(&phi, &[(7, 2.0), (400_000, -1.0)]);
+    all_agree(&phi, &target, 0.0).unwrap();
+    all_agree(&phi, &target, 0.1 * length(&target)).unwrap();
+}
+
 #[test]
 fn refined_dual_closes_the_gap_further() {
     let r = regression(&draw(40, 0), Target::Cart, [2, 2, 2, 3, 2, 2, 2, 2]);

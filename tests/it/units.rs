@@ -335,6 +335,7 @@ fn only_sums_that_cannot_be_are_refused() {
         "~ fourier(x/L; 2) + fourier(th; 2) + fourier(1.2*t; 2)",
         "= -9.8/L*sin th - 0.1*dth",
         "~ <x^0.123456789 + dx, x^1000 + dx>",
+        "~ <x^(1/2) + sqrt(x), x^(3/2)/x + sqrt(x), x^(2*3/6) + x, x^(2/1/2) + x>",
     ] {
         assert_eq!(codes(&format!("{base}ddx {right}\n")), [""; 0], "{right}");
     }
@@ -347,6 +348,8 @@ fn only_sums_that_cannot_be_are_refused() {
         ("~ <x*(x - L^2)>", "unit-sum"),
         ("~ <max(x, dx)>", "unit-sum"),
         ("~ <x^0.5 + x>", "unit-sum"),
+        ("~ <x^(1/2) + x>", "unit-sum"),
+        ("~ <x^(3/2) + x>", "unit-sum"),
         ("~ <sqrt(x) + x>", "unit-sum"),
         ("~ <sin x>", "unit-argument"),
         ("~ <exp(t)>", "unit-argument"),

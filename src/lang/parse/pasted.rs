@@ -148,3 +148,39 @@ pub fn spelt_out(name: &str) -> String {
         out
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_of_papers_have_spellings() {
+        for (signs, spelling) in [
+            ("·×⋅∙•∗", "*"),
+            ("−–—‐‑", "-"),
+            ("÷∕⁄", "/"),
+            ("’‘′´`", "'"),
+            ("″", "''"),
+            ("“”„«»", "\""),
+            ("≤", "<="),
+            ("≥", ">="),
+            ("∼≈～", "~"),
+            ("⟨〈‹[", "<"),
+            ("⟩〉›]", ">"),
+            ("…", ".."),
+        ] {
+            for sign in signs.chars() {
+                assert_eq!(ascii(sign), Some(spelling), "{sign}");
+            }
+        }
+        assert_eq!("aθ(+".chars().find_map(ascii), None);
+    }
+
+    #[test]
+    fn raised_and_lowered_digits_are_digits() {
+        assert_eq!(ascii_run("⁰¹²³⁴⁵⁶⁷⁸⁹"), "^0123456789");
+        assert_eq!(ascii_run("⁻¹"), "^-1");
+        assert_eq!(ascii_run("₀₁₂₃₄₅₆₇₈₉"), "0123456789");
+        assert_eq!(ascii_run("²₁²"), "^21^2");
+    }
+}

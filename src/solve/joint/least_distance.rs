@@ -135,6 +135,8 @@ fn on(columns: &[Vec<f64>], passive: &[usize], f: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn space(normal: &[f64], height: f64) -> HalfSpace {
@@ -159,5 +161,38 @@ mod tests {
         assert_eq!(least_distance(&spaces), None);
         let spaces = [space(&[1.0, 0.0], 1.0), space(&[-1.0, 0.0], -1e6)];
         assert!(least_distance(&spaces).is_some());
+    }
+
+    proptest! {
+        /// v = Σ multiplier · normal obeys all rows, multipliers are not negative, and rows with one are touched: so it is the least.
+        #[test]
+        fn the_least_obeys_and_touches(rows in prop::collection::vec(prop::collection::vec(-2.0..2.0, 4), 1..7)) {
+            let spaces: Vec<HalfSpace> = rows.iter().map(|r| space(&r[..3], r[3])).collect();
+            let Some(multipliers) = least_distance(&spaces) else {
+                return Ok(());
+            };
+            let v: Vec<f64> = (0..3)
+                .map(|i| spaces.iter().zip(&multipliers).map(|(s, m)| m * s.normal[i]).sum())
+                .collect();
+            let size = 1.0 + norm(&v);
+            for (s, m) in spaces.iter().zip(&multipliers) {
+                let beyond = dot(&s.normal, &v) - s.height;
+                prop_assert!(*m >= 0.0 && beyond > -1e-7 * size, "{m} {beyond}");
+                prop_assert!(m * beyond.abs() < 1e-6 * size * size, "{m} {beyond}");
+            }
+        }
+
+        /// Nonnegative least squares: no gradient where there is a share, none that would help where there is none.
+        #[test]
+        fn nonnegative_fits_are_optimal(numbers in prop::collection::vec(-1.0..1.0, 5 * 7)) {
+            let columns: Vec<Vec<f64>> = numbers.chunks(5).skip(1).map(<[f64]>::to_vec).collect();
+            let x = nonnegative(&columns, &numbers[..5]);
+            let rest = residual(&columns, &numbers[..5], &x);
+            for (column, x) in columns.iter().zip(&x) {
+                let gradient = dot(column, &rest);
+                prop_assert!(*x >= 0.0 && gradient < 1e-8, "{x} {gradient}");
+                prop_assert!(x * gradient.abs() < 1e-8 * (1.0 + x * x), "{x} {gradient}");
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 //! One small text each, and the part of the model that it is about.
 
 use sidc::lang::model::{Between, ColumnKind, LibKind, RightSide, VarKind};
-use sidc::term::{Language, Signal, VarId};
+use sidc::term::{Language, Signal, SignalNames, VarId};
 
 use super::{compiled, model};
 
@@ -162,6 +162,69 @@ fn sets_outside_lists() {
         library("state x\ndx ~ (poly(x; 1) - <1>)^2\n"),
         LibKind::Power(_, 2.0)
     ));
+}
+
+#[test]
+fn products_in_constraints_are_by_numbers() {
+    let base = "state x, y\ndx ~ <x, y>\ndy ~ <x, y>\n";
+    let form = |text: &str| {
+        let text = text.replace('a', "coef(dx, x)").replace('b', "coef(dy, y)");
+        let m = model(&format!("{base}constrain {text}\n"));
+        let c = &m.constraints[0];
+        let weights: Vec<f64> = c.coefficients.iter().map(|c| c.weight).collect();
+        (weights, c.constant)
+    };
+    assert_eq!(form("a + b = 6"), (vec![1.0, 1.0], -6.0));
+    assert_eq!(form("3*a/2 + b = 12/2"), (vec![1.5, 1.0], -6.0));
+    assert_eq!(form("a*3 - b*2*2 = 2*3"), (vec![3.0, -4.0], -6.0));
+    for wrong in ["a*b = 1", "1/a = 1", "a/b = 1", "a/0 = 1"] {
+        let wrong = wrong
+            .replace('a', "coef(dx, x)")
+            .replace('b', "coef(dy, y)");
+        let (model, found, _) = compiled("m.sid", &format!("{base}constrain {wrong}\n"));
+        assert!(
+            model.is_none() && found.iter().any(|d| d.is_error()),
+            "{wrong}"
+        );
+    }
+}
+
+#[test]
+fn signals_have_names_in_both_directions() {
+    let m = model("state x\nnext x ~ <x>\n");
+    let x = m.equations[0].target.var;
+    let name = |shift| {
+        m.name(Signal {
+            shift,
+            ..Signal::new(x)
+        })
+    };
+    let names: Vec<String> = (-2..=2).map(name).collect();
+    assert_eq!(
+        names,
+        ["lag(x, 2)", "lag(x, 1)", "x", "next(x)", "lead(x, 2)"]
+    );
+}
+
+/// Of one letter only the other case is near.
+#[test]
+fn single_letters_are_not_taken_for_each_other() {
+    let said = |used: &str| compiled("m.sid", &format!("state X, y\ndX ~ <{used}>\ndy ~ <y>\n")).2;
+    assert!(said("x").contains("did you mean `X`"), "{}", said("x"));
+    assert!(!said("k").contains("did you mean"), "{}", said("k"));
+}
+
+#[test]
+fn many_errors_are_shown_in_part_and_counted() {
+    let text = |wrong: usize| {
+        let lines: String = (0..wrong).map(|k| format!("dx ~ <q{k}>\n")).collect();
+        compiled("m.sid", &format!("state x\n{lines}")).2
+    };
+    let shown = |text: &str| text.matches("error[").count();
+    let (some, many) = (text(10), text(80));
+    assert!(!some.contains("more after this one"), "{some}");
+    assert_eq!(shown(&many), 50, "{many}");
+    assert!(many.contains("more after this one"), "{many}");
 }
 
 #[test]

@@ -1,0 +1,43 @@
+//! Plants faults in a copy of the crate, builds it once with all of them, and runs for each the tests that meet it.
+//!
+//!     cargo run --release --manifest-path mutants/Cargo.toml -- REPOSITORY WORK FOLDER…
+//!
+//! In: the last commit of REPOSITORY, of which files in these folders of src get faults. Out: in WORK, `mutants` (the faults),
+//! `reach` (which test meets which), `results` (what became of each). A run goes on where the last one ended.
+
+mod attack;
+mod compile;
+mod plant;
+mod tests;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A fault and the file that it is in.
+pub type Planted = (String, plant::Mutant);
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [repository, work, folders @ ..] = args.as_slice() else {
+        eprintln!("sidc-mutants REPOSITORY WORK FOLDER…");
+        std::process::exit(2);
+    };
+    let (repository, work) = (Path::new(repository), PathBuf::from(work));
+    let tree = work.join("tree");
+    if !tree.exists() {
+        fs::create_dir_all(&work).expect("a folder to work in");
+        let mut clone = Command::new("git");
+        clone.args(["clone", "-q"]).arg(repository).arg(&tree);
+        assert!(clone.status().expect("git").success());
+    }
+    let mutants = compile::viable(repository, &work, folders);
+    let line =
+        |(file, m): &Planted| format!("{}\t{file}:{}\t{}\t{}\n", m.id, m.line, m.function, m.what);
+    let list: String = mutants.iter().map(line).collect();
+    fs::write(work.join("mutants"), list).expect("a list");
+    let all = tests::all(&tree);
+    println!("{} faults that compile, {} tests", mutants.len(), all.len());
+    let reach = tests::reach(&work, &all);
+    attack::attack(&work, &mutants, &reach);
+}
