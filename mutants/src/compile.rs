@@ -70,7 +70,7 @@ fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
     for path in all {
         if path.is_dir() {
             sources(&path, out);
-        } else if path.extension().is_some_and(|e| e == "rs") {
+        } else if path.extension().is_some_and(|e| e == "rs") && !path.ends_with("tests.rs") {
             out.push(path);
         }
     }

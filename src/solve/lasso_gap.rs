@@ -90,6 +90,38 @@ mod tests {
         assert!(outside.dual <= 3.625 && outside.gap >= 0.0);
     }
 
+    /// The bound is that of the best multiple of λ that is inside, for λ of any length.
+    #[test]
+    fn the_dual_point_is_scaled_to_its_best() {
+        let phi = Dense::new(2, vec![2.0, 0.0, 0.0, 1.0]);
+        let target = [4.0, 0.5];
+        let problem = Problem {
+            dictionary: &phi,
+            target: &target,
+            tolerance: 0.0,
+        };
+        for (penalty, dual) in [
+            (2.0, [0.3, 0.1]),
+            (9.0, [0.3, 0.1]),
+            (9.0, [0.6, -0.8]),
+            (0.5, [0.2, 3.0]),
+        ] {
+            let largest = f64::max(f64::abs(dual[0]), f64::abs(dual[1]));
+            let inside = 1.0 / largest.max(1.0);
+            let value = |s: f64| {
+                let lambda = dual.map(|d| s * d);
+                dot(&target, &lambda) - 0.5 * penalty * norm(&lambda).powi(2)
+            };
+            let all = (0..=10_000).map(|k| value(inside * f64::from(k) * 1e-4));
+            let best = all.fold(f64::NEG_INFINITY, f64::max);
+            let found = certify_lasso(&problem, penalty, &[], &dual).dual;
+            assert!(
+                (found - best).abs() < 1e-6 && found <= 4.0 + 0.5,
+                "{penalty}: {found} {best}"
+            );
+        }
+    }
+
     #[test]
     fn at_zero_it_is_basis_pursuit() {
         let phi = Dense::new(1, vec![2.0]);

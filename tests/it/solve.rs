@@ -157,6 +157,36 @@ fn clarabel_finds_the_pendulum_too() {
     );
 }
 
+/// A dual point that closes the gap proves nothing of coefficients that leave more than ε.
+#[test]
+fn what_leaves_too_much_is_not_optimal() {
+    let phi = Dense::new(2, vec![1.0, 0.0, 0.0, 1.0]);
+    let judge = |target: &[f64], tolerance: f64, a: &[(usize, f64)], dual: &[f64]| {
+        let problem = Problem {
+            dictionary: &phi,
+            target,
+            tolerance,
+        };
+        certify(&problem, a, dual)
+    };
+    // The bound of (1, 0) is 1 − ε, whatever the second row leaves.
+    for (target, optimal) in [([1.0, 0.0], true), ([1.0, 0.3], false)] {
+        let c = judge(&target, 0.5, &[(0, 0.5)], &[1.0, 0.0]);
+        assert!(c.gap.abs() < 1e-15 && c.proves_optimal == optimal, "{c:?}");
+    }
+    for (second, optimal) in [(0.0, true), (1e-3, false)] {
+        let c = judge(&[1e-3, second], 0.0, &[(0, 1e-3)], &[1.0, 0.0]);
+        assert!(c.gap.abs() < 1e-15 && c.proves_optimal == optimal, "{c:?}");
+    }
+    // What other answers may have elsewhere: the gap over the margin, both of λ scaled into feasibility.
+    let c = judge(&[1.0, 0.0], 0.0, &[(0, 1.0)], &[0.999, 0.5]);
+    assert!((c.gap - 1e-3).abs() < 1e-12 && (c.margin - 0.5).abs() < 1e-12);
+    assert!((c.elsewhere - 2e-3).abs() < 1e-12 && !c.proves_unique);
+    let c = judge(&[1.0, 0.0], 0.0, &[(0, 1.0)], &[2.0, 0.5]);
+    assert!(c.gap.abs() < 1e-15 && (c.margin - 0.75).abs() < 1e-12 && c.largest_correlation == 2.0);
+    assert!(c.proves_unique && c.elsewhere == 0.0 && c.rank == 1);
+}
+
 /// Too many columns to be put side by side: solvers that need that grow a working set of them.
 #[test]
 fn millions_of_entries_are_solved_on_growing_sets() {

@@ -190,6 +190,36 @@ fn products_in_constraints_are_by_numbers() {
 }
 
 #[test]
+fn symmetries_take_ranges() {
+    let flipped = |text: &str| {
+        let m = model(&format!(
+            "state x1..x3, y\ndx1 ~ <x1>\ndx2 ~ <x2>\ndx3 ~ <x3>\ndy ~ <y>\nsymmetry {text}\n"
+        ));
+        let names = m.symmetries[0]
+            .flipped
+            .iter()
+            .map(|v| m.variable(*v).to_string());
+        names.collect::<Vec<String>>()
+    };
+    assert_eq!(flipped("(x1..x3) -> -(x1..x3)"), ["x1", "x2", "x3"]);
+    assert_eq!(flipped("(x2..x3, y) -> -(x2..x3, y)"), ["x2", "x3", "y"]);
+}
+
+#[test]
+fn functions_of_columns_have_their_number_of_arguments() {
+    let said = |entry: &str| {
+        let text = format!("state x\ndata {{\n  x = {entry}\n}}\ndx ~ <x>\n");
+        compiled("m.sid", &text).2
+    };
+    for right in ["sin(\"a\")", "max(\"a\", \"b\")", "max(\"a\", \"b\", 0)"] {
+        assert!(!said(right).contains("error["), "{}", said(right));
+    }
+    for wrong in ["sin(\"a\", \"b\")", "max(\"a\")", "sin()"] {
+        assert!(said(wrong).contains("error[arity]"), "{}", said(wrong));
+    }
+}
+
+#[test]
 fn signals_have_names_in_both_directions() {
     let m = model("state x\nnext x ~ <x>\n");
     let x = m.equations[0].target.var;
