@@ -11,7 +11,7 @@ mod plant;
 mod tests;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 /// A fault and the file that it is in.
@@ -23,10 +23,10 @@ fn main() {
         eprintln!("sidc-mutants REPOSITORY WORK FOLDER…");
         std::process::exit(2);
     };
-    let (repository, work) = (Path::new(repository), PathBuf::from(work));
-    let tree = work.join("tree");
+    fs::create_dir_all(work).expect("a folder to work in");
+    let work = fs::canonicalize(work).expect("a folder to work in");
+    let (repository, tree) = (Path::new(repository), work.join("tree"));
     if !tree.exists() {
-        fs::create_dir_all(&work).expect("a folder to work in");
         let mut clone = Command::new("git");
         clone.args(["clone", "-q"]).arg(repository).arg(&tree);
         assert!(clone.status().expect("git").success());

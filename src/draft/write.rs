@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::column::Column;
 use super::roles::Roles;
 use super::{State, derivative};
+use crate::lang::source::printable;
 use crate::units;
 
 /// All that is known of a table.
@@ -30,11 +31,9 @@ pub(super) fn model(p: &Parts) -> String {
     out
 }
 
-/// Text that ends no comment.
+/// Text that ends no comment, and turns none around.
 fn comment(text: &str) -> String {
-    text.chars()
-        .map(|c| if c.is_control() { '?' } else { c })
-        .collect()
+    printable(text).replace(['\n', '\t'], " ")
 }
 
 fn is_discrete(p: &Parts) -> bool {
@@ -240,4 +239,17 @@ fn sized(mut atoms: Vec<String>, times: usize) -> (Vec<String>, usize) {
     let count = |degree: u128| (1..=degree).fold(1u128, |c, k| c * (n + k) / k) * times as u128;
     let degree = [3, 2].into_iter().find(|d| count(*d) <= TERMS as u128);
     (atoms, degree.unwrap_or(1) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_stays_on_its_line_and_in_its_direction() {
+        assert_eq!(
+            comment("a\nstate b\tc\rd\u{1b}[2J\u{202e}e"),
+            "a state b c d?[2J\u{fffd}e"
+        );
+    }
 }

@@ -125,3 +125,25 @@ pub fn is_unseen(c: char) -> bool {
         || matches!(c, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}')
         || matches!(c, '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e0fff}')
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places in a text stay where they were.
+    #[test]
+    fn what_nobody_sees_is_replaced_byte_for_byte() {
+        for c in ('\0'..=char::MAX).filter(|c| is_unseen(*c)) {
+            let shown = printable(&c.to_string());
+            assert_eq!(shown.len(), c.len_utf8(), "{c:?}");
+            assert!(
+                matches!(c, '\n' | '\t') || !shown.contains(is_unseen),
+                "{c:?}"
+            );
+        }
+        assert_eq!(
+            printable("ä\u{ad}θ\u{7}\u{202e}x\u{e0001}\r\n\t"),
+            "ä¿θ?\u{fffd}x\u{1fbc4} \n\t"
+        );
+    }
+}

@@ -211,3 +211,56 @@ fn multiply_band(rows: MatMut<f64>, a: MatRef<f64>, start: usize) {
         Par::Seq,
     );
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::cone::Pair;
+    use super::*;
+
+    const ROWS: usize = 3;
+    const COLUMNS: usize = 7;
+
+    fn pair(more: f64, tail: &[f64]) -> Pair {
+        Pair {
+            head: norm(tail) + more,
+            tail: tail.to_vec(),
+        }
+    }
+
+    proptest! {
+        /// The factor is that of P D Pᵀ + C, and so is what is solved.
+        #[test]
+        fn factors_and_solutions_are_of_the_same_matrix(
+            numbers in prop::collection::vec(-1.0..1.0, ROWS * (COLUMNS + 3)),
+            weights in prop::collection::vec(0.1..3.0, COLUMNS),
+            cone in any::<bool>(),
+        ) {
+            let (p, rest) = numbers.split_at(ROWS * COLUMNS);
+            let matrix = Mat::from_fn(ROWS, COLUMNS, |i, j| p[j * ROWS + i] + f64::from(u8::from(i == j)));
+            let (x, s, rhs) = (&rest[..ROWS], &rest[ROWS..2 * ROWS], &rest[2 * ROWS..]);
+            let scaling = Scaling::new(&pair(0.5, x), &pair(0.7, s)).unwrap();
+            let scaling = cone.then_some(&scaling);
+            let mut normal = Normal::new(matrix.as_ref());
+            prop_assert!(normal.factorise(weights, scaling));
+            let applied = |v: &[f64]| {
+                let image = times_transposed(matrix.as_ref(), v);
+                normal.apply(v, &image, scaling)
+            };
+            let back = normal.back_substitute(&applied(rhs));
+            for (a, b) in back.iter().zip(rhs) {
+                prop_assert!((a - b).abs() < 1e-8, "{a} {b}");
+            }
+            let (delta, correlated) = normal.solve(rhs, scaling, 0.0);
+            for (a, b) in applied(&delta).iter().zip(rhs) {
+                prop_assert!((a - b).abs() < 1e-10, "{a} {b}");
+            }
+            let image = times_transposed(matrix.as_ref(), &delta);
+            for (a, b) in correlated.iter().zip(&image) {
+                prop_assert!((a - b).abs() < 1e-9, "{a} {b}");
+            }
+        }
+    }
+}

@@ -274,7 +274,10 @@ mod tests {
             let size = 1.0 + norm(&start.x());
             prop_assert!(norm(&left.primal) < 1e-9 * size, "{:?}", left.primal);
             prop_assert!(left.dual < 1e-12, "{}", left.dual);
-            prop_assert!(left.mu > 0.0 && left.gap > 0.0);
+            let value = start.p.iter().chain(&start.q).sum::<f64>();
+            let bound = dot(&reduced.target, &start.lambda) - tolerance * cone.s.head;
+            let gap = (value - bound).abs() / value.abs().max(bound.abs());
+            prop_assert!(left.mu > 0.0 && (left.gap / gap - 1.0).abs() < 1e-12);
         }
 
         /// A step stays inside, and stops short only where it has to.

@@ -190,6 +190,18 @@ mod tests {
     use crate::dictionary::Dense;
 
     #[test]
+    fn conditions_are_ratios_of_singular_values() {
+        let diagonal = Mat::from_fn(4, 3, |i, j| match i == j {
+            true => [2.0, 0.5, 1.0][i],
+            false => 0.0,
+        });
+        assert!((condition(diagonal.as_ref()) - 4.0).abs() < 1e-14);
+        assert_eq!(condition(diagonal.transpose()), f64::INFINITY);
+        assert_eq!(condition(Mat::<f64>::zeros(3, 0).as_ref()), 1.0);
+        assert_eq!(condition(Mat::<f64>::zeros(3, 2).as_ref()), f64::INFINITY);
+    }
+
+    #[test]
     fn straight_line_with_textbook_standard_errors() {
         // y = 1 + 2t + (1, −1, −1, 1)/10: the disturbance is orthogonal to 1 and t.
         let t = [0.0, 1.0, 2.0, 3.0];

@@ -74,6 +74,27 @@ constrain coef(ddx, x) > -1
 }
 
 #[test]
+fn what_goes_on_stands_further_in() {
+    let untidy = "state x,y : order  2\ndata {\nx = (\"a\"\n*2)-\"b\"\n+ ( \"c\" ) ^2\n dx= unwrap( \"d\",2*pi )\n- \"e\" *3\n}\nddx ~ <x, \n -(y) >*sin(x)\nddy = - 2 *x - (x+y)\nconstrain coef(ddx,x)>=\n0\n";
+    let tidy = r#"state x, y : order 2
+data {
+  x  = ("a"
+      * 2) - "b"
+      + ("c")^2
+  dx = unwrap("d", 2*pi)
+      - "e" * 3
+}
+ddx ~ <x,
+    -(y)>*sin(x)
+ddy = -2 * x - (x + y)
+constrain coef(ddx, x) >=
+    0
+"#;
+    assert_eq!(formatted(untidy), tidy);
+    check(untidy);
+}
+
+#[test]
 fn a_wrong_text_is_not_formatted() {
     assert!(format(FileId(0), "dx ~ poly(x; 2").is_err());
 }

@@ -203,6 +203,8 @@ fn symmetries_take_ranges() {
     };
     assert_eq!(flipped("(x1..x3) -> -(x1..x3)"), ["x1", "x2", "x3"]);
     assert_eq!(flipped("(x2..x3, y) -> -(x2..x3, y)"), ["x2", "x3", "y"]);
+    // Named twice is flipped once.
+    assert_eq!(flipped("(x1, y, x1) -> -(x1, y, x1)"), ["x1", "y"]);
 }
 
 #[test]
