@@ -11,7 +11,7 @@ use crate::term::{Signal, VarId};
 use super::csv::{Table, bad_cells};
 use super::missing;
 use super::piece::Piece;
-use super::{Dataset, Trajectory, checks, columns, inputs, instants};
+use super::{Dataset, Trajectory, checks, clock, columns, inputs, instants};
 
 /// Binds tables to a model's signals.
 ///
@@ -119,11 +119,11 @@ fn piece<'a>(
             rows.retain(|_| kept.next().copied().unwrap_or(false));
             values.retain(|t| t.is_finite());
         }
-        if let Some(d) = checks::falling_time(table, &name, &rows, &values, column, sources) {
+        if let Some(d) = clock::falling_time(table, &name, &rows, &values, column, sources) {
             out.push(d);
             return None;
         }
-        checks::steps(&name, &rows, &mut values, table, model.discrete, out);
+        clock::steps(&name, &rows, &mut values, table, model.discrete, out);
         time = Some(values);
     }
     if rows.is_empty() {

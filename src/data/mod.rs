@@ -6,6 +6,7 @@
 mod bind;
 mod breaks;
 mod checks;
+mod clock;
 mod columns;
 mod csv;
 mod dataset;

@@ -1,0 +1,173 @@
+//! Are the times what they seem? Times that fall, gaps in time, steps that are not even.
+//!
+//! In: the times of one trajectory, and the table they come from. Out: findings, each with file, row and value. Changes nothing but
+//! times rounded in print.
+
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::source::Sources;
+
+use super::csv::Table;
+use super::figure::shown;
+use super::instants;
+
+/// The first time that does not rise.
+pub(super) fn falling_time(
+    table: &Table,
+    name: &str,
+    rows: &[usize],
+    time: &[f64],
+    column: Option<usize>,
+    sources: &mut Sources,
+) -> Option<Diagnostic> {
+    let falls: Vec<usize> = time
+        .windows(2)
+        .enumerate()
+        .filter(|(_, w)| w[1] <= w[0])
+        .map(|(i, _)| i + 1)
+        .collect();
+    let at = *falls.first()?;
+    let (before, now, start) = (*time.get(at - 1)?, *time.get(at)?, *time.first()?);
+    let row = *rows.get(at)?;
+    let span = table.cell_span(sources, row, column.unwrap_or(0));
+    let place = format!("{name}, row {} (line {})", row + 1, table.line_number(row));
+    let more = match falls.len() - 1 {
+        0 => String::new(),
+        n => format!(", and at {n} more row{}", if n == 1 { "" } else { "s" }),
+    };
+    if now == before {
+        return Some(
+            Diagnostic::error("time-not-rising", format!("{place}: time {} stands twice{more}", shown(now)))
+                .at(span, format!("same as the row before: {}", shown(before)))
+                .help("delete one of the rows; if the clock's digits are too few, leave the column out and give `step`"),
+        );
+    }
+    let d = Diagnostic::error(
+        "time-not-rising",
+        format!(
+            "{place}: time falls from {} to {}{more}",
+            shown(before),
+            shown(now)
+        ),
+    )
+    .at(span, format!("after {}", shown(before)));
+    // Back to the start, or to the same instant every time: several records in one file.
+    if now > start + 0.1 * (before - start) {
+        return Some(d.help("sort the rows by time, or delete the rows out of order"));
+    }
+    let d = d.fact(format!(
+        "time starts again: does the file hold {} trajectories?",
+        falls.len() + 1
+    ));
+    let splits: Vec<usize> = falls.iter().filter_map(|i| rows.get(*i)).copied().collect();
+    Some(match run_candidate(table, rows, &splits) {
+        Some(header) => d.help(format!("data {{ run = \"{header}\" }} splits the file by that column")),
+        None => d.help("add a column that numbers the runs and name it, data { run = \"HEADER\" }, or split the file"),
+    })
+}
+
+/// A column that changes exactly where time starts again.
+fn run_candidate<'a>(table: &'a Table, rows: &[usize], splits: &[usize]) -> Option<&'a str> {
+    let matches = |column: usize| {
+        rows.windows(2).all(|w| {
+            let same = table.cell(w[0], column) == table.cell(w[1], column);
+            same != splits.contains(&w[1])
+        })
+    };
+    // Long files are not worth comparing as text, cell by cell.
+    if rows.len() > 200_000 {
+        return None;
+    }
+    table
+        .headers()
+        .iter()
+        .enumerate()
+        .find(|(i, h)| !h.is_empty() && matches(*i))
+        .map(|(_, h)| h.as_str())
+}
+
+/// Steps of one trajectory: rounded times are put back on their grid, irregular ones and gaps are told.
+pub(super) fn steps(
+    name: &str,
+    rows: &[usize],
+    time: &mut Vec<f64>,
+    table: &Table,
+    discrete: bool,
+    out: &mut Vec<Diagnostic>,
+) {
+    let Some(s) = instants::steps(time) else {
+        return;
+    };
+    if let Some((grid, worst)) = instants::even_grid(time) {
+        if worst <= 1e-6 * s.median {
+            return;
+        }
+        // Corrections that no result depends on are not worth a word.
+        if worst > 1e-3 * s.median {
+            let step = grid
+                .get(1)
+                .zip(grid.first())
+                .map_or(s.median, |(b, a)| b - a);
+            out.push(
+                Diagnostic::note(
+                    "time-rounded",
+                    format!("{name}: times are an even grid rounded in print; the grid is used"),
+                )
+                .fact(format!(
+                    "step {step:.6e} s, corrections up to {worst:.1e} s"
+                )),
+            );
+        }
+        *time = grid;
+        return;
+    }
+    let gaps = instants::gaps(time);
+    let (min, median, max) = (s.min, s.median, s.max);
+    if let Some(first) = gaps.first() {
+        let row = rows.get(*first).copied().unwrap_or(0);
+        let n = gaps.len();
+        out.push(
+            Diagnostic::warning(
+                "time-gap",
+                format!("{name}: {n} gap{} in time", if n == 1 { "" } else { "s" }),
+            )
+            .fact(format!(
+                "the first before row {} (line {}); the median step is {median:.6} s, the longest {max:.6} s",
+                row + 1,
+                table.line_number(row)
+            ))
+            .fact("nothing is estimated across a gap"),
+        );
+    }
+    let within = time.windows(2).map(|w| w[1] - w[0]).filter(|d| *d <= s.gap);
+    let (low, high) = within.fold((f64::INFINITY, 0.0), |(a, b), d| (a.min(d), f64::max(b, d)));
+    if high - low <= 0.01 * median {
+        return;
+    }
+    let told = format!("steps from {min:.6} to {max:.6} s, median {median:.6} s");
+    if discrete {
+        let whole = |d: f64| {
+            let samples = (d / median).round();
+            samples >= 1.0 && (d / median - samples).abs() <= 0.05
+        };
+        if time.windows(2).all(|w| whole(w[1] - w[0])) {
+            return;
+        }
+        out.push(
+            Diagnostic::error(
+                "uneven-steps",
+                format!("{name}: a model in discrete time needs even steps"),
+            )
+            .fact(told)
+            .help("resample the record, or write the model with derivatives"),
+        );
+    } else {
+        out.push(
+            Diagnostic::note(
+                "irregular-steps",
+                format!("{name}: the steps are irregular"),
+            )
+            .fact(told)
+            .fact("the times are used as they are"),
+        );
+    }
+}
