@@ -71,16 +71,9 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
         return (None, diagnostics);
     };
     let mut libraries = Vec::new();
-    let sought = |e: &&Equation| matches!(e.right, RightSide::Search { .. });
-    let sharers = model.equations.iter().filter(sought).count().max(1) as u64;
-    for (library, found) in expand_all(&model, memory / sharers) {
+    for (library, found) in expand_all(&model, memory) {
         // One `let` used by several equations has the same to say about each.
-        for mut d in found {
-            if d.code == "library-too-large" && sharers > 1 {
-                d = d.fact(format!(
-                    "the equations share --memory-limit: 1/{sharers} each"
-                ));
-            }
+        for d in found {
             if !diagnostics.contains(&d) {
                 diagnostics.push(d);
             }

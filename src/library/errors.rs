@@ -1,5 +1,6 @@
 //! What can be wrong with a library, in words.
 
+use super::expand::Share;
 use super::list::Unwieldy;
 use super::size::{readable, readable_bytes};
 use super::{MAX_LIST, MAX_PRODUCTS, Misuse};
@@ -7,9 +8,9 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 
 /// Known by arithmetic, before anything is made.
-pub(super) fn too_large(span: Span, terms: u128, bytes: u128, memory: u64) -> Diagnostic {
-    let (needed, limit) = (readable_bytes(bytes), readable_bytes(memory.into()));
-    Diagnostic::error(
+pub(super) fn too_large(span: Span, terms: u128, bytes: u128, share: Share) -> Diagnostic {
+    let (needed, limit) = (readable_bytes(bytes), readable_bytes(share.bytes.into()));
+    let d = Diagnostic::error(
         "library-too-large",
         format!(
             "this library has {} terms, which take {needed}; the limit is {limit}",
@@ -17,7 +18,11 @@ pub(super) fn too_large(span: Span, terms: u128, bytes: u128, memory: u64) -> Di
         ),
     )
     .at(span, format!("{} terms", readable(terms)))
-    .help("lower a degree, take atoms out, or say what is known: `limit degree 4`, `symmetry x -> -x`; --memory-limit sets the limit")
+    .help("lower a degree, take atoms out, or say what is known: `limit degree 4`, `symmetry x -> -x`; --memory-limit sets the limit");
+    match share.of {
+        1 => d,
+        of => d.fact(format!("the equations share --memory-limit: 1/{of} each")),
+    }
 }
 
 /// What cannot stay a product of short lists.

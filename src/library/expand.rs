@@ -10,25 +10,47 @@ use super::rule::{Rule, flipped};
 use super::set::Set;
 use super::{Library, MAX_LIST, errors, generator, generators, layout, restrictions};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{LibExpr, LibKind, Model, NumberArg, Symmetry};
+use crate::lang::model::{LibExpr, LibKind, Model, NumberArg, RightSide, Symmetry};
 use crate::lang::source::Span;
 use crate::term::{Expr, Language, Signal, SignalNames, Term};
+
+/// The memory that one library may take.
+#[derive(Clone, Copy)]
+pub(super) struct Share {
+    pub bytes: u64,
+    /// Equations with as much each.
+    pub of: u64,
+}
 
 /// One expansion: the equation it is for, and what was found wrong on the way. `None` means an error was reported.
 pub(super) struct Expansion<'a> {
     model: &'a Model,
     target: Signal,
-    /// Bytes that the library may take.
-    memory: u64,
+    share: Share,
     pub diagnostics: Vec<Diagnostic>,
 }
 
 impl<'a> Expansion<'a> {
+    /// `memory` is for the libraries of all equations.
     pub fn new(model: &'a Model, target: Signal, memory: u64) -> Self {
+        let has_library = |r: &RightSide| {
+            matches!(
+                r,
+                RightSide::Search {
+                    library: Some(_),
+                    ..
+                }
+            )
+        };
+        let with = model.equations.iter().filter(|e| has_library(&e.right));
+        let of = with.count().max(1) as u64;
         Expansion {
             model,
             target,
-            memory,
+            share: Share {
+                bytes: memory / of,
+                of,
+            },
             diagnostics: Vec::new(),
         }
     }
@@ -49,10 +71,10 @@ impl<'a> Expansion<'a> {
 
     /// The set as a library, pruned by the rule.
     pub fn lay_out(&mut self, e: &LibExpr, set: &Set, rule: &Rule) -> Option<Library> {
-        let library = match layout::lay_out(set, rule, self.memory) {
+        let library = match layout::lay_out(set, rule, self.share.bytes) {
             Ok(library) => library,
             Err(Refused::Memory(terms, bytes)) => {
-                return self.fail(errors::too_large(e.span, terms, bytes, self.memory));
+                return self.fail(errors::too_large(e.span, terms, bytes, self.share));
             }
             Err(Refused::Unwieldy(why)) => return self.fail(errors::unwieldy(e.span, why)),
         };
@@ -131,8 +153,8 @@ impl<'a> Expansion<'a> {
         };
         if let Some(exponents) = exponents {
             let bytes = count.saturating_mul(layout::SLOT_BYTES);
-            if exponents.is_bounded() && bytes > u128::from(self.memory) {
-                return self.fail(errors::too_large(span, count, bytes, self.memory));
+            if exponents.is_bounded() && bytes > u128::from(self.share.bytes) {
+                return self.fail(errors::too_large(span, count, bytes, self.share));
             }
             return self.made(span, monomials(&generators::factors(&atoms), exponents));
         }

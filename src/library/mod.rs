@@ -103,7 +103,7 @@ pub fn generator(name: &str) -> Option<&'static dyn Generator> {
     GENERATORS.iter().copied().find(|g| g.name() == name)
 }
 
-/// Expands the library of one equation, in at most `memory` bytes.
+/// Expands the library of one equation; the libraries of all equations take `memory` bytes at most, with equal shares.
 ///
 /// The bare target never becomes a column, and generators drop it from their atoms; both are said in a note. Terms that the model's
 /// symmetries and degree limit exclude are left out, and counted in a note.
