@@ -21,30 +21,27 @@ pub(super) fn rows(
         let span = excerpt(name, sources, line.number, text, (from, text.len()));
         (span, text)
     };
-    let wrong = rows.wrong.first.iter();
-    let mut out: Vec<(usize, Diagnostic)> = wrong
-        .map(|(line, why)| {
-            let (at, cells) = match *why {
-                Why::Open(at) => (at, None),
-                Why::Ragged(cells) => (0, Some(cells)),
-            };
-            let (span, text) = place(*line, at);
-            let d = match cells {
-                None => open_quote(span),
-                Some(cells) => ragged_row(span, cells, shape.width, shape.separator, text),
-            };
-            (line.number, d)
-        })
-        .collect();
-    let mut more = rows.wrong.more;
+    let wrong = rows.wrong.first.iter().map(|(line, why)| {
+        let d = match *why {
+            Why::Open(at) => open_quote(place(*line, at).0),
+            Why::Ragged(cells) => {
+                let (span, text) = place(*line, 0);
+                ragged_row(span, cells, shape.width, shape.separator, text)
+            }
+        };
+        (line.number, d)
+    });
+    let mut out: Vec<(usize, Diagnostic)> = wrong.collect();
+    let mut count = rows.wrong.count;
     if let (Some(line), true) = (rows.lines.first(), rows.first_is_of_words()) {
         let (span, text) = place(*line, 0);
         let d = unknown_separator(span, text).unwrap_or_else(|| units_row(span));
         out.push((line.number, d));
         out.sort_by_key(|(number, _)| *number);
-        more += out.len().saturating_sub(SHOWN);
         out.truncate(SHOWN);
+        count += 1;
     }
+    let more = count - out.len();
     let mut out: Vec<Diagnostic> = out.into_iter().map(|(_, d)| d).collect();
     count_rest(&mut out, more, "row");
     out

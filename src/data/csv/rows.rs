@@ -26,26 +26,20 @@ pub(super) struct Rows {
     pub lines: Vec<Line>,
     /// C columns of R values; NaN where missing or faulty.
     pub columns: Vec<Vec<f64>>,
-    /// One for each column.
-    pub faults: Vec<Faults>,
-    pub wrong: Wrong,
+    /// The cells of each column that are no numbers, by row.
+    pub faults: Vec<Few<(usize, Fault)>>,
+    /// The lines that are no rows.
+    pub wrong: Few<(Line, Why)>,
     /// Rows up to the last that holds anything.
     full: usize,
 }
 
-/// The cells of one column that are no numbers.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Faults {
+/// The first few of many.
+#[derive(Clone, Debug)]
+pub(super) struct Few<T> {
+    /// How many there are.
     pub count: usize,
-    pub first: Vec<(usize, Fault)>,
-}
-
-/// The lines that are no rows.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Wrong {
-    pub first: Vec<(Line, Why)>,
-    /// How many come after these.
-    pub more: usize,
+    pub first: Vec<T>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -97,7 +91,7 @@ impl Rows {
         Rows {
             lines: Vec::with_capacity(rows),
             columns: (0..width).map(|_| Vec::with_capacity(rows)).collect(),
-            faults: vec![Faults::default(); width],
+            faults: vec![Few::default(); width],
             ..Rows::default()
         }
     }
@@ -108,7 +102,7 @@ impl Rows {
         for (line, text) in &mut lines {
             match cut(text, shape, &mut ranges) {
                 Ok(()) => self.row(line, text, &ranges),
-                Err(why) => self.wrong.add(line, why),
+                Err(why) => self.wrong.add((line, why)),
             }
         }
         lines.before()
@@ -123,7 +117,7 @@ impl Rows {
                 Cell::Number(x) => x,
                 Cell::Missing => f64::NAN,
                 Cell::Bad(fault) => {
-                    faults.add(row, fault);
+                    faults.add((row, fault));
                     f64::NAN
                 }
             });
@@ -148,20 +142,16 @@ impl Rows {
             column.extend_from_slice(more);
         }
         for (faults, more) in self.faults.iter_mut().zip(other.faults) {
-            let count = faults.count + more.count;
-            let first = more.first.into_iter();
-            first.for_each(|(row, fault)| faults.add(rows + row, fault));
-            faults.count = count;
+            faults.append(more, |(row, fault)| (rows + row, fault));
         }
-        let first = other.wrong.first.into_iter();
-        first.for_each(|(line, why)| self.wrong.add(moved(line), why));
-        self.wrong.more += other.wrong.more;
+        self.wrong
+            .append(other.wrong, |(line, why)| (moved(line), why));
     }
 
     /// True if every cell of the first row that holds anything is text; a table of one text column may be what it is.
     pub fn first_is_of_words(&self) -> bool {
         let number = |c: &Vec<f64>| c.first().is_some_and(|x| x.is_finite());
-        let first = |f: &Faults| match f.first.first() {
+        let first = |f: &Few<(usize, Fault)>| match f.first.first() {
             Some((0, fault)) => Some(*fault),
             _ => None,
         };
@@ -171,20 +161,28 @@ impl Rows {
     }
 }
 
-impl Faults {
-    fn add(&mut self, row: usize, fault: Fault) {
+impl<T> Few<T> {
+    fn add(&mut self, one: T) {
         self.count += 1;
         if self.first.len() < SHOWN {
-            self.first.push((row, fault));
+            self.first.push(one);
         }
+    }
+
+    /// Adds those that come after, each as it is to be seen from here.
+    fn append(&mut self, other: Few<T>, moved: impl Fn(T) -> T) {
+        self.count += other.count;
+        let room = SHOWN.saturating_sub(self.first.len());
+        self.first
+            .extend(other.first.into_iter().take(room).map(moved));
     }
 }
 
-impl Wrong {
-    fn add(&mut self, line: Line, why: Why) {
-        match self.first.len() < SHOWN {
-            true => self.first.push((line, why)),
-            false => self.more += 1,
+impl<T> Default for Few<T> {
+    fn default() -> Self {
+        Few {
+            count: 0,
+            first: Vec::new(),
         }
     }
 }
