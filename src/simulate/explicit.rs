@@ -11,10 +11,6 @@ use super::flow::{Ended, Flow, Guard};
 pub(super) const TOLERANCE: f64 = 1e-13;
 /// h·λ near the method's limit of stability (3.31 on the real axis), in so many steps, and in how many others between them not.
 const STABILITY: (f64, usize, usize) = (3.0, 15, 6);
-/// A step is at most so many times the last one.
-const GROWTH: f64 = 8.0;
-/// An error this small allows more than that: (0.9/8)⁵.
-const SMALL: f64 = 1.8e-5;
 /// Steps between two stops that are too many for an explicit method, whatever the reason.
 const MANY: usize = 20_000;
 /// Steps are not made smaller than this, relative to the time.
@@ -144,10 +140,7 @@ impl Explicit {
                     continue;
                 }
             };
-            let factor = match error {
-                small if small < SMALL => GROWTH,
-                _ => 0.9 * error.powf(-0.2),
-            };
+            let factor = 0.9 * error.max(1e-12).powf(-0.2);
             if error > 1.0 {
                 self.h = h * factor.clamp(0.1, 1.0);
                 continue;
@@ -167,7 +160,7 @@ impl Explicit {
             self.slopes.iter_mut().for_each(|k| k.swap(0, 6));
             t = end;
             // A step cut short by a stop says nothing against a longer one.
-            let next = h * factor.min(GROWTH);
+            let next = h * factor.min(8.0);
             self.h = if last { next.max(self.h) } else { next };
             if watch && t < stop && (limits >= STABILITY.1 || steps > MANY) {
                 return Ok(Reached::Stiff(t));
