@@ -70,17 +70,15 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
         ));
     }
     let of_rate = model.equations.iter().any(|e| e.target.der > 0);
-    let why = match doc.time {
+    let contradiction = match doc.time {
         TimeKind::Continuous if model.discrete => {
-            "its time is continuous, and it has an equation for a next sample"
+            Some("continuous, and it has an equation for a next sample")
         }
-        TimeKind::Discrete if of_rate => {
-            "its time is discrete, and it has an equation for a derivative"
-        }
-        _ => "",
+        TimeKind::Discrete if of_rate => Some("discrete, and it has an equation for a derivative"),
+        _ => None,
     };
-    if !why.is_empty() {
-        return Err(damaged(name, why));
+    if let Some(why) = contradiction {
+        return Err(damaged(name, &format!("its time is {why}")));
     }
     let mut d = Discovery::of(&model);
     d.system = doc.system.clone();

@@ -167,9 +167,12 @@ fn sets_outside_lists() {
 #[test]
 fn products_in_constraints_are_by_numbers() {
     let base = "state x, y\ndx ~ <x, y>\ndy ~ <x, y>\n";
-    let form = |text: &str| {
+    let spelt = |text: &str| {
         let text = text.replace('a', "coef(dx, x)").replace('b', "coef(dy, y)");
-        let m = model(&format!("{base}constrain {text}\n"));
+        format!("{base}constrain {text}\n")
+    };
+    let form = |text: &str| {
+        let m = model(&spelt(text));
         let c = &m.constraints[0];
         let weights: Vec<f64> = c.coefficients.iter().map(|c| c.weight).collect();
         (weights, c.constant)
@@ -178,10 +181,7 @@ fn products_in_constraints_are_by_numbers() {
     assert_eq!(form("3*a/2 + b = 12/2"), (vec![1.5, 1.0], -6.0));
     assert_eq!(form("a*3 - b*2*2 = 2*3"), (vec![3.0, -4.0], -6.0));
     for wrong in ["a*b = 1", "1/a = 1", "a/b = 1", "a/0 = 1"] {
-        let wrong = wrong
-            .replace('a', "coef(dx, x)")
-            .replace('b', "coef(dy, y)");
-        let (model, found, _) = compiled("m.sid", &format!("{base}constrain {wrong}\n"));
+        let (model, found, _) = compiled("m.sid", &spelt(wrong));
         assert!(
             model.is_none() && found.iter().any(|d| d.is_error()),
             "{wrong}"
