@@ -228,8 +228,12 @@ pub struct ChannelFit {
     /// Root mean square of the residuals, in the signal's units, and relative to its spread.
     pub left: f64,
     pub relative: f64,
-    /// The sensor's noise, declared or seen by smoothing.
+    /// The sensor's noise, declared or seen by smoothing. A spline of one stiffness that cannot follow what jumps of an input do
+    /// sees more than there is.
     pub noise: f64,
+    /// Whether the noise was declared.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub declared: bool,
     /// Autocorrelation of the residuals over the first lags, and what chance allows it to be.
     pub memory: f64,
     pub chance: f64,

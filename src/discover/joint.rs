@@ -125,6 +125,7 @@ pub fn discover_jointly(
     };
     let problem = problem.as_ref();
     let report = Report {
+        model,
         problem,
         found: &found,
         late: late.as_ref(),
@@ -195,6 +196,7 @@ fn stretched(
 }
 
 struct Report<'a> {
+    model: &'a Model,
     problem: &'a Problem,
     found: &'a Found,
     late: Option<&'a Late>,
@@ -299,6 +301,7 @@ impl Report<'_> {
             signal: names.name(c.signal),
             left: c.left,
             noise: c.noise,
+            declared: self.model.noise(c.signal).is_some(),
             relative: c.left / c.spread,
             memory: c.memory,
             chance: c.chance,

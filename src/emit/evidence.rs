@@ -114,12 +114,15 @@ fn channel(c: &ChannelFit) -> Vec<String> {
     } else {
         format!("autocorrelation {:.2}", c.memory)
     };
+    let noise = match c.declared {
+        true => format!("declared noise {}", power(c.noise)),
+        false => format!("smoothing alone sees noise of {}", power(c.noise)),
+    };
     let mut lines = vec![format!(
-        "fit: {} to {} ({} of its spread), residuals {white}; its sensor's noise is {}",
+        "fit: {} to {} ({} of its spread), residuals {white}; {noise}",
         c.signal,
         power(c.left),
-        percent(c.relative),
-        power(c.noise)
+        percent(c.relative)
     )];
     if c.left_out > 0 {
         lines.push(format!(
