@@ -200,14 +200,17 @@ impl Best {
         }
     }
 
-    /// Distance from optimal in one number.
+    /// Distance from optimal in one number; infinite if a part of it is not a number.
     fn merit(&self, gap: f64, residual: f64) -> f64 {
         let excess = if self.tolerance > 0.0 {
             residual / self.tolerance * (TARGET / TARGET_EXCESS)
         } else {
             0.0
         };
-        gap.max(residual).max(excess)
+        match (gap + residual + excess).is_nan() {
+            true => f64::INFINITY,
+            false => gap.max(residual).max(excess),
+        }
     }
 
     /// Keeps the better point; false when there has been none for too long or the values are not finite.
@@ -252,5 +255,168 @@ impl Best {
             status,
             iterations,
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::dictionary::Dense;
+    use crate::solve::reduce::{dot, times_transposed};
+
+    const ROWS: usize = 4;
+    const COLUMNS: usize = 9;
+
+    fn close(a: &[f64], b: &[f64], scale: f64) -> bool {
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-8 * scale)
+    }
+
+    /// Products entry by entry.
+    fn each(a: &[f64], b: &[f64]) -> Vec<f64> {
+        a.iter().zip(b).map(|(a, b)| a * b).collect()
+    }
+
+    proptest! {
+        /// The linearised optimality conditions, one by one, hold after a full step; the corrector's with the predictor's products.
+        #[test]
+        fn directions_solve_the_linearised_conditions(
+            numbers in prop::collection::vec(-1.0..1.0, ROWS * (COLUMNS + 1)),
+            part in 0.05..0.8,
+            cone in any::<bool>(),
+            aim in 0.0..1.0,
+        ) {
+            let (target, columns) = numbers.split_at(ROWS);
+            prop_assume!(norm(target) > 0.3);
+            let dictionary = Dense::new(ROWS, columns.to_vec());
+            let tolerance = if cone { part * norm(target) } else { 0.0 };
+            let reduced = Reduced::new(&Problem { dictionary: &dictionary, target, tolerance });
+            prop_assume!(reduced.strengths.iter().all(|s| *s > 0.05));
+            let point = Point::start(&reduced, reduced.inner_tolerance().unwrap());
+            let residuals = point.residuals(&reduced);
+            let scaling = point.scaling().unwrap();
+            let mut normal = Normal::new(reduced.matrix.as_ref());
+            prop_assert!(normal.factorise(point.weights(), scaling.as_ref()));
+            let newton = Newton { point: &point, residuals: &residuals, reduced: &reduced, normal: &normal, scaling: scaling.as_ref() };
+            let predictor = newton.direction(0.0, None);
+            let sigma_mu = aim * residuals.mu;
+            for (d, sigma_mu, second) in [
+                (&predictor, 0.0, None),
+                (&newton.direction(sigma_mu, Some(&predictor)), sigma_mu, Some(&predictor)),
+            ] {
+                let scale = 1.0 + [&d.p, &d.q, &d.lambda, &point.p].map(|v| norm(v)).into_iter().fold(0.0, f64::max).powi(2);
+                // Primal: P(δp − δq) + δr is what is missing.
+                let mut moved = times(reduced.matrix.as_ref(), &minus(&d.p, &d.q));
+                if let Some((dx, _)) = &d.cone {
+                    add_scaled(&mut moved, 1.0, &dx.tail);
+                }
+                prop_assert!(close(&moved, &residuals.primal, scale), "{moved:?} {:?}", residuals.primal);
+                // Dual: ±Pᵀδλ + δs.
+                let pull = times_transposed(reduced.matrix.as_ref(), &d.lambda);
+                let up: Vec<f64> = pull.iter().zip(&d.sp).map(|(g, s)| g + s).collect();
+                let down = minus(&d.sq, &pull);
+                prop_assert!(close(&up, &residuals.dual_p, scale) && close(&down, &residuals.dual_q, scale));
+                // Complementarity: s δx + x δs = σμ − x s − δx δs of the predictor.
+                for (x, s, dx, ds, second) in [
+                    (&point.p, &point.sp, &d.p, &d.sp, second.map(|d| each(&d.p, &d.sp))),
+                    (&point.q, &point.sq, &d.q, &d.sq, second.map(|d| each(&d.q, &d.sq))),
+                ] {
+                    let mut left = each(s, dx);
+                    add_scaled(&mut left, 1.0, &each(x, ds));
+                    let mut right: Vec<f64> = each(x, s).iter().map(|v| sigma_mu - v).collect();
+                    if let Some(second) = second {
+                        add_scaled(&mut right, -1.0, &second);
+                    }
+                    prop_assert!(close(&left, &right, scale), "{left:?} {right:?}");
+                }
+                // The cone: δx + W² δs is what its own complementarity asks for, and ε stays.
+                if let (Some(scaling), Some((dx, ds))) = (&scaling, &d.cone) {
+                    let second = second.and_then(|d| d.cone.as_ref());
+                    let wanted = scaling.complementarity(sigma_mu * point.cone_weight(), second);
+                    let mut left = scaling.apply_squared(ds);
+                    left.add_scaled(1.0, dx);
+                    prop_assert!((left.head - wanted.head).abs() <= 1e-8 * scale * (1.0 + wanted.head.abs()));
+                    prop_assert!(close(&left.tail, &wanted.tail, scale));
+                    prop_assert_eq!(dx.head, 0.0);
+                    prop_assert!(close(&ds.tail, &d.lambda.iter().map(|l| -l).collect::<Vec<_>>(), 1.0));
+                }
+            }
+        }
+    }
+
+    /// Mehrotra's method takes a dozen steps or so whatever the size: more, and a direction or its length is wrong.
+    #[test]
+    fn it_arrives_in_few_steps() {
+        let mut seed = 5u64;
+        let mut next = || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let mut steps = [0, 0];
+        for _ in 0..20 {
+            let (rows, cols) = (30, 120);
+            let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
+            let mut target = vec![0.0; rows];
+            let mut column = vec![0.0; rows];
+            for j in [3, 50, 99] {
+                crate::dictionary::Dictionary::column(&dictionary, j, &mut column);
+                add_scaled(&mut target, 1.0 + next(), &column);
+            }
+            target.iter_mut().for_each(|y| *y += 0.01 * next());
+            for (steps, part) in steps.iter_mut().zip([0.0, 0.05]) {
+                let tolerance = part * norm(&target);
+                let problem = Problem {
+                    dictionary: &dictionary,
+                    target: &target,
+                    tolerance,
+                };
+                let found = InteriorPoint.solve(&problem, &mut |_| ControlFlow::Continue(()));
+                assert_eq!(found.status, Status::Solved);
+                *steps += found.iterations;
+            }
+        }
+        assert!(steps[0] <= 20 * 15 && steps[1] <= 20 * 13, "{steps:?}");
+    }
+
+    #[test]
+    fn the_best_point_is_judged_by_gap_residual_and_excess() {
+        let dictionary = Dense::new(2, vec![1.0, 0.0, 0.0, 1.0]);
+        let problem = Problem {
+            dictionary: &dictionary,
+            target: &[3.0, 4.0],
+            tolerance: 0.0,
+        };
+        let reduced = Reduced::new(&problem);
+        let point = Point::start(&reduced, 0.0);
+        let progress = |gap, residual| Progress {
+            gap,
+            residual,
+            ..Progress::default()
+        };
+        let mut best = Best::new(&point, 0.0);
+        assert_eq!(best.merit(1e-3, 1e-4), 1e-3);
+        assert_eq!(best.merit(1e-5, 1e-4), 1e-4);
+        assert!(best.offer(&point, progress(1e-8, TARGET)));
+        assert!(!best.reached(TARGET, TARGET_EXCESS) && best.reached(1e-8, 0.0));
+        // None better for long is the end; what was best stays.
+        for worse in 1..=PATIENCE {
+            assert_eq!(best.offer(&point, progress(1e-8, 1e-9)), worse < PATIENCE);
+        }
+        assert_eq!((best.gap, best.residual), (1e-8, TARGET));
+        assert!(!best.offer(&point, progress(f64::NAN, 0.0)));
+
+        // A residual beyond ε weighs so that what is wanted of it and of the gap weigh the same.
+        let mut best = Best::new(&point, 1e-3);
+        let excess = TARGET_EXCESS * 1e-3;
+        assert!((best.merit(0.0, excess) / TARGET - 1.0).abs() < 1e-12);
+        assert!(best.offer(&point, progress(0.0, 1.5 * excess)));
+        assert!(!best.reached(TARGET, TARGET_EXCESS) && best.reached(TARGET, 2.0 * TARGET_EXCESS));
+        assert_eq!(dot(&point.lambda, &point.lambda), 0.0);
     }
 }

@@ -133,6 +133,36 @@ mod tests {
     }
 
     #[test]
+    fn a_filter_of_the_second_order_is_found_whole() {
+        let white = filtered(40_000, 0.0);
+        let (mut a, mut b) = (0.0, 0.0);
+        let step = |u: &f64| {
+            (a, b) = (1.2 * a - 0.5 * b + u, a);
+            a
+        };
+        let memory = Memory::of(&[white.iter().map(step).collect()]);
+        let [first, second] = memory.follows[..] else {
+            panic!("{memory:?}");
+        };
+        assert!(
+            (first - 1.2).abs() < 0.02 && (second + 0.5).abs() < 0.02,
+            "{memory:?}"
+        );
+        // (1 − a₂²)(1 − r₁²) with r₁ = a₁/(1 − a₂)
+        assert!(
+            (memory.fresh - 0.75 * (1.0 - 0.64)).abs() < 0.02,
+            "{memory:?}"
+        );
+    }
+
+    #[test]
+    fn a_short_series_is_not_told_a_long_memory() {
+        // A quarter of seven rows is one lag, though the series is all of one wave.
+        let memory = Memory::of(&[(0..7).map(|k| f64::from(k).sin()).collect()]);
+        assert!(memory.follows.len() <= 1, "{memory:?}");
+    }
+
+    #[test]
     fn white_series_have_no_memory_and_nothing_has_none() {
         let white = Memory::of(&[filtered(5_000, 0.0)]);
         assert_eq!(white.follows, Vec::<f64>::new());

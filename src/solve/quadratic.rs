@@ -124,7 +124,7 @@ impl Quadratic {
         let mut square = self.total - dot(&self.right, &x);
         let mut active: Vec<usize> = (0..p).collect();
         let mut best: Vec<(f64, Vec<usize>)> = vec![(f64::INFINITY, Vec::new()); penalties.len()];
-        while active.len() > 1 {
+        while !active.is_empty() {
             for (best, penalty) in best.iter_mut().zip(penalties) {
                 let value = square + penalty * active.len() as f64;
                 if value < best.0 {
@@ -301,4 +301,114 @@ fn wide_invert(a: &mut [f64], n: usize) -> bool {
         a[k * n..(k + 1) * n].copy_from_slice(&row);
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const ROWS: usize = 12;
+    const COLUMNS: usize = 6;
+
+    /// Columns of length [`ROWS`], the target as the last.
+    fn numbers() -> impl Strategy<Value = Vec<f64>> {
+        prop::collection::vec(-1.0..1.0, ROWS * (COLUMNS + 1))
+    }
+
+    /// From columns of lengths 1, 2, 4, …
+    fn form(numbers: &[f64]) -> Quadratic {
+        let columns: Vec<Vec<f64>> = (numbers.chunks_exact(ROWS).enumerate())
+            .map(|(j, c)| c.iter().map(|x| x * f64::from(1 << j)).collect())
+            .collect();
+        let products: Vec<f64> = (columns.iter())
+            .flat_map(|a| columns.iter().map(|b| dot(a, b)))
+            .collect();
+        Quadratic::new(&products, COLUMNS)
+    }
+
+    fn supports() -> impl Strategy<Value = Vec<usize>> {
+        prop::sample::subsequence((0..COLUMNS).collect::<Vec<_>>(), 0..COLUMNS)
+    }
+
+    fn criterion(form: &Quadratic, support: &[usize], penalty: f64) -> f64 {
+        form.least(support).square + penalty * support.len() as f64
+    }
+
+    proptest! {
+        /// No other coefficients leave less, and what is left is what the columns leave.
+        #[test]
+        fn least_squares_are_the_least(numbers in numbers(), support in supports(), at in 0..COLUMNS, by in -1.0..1.0) {
+            let least = form(&numbers).least(&support);
+            let left = |coefficients: &[f64]| -> f64 {
+                (0..ROWS)
+                    .map(|i| {
+                        let value = |j: usize| numbers[j * ROWS + i] * f64::from(1 << j);
+                        let fitted: f64 = support.iter().zip(coefficients).map(|(j, a)| a * value(*j)).sum();
+                        (value(COLUMNS) - fitted).powi(2)
+                    })
+                    .sum()
+            };
+            let found = left(&least.coefficients);
+            prop_assert!((found - least.square).abs() < 1e-6 * (1.0 + found), "{found} {}", least.square);
+            let mut other = least.coefficients;
+            if let Some(a) = other.get_mut(at) {
+                *a += by;
+            }
+            prop_assert!(left(&other) > found - 1e-6 * (1.0 + found));
+        }
+
+        /// What a move is said to change is what refitting the support changes; all there are, the best first.
+        #[test]
+        fn moves_change_what_they_say(numbers in numbers(), support in supports(), penalty in 0.0..500.0) {
+            let form = form(&numbers);
+            let before = criterion(&form, &support, penalty);
+            let moves = form.moves(&support, penalty, usize::MAX);
+            let (inside, outside) = (support.len(), COLUMNS - support.len());
+            prop_assert_eq!(moves.len(), inside + outside + inside * outside);
+            prop_assert!(moves.is_sorted_by(|a, b| a.change <= b.change));
+            for m in &moves {
+                let next = m.applied(&support);
+                let change = criterion(&form, &next, penalty) - before;
+                prop_assert!((change - m.change).abs() < 1e-5 * (1.0 + form.total), "{} {change}", m.change);
+            }
+            let best = form.moves(&support, penalty, 2);
+            prop_assert_eq!(best.len(), 2);
+            prop_assert!(best[0].change == moves[0].change && best[1].change == moves[1].change);
+        }
+
+        /// Where the search by single moves ends no single move helps, and it is no worse than where it began.
+        #[test]
+        fn nothing_single_improves_the_improved(numbers in numbers(), support in supports(), penalty in 1.0..500.0) {
+            let form = form(&numbers);
+            let end = form.improve(&support, penalty);
+            let value = criterion(&form, &end, penalty);
+            prop_assert!(value <= criterion(&form, &support, penalty) + 1e-9);
+            for m in form.moves(&end, penalty, usize::MAX) {
+                let next = m.applied(&end);
+                let gained = value - criterion(&form, &next, penalty);
+                prop_assert!(next.is_empty() || gained < 1e-4 * (1.0 + form.total), "{end:?} {next:?} {gained}");
+            }
+        }
+
+        /// The least is dropped first, and of what is left on the way each penalty gets its best.
+        #[test]
+        fn backwards_drops_what_is_missed_least(numbers in numbers(), penalties in prop::collection::vec(0.0..2000.0, 3)) {
+            let form = form(&numbers);
+            let mut way = vec![(0..COLUMNS).collect::<Vec<_>>()];
+            while way[way.len() - 1].len() > 1 {
+                let whole = &way[way.len() - 1];
+                let without = |k: &usize| -> Vec<usize> { whole.iter().copied().filter(|j| j != k).collect() };
+                let all = whole.iter().map(without);
+                let cost = |s: &Vec<usize>| form.least(s).square;
+                way.extend(all.min_by(|a, b| cost(a).total_cmp(&cost(b))));
+            }
+            for (found, penalty) in form.backward(&penalties).iter().zip(&penalties) {
+                let best = way.iter().map(|s| criterion(&form, s, *penalty)).fold(f64::INFINITY, f64::min);
+                let value = criterion(&form, found, *penalty);
+                prop_assert!((value - best).abs() < 1e-5 * (1.0 + form.total), "{found:?} {value} {best}");
+            }
+        }
+    }
 }

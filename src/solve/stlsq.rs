@@ -260,3 +260,61 @@ impl Factors {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::dictionary::Dense;
+
+    const ROWS: usize = 20;
+    const COLUMNS: usize = 5;
+
+    #[test]
+    fn what_is_exactly_at_the_threshold_stays() {
+        let fit = Fit {
+            columns: vec![0, 2, 5, 7],
+            shares: vec![-1.0, 0.5, 0.25, 0.0],
+            residual: 0.0,
+        };
+        assert_eq!(fit.above(0.5), [0, 2]);
+        assert_eq!(fit.above(0.125), [0, 2, 5]);
+        assert_eq!(fit.above(0.0), [0, 2, 5]);
+    }
+
+    proptest! {
+        /// Without a bound on the residual: the rung of the least M ln(rss/M) + k ln M, with rss of the target as it is.
+        #[test]
+        fn the_best_rung_is_the_criterions(numbers in prop::collection::vec(-1.0..1.0, ROWS * (COLUMNS + 1))) {
+            let (target, columns) = numbers.split_at(ROWS);
+            let dictionary = Dense::new(ROWS, columns.to_vec());
+            let target: Vec<f64> = target.iter().zip(columns).map(|(y, x)| y + 3.0 * x).collect();
+            let problem = Problem { dictionary: &dictionary, target: &target, tolerance: 0.0 };
+            let size = norm(&target);
+            let mut ladder = Ladder::new(&problem, size);
+            prop_assert!(ladder.climb(&mut |_| ControlFlow::Continue(())));
+            let by_hand = |f: &Fit| {
+                let coefficients: Vec<(usize, f64)> = (f.columns.iter().zip(&f.shares))
+                    .map(|(j, s)| (ladder.kept[*j], s * size / ladder.norms[*j]))
+                    .collect();
+                let rss = norm(&problem.left(&coefficients)).powi(2);
+                let m = ROWS as f64;
+                m * (rss / m).ln() + f.columns.len() as f64 * m.ln()
+            };
+            let chosen = by_hand(ladder.choose().unwrap());
+            for rung in &ladder.rungs {
+                prop_assert!(chosen <= by_hand(rung) + 1e-9);
+                // The target has unit length inside, which shifts all of them alike.
+                let shift = by_hand(rung) - ladder.criterion(rung);
+                prop_assert!((shift - ROWS as f64 * (size * size).ln()).abs() < 1e-6, "{shift}");
+            }
+            let counts: Vec<usize> = ladder.rungs.iter().map(|f| f.columns.len()).collect();
+            prop_assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
+            prop_assert!(ladder.fits <= COLUMNS + 1, "{}", ladder.fits);
+        }
+    }
+}

@@ -190,56 +190,6 @@ fn form(p: usize, rows: usize, numbers: &mut Numbers) -> Quadratic {
 }
 
 #[test]
-fn moves_are_what_trying_them_gives() {
-    let mut numbers = Numbers(11);
-    let form = form(9, 60, &mut numbers);
-    let penalty = 0.3;
-    let value = |s: &[usize]| form.least(s).square + penalty * s.len() as f64;
-    let support = [0, 1, 6];
-    let moves = form.moves(&support, penalty, 1000);
-    // 6 additions, 3 removals, 18 exchanges.
-    assert_eq!(moves.len(), 27);
-    for m in &moves {
-        let change = value(&m.applied(&support)) - value(&support);
-        assert!(close(m.change, change, 1e-8), "{} for {change}", m.change);
-    }
-    assert!(moves.windows(2).all(|w| w[0].change <= w[1].change));
-    let few = form.moves(&support, penalty, 4);
-    assert!(few.iter().zip(&moves).all(|(a, b)| a.change == b.change));
-    assert_eq!(form.improve(&[0, 3], penalty), [1, 4, 6]);
-}
-
-#[test]
-fn backward_elimination_drops_the_cheapest_each_time() {
-    let mut numbers = Numbers(5);
-    let form = form(9, 60, &mut numbers);
-    let penalties = [0.01, 0.3, 30.0];
-    let found = form.backward(&penalties);
-    let mut support: Vec<usize> = (0..9).collect();
-    let mut best = [
-        (f64::INFINITY, Vec::new()),
-        (f64::INFINITY, Vec::new()),
-        (f64::INFINITY, Vec::new()),
-    ];
-    while support.len() > 1 {
-        for (best, penalty) in best.iter_mut().zip(penalties) {
-            let value = form.least(&support).square + penalty * support.len() as f64;
-            if value < best.0 {
-                *best = (value, support.clone());
-            }
-        }
-        let without =
-            |j: &usize| -> Vec<usize> { support.iter().copied().filter(|i| i != j).collect() };
-        let square = |j: &&usize| form.least(&without(j)).square;
-        let cheapest = support
-            .iter()
-            .min_by(|a, b| square(a).total_cmp(&square(b)));
-        support = without(&cheapest.copied().unwrap());
-    }
-    assert_eq!(found, best.map(|b| b.1));
-}
-
-#[test]
 fn the_beam_finds_the_best_subsets_of_few_columns() {
     let mut numbers = Numbers(2);
     let form = form(9, 60, &mut numbers);

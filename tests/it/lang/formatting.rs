@@ -74,6 +74,14 @@ constrain coef(ddx, x) > -1
 }
 
 #[test]
+fn relations_stand_below_each_other() {
+    let untidy = "state x,y,z: order 1\ndx ,dy~x\ndz~<1-x,y>\n";
+    let tidy = "state x, y, z : order 1\ndx, dy ~ x\ndz     ~ <1 - x, y>\n";
+    assert_eq!(formatted(untidy), tidy);
+    check(untidy);
+}
+
+#[test]
 fn what_goes_on_stands_further_in() {
     let untidy = "state x,y : order  2\ndata {\nx = (\"a\"\n*2)-\"b\"\n+ ( \"c\" ) ^2\n dx= unwrap( \"d\",2*pi )\n- \"e\" *3\n}\nddx ~ <x, \n -(y) >*sin(x)\nddy = - 2 *x - (x+y)\nconstrain coef(ddx,x)>=\n0\n";
     let tidy = r#"state x, y : order 2

@@ -159,7 +159,6 @@ pub fn numbers_of_function(at: Span, name: &str) -> Diagnostic {
 pub fn arity(at: Span, name: &str, found: usize, (least, most): (usize, usize)) -> Diagnostic {
     let wanted = match (least, most) {
         (1, 1) => "one argument".to_string(),
-        (a, b) if a == b => format!("{a} arguments"),
         (a, b) => format!("{a} to {b} arguments"),
     };
     Diagnostic::error("arity", format!("`{name}` takes {wanted}, not {found}"))
