@@ -190,7 +190,45 @@ proptest! {
             let off = prices.iter().filter(|(_, on)| !on).fold(0.0, |m: f64, (p, _)| m.max(*p));
             prop_assert!((margin - (1.0 - off / largest.max(1.0))).abs() < 1e-12);
         }
+        // A dual point three times as long proves no more than before: its columns cost three times too much.
+        let thrice = |v: &[f64]| v.iter().map(|x| 3.0 * x).collect::<Vec<f64>>();
+        let duals: Vec<Vec<f64>> = found.duals.iter().map(|d| thrice(d)).collect();
+        let longer = certify_joint(&joint, &found.coefficients, &duals, &thrice(&found.multipliers));
+        prop_assert!((longer.largest_price / (3.0 * largest) - 1.0).abs() < 1e-9);
+        prop_assert!((longer.dual - dual / largest).abs() < 1e-9 * dual.abs().max(1.0));
     }
+}
+
+#[test]
+fn what_misses_a_row_or_its_bound_by_a_little_is_not_feasible() {
+    let phi = Dense::new(2, vec![1.0, 0.0, 0.0, 2.0]);
+    let problem = |tolerance: f64| Problem {
+        dictionary: &phi,
+        target: &[30.0, 40.0],
+        tolerance,
+    };
+    let joint = Joint {
+        blocks: vec![problem(0.0), problem(0.5)],
+        rows: vec![
+            row(&[(0, 0, 2.0), (1, 0, -1.0)], Sense::Equal, 30.0),
+            row(&[(0, 1, 1.0)], Sense::AtMost, 20.0),
+            row(&[(1, 1, -1.0)], Sense::Below, -19.9),
+        ],
+    };
+    let feasible = |a: [f64; 2], b: [f64; 2]| {
+        let found = [a, b].map(|[x, y]| vec![(0, x), (1, y)]);
+        let (duals, multipliers) = (vec![vec![0.0; 2]; 2], vec![0.0; 3]);
+        certify_joint(&joint, &found, &duals, &multipliers).feasible
+    };
+    assert!(feasible([30.0, 20.0], [30.0, 20.0]));
+    // Equal to rounding of the first block's target, and within 0.5 of the second's.
+    assert!(feasible([30.0 + 1e-5, 20.0], [30.0 + 2e-5, 20.2]));
+    assert!(!feasible([30.0 + 1e-3, 20.0], [30.0 + 2e-3, 20.0]));
+    assert!(!feasible([30.0, 20.0], [30.0, 20.2501]));
+    // The rows, one at a time.
+    assert!(!feasible([30.0, 20.0], [30.0 + 1e-3, 20.0]));
+    assert!(!feasible([30.0, 20.0 + 2.4e-5], [30.0, 20.0]));
+    assert!(!feasible([30.0, 20.0], [30.0, 19.899]));
 }
 
 /// Σ ‖D a‖₁/‖y‖, the bound of the dual point as it is, and for each block the price of every column, with whether it is on the support.

@@ -80,3 +80,57 @@ fn second_opinion(problem: &Problem, solution: Solution) -> Solution {
 fn unit(target: &[f64], size: f64) -> Vec<f64> {
     target.iter().map(|y| y / size).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::dictionary::{Dense, Dictionary};
+    use crate::solve::reduce::{add_scaled, norm};
+
+    /// Interrupted after each step in turn: once an answer was optimal over all columns, later ones are, though the columns at hand
+    /// are few.
+    #[test]
+    fn what_was_proved_is_not_lost_when_stopped() {
+        let (rows, cols) = (40, 2000);
+        let mut seed = 3u64;
+        let mut next = || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
+        let (mut target, mut column) = (vec![0.0; rows], vec![0.0; rows]);
+        for j in [5, 700, 1234, 1999] {
+            dictionary.column(j, &mut column);
+            add_scaled(&mut target, next(), &column);
+        }
+        target.iter_mut().for_each(|y| *y += 0.3 * next());
+        let problem = Problem {
+            dictionary: &dictionary,
+            target: &target,
+            tolerance: 0.05 * norm(&target),
+        };
+        let whole = Homotopy.solve(&problem, &mut |_| ControlFlow::Continue(()));
+        assert_eq!(whole.status, Status::Solved);
+        let mut held = Vec::new();
+        for stop in 1..whole.iterations {
+            let mut calls = 0;
+            let found = Homotopy.solve(&problem, &mut |_| {
+                calls += 1;
+                match calls < stop {
+                    true => ControlFlow::Continue(()),
+                    false => ControlFlow::Break(()),
+                }
+            });
+            assert_eq!(found.status, Status::Interrupted);
+            let largest = dictionary.strongest(&found.dual, 1, 0.0).largest();
+            held.push(largest <= 1.0 + 1e-9);
+        }
+        let first = held.iter().position(|h| *h);
+        assert!(first.is_some_and(|k| 2 * k < held.len()), "{held:?}");
+        assert!(held.iter().skip(first.unwrap_or(0)).all(|h| *h), "{held:?}");
+    }
+}

@@ -418,3 +418,6 @@ impl Segment {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
