@@ -64,9 +64,14 @@ impl Planter<'_> {
             owner => format!("{owner}::{}", sig.ident),
         };
         self.functions.push(name);
+        let alone = match block.stmts.as_slice() {
+            [Stmt::Expr(e, None)] => e.to_token_stream().to_string(),
+            _ => String::new(),
+        };
         visit_mut::visit_block_mut(self, block);
         let mut first: Vec<Stmt> = Vec::new();
-        for value in values_of(&sig.output) {
+        let others = values_of(&sig.output).into_iter();
+        for value in others.filter(|v| v.to_token_stream().to_string() != alone) {
             let what = format!("body -> {}", value.to_token_stream());
             if let Some(on) = self.switch(sig.ident.span(), what) {
                 first.push(parse_quote!(if #on { return #value; }));

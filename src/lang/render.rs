@@ -175,13 +175,14 @@ fn wrap(lead: &str, text: &str) -> String {
             width = lead.len();
         }
         for (j, word) in line.split(' ').enumerate() {
-            let length = word.chars().count() + usize::from(j > 0);
-            if width + length > WIDTH && j > 0 {
+            let length = word.chars().count();
+            if j > 0 && width + 1 + length > WIDTH {
                 out.push('\n');
                 out.push_str(&" ".repeat(lead.len().max(2)));
                 width = lead.len().max(2);
             } else if j > 0 {
                 out.push(' ');
+                width += 1;
             }
             out.push_str(word);
             width += length;
@@ -295,5 +296,72 @@ impl<'a> Files<'a> for Lines<'_> {
             let start = starts.get(line).copied().unwrap_or(end_of_text);
             start..starts.get(line + 1).copied().unwrap_or(end_of_text)
         })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_texts_lose_their_middle_and_nothing_else() {
+        let exactly = "ä".repeat(LONGEST);
+        assert_eq!(brief(&exactly), exactly);
+        let long: String = (0..3 * LONGEST)
+            .map(|i| char::from(b'a' + (i % 23) as u8))
+            .collect();
+        let (start, end) = brief(&long)
+            .split_once('…')
+            .map(|(a, b)| (a.to_string(), b.to_string()))
+            .unwrap();
+        assert_eq!((start.len(), end.len()), (LONGEST / 2, LONGEST / 2));
+        assert!(long.starts_with(&start) && long.ends_with(&end));
+    }
+
+    #[test]
+    fn long_facts_break_at_spaces_only_where_they_are_too_wide() {
+        let words = ["word"; 60].join(" ");
+        let lines: Vec<String> = wrap("help: ", &words).lines().map(str::to_string).collect();
+        assert!(lines.len() == 3 && lines.iter().all(|l| l.chars().count() <= WIDTH));
+        // A line that ends has no room for one word more.
+        assert!(
+            lines
+                .iter()
+                .take(2)
+                .all(|l| l.chars().count() + " word".len() > WIDTH),
+            "{lines:?}"
+        );
+        assert!(
+            lines.iter().skip(1).all(|l| l.starts_with("      word")),
+            "{lines:?}"
+        );
+        let shown: Vec<&str> = lines.iter().flat_map(|l| l.split_whitespace()).collect();
+        assert_eq!(shown.len(), 61);
+        let exact = "x".repeat(WIDTH - 6);
+        assert_eq!(wrap("help: ", &exact), format!("help: {exact}"));
+        let too_wide = format!("{exact} y");
+        assert_eq!(wrap("help: ", &too_wide), format!("help: {exact}\n      y"));
+        assert_eq!(wrap("", "a\nb c"), "a\nb c");
+    }
+
+    #[test]
+    fn of_very_many_the_first_are_shown_and_the_others_counted() {
+        let many = |n: usize| -> Vec<Diagnostic> {
+            (0..n)
+                .map(|k| Diagnostic::error("syntax", format!("number {k}")))
+                .collect()
+        };
+        assert_eq!(first_of_each(&many(MOST)).len(), MOST);
+        let shown = first_of_each(&many(MOST + 7));
+        assert_eq!(shown.len(), MOST);
+        let last = shown.last().unwrap();
+        assert_eq!(
+            (last.message.as_str(), last.notes.as_slice()),
+            ("number 49", &["and 7 more after this one".to_string()][..])
+        );
+        assert!(shown.iter().take(MOST - 1).all(|d| d.notes.is_empty()));
+        let exactly = first_of_each(&many(MOST));
+        assert!(exactly.iter().all(|d| d.notes.is_empty()));
     }
 }

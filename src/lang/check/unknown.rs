@@ -3,7 +3,7 @@
 //! In: a name and its place. Out: one report a name, with the nearest name in scope or the way to declare it.
 
 use super::{Checker, complain};
-use crate::lang::ast::{Call, Expr as Ast, StatementKind};
+use crate::lang::ast::{Call, Expr as Ast, Keyword, StatementKind};
 use crate::lang::diagnostic::{Diagnostic, did_you_mean};
 use crate::lang::parse::pasted;
 use crate::lang::source::Span;
@@ -71,10 +71,14 @@ impl Checker<'_> {
         let d = d.fact(format!("in scope: {}", self.scope.in_scope()));
         match self.too_high_derivative(text) {
             Some(help) => d.help(help),
-            None if self.meant(text).is_none() => d.help(format!(
+            None if self.meant(text).is_some() => d,
+            None if Keyword::named(text).is_some() => d.help(format!(
+                "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`; as a name declare it: \
+                 `state {text}`"
+            )),
+            None => d.help(format!(
                 "declare it: `state {text}`, `input {text}` or `let {text} = …`"
             )),
-            None => d,
         }
     }
 

@@ -40,13 +40,7 @@ pub fn implicit_product(at: Span, left: &str, right: &str) -> Diagnostic {
         .help(format!("write `{left}*{right}`"))
 }
 
-pub fn missing_operator(
-    left: Span,
-    right: Span,
-    first: &str,
-    second: &str,
-    same_line: bool,
-) -> Diagnostic {
+pub fn missing_operator(left: Span, right: Span, first: &str, second: &str) -> Diagnostic {
     let d = Diagnostic::error(
         "implicit-product",
         format!("no operator between `{first}` and `{second}`"),
@@ -54,14 +48,12 @@ pub fn missing_operator(
     .at(right, "an operator or a comma is missing before this")
     .also(left, "after this");
     let whole = !first.contains('…') && !second.contains('…');
-    if !whole {
-        d.help("for a product put a `*` between them")
-    } else if same_line {
-        d.help(format!("for a product write `{first}*{second}`"))
-    } else {
+    if whole {
         d.help(format!(
-            "write `{first}, {second}` in a list, or put an operator between them"
+            "for a product write `{first}*{second}`, for two items of a list `{first}, {second}`"
         ))
+    } else {
+        d.help("put a `*` between them for a product, a comma for two items of a list")
     }
 }
 

@@ -212,13 +212,11 @@ impl<'t> Stop<'_, 't> {
             TokenKind::Symbol => format!("{}…", found.text),
             _ => found.text.to_string(),
         };
-        let same_line = found.start - last.end < 8;
         Some(errors::missing_operator(
             last.span(self.file),
             found.span(self.file),
             &first,
             &second,
-            same_line,
         ))
     }
 
