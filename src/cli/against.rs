@@ -49,6 +49,10 @@ pub struct Bound {
 }
 
 impl Against {
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
     /// Reads the result and binds the data to what a simulation of it reads; components of the state in `start` need no column.
     ///
     /// # Errors

@@ -23,6 +23,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let target = emit::target(&args.to).ok_or_else(|| unknown(&args.to))?;
+    output::ready(args.output.as_deref(), [&args.result])?;
     let text = inputs::result(&args.result)?;
     let name = inputs::short_name(&args.result);
     let discovery = result::read(&name, &text)

@@ -109,6 +109,8 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
     let narrator = args.talk.narrator();
     let files = Inputs::sort(&args.files)?;
+    let held = args.holdout.iter().filter_map(Held::file);
+    output::ready(args.output.as_deref(), args.files.iter().chain(held))?;
     let mut sources = Sources::default();
     let programs = programs(args, &files.models, &mut sources)?;
     let models = counted(programs.len(), "model", "models");
@@ -299,14 +301,14 @@ pub(super) fn conclude(
     others: &[CandidateEntry],
 ) -> Result<u8, Failure> {
     let document = answer::document(args, candidate, found, others)?;
-    if let Some(path) = &args.output {
-        output::write(path, &document)?;
-    }
+    // A disk may be full by now: what was found is printed all the same.
+    let written = args.output.as_ref().map(|path| output::write(path, &document));
     if args.json {
         output::print(&document)?;
     } else {
         output::show(&answer::text(args, candidate, found, others))?;
     }
+    written.transpose()?;
     Ok(match found.discovery.passes() {
         true => status::PASS,
         false => status::DOUBT,

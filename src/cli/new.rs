@@ -29,6 +29,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut sources = Sources::default();
     let line = Line::start(true, &Limits::start(None));
     let data = std::slice::from_ref(&args.data);
+    output::ready(args.output.as_deref(), data)?;
     let tables = inputs::tables(data, args.memory_limit, &mut sources, &line)?;
     drop(line);
     let name = inputs::short_name(&args.data);

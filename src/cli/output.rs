@@ -2,7 +2,7 @@
 
 use std::fs::{File, Metadata};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Failure, inputs, limits};
 use crate::lang::source::printable;
@@ -24,41 +24,103 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Temporary files are hidden, and say whose they are: a killed process leaves one where it was writing.
 const TEMPORARY: &str = ".sidc-";
 
+/// Sees before the work to it that what comes out of it can be written, and is written over nothing that goes in.
+///
+/// # Errors
+/// The place is one of `inputs`, by whatever name; nothing can be written there.
+pub fn ready<'a>(
+    place: Option<&Path>,
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    let Some(path) = place else { return Ok(()) };
+    let Some(target) = Target::of(path)? else {
+        return Ok(());
+    };
+    if let Some(read) = inputs.into_iter().find(|i| target.is(i)) {
+        return Err(Failure::new(format!(
+            "error[output-is-input]: {}: the output would replace {}, which is read\n  = help: name another file after -o",
+            inputs::shown(path),
+            inputs::shown(read)
+        )));
+    }
+    temporary(&target.folder).map(drop).map_err(|e| fail(path, &e))
+}
+
 /// Writes a file by way of a temporary one beside it, so that the old file stays whole until the new one is. A link is followed;
 /// the file keeps its permissions.
 pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    let fail = |e: &dyn std::fmt::Display| {
-        let place = inputs::shown(path);
-        Failure::new(format!("error[unwritable-file]: {place}: {e}"))
-    };
-    let old = std::fs::metadata(path).ok();
-    if old.as_ref().is_some_and(|m| !m.is_file()) {
-        // /dev/stdout and the like cannot be renamed over.
+    let fail = |e: &std::io::Error| fail(path, e);
+    let Some(target) = Target::of(path)? else {
         return std::fs::write(path, text).map_err(|e| fail(&e));
-    }
-    if old.as_ref().is_some_and(|m| m.permissions().readonly()) {
-        return Err(fail(
-            &"the file is read-only; allow writing, or name another",
-        ));
-    }
+    };
     // Ctrl-C waits: a process that is ended here would leave its temporary file.
     let _whole = limits::unbroken();
-    let place = match &old {
-        Some(_) => std::fs::canonicalize(path).map_err(|e| fail(&e))?,
-        None => path.to_path_buf(),
-    };
-    let folder = match place.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    let mut file = temporary(folder).map_err(|e| fail(&e))?;
+    let mut file = temporary(&target.folder).map_err(|e| fail(&e))?;
     file.write_all(text.as_bytes()).map_err(|e| fail(&e))?;
-    if let Some(old) = &old {
+    if let Some(old) = &target.old {
         keep_rights(file.as_file(), old).map_err(|e| fail(&e))?;
     }
     file.as_file().sync_all().map_err(|e| fail(&e))?;
-    file.persist(&place).map_err(|e| fail(&e.error))?;
+    file.persist(&target.place).map_err(|e| fail(&e.error))?;
     Ok(())
+}
+
+/// A file to be written, behind all links.
+struct Target {
+    place: PathBuf,
+    folder: PathBuf,
+    /// What is there now.
+    old: Option<Metadata>,
+}
+
+impl Target {
+    /// `None` for /dev/stdout and the like, which cannot be renamed over.
+    fn of(path: &Path) -> Result<Option<Target>, Failure> {
+        let refuse = |why: &str| Err(unwritable(path, why));
+        let old = std::fs::metadata(path).ok();
+        let place = match &old {
+            Some(m) if m.is_dir() => return refuse("this is a directory; name a file in it"),
+            Some(m) if !m.is_file() => return Ok(None),
+            Some(m) if m.permissions().readonly() => {
+                return refuse("the file is read-only; allow writing, or name another");
+            }
+            Some(_) => std::fs::canonicalize(path).map_err(|e| fail(path, &e))?,
+            None if path.is_symlink() => {
+                return refuse("a link that leads nowhere; remove it, or name another file");
+            }
+            None => path.to_path_buf(),
+        };
+        let folder = place.parent().filter(|p| !p.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).to_path_buf();
+        Ok(Some(Target { place, folder, old }))
+    }
+
+    /// Whether another path leads here: by links of either kind.
+    fn is(&self, other: &Path) -> bool {
+        let Some(old) = &self.old else { return false };
+        std::fs::metadata(other).is_ok_and(|m| same(old, &m))
+            || std::fs::canonicalize(other).is_ok_and(|p| p == self.place)
+    }
+}
+
+#[cfg(unix)]
+fn same(a: &Metadata, b: &Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (a.dev(), a.ino()) == (b.dev(), b.ino())
+}
+
+#[cfg(not(unix))]
+fn same(_a: &Metadata, _b: &Metadata) -> bool {
+    false
+}
+
+fn fail(path: &Path, e: &std::io::Error) -> Failure {
+    unwritable(path, &inputs::plain(e))
+}
+
+fn unwritable(path: &Path, why: &str) -> Failure {
+    let place = inputs::shown(path);
+    Failure::new(format!("error[unwritable-file]: {place}: {why}"))
 }
 
 #[cfg(unix)]

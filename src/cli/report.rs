@@ -25,6 +25,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let talk = &args.against.talk;
     let (limits, narrator) = (Limits::start(args.against.time_limit), talk.narrator());
+    output::ready(args.output.as_deref(), args.against.files())?;
     let bound = args.against.open("report", &[], (&limits, &narrator))?;
     limits.listen();
     let source = Source {

@@ -45,6 +45,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let talk = &args.against.talk;
     let (limits, narrator) = (Limits::start(args.against.time_limit), talk.narrator());
     let heard = (&limits, &narrator);
+    output::ready(args.output.as_deref(), args.against.files())?;
     let bound = args.against.open("simulate", &args.start, heard)?;
     let Bound {
         name,
@@ -73,14 +74,14 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         let said = (Some(()), run.notes.clone());
         inputs::report(said, &Sources::default(), talk.notes())?;
     }
-    if let Some(path) = &args.output {
-        output::write(path, &report::table(d, &runs))?;
-    }
+    let table = |path: &PathBuf| output::write(path, &report::table(d, &runs));
+    let written = args.output.as_ref().map(table);
     if args.json {
         output::print(&report::document(d, &name, &runs)?)?;
     } else {
         output::show(&report::text(d, &runs, &options))?;
     }
+    written.transpose()?;
     let ended = runs.iter().any(|r| r.fault().is_some()) || runs.len() < dataset.trajectories.len();
     Ok(if ended { status::DOUBT } else { status::PASS })
 }

@@ -46,6 +46,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = Inputs::sort(&args.files)?;
+    output::ready(args.output.as_deref(), &args.files)?;
     let (notes, narrator) = (args.talk.notes(), args.talk.narrator());
     let mut sources = Sources::default();
     let file = inputs::model(files.model()?, &mut sources)?;

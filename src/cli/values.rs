@@ -67,6 +67,15 @@ pub enum Held {
     File(PathBuf),
 }
 
+impl Held {
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Held::File(path) => Some(path),
+            Held::Stretch(_) => None,
+        }
+    }
+}
+
 /// `30..40`, `25%`, `test.csv`
 pub fn held(text: &str) -> Result<Held, String> {
     if let Some(part) = text.strip_suffix('%') {
@@ -80,7 +89,10 @@ pub fn held(text: &str) -> Result<Held, String> {
         return Ok(Held::File(path.into()));
     }
     if !text.contains("..") {
-        return Err("write a stretch of time as A..B, a part as 25%, or name a data file".into());
+        return Err(
+            "there is no such file; a stretch of time is written A..B, a part of every record 25%"
+                .into(),
+        );
     }
     let (from, to) = window(text)?;
     Ok(Held::Stretch(Stretch::Times(from, to)))

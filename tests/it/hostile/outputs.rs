@@ -74,3 +74,66 @@ fn a_full_disk_behind_standard_output_is_a_fault() {
     assert_eq!(done.status.code(), Some(1), "{said}");
     assert!(said.contains("error[unwritable-file]: stdout"), "{said}");
 }
+
+/// Whatever name the output goes by: no command writes over what it reads.
+#[test]
+fn nothing_that_is_read_is_written_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let model = "state x\ndx ~ poly(x; 3)\n";
+    std::fs::write(at("m.sid"), model).unwrap();
+    std::fs::write(at("t.csv"), super::decay()).unwrap();
+    std::fs::write(at("h.csv"), super::decay()).unwrap();
+    run(folder.path(), &["identify", "m.sid", "t.csv", "-o", "R.json"]).ended("identify", 0);
+    let result = std::fs::read_to_string(at("R.json")).unwrap();
+    symlink("t.csv", at("link.csv")).unwrap();
+    std::fs::hard_link(at("t.csv"), at("twin.csv")).unwrap();
+    for line in [
+        "identify m.sid t.csv -o m.sid",
+        "identify m.sid t.csv -o ./t.csv",
+        "identify m.sid t.csv -o link.csv",
+        "identify m.sid link.csv -o t.csv",
+        "identify m.sid t.csv -o twin.csv",
+        "identify m.sid t.csv --holdout=h.csv -o h.csv",
+        "smooth m.sid t.csv -o t.csv",
+        "new t.csv -o t.csv",
+        "simulate R.json t.csv -o t.csv",
+        "simulate R.json t.csv -o R.json",
+        "report R.json t.csv -o R.json",
+        "export R.json --to c -o R.json",
+    ] {
+        let arguments: Vec<&str> = line.split(' ').collect();
+        let words = ["error[output-is-input]", "name another file"];
+        run(folder.path(), &arguments).refused(line, 1, &words);
+    }
+    let read = |name: &str| std::fs::read_to_string(at(name)).unwrap();
+    assert_eq!((read("m.sid"), read("R.json")), (model.into(), result));
+    for data in ["t.csv", "h.csv", "twin.csv", "link.csv"] {
+        assert_eq!(read(data), super::decay());
+    }
+}
+
+#[test]
+fn a_link_that_leads_nowhere_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("t.csv"), super::decay()).unwrap();
+    for to in ["nowhere", "m.sid"] {
+        let link = folder.path().join("m.sid");
+        symlink(to, &link).unwrap();
+        let words = ["error[unwritable-file]: m.sid", "leads nowhere"];
+        run(folder.path(), &["new", "t.csv", "-o", "m.sid"]).refused(to, 1, &words);
+        assert!(link.is_symlink() && !folder.path().join("nowhere").exists());
+        std::fs::remove_file(link).unwrap();
+    }
+}
+
+/// What took long to find is printed though it cannot be kept.
+#[test]
+fn equations_are_printed_though_the_disk_is_full() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.sid"), "state x\ndx ~ poly(x; 3)\n").unwrap();
+    std::fs::write(folder.path().join("t.csv"), super::decay()).unwrap();
+    let ran = run(folder.path(), &["identify", "m.sid", "t.csv", "-o", "/dev/full"]);
+    assert!(ran.stdout.contains("dx = -"), "{}", ran.stdout);
+    ran.ended("/dev/full", 1);
+}
