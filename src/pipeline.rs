@@ -249,11 +249,13 @@ pub fn identify(
 pub fn validate(
     program: &Program,
     measured: &Measured,
-    found: &Discovery,
+    found: &mut Discovery,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Option<Validation> {
     let data = (&measured.dataset, &measured.held);
-    validate::validate((found, &program.model), data, go_on)
+    let runs = validate::validate((found, &program.model), data, go_on)?;
+    validate::doubt(&runs, found);
+    Some(runs)
 }
 
 impl Program {

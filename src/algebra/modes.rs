@@ -78,7 +78,8 @@ impl Mode {
 
 /// The eigenvalues of A, those that grow or last longest first; `None` if they were not found.
 pub fn modes(a: &DMatrix<f64>, discrete: bool) -> Option<Vec<Mode>> {
-    let mut balanced = a.clone();
+    let unit = unit(a)?;
+    let mut balanced = a / unit;
     if a.nrows() > 1 {
         nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced);
     }
@@ -91,7 +92,8 @@ pub fn modes(a: &DMatrix<f64>, discrete: bool) -> Option<Vec<Mode>> {
     all.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.total_cmp(&y.1)));
     let mut all: Vec<Mode> = together(&all, size)
         .into_iter()
-        .map(|(re, im)| Mode { re, im, discrete }.without_rounding(size))
+        .map(|(re, im)| (re * unit, im * unit))
+        .map(|(re, im)| Mode { re, im, discrete }.without_rounding(size * unit))
         .collect();
     all.sort_by(|x, y| {
         y.growth()
@@ -99,6 +101,19 @@ pub fn modes(a: &DMatrix<f64>, discrete: bool) -> Option<Vec<Mode>> {
             .then(x.im.total_cmp(&y.im))
     });
     Some(all)
+}
+
+/// A power of two near the largest entry, 1 without entries: squares of A over it neither overflow nor vanish. `None` if an entry
+/// is not finite.
+fn unit(a: &DMatrix<f64>) -> Option<f64> {
+    let largest = a.amax();
+    let finite = a.iter().all(|v| v.is_finite());
+    let power = if largest > 0.0 {
+        largest.log2().floor()
+    } else {
+        0.0
+    };
+    finite.then(|| power.clamp(-1000.0, 1000.0).exp2())
 }
 
 /// Rounding moves an m-fold eigenvalue by its m-th root, but hardly the mean of the m: each cluster becomes its mean.
@@ -156,8 +171,9 @@ pub fn reach(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
     if n == 0 || b.ncols() == 0 {
         return 0;
     }
-    // The units of the states are balanced, those of the inputs do not matter.
-    let mut balanced = a.clone();
+    // The units of the states are balanced; those of time and of the inputs do not matter.
+    let Some(unit) = unit(a) else { return 0 };
+    let mut balanced = a / unit;
     let scales = match n {
         1 => DVector::from_element(1, 1.0),
         _ => nalgebra::linalg::balancing::balance_parlett_reinsch(&mut balanced),
@@ -234,6 +250,37 @@ mod tests {
         // Twice zero is a delay of two samples, gone after them.
         let delay = of(2, &[0.0, 0.0, 1.0, 0.0], true);
         assert_eq!(stability(&delay), Stability::Stable);
+    }
+
+    #[test]
+    fn largest_and_smallest_numbers_are_no_hindrance() {
+        for scale in [1e-300, 1e-160, 1.0, 1e154, 1e160, 1e300] {
+            let all = of(2, &[0.0, scale, -scale, -scale], false);
+            let [pair] = all[..] else { panic!("{all:?}") };
+            assert!((pair.re / scale + 0.5).abs() < 1e-12, "{pair:?}");
+            assert!(
+                (pair.im / scale - 0.75_f64.sqrt()).abs() < 1e-12,
+                "{pair:?}"
+            );
+            let a = DMatrix::from_row_slice(2, 2, &[-scale, 1.0, 1e-300, -1.0]);
+            let found = modes(&a, false).unwrap();
+            assert!(
+                found.iter().all(|m| m.re <= 0.0 && m.re.is_finite()),
+                "{found:?}"
+            );
+            assert!(reach(&a, &DMatrix::from_column_slice(2, 1, &[0.0, 1.0])) > 0);
+        }
+        assert_eq!(
+            modes(&DMatrix::from_element(2, 2, f64::INFINITY), false),
+            None
+        );
+        assert_eq!(
+            reach(
+                &DMatrix::from_element(2, 2, f64::NAN),
+                &DMatrix::zeros(2, 1)
+            ),
+            0
+        );
     }
 
     #[test]

@@ -271,15 +271,14 @@ pub(super) fn find(
         line.show(Work::Running("the data".into(), time));
         limits.go_on().is_continue()
     };
-    let mut validation = |d: &Discovery| pipeline::validate(program, measured, d, &mut go_on);
-    let found = Found {
-        validation: validation(&found),
-        discovery: found,
-    };
-    if found.validation.is_some() {
+    let validation = pipeline::validate(program, measured, &mut found, &mut go_on);
+    if validation.is_some() {
         narrator.done("run on data held out");
     }
-    Ok(found)
+    Ok(Found {
+        discovery: found,
+        validation,
+    })
 }
 
 /// Says how long a verification takes, if that is long enough to wonder.
@@ -302,7 +301,10 @@ pub(super) fn conclude(
 ) -> Result<u8, Failure> {
     let document = answer::document(args, candidate, found, others)?;
     // A disk may be full by now: what was found is printed all the same.
-    let written = args.output.as_ref().map(|path| output::write(path, &document));
+    let written = args
+        .output
+        .as_ref()
+        .map(|path| output::write(path, &document));
     if args.json {
         output::print(&document)?;
     } else {

@@ -43,7 +43,9 @@ pub fn ready<'a>(
             inputs::shown(read)
         )));
     }
-    temporary(&target.folder).map(drop).map_err(|e| fail(path, &e))
+    temporary(&target.folder)
+        .map(drop)
+        .map_err(|e| fail(path, &e))
 }
 
 /// Writes a file by way of a temporary one beside it, so that the old file stays whole until the new one is. A link is followed;

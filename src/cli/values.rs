@@ -90,7 +90,7 @@ pub fn held(text: &str) -> Result<Held, String> {
     }
     if !text.contains("..") {
         return Err(
-            "there is no such file; a stretch of time is written A..B, a part of every record 25%"
+            "there is no data file of this name; a stretch of time is written A..B, a part of every record 25%"
                 .into(),
         );
     }

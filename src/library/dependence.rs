@@ -3,6 +3,8 @@
 //! A library may well be dependent (the 6,561-term pendulum has 729 such identities), so this is a note, once per pair of factors.
 //! Only a target hidden in its own library is an error. Identities are counted on factors: no term is touched.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::count::Counter;
 use super::errors;
 use super::list::List;
@@ -15,6 +17,8 @@ use crate::term::{Atom, Expr, Func, Language, Signal, SignalNames, Term};
 
 /// Most pairs of products to compare: about a tenth of a second.
 const MAX_PAIRS: usize = 50_000;
+/// Most terms of lists to go through, for all arguments together: about a second.
+const MAX_TERMS: usize = 1_000_000;
 
 pub(super) fn check(
     model: &Model,
@@ -23,63 +27,115 @@ pub(super) fn check(
     set: &Set,
     rule: &Rule,
 ) -> Vec<Diagnostic> {
-    arguments(set)
-        .iter()
-        .filter_map(|argument| pythagoras(model, target, written, set, rule, argument))
-        .collect()
-}
-
-/// Arguments `e` for which sin²(e) occurs, each once.
-fn arguments(set: &Set) -> Vec<Expr> {
-    let Some(sin) = Func::named("sin") else {
-        return Vec::new();
-    };
+    let squares = squares(set);
     let lists = set.products().iter().flat_map(Product::factors);
-    let sines = |atom: &&Atom| matches!(atom, Atom::Call(f, _) if *f == sin);
-    let lists = lists.filter(|list| list.atoms().iter().any(|atom| sines(&atom)));
-    let mut found: Vec<Expr> = Vec::new();
-    for (atom, p) in lists.flat_map(|l| l.terms()).flat_map(Term::factors) {
-        if let Atom::Call(f, args) = atom
-            && *f == sin
-            && p == 2.0
-            && let Some(argument) = args.first()
-            && !found.contains(argument)
-        {
-            found.push(argument.clone());
+    let size: usize = lists.map(|l| l.len()).sum();
+    let mut left = MAX_TERMS;
+    let mut found = Vec::new();
+    for (argument, terms) in &squares {
+        let Some(pair) = Pair::of(argument) else {
+            continue;
+        };
+        if let Some(error) = hidden_target(model, target, written, (set, rule), &pair) {
+            found.push(error);
+            continue;
         }
+        let count = if is_listed(set) {
+            Some(looked_up(set, rule, &pair, terms))
+        } else if size <= left {
+            left -= size;
+            identities(set, rule, &pair.sin2, &pair.cos2)
+        } else {
+            None
+        };
+        let some = count.filter(|n| *n > 0);
+        found.extend(some.map(|n| identity(model, written, &pair, n)));
     }
-    found.sort();
     found
 }
 
-fn pythagoras(
+/// sin² and cos² of one argument.
+pub(super) struct Pair {
+    pub sin2: Term,
+    pub cos2: Term,
+}
+
+impl Pair {
+    pub fn of(argument: &Expr) -> Option<Pair> {
+        let square = |name| {
+            let f = Func::named(name)?;
+            let (_, t) = Expr::call(f, vec![argument.clone()]).into_term();
+            Some(t.pow(2.0))
+        };
+        Some(Pair {
+            sin2: square("sin")?,
+            cos2: square("cos")?,
+        })
+    }
+}
+
+/// The terms of lists with a factor sin²(e), by e.
+pub(super) fn squares(set: &Set) -> BTreeMap<&Expr, Vec<&Term>> {
+    let mut found: BTreeMap<&Expr, Vec<&Term>> = BTreeMap::new();
+    let Some(sin) = Func::named("sin") else {
+        return found;
+    };
+    let lists = set.products().iter().flat_map(Product::factors);
+    let sine = |atom: &Atom| matches!(atom, Atom::Call(f, _) if *f == sin);
+    let lists = lists.filter(|list| list.atoms().iter().any(sine));
+    for term in lists.flat_map(|l| l.terms()) {
+        for (atom, p) in term.factors() {
+            if let Atom::Call(f, args) = atom
+                && *f == sin
+                && p == 2.0
+                && let Some(argument) = args.first()
+            {
+                found.entry(argument).or_default().push(term);
+            }
+        }
+    }
+    found
+}
+
+fn hidden_target(
     model: &Model,
     target: Signal,
     written: &LibExpr,
-    set: &Set,
-    rule: &Rule,
-    argument: &Expr,
+    (set, rule): (&Set, &Rule),
+    pair: &Pair,
 ) -> Option<Diagnostic> {
-    let square = |name| {
-        let f = Func::named(name)?;
-        let (_, t) = Expr::call(f, vec![argument.clone()]).into_term();
-        Some(t.pow(2.0))
-    };
-    let (sin2, cos2) = (square("sin")?, square("cos")?);
-    let language = Language(model);
     let bare = Term::signal(target);
-    let (with_sin, with_cos) = (bare.mul(&sin2), bare.mul(&cos2));
+    let (with_sin, with_cos) = (bare.mul(&pair.sin2), bare.mul(&pair.cos2));
     // Both squares are even, so the rule admits both products or neither.
-    if rule.admits(&with_sin) && set.contains(&with_sin) && set.contains(&with_cos) {
-        let name = model.name(target);
+    (rule.admits(&with_sin) && set.contains(&with_sin) && set.contains(&with_cos)).then(|| {
+        let language = Language(model);
         let (a, b) = (language.term(&with_sin), language.term(&with_cos));
-        return Some(errors::target_by_identity(written.span, &name, &a, &b));
-    }
-    let count = identities(set, rule, &sin2, &cos2).filter(|n| *n > 0)?;
-    let (sin2, cos2) = (language.term(&sin2), language.term(&cos2));
+        errors::target_by_identity(written.span, &model.name(target), &a, &b)
+    })
+}
+
+fn identity(model: &Model, written: &LibExpr, pair: &Pair, count: u128) -> Diagnostic {
+    let language = Language(model);
+    let (sin2, cos2) = (language.term(&pair.sin2), language.term(&pair.cos2));
     let identity = format!("`{sin2} + {cos2} = 1`");
     let example = format!("1, {sin2}, {cos2}");
-    Some(errors::dependent(written.span, &identity, &example, count))
+    errors::dependent(written.span, &identity, &example, count)
+}
+
+/// Whether the terms of lists are the terms of the set.
+pub(super) fn is_listed(set: &Set) -> bool {
+    set.products().iter().all(|p| p.factors().len() == 1)
+}
+
+/// As [`identities`], one by one.
+pub(super) fn looked_up(set: &Set, rule: &Rule, pair: &Pair, with_sine: &[&Term]) -> u128 {
+    let (over, turned) = (pair.sin2.pow(-1.0), pair.cos2.mul(&pair.sin2.pow(-1.0)));
+    let there = |t: &&&Term| {
+        set.contains(t) && set.contains(&t.mul(&over)) && set.contains(&t.mul(&turned))
+    };
+    let distinct: BTreeSet<&Term> = with_sine.iter().copied().collect();
+    let admitted = distinct.iter().filter(|t| rule.admits(t));
+    admitted.filter(there).count() as u128
 }
 
 /// Number of terms T·sin² for which T and T·cos² are there too; `None` where counting takes too long.

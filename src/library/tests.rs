@@ -224,8 +224,14 @@ fn factored(model: &Model, e: &LibExpr) -> Option<(Library, Option<u128>)> {
     let mut pass = expand::Expansion::new(model, TARGET, MEMORY);
     let set = pass.library(e)?;
     let rule = Rule::of(model, TARGET);
-    let [sin2, cos2] = squares();
-    let found = dependence::identities(&set, &rule, &sin2, &cos2);
+    let pair = pair();
+    let found = dependence::identities(&set, &rule, &pair.sin2, &pair.cos2);
+    if dependence::is_listed(&set) {
+        let squares = dependence::squares(&set);
+        let with_sine = squares.get(&x()).map_or(&[][..], Vec::as_slice);
+        let one_by_one = dependence::looked_up(&set, &rule, &pair, with_sine);
+        assert_eq!(found.unwrap_or(one_by_one), one_by_one);
+    }
     let library = layout::lay_out(&set, &rule, MEMORY).ok()?;
     if let Some(count) = set.count(&rule) {
         assert_eq!(count, library.len() as u128, "counted by arithmetic");
@@ -234,19 +240,17 @@ fn factored(model: &Model, e: &LibExpr) -> Option<(Library, Option<u128>)> {
     Some((library, found))
 }
 
-fn squares() -> [Term; 2] {
-    ["sin", "cos"].map(|name| {
-        let x = Expr::signal(Signal::new(VarId(1)));
-        Expr::call(Func::named(name).unwrap(), vec![x])
-            .into_term()
-            .1
-            .pow(2.0)
-    })
+fn x() -> Expr {
+    Expr::signal(Signal::new(VarId(1)))
+}
+
+fn pair() -> dependence::Pair {
+    dependence::Pair::of(&x()).unwrap()
 }
 
 /// Terms T·sin²(x) with T and T·cos²(x) there too.
 fn identities(all: &BTreeSet<Term>) -> usize {
-    let [sin2, cos2] = squares();
+    let dependence::Pair { sin2, cos2 } = pair();
     let back = sin2.pow(-1.0);
     let exact = |t: &&Term| t.factors().any(|f| Some(f) == sin2.factors().next());
     let plain = all.iter().filter(exact).map(|t| t.mul(&back));

@@ -1,8 +1,9 @@
 //! How far the found equations can be trusted to run: on the data that they were found from, and on data held out.
 //!
-//! In: a discovery, datasets. Out: a [`Validation`] for the result, and the [`Ranking`] of candidate models by it. Never finds
-//! equations, never prints.
+//! In: a discovery, datasets. Out: a [`Validation`] for the result, doubts of equations whose runs go astray, and the [`Ranking`] of
+//! candidate models by it. Never finds equations, never prints.
 
+mod doubts;
 mod ranking;
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +13,7 @@ use crate::discover::{Discovery, Reason};
 use crate::lang::model::Model;
 use crate::simulate::{self, EXACT, Figures, Options, Run, Source};
 
+pub use doubts::doubt;
 pub use ranking::{FOLLOWED, Merit, Ranking, rank};
 
 /// Free runs from the measured start of each record, or piece of one.

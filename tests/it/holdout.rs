@@ -178,3 +178,64 @@ fn faults_of_all_models_are_told_at_once() {
         run.stderr
     );
 }
+
+/// The rate constant of the one file is not that of the other.
+#[test]
+fn what_does_not_carry_over_is_a_doubt() {
+    let folder = tempfile::tempdir().unwrap();
+    let decay = |rate: f64| {
+        let row = |i: i32| {
+            format!(
+                "{},{:.15e}\n",
+                0.1 * f64::from(i),
+                (-0.1 * rate * f64::from(i)).exp()
+            )
+        };
+        format!("t,x\n{}", (0..50).map(row).collect::<String>())
+    };
+    let model = write(folder.path(), "m.sid", "state x\ndx ~ poly(x; 3)\n");
+    let [slow, fast, same] = [("slow.csv", 0.5), ("fast.csv", 2.0), ("same.csv", 0.5)]
+        .map(|(name, rate)| write(folder.path(), name, &decay(rate)));
+    let run = identify(&[&model, &slow, "--holdout", &same]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let run = identify(&[&model, &slow, "--holdout", &fast]);
+    assert_eq!(run.status, 3, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("along fast.csv, which was held out"),
+        "{}",
+        run.stdout
+    );
+    let document = json(&[&model, &slow, "--holdout", &fast]);
+    assert_eq!(
+        document["equations"][0]["reasons"][0]["code"],
+        "not-carried-over"
+    );
+}
+
+/// Between its impacts a ball falls freely, and that is all the equation says: its run goes through the floor.
+#[test]
+fn a_run_that_leaves_the_data_is_a_doubt() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut x, mut v) = (2.0, 0.0);
+    let mut table = String::from("t,h\n");
+    for i in 0..=300 {
+        table.push_str(&format!("{:.2},{x:?}\n", 0.01 * f64::from(i)));
+        (x, v) = (x + 0.01 * v - 9.81 * 0.00005, v - 0.0981);
+        if x < 0.0 {
+            (x, v) = (-0.8 * x, -0.8 * v);
+        }
+    }
+    let model = write(
+        folder.path(),
+        "m.sid",
+        "state h : order 2\nddh ~ poly(h, dh; 3)\n",
+    );
+    let data = write(folder.path(), "ball.csv", &table);
+    let run = identify(&[&model, &data, "--holdout=25%"]);
+    assert_eq!(run.status, 3, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("leaves what was measured of h"),
+        "{}",
+        run.stdout
+    );
+}

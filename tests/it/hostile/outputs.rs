@@ -84,7 +84,11 @@ fn nothing_that_is_read_is_written_over() {
     std::fs::write(at("m.sid"), model).unwrap();
     std::fs::write(at("t.csv"), super::decay()).unwrap();
     std::fs::write(at("h.csv"), super::decay()).unwrap();
-    run(folder.path(), &["identify", "m.sid", "t.csv", "-o", "R.json"]).ended("identify", 0);
+    run(
+        folder.path(),
+        &["identify", "m.sid", "t.csv", "-o", "R.json"],
+    )
+    .ended("identify", 0);
     let result = std::fs::read_to_string(at("R.json")).unwrap();
     symlink("t.csv", at("link.csv")).unwrap();
     std::fs::hard_link(at("t.csv"), at("twin.csv")).unwrap();
@@ -133,7 +137,10 @@ fn equations_are_printed_though_the_disk_is_full() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("m.sid"), "state x\ndx ~ poly(x; 3)\n").unwrap();
     std::fs::write(folder.path().join("t.csv"), super::decay()).unwrap();
-    let ran = run(folder.path(), &["identify", "m.sid", "t.csv", "-o", "/dev/full"]);
+    let ran = run(
+        folder.path(),
+        &["identify", "m.sid", "t.csv", "-o", "/dev/full"],
+    );
     assert!(ran.stdout.contains("dx = -"), "{}", ran.stdout);
     ran.ended("/dev/full", 1);
 }
