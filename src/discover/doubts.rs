@@ -1,5 +1,6 @@
 //! What speaks against an equation: each rule is one function with its figure, and its text says the figure.
 
+use super::successive::Memory;
 use super::{Evidence, FoundTerm, Reason, Stop};
 use crate::solve::Status as Solved;
 
@@ -11,6 +12,8 @@ const MISFIT: f64 = 5.0;
 const ROUGH: f64 = 0.1;
 /// Residual under which a misfit is academic.
 const CLOSE: f64 = 1e-4;
+/// Memory of residuals that matters, however sure it is.
+const MEMORY: f64 = 0.05;
 /// Held-out residual over the one in the fit above which the equation does not carry over.
 const OVERFIT: f64 = 2.0;
 /// Rows a term, in noisy data, under which chance is a rival.
@@ -39,10 +42,12 @@ pub(super) struct Case<'a> {
     pub exact: bool,
     /// Terms of the solver's own answer.
     pub proposed: usize,
+    /// Of residuals in discrete time.
+    pub memory: Option<Memory>,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 14] = [
+    let rules: [fn(&Case) -> Option<Reason>; 15] = [
         stopped,
         refused,
         heuristic,
@@ -51,6 +56,7 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         crowded,
         poor_fit,
         misfit,
+        coloured,
         used_up,
         rough,
         held_out,
@@ -182,11 +188,10 @@ fn used_up(c: &Case) -> Option<Reason> {
 
 fn poor_fit(c: &Case) -> Option<Reason> {
     let e = c.evidence;
-    // Integrals are as noisy as they are: what counts is what is left beyond.
-    let known = if e.method.is_empty() {
-        0.0
-    } else {
-        e.target_error
+    // Integrals are as noisy as they are: what counts is what is left beyond, if there is an equation at all.
+    let known = match e.method.is_empty() || c.terms.is_empty() {
+        true => 0.0,
+        false => e.target_error,
     };
     let r = (e.residual.powi(2) - known.powi(2)).max(0.0).sqrt();
     (r > POOR_FIT).then(|| {
@@ -209,6 +214,20 @@ fn misfit(c: &Case) -> Option<Reason> {
             format!(
                 "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data: a term is missing, or the noise is larger than it looks",
                 r / e
+            ),
+        )
+    })
+}
+
+fn coloured(c: &Case) -> Option<Reason> {
+    let m = c.memory?;
+    (m.is.abs() > m.chance.max(MEMORY) && c.evidence.residual > CLOSE).then(|| {
+        Reason::new(
+            "coloured-residuals",
+            format!(
+                "the residuals of successive samples follow each other (autocorrelation {:.2}, chance allows {:.2}): noise of the sensors, \
+                 which the terms see too and which then makes coefficients wrong by more than their intervals, or a missing term",
+                m.is, m.chance
             ),
         )
     })

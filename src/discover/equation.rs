@@ -9,6 +9,7 @@ use super::prepared::{Basis, Prepared};
 use super::proof::prove;
 use super::rows::{self, Split};
 use super::subset::Criterion;
+use super::successive::{self, Memory};
 use super::support::{self, Choice};
 use super::watch::{Stage, Stop, Watcher};
 use super::weights::{Weights, rms};
@@ -203,7 +204,7 @@ impl Task<'_> {
         let weights = &prepared.weights;
         let size = rms(&prepared.aim);
         let terms = self.found_terms(answer);
-        let mut witness = None;
+        let (mut witness, mut memory) = (None, None);
         let (rows, left, held_out, method) = match &prepared.basis {
             Basis::Samples { split, used, y } => {
                 witness = Some(Arc::new(Witness {
@@ -212,6 +213,9 @@ impl Task<'_> {
                     ..answer.witness.clone()
                 }));
                 let left = self.residual(&terms, used, y);
+                if self.model.discrete {
+                    memory = successive::memory(&left, used);
+                }
                 let left = rms(&product(&left, &weights.row));
                 (
                     used.len(),
@@ -246,7 +250,7 @@ impl Task<'_> {
             verification: None,
             witness,
         };
-        self.equation(names, terms, evidence, answer)
+        self.equation(names, terms, (evidence, memory), answer)
     }
 
     /// y without what is known.
@@ -327,7 +331,7 @@ impl Task<'_> {
         &self,
         names: &Discovery,
         terms: Vec<FoundTerm>,
-        evidence: Evidence,
+        (evidence, memory): (Evidence, Option<Memory>),
         answer: &Answer,
     ) -> Equation {
         let written: Vec<String> = terms
@@ -342,6 +346,7 @@ impl Task<'_> {
             stopped: answer.stopped,
             exact: answer.exact,
             proposed: answer.proposed,
+            memory,
         });
         let status = if reasons.is_empty() {
             Status::Pass

@@ -22,6 +22,7 @@ mod relation;
 mod rows;
 mod strain;
 mod subset;
+mod successive;
 mod support;
 mod tied_proof;
 mod tied_support;

@@ -245,3 +245,54 @@ fn noise_alone_is_no_law() {
         );
     }
 }
+
+/// y' = 1.6 y − 0.7 y₋₁ + 0.1 u: noise of the process leaves the coefficients right, noise of the sensor does not.
+#[test]
+fn noise_on_both_sides_of_a_difference_equation_is_said() {
+    let table = |process: f64, sensor: f64| {
+        let mut random = Random::new(3);
+        let (mut y, mut before, mut u) = (0.0, 0.0, 0.0);
+        let mut text = String::from("y,u\n");
+        for k in 0..1500 {
+            if k % 15 == 0 {
+                u = random.normal();
+            }
+            writeln!(text, "{:.9},{u:.9}", y + sensor * random.normal()).unwrap();
+            let next = 1.6 * y - 0.7 * before + 0.1 * u + process * random.normal();
+            (y, before) = (next, y);
+        }
+        text
+    };
+    let model = "state y\ninput u\nnext y ~ <y, lag(y, 1), u>\n";
+    let run = identify(model, &[table(0.01, 0.0)]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    assert!(
+        run.stdout.contains("next(y) = -0.70") || run.stdout.contains("next(y) = -0.69"),
+        "{}",
+        run.stdout
+    );
+    for sensor in [0.01, 0.03, 0.1] {
+        says(
+            &identify(model, &[table(0.0, sensor)]),
+            &["coloured-residuals"],
+        );
+    }
+}
+
+/// Integrals of noise are as noisy as noise: that nothing is found in them is no law.
+#[test]
+fn noise_alone_is_no_law_of_the_weak_form_either() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random::new(5);
+    let mut text = String::from("t,x\n");
+    for k in 0..300 {
+        writeln!(text, "{:.2},{:.6}", 0.05 * f64::from(k), random.normal()).unwrap();
+    }
+    std::fs::write(folder.path().join("x.csv"), text).unwrap();
+    std::fs::write(folder.path().join("m.sid"), "state x\ndx ~ poly(x; 3)\n").unwrap();
+    let run = sidc_in(
+        folder.path(),
+        &["identify", "m.sid", "x.csv", "--method=weak", "-q"],
+    );
+    says(&run, &["poor-fit"]);
+}
