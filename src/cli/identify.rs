@@ -109,6 +109,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let limits = Limits::start(args.time_limit);
     let narrator = args.talk.narrator();
     let files = Inputs::sort(&args.files)?;
+    args.fit_together(&files)?;
     let held = args.holdout.iter().filter_map(Held::file);
     output::ready(args.output.as_deref(), args.files.iter().chain(held))?;
     let mut sources = Sources::default();
@@ -123,6 +124,11 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let (paths, held) = held_out(args, &files);
     let read = (args.memory_limit, &mut sources);
     let (tables, entries) = args.talk.tables(&paths, read, (&limits, &narrator))?;
+    inputs::report(
+        (Some(()), inputs::twins(&entries)),
+        &sources,
+        args.talk.notes(),
+    )?;
     let rows = Rows {
         window: args.window.unwrap_or_default(),
         held,
@@ -318,6 +324,41 @@ pub(super) fn conclude(
 }
 
 impl Args {
+    /// # Errors
+    /// Options that would be without effect beside the others.
+    fn fit_together(&self, files: &Inputs) -> Result<(), Failure> {
+        let mut failed = Failure::default();
+        let mut refuse = |option: &str, why: &str, way_out: &str| {
+            failed.add(Failure::new(format!(
+                "error[option-without-effect]: {option}: {why}\n  = help: {way_out}"
+            )));
+        };
+        let trajectory = "equations and trajectory are estimated together from all readings";
+        if self.samples.is_some() && self.method == Method::Weak {
+            let why = "integrals are taken over all rows";
+            refuse(
+                "--samples",
+                why,
+                "shorten the record with --window, or leave out --method weak",
+            );
+        }
+        if self.samples.is_some() && self.method == Method::Joint {
+            refuse(
+                "--samples",
+                trajectory,
+                "leave out --method joint, or shorten the record with --window",
+            );
+        }
+        if self.path && self.method == Method::Joint {
+            refuse("--path", trajectory, "leave out --method joint");
+        }
+        if self.until.is_some() && files.models.len() == 1 {
+            let why = "it chooses among several models, and there is one";
+            refuse("--until", why, "give more models, or leave it out");
+        }
+        failed.or(())
+    }
+
     fn options(&self) -> Options {
         Options {
             method: self.method,

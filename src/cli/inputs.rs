@@ -210,6 +210,19 @@ pub fn tables_and_entries(
     Err(Failure::new(render(&faults, sources)))
 }
 
+/// What is to be said of files with the same content.
+pub fn twins(entries: &[FileEntry]) -> Vec<Diagnostic> {
+    let twin = |(k, entry): (usize, &FileEntry)| {
+        let earlier = entries.iter().take(k);
+        let same = earlier.into_iter().find(|e| e.sha256 == entry.sha256)?;
+        let (a, b) = (&same.name, &entry.name);
+        let text = format!("{a} and {b} hold the same bytes");
+        let why = "give each record once: its readings count twice, or, held out, test nothing";
+        Some(Diagnostic::warning("same-data", text).help(why))
+    };
+    entries.iter().enumerate().filter_map(twin).collect()
+}
+
 /// The file's name without folders: what messages and results call it.
 pub fn short_name(path: &Path) -> String {
     path.file_name().map_or_else(

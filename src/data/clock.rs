@@ -50,6 +50,12 @@ pub(super) fn falling_time(
         ),
     )
     .at(span, format!("after {}", shown(before)));
+    if falls.len() + 1 == time.len() && falls.len() > 1 {
+        return Some(
+            d.fact("time runs backwards: every row is earlier than the one before")
+                .help("reverse the rows: (head -n 1 FILE; tail -n +2 FILE | tac) > NEW.csv"),
+        );
+    }
     // Back to the start, or to the same instant every time: several records in one file.
     if now > start + 0.1 * (before - start) {
         return Some(d.help("sort the rows by time, or delete the rows out of order"));
@@ -59,14 +65,19 @@ pub(super) fn falling_time(
         falls.len() + 1
     ));
     let splits: Vec<usize> = falls.iter().filter_map(|i| rows.get(*i)).copied().collect();
-    Some(match run_candidate(table, rows, &splits) {
+    Some(match run_candidate(table, rows, &splits, column) {
         Some(header) => d.help(format!("data {{ run = \"{header}\" }} splits the file by that column")),
         None => d.help("add a column that numbers the runs and name it, data { run = \"HEADER\" }, or split the file"),
     })
 }
 
 /// A column that changes exactly where time starts again.
-fn run_candidate<'a>(table: &'a Table, rows: &[usize], splits: &[usize]) -> Option<&'a str> {
+fn run_candidate<'a>(
+    table: &'a Table,
+    rows: &[usize],
+    splits: &[usize],
+    time: Option<usize>,
+) -> Option<&'a str> {
     let matches = |column: usize| {
         rows.windows(2).all(|w| {
             let same = table.cell(w[0], column) == table.cell(w[1], column);
@@ -81,7 +92,7 @@ fn run_candidate<'a>(table: &'a Table, rows: &[usize], splits: &[usize]) -> Opti
         .headers()
         .iter()
         .enumerate()
-        .find(|(i, h)| !h.is_empty() && matches(*i))
+        .find(|(i, h)| !h.is_empty() && Some(*i) != time && matches(*i))
         .map(|(_, h)| h.as_str())
 }
 

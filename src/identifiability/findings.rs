@@ -223,7 +223,7 @@ pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Find
             finding(
                 Cause::WrongOrder,
                 format!(
-                    "the whole library leaves {} of {name}, but all except {} of its derivative follows from it: {var} moves by a law \
+                    "the whole library leaves {} of {name}, but all except {} of its derivative follows from it: {var} moves as by a law \
                      of order {order} or more",
                     percent(*part),
                     percent(*rest)

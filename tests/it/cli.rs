@@ -542,3 +542,25 @@ fn every_option_is_documented() {
         }
     }
 }
+
+/// What an option cannot do beside the others is said before any work, all of it at once.
+#[test]
+fn options_without_effect_are_refused() {
+    let words = ["option-without-effect", "--samples", "--window"];
+    refuses(&identify(&["--samples=50", "--method=weak"]), 1, &words);
+    let words = ["option-without-effect", "--samples", "--path", "--until"];
+    let all = ["--samples=50", "--path", "--until=-60", "--method=joint"];
+    refuses(&identify(&all), 1, &words);
+}
+
+#[test]
+fn the_same_record_twice_is_said() {
+    let folder = folder();
+    let table = std::fs::read_to_string("models/data/lorenz.csv").unwrap();
+    let twin = write(folder.path(), "twin.csv", &table);
+    for arguments in [vec![twin.as_str()], vec!["--holdout", twin.as_str()]] {
+        let run = identify(&arguments);
+        let said = "warning[same-data]: lorenz.csv and twin.csv hold the same bytes";
+        assert!(run.stderr.contains(said), "{}", run.stderr);
+    }
+}

@@ -152,7 +152,7 @@ fn show(ds: &[Diagnostic], sources: &Sources) -> String {
 
 #[test]
 fn bad_files() {
-    let cases: [(&str, &[u8]); 15] = [
+    let cases: [(&str, &[u8]); 16] = [
         ("empty", b""),
         ("comments only", b"# nothing\n\n"),
         ("header only", b"t,x\n"),
@@ -160,6 +160,7 @@ fn bad_files() {
         ("commented header", b"# t, x\n0,1\n1,2\n"),
         ("duplicate headers", b"t,x,\"x\"\n0,1,2\n"),
         ("units row", b"t,x\ns,mm\n0,1\n"),
+        ("two columns of spaces", b"t x\n0.0 1.0\n0.1 0.9\n"),
         ("ragged", b"t,x\n0,1\n1\n2,3,4\n"),
         (
             "decimal commas in a comma file",
@@ -247,7 +248,7 @@ fn a_line_ends_where_it_ended_when_it_was_read() {
 
 #[test]
 fn tables_that_do_not_fit() {
-    let cases: [(&str, &str); 10] = [
+    let cases: [(&str, &str); 11] = [
         ("bad cells", "t,x,u\n0,1,0\n1,abc,0\n2,1e999,0\n3,1 2,0\n"),
         ("decimal commas", "t;x;u\n0;1,5;0\n1;1,6;0\n"),
         (
@@ -258,6 +259,7 @@ fn tables_that_do_not_fit() {
         ("missing state", "t,pos,u\n0,1,0\n1,2,0\n"),
         ("time under another name", "Time (ms),x,u\n0,1,0\n1,2,0\n"),
         ("no time", "x,u\n1,0\n2,0\n"),
+        ("backwards", "t,x,u\n3,1,0\n2,2,0\n1,3,0\n0,4,0\n"),
         ("time twice", "t,x,u\n0,1,0\n1,2,0\n1,3,0\n2,4,0\n"),
         (
             "time out of order",

@@ -54,7 +54,9 @@ fn fault(cell: &str) -> Fault {
             .count()
     };
     let opens_with_digit = cell.bytes().next().is_some_and(|b| b.is_ascii_digit());
+    let numbers = cell.split_whitespace().all(|w| w.parse::<f64>().is_ok());
     if opens_with_digit
+        && !numbers
         && (parts('-') >= 3 || parts('/') >= 3 || parts(':') >= 2 || parts('.') >= 3)
     {
         return Fault::Date;
@@ -145,6 +147,8 @@ mod tests {
         assert_eq!(parse("2024-05-01 12:00"), Cell::Bad(Fault::Date));
         assert_eq!(parse("12:30:01.5"), Cell::Bad(Fault::Date));
         assert_eq!(parse("01.02.2024"), Cell::Bad(Fault::Date));
+        // Two numbers, of which one dot each.
+        assert_eq!(parse("0.0 1.0"), Cell::Bad(Fault::Text));
         assert_eq!(parse("12abc"), Cell::Bad(Fault::Text));
     }
 

@@ -69,7 +69,9 @@ impl Checker<'_> {
             None => d.at(at, "not declared"),
         };
         let d = d.fact(format!("in scope: {}", self.scope.in_scope()));
-        match self.too_high_derivative(text) {
+        let plain = plain(text);
+        let known = self.scope.signal(&plain).is_some();
+        match self.too_high_derivative(&plain).filter(|_| !known) {
             Some(help) => d.help(help),
             None if self.meant(text).is_some() => d,
             None if Keyword::named(text).is_some() => d.help(format!(
@@ -100,11 +102,14 @@ impl Checker<'_> {
     /// The name in scope that was probably meant.
     fn meant(&self, text: &str) -> Option<String> {
         let names = || self.scope.signals.keys().chain(self.scope.lets.keys());
-        let plain = pasted::dotted(text).unwrap_or_else(|| text.to_string());
+        let plain = plain(text);
         let spelt = pasted::spelt_out(&plain);
         let same = names().find(|n| **n == plain || pasted::spelt_out(n) == spelt);
         if let Some(name) = same {
             return Some(name.clone());
+        }
+        if self.scope.signal(&plain).is_some() {
+            return Some(plain);
         }
         // One letter is one slip from every other: only its other case is near.
         let short = text.chars().count() == 1;
@@ -225,4 +230,10 @@ impl Checker<'_> {
 
 fn at_file(e: &Ast) -> crate::lang::source::FileId {
     e.span.file
+}
+
+/// A name with its derivatives as `d`s, however they were written.
+fn plain(text: &str) -> String {
+    let other = pasted::dotted(text).or_else(|| pasted::spelt_elsewhere(text));
+    other.unwrap_or_else(|| text.to_string())
 }

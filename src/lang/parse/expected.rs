@@ -131,10 +131,10 @@ impl<'t> Stop<'_, 't> {
         out
     }
 
-    /// `sin 2*theta`, `exp sin x`
+    /// `sin 2*theta`, `sin "Angle"`, `exp sin x`
     fn juxtaposed(&self) -> Option<Diagnostic> {
         let (found, last) = (self.found()?, self.before(1)?);
-        if is_function(last) && found.kind == TokenKind::Number {
+        if is_function(last) && matches!(found.kind, TokenKind::Number | TokenKind::Text) {
             let end = self.product_end(self.at);
             let (whole, to) = (self.text(self.at, end), self.get(end)?);
             let name = last.text;

@@ -89,6 +89,21 @@ pub fn dotted(name: &str) -> Option<String> {
         .then(|| undotted(name))
 }
 
+/// How other languages spell derivatives: `d2x`, `x_dot`, `xddot`.
+pub fn spelt_elsewhere(name: &str) -> Option<String> {
+    if let Some(numbered) = name.strip_prefix('d')
+        && let Some(order) = numbered.chars().next().and_then(|c| c.to_digit(10))
+    {
+        let rest = numbered.get(1..).filter(|rest| !rest.is_empty())?;
+        return Some("d".repeat(order as usize) + rest);
+    }
+    let base = name.strip_suffix("dot")?;
+    let letters = base.trim_end_matches('d');
+    let order = 1 + base.len() - letters.len();
+    let letters = letters.trim_end_matches('_');
+    (!letters.is_empty()).then(|| "d".repeat(order) + letters)
+}
+
 fn undotted(name: &str) -> String {
     let mut order = 0;
     let mut letters = String::new();

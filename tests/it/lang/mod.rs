@@ -4,6 +4,7 @@
 
 mod bad;
 mod docs;
+mod edges;
 mod formatting;
 mod hostile;
 mod meaning;
