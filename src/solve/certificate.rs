@@ -218,4 +218,47 @@ mod tests {
         let c = certify(&problem(&phi, &[0.5], 1.0), &[], &[0.0]);
         assert!(c.proves_optimal && c.support.is_empty());
     }
+
+    /// ε and OPTIMAL_GAP, each by itself: a = y − ε is the least that is within ε of y.
+    #[test]
+    fn a_millionth_is_the_bound_for_residual_and_gap() {
+        let phi = Dense::new(2, vec![1.0, 0.0, 0.6, 0.8]);
+        let y = [1000.0, 0.0];
+        let proves = |tolerance: f64, a: f64, dual: &[f64]| {
+            certify(&problem(&phi, &y, tolerance), &[(0, a)], dual).proves_optimal
+        };
+        let dual = [1.0, 0.0];
+        assert!(proves(1.0, 999.0, &dual) && proves(1.0, 999.0 - 9e-7, &dual));
+        assert!(!proves(1.0, 999.0 - 1.1e-6, &dual));
+        assert!(proves(1.0, 999.0009, &dual) && !proves(1.0, 999.0011, &dual));
+        assert!(proves(0.0, 999.9995, &dual) && !proves(0.0, 999.9985, &dual));
+        // Where ε is next to nothing, rounding of the target is allowed for.
+        assert!(proves(1e-13, 1000.0 - 2e-13, &dual));
+    }
+
+    #[test]
+    fn a_dual_point_that_is_too_long_is_scaled() {
+        let phi = Dense::new(2, vec![2.0, 0.0, 0.6, 0.8]);
+        let y = [10.0, 0.0];
+        let certificate = certify(&problem(&phi, &y, 1.0), &[(0, 4.5)], &[3.0, 0.0]);
+        assert_eq!(certificate.largest_correlation, 3.0);
+        assert!((certificate.dual - 9.0).abs() < 1e-14 && certificate.gap.abs() < 1e-15);
+        assert!((certificate.margin - 0.4).abs() < 1e-15, "{certificate:?}");
+        assert!((certificate.relative_residual - 0.1).abs() < 1e-15);
+        // A shorter one proves less, and leaves room elsewhere: gap over margin.
+        let loose = certify(&problem(&phi, &y, 1.0), &[(0, 4.5)], &[0.9, 0.0]);
+        assert!((loose.gap - 0.1).abs() < 1e-14 && (loose.margin - 0.46).abs() < 1e-14);
+        assert!((loose.elsewhere - 0.1 / 0.46).abs() < 1e-13 && !loose.proves_unique);
+    }
+
+    #[test]
+    fn terms_below_a_millionth_are_not_the_support() {
+        let phi = Dense::new(3, vec![1.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 1.0]);
+        let p = problem(&phi, &[1.0, 1.0, 1.0], 0.0);
+        let of = |b: f64, c: f64| support(&p, &[(0, -2.0), (1, b), (2, c)]);
+        // Shares are of unit columns: the second is four long.
+        assert_eq!(of(6e-7, 1.9e-6), [0, 1]);
+        assert_eq!(of(4e-7, 2.1e-6), [0, 2]);
+        assert_eq!(support(&p, &[]), Vec::<usize>::new());
+    }
 }

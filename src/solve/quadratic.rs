@@ -404,7 +404,9 @@ mod tests {
                 let cost = |s: &Vec<usize>| form.least(s).square;
                 way.extend(all.min_by(|a, b| cost(a).total_cmp(&cost(b))));
             }
-            for (found, penalty) in form.backward(&penalties).iter().zip(&penalties) {
+            let all = form.backward(&penalties);
+            prop_assert_eq!(all.len(), penalties.len());
+            for (found, penalty) in all.iter().zip(&penalties) {
                 let best = way.iter().map(|s| criterion(&form, s, *penalty)).fold(f64::INFINITY, f64::min);
                 let value = criterion(&form, found, *penalty);
                 prop_assert!((value - best).abs() < 1e-5 * (1.0 + form.total), "{found:?} {value} {best}");

@@ -77,3 +77,61 @@ fn restrict(dictionary: &dyn Dictionary, columns: &[usize]) -> Dense {
     }
     Dense::new(rows, values)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::ControlFlow;
+
+    use super::*;
+    use crate::solve::reduce::add_scaled;
+    use crate::solve::{InteriorPoint, Solver};
+
+    /// From 48 of 900 columns the set grows by those that break their bounds, and by no others.
+    #[test]
+    fn only_columns_that_break_their_bounds_join() {
+        let (rows, cols) = (12, 900);
+        let mut seed = 11u64;
+        let mut next = || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
+        let (mut target, mut column) = (vec![0.0; rows], vec![0.0; rows]);
+        for j in [10, 890] {
+            dictionary.column(j, &mut column);
+            add_scaled(&mut target, next(), &column);
+        }
+        let problem = Problem {
+            dictionary: &dictionary,
+            target: &target,
+            tolerance: 0.0,
+        };
+        let mut sizes = Vec::new();
+        let mut steps = 0;
+        let found = grow(&problem, |small| {
+            sizes.push(small.dictionary.cols());
+            let found = InteriorPoint.solve(small, &mut |_| ControlFlow::Continue(()));
+            steps += found.iterations;
+            found
+        });
+        assert_eq!(found.status, Status::Solved);
+        assert_eq!(found.iterations, steps);
+        assert_eq!(sizes.first(), Some(&(FIRST * rows)));
+        assert!(
+            sizes.len() > 1 && sizes.is_sorted_by(|a, b| a < b),
+            "{sizes:?}"
+        );
+        assert!(
+            sizes.windows(2).all(|s| s[1] - s[0] <= MORE * rows),
+            "{sizes:?}"
+        );
+        assert!(sizes.last().is_some_and(|n| 2 * n < cols), "{sizes:?}");
+        let whole = InteriorPoint.solve(&problem, &mut |_| ControlFlow::Continue(()));
+        for (j, a) in whole.coefficients.iter().filter(|(_, a)| a.abs() > 1e-6) {
+            assert!((found.coefficient(*j) - a).abs() < 1e-6, "{j}");
+        }
+        assert!(dictionary.strongest(&found.dual, 1, 0.0).largest() <= 1.0 + 1e-7);
+    }
+}

@@ -133,4 +133,33 @@ mod tests {
         assert!(first.is_some_and(|k| 2 * k < held.len()), "{held:?}");
         assert!(held.iter().skip(first.unwrap_or(0)).all(|h| *h), "{held:?}");
     }
+
+    /// Where a path for exact data ends λ lies on bounds of columns that it only passed; off them it proves that there is no other answer.
+    #[test]
+    fn dual_points_of_exact_data_leave_room_off_the_support() {
+        let (rows, cols) = (20, 60);
+        let mut seed = 17u64;
+        let mut next = || {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        };
+        for _ in 0..20 {
+            let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
+            let (mut target, mut column) = (vec![0.0; rows], vec![0.0; rows]);
+            for j in [7, 30, 59] {
+                dictionary.column(j, &mut column);
+                add_scaled(&mut target, 1.5 + next(), &column);
+            }
+            let problem = Problem {
+                dictionary: &dictionary,
+                target: &target,
+                tolerance: 0.0,
+            };
+            let found = Homotopy.solve(&problem, &mut |_| ControlFlow::Continue(()));
+            let proof = crate::solve::certify(&problem, &found.coefficients, &found.dual);
+            assert!(proof.proves_unique && proof.margin > 0.02, "{proof:?}");
+        }
+    }
 }

@@ -149,4 +149,36 @@ mod tests {
         assert_eq!(conflict(&[row(&[], AtMost, -1.0)]), Some(vec![0]));
         assert_eq!(conflict(&[row(&[], Below, 0.0)]), Some(vec![0]));
     }
+
+    /// What is large and small is relative to the rows themselves, both their weights and their right sides.
+    #[test]
+    fn the_size_of_numbers_does_not_matter() {
+        for size in [1e-9, 1.0, 1e12] {
+            for weight in [1e-8, 1.0, 1e9] {
+                let between = |low: f64, high: f64| {
+                    [
+                        row(&[(0, weight)], AtMost, weight * high * size),
+                        row(&[(0, -weight)], AtMost, -weight * low * size),
+                    ]
+                };
+                assert_eq!(conflict(&between(1.0, 2.0)), None, "{size} {weight}");
+                assert_eq!(
+                    conflict(&between(2.0, 1.0)),
+                    Some(vec![0, 1]),
+                    "{size} {weight}"
+                );
+                let signs = [
+                    row(&[(0, weight)], Below, 0.0),
+                    row(&[(0, -weight)], Below, 0.0),
+                ];
+                assert_eq!(conflict(&signs), Some(vec![0, 1]));
+            }
+        }
+        // A place may be named twice: 2 a ≤ 2 and a ≥ 2.
+        let twice = [
+            row(&[(0, 1.0), (0, 1.0)], AtMost, 2.0),
+            row(&[(0, -1.0)], AtMost, -2.0),
+        ];
+        assert_eq!(conflict(&twice), Some(vec![0, 1]));
+    }
 }
