@@ -149,8 +149,11 @@ pub fn measure(
     };
     let (model, libraries) = (&program.model, &program.libraries);
     let first = model.equations.first().map_or(Signal::TIME, |e| e.target);
-    let mut go_on = || monitor(first).is_continue();
-    let joint = match discover::joint(model, libraries, &dataset, options, &mut go_on) {
+    let together = |options: &Options, monitor: SignalMonitor| {
+        let mut go_on = || monitor(first).is_continue();
+        discover::joint(model, libraries, &dataset, options, &mut go_on)
+    };
+    let mut joint = match together(options, monitor) {
         Ok(problem) => Some(problem),
         Err(why) => {
             if options.method == Method::Joint {
@@ -161,10 +164,17 @@ pub fn measure(
             None
         }
     };
-    let (samples, found, report) = match &joint {
+    let (samples, mut found, report) = match &joint {
         Some(_) => Default::default(),
         None => data::samples(&program.model, &dataset, &needed(program), monitor),
     };
+    let free = options.method == Method::Auto && options.samples.is_none() && !options.path;
+    if free && found.iter().any(|d| d.code == "no-samples") {
+        // Readings that are never complete, or too sparse for derivatives, may do for a trajectory.
+        let method = Method::Joint;
+        joint = together(&Options { method, ..*options }, monitor).ok();
+        found.retain(|d| !d.is_error() || joint.is_none());
+    }
     diagnostics.extend(found);
     finish(
         Measured {

@@ -296,3 +296,46 @@ fn noise_alone_is_no_law_of_the_weak_form_either() {
     );
     says(&run, &["poor-fit"]);
 }
+
+/// No row is complete, or none has neighbours to differentiate by: a trajectory passes them all the same.
+#[test]
+fn readings_that_are_never_complete_do_for_a_trajectory() {
+    let cell = |read: bool, value: f64| {
+        if read {
+            format!("{value:.12}")
+        } else {
+            String::new()
+        }
+    };
+    let time = |k: u32| 0.1 * f64::from(k);
+    let mut decay = String::from("t,x\n");
+    let mut turn = String::from("t,x,y\n");
+    for k in 0..81 {
+        writeln!(
+            decay,
+            "{:.1},{}",
+            time(k),
+            cell(k % 2 == 0, (-0.5 * time(k)).exp())
+        )
+        .unwrap();
+        let (y, x) = time(k).sin_cos();
+        writeln!(
+            turn,
+            "{:.1},{},{}",
+            time(k),
+            cell(k % 2 == 0, x),
+            cell(k % 2 == 1, y)
+        )
+        .unwrap();
+    }
+    let run = identify("state x\ndx ~ poly(x; 3)\n", &[decay]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("dx = -0.5*x\n"), "{}", run.stdout);
+    let run = identify("state x, y\ndx, dy ~ poly(x, y; 3)\n", &[turn]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert!(
+        run.stdout.contains("dx = -y\n") && run.stdout.contains("dy = x\n"),
+        "{}",
+        run.stdout
+    );
+}

@@ -42,7 +42,7 @@ fn every_relation_constrains() {
     let m = model(
         "state x\ndx ~ <x, x^2>\nconstrain coef(dx, x) < 1\nconstrain coef(dx, x) <= 2\nconstrain (coef(dx, x)) > -3\nconstrain -(coef(dx, x)) >= -4\nconstrain coef(dx, x^2) = 0.5\nconstrain 0 <= 2*coef(dx, x) - 1 < 9\n",
     );
-    let relations: Vec<Relation> = m.constraints.iter().map(|c| c.relation.clone()).collect();
+    let relations: Vec<Relation> = m.constraints.iter().map(|c| c.relation).collect();
     use Relation::{Equal, Greater, GreaterOrEqual, Less, LessOrEqual};
     let wanted = [
         Less,
