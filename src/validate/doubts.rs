@@ -10,9 +10,14 @@ use crate::term::{Signal, SignalNames};
 
 /// Part of the time that a run along data held out must follow, where those along the data used follow to the end.
 const CARRIED: f64 = 0.5;
-/// Fit in per cent, 100 (1 − error/spread), below which a run has left what was measured: two states of one chaotic motion are
-/// some 1.5 spreads apart, −50 %.
-const LEFT: f64 = -400.0;
+/// Its error is no reason below this part of the signal's spread, or below so many times that along the data used: where a motion
+/// has died down, noise alone is as large as what is left of it.
+const SLIGHT: f64 = 0.1;
+const WORSE: f64 = 3.0;
+/// Spreads of the signal beyond which a run has left what was measured: two states of one chaotic motion are some 1.5 apart.
+const LEFT: f64 = 5.0;
+/// Error over spread from which on the spread is known by it.
+const VISIBLE: f64 = 1e-9;
 
 /// Adds to every equation that was found what the runs of its variable say against it.
 pub fn doubt(runs: &Validation, d: &mut Discovery) {
@@ -22,12 +27,12 @@ pub fn doubt(runs: &Validation, d: &mut Discovery) {
             return None;
         }
         let target = equation.target;
-        let names: Vec<String> = (0..target.der.max(1))
-            .map(|der| d.name(Signal::derivative(target.var, der)))
-            .collect();
         let unit = if d.discrete { "samples" } else { "s" };
-        let runs = Runs { runs, names, unit };
-        runs.carried().or_else(|| runs.left())
+        (0..target.der.max(1)).find_map(|der| {
+            let name = d.name(Signal::derivative(target.var, der));
+            let runs = Runs { runs, name, unit };
+            runs.carried().or_else(|| runs.left())
+        })
     };
     let reasons: Vec<Option<Reason>> = (0..d.equations.len()).map(reason).collect();
     for (equation, reason) in d.equations.iter_mut().zip(reasons) {
@@ -38,10 +43,10 @@ pub fn doubt(runs: &Validation, d: &mut Discovery) {
     }
 }
 
-/// The runs as far as they are of one variable and its derivatives.
+/// The runs as far as they are of one signal.
 struct Runs<'a> {
     runs: &'a Validation,
-    names: Vec<String>,
+    name: String,
     /// Of its time.
     unit: &'static str,
 }
@@ -54,7 +59,7 @@ impl<'a> Runs<'a> {
             .iter()
             .filter(move |r| r.held_out == held_out);
         let scores = runs.flat_map(|r| r.scores.iter().map(move |s| (r, s)));
-        scores.filter(|(_, s)| self.names.contains(&s.signal))
+        scores.filter(|(_, s)| s.signal == self.name)
     }
 
     fn carried(&self) -> Option<Reason> {
@@ -74,7 +79,10 @@ impl<'a> Runs<'a> {
             follows / expected.max(f64::MIN_POSITIVE)
         };
         let (run, score) = (self.of(true)).min_by(|a, b| part(a).total_cmp(&part(b)))?;
-        (part(&(run, score)) < CARRIED).then(|| {
+        let used = self.of(false).map(|(_, s)| error(s)).fold(0.0, f64::max);
+        let large =
+            error(score) > (SLIGHT * self.spread()).max(WORSE * used) || run.ended.is_some();
+        (large && part(&(run, score)) < CARRIED).then(|| {
             Reason::new(
                 "not-carried-over",
                 format!(
@@ -91,21 +99,40 @@ impl<'a> Runs<'a> {
     }
 
     fn left(&self) -> Option<Reason> {
-        let fit = |score: &Figures| score.fit_percent.unwrap_or(0.0);
         let all = self.of(false).chain(self.of(true));
-        let (run, score) = all.min_by(|a, b| fit(a.1).total_cmp(&fit(b.1)))?;
-        (fit(score) < LEFT).then(|| {
+        let (run, score) = all.max_by(|a, b| error(a.1).total_cmp(&error(b.1)))?;
+        let spreads = error(score) / self.spread();
+        (spreads > LEFT).then(|| {
             Reason::new(
                 "run-leaves-data",
                 format!(
-                    "a free run along {} leaves what was measured of {}: its error is {:.0} times the spread",
-                    run.record,
-                    score.signal,
-                    1.0 - fit(score) / 100.0
+                    "a free run along {} leaves what was measured of {}: its error is {spreads:.0} times the spread",
+                    run.record, score.signal
                 ),
             )
         })
     }
+
+    /// The largest standard deviation of the signal along a run.
+    fn spread(&self) -> f64 {
+        let all = self.of(false).chain(self.of(true));
+        all.map(|(_, s)| spread(s)).fold(0.0, f64::max)
+    }
+}
+
+/// Root mean square of the error, in units of the signal.
+fn error(s: &Figures) -> f64 {
+    s.mean_squared_error.map_or(0.0, f64::sqrt)
+}
+
+/// From error and fit, 100 (1 − error/spread); of a run without error from the signal's root mean square, which is no less.
+fn spread(s: &Figures) -> f64 {
+    let part = s.fit_percent.map_or(f64::NAN, |fit| 1.0 - fit / 100.0);
+    let to_signal = s
+        .error_to_signal_db
+        .map_or(f64::NAN, |db| 10f64.powf(db / 20.0));
+    let size = error(s) / if part > VISIBLE { part } else { to_signal };
+    if size.is_finite() { size } else { 0.0 }
 }
 
 /// Three figures.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::pendulum::Random;
 use super::program::{Run, sidc};
 
 const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
@@ -238,4 +239,36 @@ fn a_run_that_leaves_the_data_is_a_doubt() {
         "{}",
         run.stdout
     );
+}
+
+/// What is held out has died down to noise: that the run misses the noise is no fault of the equation.
+#[test]
+fn a_motion_that_has_died_down_is_no_doubt() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut random = Random::new(4);
+    for noise in [0.0, 0.003, 0.02] {
+        let mut table = String::from("t,x\n");
+        for k in 0..600 {
+            let t = 0.02 * f64::from(k);
+            let x = (-0.9 * t).exp() * (4.0 * t).cos() + noise * random.normal();
+            table.push_str(&format!("{t:.2},{x:.12}\n"));
+        }
+        let model = write(
+            folder.path(),
+            "m.sid",
+            "state x : order 2\nddx ~ <x, dx, x^2>\n",
+        );
+        let data = write(folder.path(), "d.csv", &table);
+        let run = identify(&[&model, &data, "--holdout=25%"]);
+        assert!(
+            !run.stdout.contains("doubt[not-carried-over]"),
+            "{}",
+            run.stdout
+        );
+        assert!(
+            !run.stdout.contains("doubt[run-leaves-data]"),
+            "{}",
+            run.stdout
+        );
+    }
 }
