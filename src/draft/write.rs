@@ -137,6 +137,13 @@ fn data(p: &Parts) -> String {
         out.push_str(&format!("  {} = {from}\n", s.name));
         for (column, rate) in s.rates.iter().filter(|(_, rate)| rate.order <= s.order) {
             let name = derivative(&s.name, rate.order);
+            if is_discrete(p) {
+                let header = comment(&column.header);
+                out.push_str(&format!(
+                    "  # \"{header}\" seems to be {name}, which a law from sample to sample has not.\n"
+                ));
+                continue;
+            }
             let factor = times(rate.factor.unwrap_or_else(|| by_unit(column)));
             out.push_str(&format!("  {name} = \"{}\"{factor}\n", column.header));
         }

@@ -112,6 +112,26 @@ fn a_table_without_a_state_says_so() {
     );
 }
 
+/// A rate beside its state, and no time to differentiate by.
+#[test]
+fn rates_without_time_are_left_out_and_said() {
+    let rows: String = (0..60)
+        .map(|k| f64::from(k) * 0.1)
+        .map(|t| format!("{},{}\n", t.sin(), t.cos()))
+        .collect();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("d.csv"), format!("x,dx\n{rows}")).unwrap();
+    let run = sidc_in(folder.path(), &["new", "d.csv", "-o", "m.sid"]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let model = std::fs::read_to_string(folder.path().join("m.sid")).unwrap();
+    assert!(
+        model.contains("# \"dx\" seems to be dx, which a law from sample"),
+        "{model}"
+    );
+    let run = sidc_in(folder.path(), &["check", "m.sid", "d.csv"]);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
