@@ -15,6 +15,8 @@ pub mod identifiability;
 mod lanes;
 pub mod lang;
 pub mod library;
+#[cfg(test)]
+mod numbers;
 pub mod pipeline;
 pub mod report;
 pub mod result;

@@ -327,34 +327,39 @@ impl Args {
     /// # Errors
     /// Options that would be without effect beside the others.
     fn fit_together(&self, files: &Inputs) -> Result<(), Failure> {
-        let mut failed = Failure::default();
-        let mut refuse = |option: &str, why: &str, way_out: &str| {
-            failed.add(Failure::new(format!(
-                "error[option-without-effect]: {option}: {why}\n  = help: {way_out}"
-            )));
-        };
+        let (drawn, joint) = (self.samples.is_some(), self.method == Method::Joint);
         let trajectory = "equations and trajectory are estimated together from all readings";
-        if self.samples.is_some() && self.method == Method::Weak {
-            let why = "integrals are taken over all rows";
-            refuse(
+        let cases = [
+            (
+                drawn && self.method == Method::Weak,
                 "--samples",
-                why,
+                "integrals are taken over all rows",
                 "shorten the record with --window, or leave out --method weak",
-            );
-        }
-        if self.samples.is_some() && self.method == Method::Joint {
-            refuse(
+            ),
+            (
+                drawn && joint,
                 "--samples",
                 trajectory,
                 "leave out --method joint, or shorten the record with --window",
-            );
-        }
-        if self.path && self.method == Method::Joint {
-            refuse("--path", trajectory, "leave out --method joint");
-        }
-        if self.until.is_some() && files.models.len() == 1 {
-            let why = "it chooses among several models, and there is one";
-            refuse("--until", why, "give more models, or leave it out");
+            ),
+            (
+                self.path && joint,
+                "--path",
+                trajectory,
+                "leave out --method joint",
+            ),
+            (
+                self.until.is_some() && files.models.len() == 1,
+                "--until",
+                "it chooses among several models, and there is one",
+                "give more models, or leave it out",
+            ),
+        ];
+        let mut failed = Failure::default();
+        for (_, option, why, way_out) in cases.into_iter().filter(|(holds, ..)| *holds) {
+            failed.add(Failure::new(format!(
+                "error[option-without-effect]: {option}: {why}\n  = help: {way_out}"
+            )));
         }
         failed.or(())
     }

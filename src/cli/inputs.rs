@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 use super::Failure;
 use super::progress::{Line, Work};
-use crate::data::{self, Limits, Table};
+use crate::data::{self, Limits, Table, plain};
 use crate::lang;
 use crate::lang::diagnostic::{Diagnostic, Severity};
 use crate::lang::source::{FileId, Sources, printable};
@@ -213,8 +213,8 @@ pub fn tables_and_entries(
 /// What is to be said of files with the same content.
 pub fn twins(entries: &[FileEntry]) -> Vec<Diagnostic> {
     let twin = |(k, entry): (usize, &FileEntry)| {
-        let earlier = entries.iter().take(k);
-        let same = earlier.into_iter().find(|e| e.sha256 == entry.sha256)?;
+        let mut earlier = entries.iter().take(k);
+        let same = earlier.find(|e| e.sha256 == entry.sha256)?;
         let (a, b) = (&same.name, &entry.name);
         let text = format!("{a} and {b} hold the same bytes");
         let why = "give each record once: its readings count twice, or, held out, test nothing";
@@ -295,13 +295,4 @@ fn open(path: &Path) -> Result<File, Failure> {
         return Err(fail("not a regular file; copy the data into one"));
     }
     File::open(path).map_err(|e| fail(&plain(&e)))
-}
-
-/// "no such file or directory" without what the system says behind it.
-pub fn plain(e: &std::io::Error) -> String {
-    let text = e.to_string();
-    match text.split_once(" (os error") {
-        Some((words, _)) => words.to_lowercase(),
-        None => text,
-    }
 }

@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::{Failure, inputs, limits};
+use crate::data::plain;
 use crate::lang::source::printable;
 
 /// Prints what people read: names from files steer no terminal.
@@ -98,26 +99,23 @@ impl Target {
     }
 
     /// Whether another path leads here: by links of either kind.
+    #[cfg(unix)]
     fn is(&self, other: &Path) -> bool {
-        let Some(old) = &self.old else { return false };
-        std::fs::metadata(other).is_ok_and(|m| same(old, &m))
-            || std::fs::canonicalize(other).is_ok_and(|p| p == self.place)
+        use std::os::unix::fs::MetadataExt;
+        let file = |m: &Metadata| (m.dev(), m.ino());
+        let read = std::fs::metadata(other).ok();
+        self.old.is_some() && self.old.as_ref().map(file) == read.as_ref().map(file)
+    }
+
+    /// Whether another path leads here; hard links are not seen.
+    #[cfg(not(unix))]
+    fn is(&self, other: &Path) -> bool {
+        std::fs::canonicalize(other).is_ok_and(|p| p == self.place)
     }
 }
 
-#[cfg(unix)]
-fn same(a: &Metadata, b: &Metadata) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    (a.dev(), a.ino()) == (b.dev(), b.ino())
-}
-
-#[cfg(not(unix))]
-fn same(_a: &Metadata, _b: &Metadata) -> bool {
-    false
-}
-
 fn fail(path: &Path, e: &std::io::Error) -> Failure {
-    unwritable(path, &inputs::plain(e))
+    unwritable(path, &plain(e))
 }
 
 fn unwritable(path: &Path, why: &str) -> Failure {

@@ -24,6 +24,7 @@ mod window;
 
 pub use bind::bind;
 pub use breaks::breaks;
+pub(crate) use csv::plain;
 pub use csv::{Limits, Table, bad_cells, read, too_large};
 pub use dataset::{Dataset, Input, Trajectory};
 pub use holdout::{HoldOut, Stretch, hold_out};

@@ -13,7 +13,7 @@ const ROUGH: f64 = 0.1;
 /// Residual under which a misfit is academic.
 const CLOSE: f64 = 1e-4;
 /// Memory of residuals that matters, however sure it is.
-const MEMORY: f64 = 0.05;
+pub(super) const MEMORY: f64 = 0.05;
 /// Held-out residual over the one in the fit above which the equation does not carry over.
 const OVERFIT: f64 = 2.0;
 /// Rows a term, in noisy data, under which chance is a rival.

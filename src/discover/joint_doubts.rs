@@ -3,15 +3,13 @@
 //! In: the residuals of each channel and the terms. Out: reasons. The sensor's noise, declared or seen by smoothing, is the measure:
 //! right equations leave white residuals of that size.
 
-use super::doubts;
+use super::doubts::{self, MEMORY};
 use super::{Discovery, Evidence, FoundTerm, Reason};
 use crate::term::SignalNames;
 use crate::trajectory::{Channel, Late, Offset};
 
 /// Residual over the sensor's noise above which something is missing.
 const LARGE: f64 = 1.25;
-/// Memory of residuals that matters, however sure it is.
-const MEMORY: f64 = 0.05;
 /// Residual over spread under which what is left is the arithmetic's.
 const CLOSE: f64 = 1e-6;
 /// Noise over spread above which little is explained.

@@ -330,24 +330,13 @@ fn project_off(column: &mut [f64], direction: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Deterministic numbers in −1 … 1.
-    fn noise(n: usize, mut seed: u64) -> Vec<f64> {
-        (0..n)
-            .map(|_| {
-                seed = seed
-                    .wrapping_mul(6364136223846793005)
-                    .wrapping_add(1442695040888963407);
-                (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-            })
-            .collect()
-    }
+    use crate::numbers::Numbers;
 
     #[test]
     fn planted_supports_are_found_in_noise() {
         let (rows, count) = (120, 40);
-        let columns = noise(rows * count, 3);
-        let error = noise(rows, 5);
+        let columns = Numbers(3).many(rows * count);
+        let error = Numbers(5).many(rows);
         let column = |j: usize| &columns[j * rows..(j + 1) * rows];
         let target: Vec<f64> = (0..rows)
             .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
@@ -362,7 +351,7 @@ mod tests {
     #[test]
     fn below_the_floor_a_better_fit_is_no_evidence() {
         let (rows, count) = (100, 20);
-        let columns = noise(rows * count, 11);
+        let columns = Numbers(11).many(rows * count);
         let column = |j: usize| &columns[j * rows..(j + 1) * rows];
         let target: Vec<f64> = (0..rows)
             .map(|i| column(2)[i] + 1e-6 * column(5)[i])
@@ -379,8 +368,8 @@ mod tests {
     #[test]
     fn duplicated_columns_are_chosen_once() {
         let rows = 30;
-        let one = noise(rows, 9);
-        let columns = [one.clone(), one.clone(), noise(rows, 10)].concat();
+        let one = Numbers(9).many(rows);
+        let columns = [one.clone(), one.clone(), Numbers(10).many(rows)].concat();
         let criterion = Criterion::new(rows, 1.0, 3, 1e-20);
         let best = &Search::new(rows, columns, one, 0.0, criterion).run(3, &[], &mut || true)[0];
         assert_eq!(best.support.len(), 1);

@@ -5,11 +5,8 @@
 //! Söderström & Stoica, System Identification, 1989, chapter 7). In: residuals by row. Out: their autocorrelation, and what chance allows.
 
 use crate::data::Samples;
+use crate::solve::white::{self, LAGS};
 
-/// Lags looked at.
-const LAGS: usize = 8;
-/// Standard deviations that chance is allowed.
-const ALLOWED: f64 = 5.0;
 /// Pairs of neighbours under which nothing is said.
 const FEW: usize = 50;
 
@@ -42,12 +39,10 @@ pub(super) fn memory(left: &[f64], samples: &Samples) -> Option<Memory> {
             neighbours = pairs.len();
         }
     }
-    let mean = (correlation.iter().map(|r| r * r).sum::<f64>() / LAGS as f64).sqrt();
-    // M Σ r² is about χ² of as many degrees of freedom as lags.
-    let chance = (1.0 + ALLOWED * (2.0 / LAGS as f64).sqrt()) / neighbours as f64;
-    (neighbours >= FEW && mean.is_finite()).then(|| Memory {
-        is: mean.copysign(correlation[0]),
-        chance: chance.sqrt(),
+    let size = white::size(&correlation);
+    (neighbours >= FEW && size.is_finite()).then(|| Memory {
+        is: size.copysign(correlation[0]),
+        chance: white::chance(neighbours as f64),
     })
 }
 
@@ -55,6 +50,7 @@ pub(super) fn memory(left: &[f64], samples: &Samples) -> Option<Memory> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::numbers::Numbers;
 
     fn samples(rows: usize, apart: impl Fn(usize) -> f64) -> Samples {
         Samples {
@@ -64,20 +60,9 @@ mod tests {
         }
     }
 
-    fn noise(rows: usize) -> Vec<f64> {
-        let mut seed = 9u64;
-        let step = |_| {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        (0..rows).map(step).collect()
-    }
-
     #[test]
     fn white_residuals_are_within_chance_and_others_are_not() {
-        let white = noise(2000);
+        let white = Numbers(9).many(2000);
         let even = samples(2000, |k| k as f64);
         let found = memory(&white, &even).unwrap();
         assert!(found.is.abs() < found.chance, "{found:?}");
@@ -92,7 +77,7 @@ mod tests {
 
     #[test]
     fn rows_that_are_no_neighbours_say_nothing() {
-        let white = noise(200);
+        let white = Numbers(9).many(200);
         assert_eq!(memory(&white, &samples(200, |k| (k * k) as f64)), None);
         assert_eq!(memory(&white[..40], &samples(40, |k| k as f64)), None);
         assert_eq!(memory(&[], &samples(0, |k| k as f64)), None);

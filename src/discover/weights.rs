@@ -160,15 +160,13 @@ fn median(v: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::correlation_time;
+    use crate::numbers::Numbers;
 
     /// x_i = 0.9 x_{i−1} + noise repeats itself over (1 + 0.9)/(1 − 0.9) = 19 rows.
     fn autoregressive(n: usize) -> Vec<f64> {
-        let (mut seed, mut x) = (7u64, 0.0);
+        let (mut numbers, mut x) = (Numbers(7), 0.0);
         let step = |_| {
-            seed = seed
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            x = 0.9 * x + (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0;
+            x = 0.9 * x + numbers.next();
             x
         };
         (0..n).map(step).collect()

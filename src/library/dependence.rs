@@ -1,7 +1,8 @@
 //! Algebraic dependence that is visible without data: cos² + sin² = 1.
 //!
 //! A library may well be dependent (the 6,561-term pendulum has 729 such identities), so this is a note, once per pair of factors.
-//! Only a target hidden in its own library is an error. Identities are counted on factors: no term is touched.
+//! Only a target hidden in its own library is an error. Identities of factors are counted on the factors: no product is
+//! made; those of a list are looked up.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,7 +31,7 @@ pub(super) fn check(
     let squares = squares(set);
     let lists = set.products().iter().flat_map(Product::factors);
     let size: usize = lists.map(|l| l.len()).sum();
-    let mut left = MAX_TERMS;
+    let (listed, mut left) = (is_listed(set), MAX_TERMS);
     let mut found = Vec::new();
     for (argument, terms) in &squares {
         let Some(pair) = Pair::of(argument) else {
@@ -40,7 +41,7 @@ pub(super) fn check(
             found.push(error);
             continue;
         }
-        let count = if is_listed(set) {
+        let count = if listed {
             Some(looked_up(set, rule, &pair, terms))
         } else if size <= left {
             left -= size;

@@ -267,6 +267,7 @@ mod tests {
 
     use super::*;
     use crate::dictionary::Dense;
+    use crate::numbers::Numbers;
     use crate::solve::reduce::{dot, times_transposed};
 
     const ROWS: usize = 4;
@@ -351,24 +352,11 @@ mod tests {
     /// Mehrotra's method takes a dozen steps or so whatever the size: more, and a direction or its length is wrong.
     #[test]
     fn it_arrives_in_few_steps() {
-        let mut seed = 5u64;
-        let mut next = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut numbers = Numbers(5);
         let mut steps = [0, 0];
         for _ in 0..20 {
-            let (rows, cols) = (30, 120);
-            let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
-            let mut target = vec![0.0; rows];
-            let mut column = vec![0.0; rows];
-            for j in [3, 50, 99] {
-                crate::dictionary::Dictionary::column(&dictionary, j, &mut column);
-                add_scaled(&mut target, 1.0 + next(), &column);
-            }
-            target.iter_mut().for_each(|y| *y += 0.01 * next());
+            let (dictionary, mut target) = numbers.planted((30, 120), &[3, 50, 99], 1.0);
+            target.iter_mut().for_each(|y| *y += 0.01 * numbers.next());
             for (steps, part) in steps.iter_mut().zip([0.0, 0.05]) {
                 let tolerance = part * norm(&target);
                 let problem = Problem {

@@ -101,20 +101,15 @@ fn lagged(pieces: &[Vec<f64>], lag: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numbers::Numbers;
 
     /// x_k = 0.8 x_{k−1} + noise, variance about 1.
     fn filtered(rows: usize, memory: f64) -> Vec<f64> {
-        let mut seed = 7u64;
-        let mut next = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut numbers = Numbers(7);
         let mut x = 0.0;
         let noise = (3.0 * (1.0 - memory * memory)).sqrt();
         let step = |_| {
-            x = memory * x + noise * next();
+            x = memory * x + noise * numbers.next();
             x
         };
         (0..rows).map(step).collect()

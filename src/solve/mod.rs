@@ -20,6 +20,7 @@ mod pool;
 pub(crate) mod quadratic;
 mod reduce;
 mod stlsq;
+pub(crate) mod white;
 mod working_set;
 
 use std::ops::ControlFlow;

@@ -83,26 +83,14 @@ mod tests {
     use std::ops::ControlFlow;
 
     use super::*;
-    use crate::solve::reduce::add_scaled;
+    use crate::numbers::Numbers;
     use crate::solve::{InteriorPoint, Solver};
 
     /// From 48 of 900 columns the set grows by those that break their bounds, and by no others.
     #[test]
     fn only_columns_that_break_their_bounds_join() {
         let (rows, cols) = (12, 900);
-        let mut seed = 11u64;
-        let mut next = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
-        let (mut target, mut column) = (vec![0.0; rows], vec![0.0; rows]);
-        for j in [10, 890] {
-            dictionary.column(j, &mut column);
-            add_scaled(&mut target, next(), &column);
-        }
+        let (dictionary, target) = Numbers(11).planted((rows, cols), &[10, 890], 0.0);
         let problem = Problem {
             dictionary: &dictionary,
             target: &target,

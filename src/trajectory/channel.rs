@@ -6,6 +6,7 @@
 use super::fit::Fit;
 use super::problem::Problem;
 use super::strays::{Strays, strays};
+use crate::solve::white::{self, LAGS};
 use crate::term::Signal;
 
 /// One channel's residuals.
@@ -41,10 +42,6 @@ pub struct File {
     pub left: f64,
 }
 
-/// Lags looked at.
-const LAGS: usize = 8;
-/// Standard deviations that chance is allowed.
-const ALLOWED: f64 = 5.0;
 /// Files whose noises differ by this factor are told apart.
 const DIFFER: f64 = 1.5;
 
@@ -119,11 +116,8 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let readings = readings(problem, state);
     let m = readings as f64;
     let correlation = sums.map(|s| s / total.max(f64::MIN_POSITIVE));
-    let mean = |r: [f64; LAGS]| (r.iter().map(|r| r * r).sum::<f64>() / LAGS as f64).sqrt();
-    let memory = mean(correlation);
-    let rounded = mean(rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
-    // M Σ r² is about χ² of as many degrees of freedom as lags, less what the fit took.
-    let lags = LAGS as f64;
+    let memory = white::size(&correlation);
+    let rounded = white::size(&rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
     Channel {
         signal: problem.system.states[state],
         left: (square / m).sqrt(),
@@ -132,7 +126,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         spread: problem.spread[state],
         readings,
         memory: memory.copysign(correlation[0]),
-        chance: ((1.0 + ALLOWED * (2.0 / lags).sqrt()) / m).sqrt() + rounded,
+        chance: white::chance(m) + rounded,
         files: files(problem, fit, state),
         strays: strays(problem, fit, state),
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),

@@ -10,26 +10,10 @@ use super::system::System;
 use super::transition::Transition;
 use super::triangle::Triangle;
 use crate::lang::source::Sources;
+use crate::numbers::Numbers;
 use crate::pipeline;
 use crate::solve::quadratic::Quadratic;
 use nalgebra::{DMatrix, DVector};
-
-/// Numbers in −1 … 1 that look random.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn many(&mut self, count: usize) -> Vec<f64> {
-        (0..count).map(|_| self.next()).collect()
-    }
-}
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * (1.0 + a.abs().max(b.abs()))

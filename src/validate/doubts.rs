@@ -4,7 +4,7 @@
 //! reason: where the data used are not followed to their end either, only a run that leaves all that was measured is.
 
 use super::{FreeRun, Validation};
-use crate::discover::{Discovery, Reason, Status};
+use crate::discover::{Discovery, Equation, Reason, Status};
 use crate::simulate::Figures;
 use crate::term::{Signal, SignalNames};
 
@@ -21,8 +21,7 @@ const VISIBLE: f64 = 1e-9;
 
 /// Adds to every equation that was found what the runs of its variable say against it.
 pub fn doubt(runs: &Validation, d: &mut Discovery) {
-    let reason = |k: usize| {
-        let equation = &d.equations[k];
+    let reason = |equation: &Equation| {
         if equation.status == Status::Known {
             return None;
         }
@@ -34,7 +33,7 @@ pub fn doubt(runs: &Validation, d: &mut Discovery) {
             runs.carried().or_else(|| runs.left())
         })
     };
-    let reasons: Vec<Option<Reason>> = (0..d.equations.len()).map(reason).collect();
+    let reasons: Vec<Option<Reason>> = d.equations.iter().map(reason).collect();
     for (equation, reason) in d.equations.iter_mut().zip(reasons) {
         if let Some(reason) = reason {
             equation.reasons.push(reason);
@@ -53,12 +52,9 @@ struct Runs<'a> {
 
 impl<'a> Runs<'a> {
     fn of(&self, held_out: bool) -> impl Iterator<Item = (&'a FreeRun, &'a Figures)> {
-        let runs = self
-            .runs
-            .runs
-            .iter()
-            .filter(move |r| r.held_out == held_out);
-        let scores = runs.flat_map(|r| r.scores.iter().map(move |s| (r, s)));
+        let all = self.runs.runs.iter();
+        let these = all.filter(move |r| r.held_out == held_out);
+        let scores = these.flat_map(|r| r.scores.iter().map(move |s| (r, s)));
         scores.filter(|(_, s)| s.signal == self.name)
     }
 
@@ -66,13 +62,12 @@ impl<'a> Runs<'a> {
         let whole = |(run, score): &(&FreeRun, &Figures)| {
             run.ended.is_none() && score.follows_seconds.is_none()
         };
-        if !self.of(false).all(|used| whole(&used)) {
+        let longest = self.of(false).map(|(r, _)| r.to - r.from);
+        let longest = longest.fold(0.0, f64::max);
+        // Without a run along the data used there is nothing to compare with.
+        if longest == 0.0 || !self.of(false).all(|used| whole(&used)) {
             return None;
         }
-        let longest = self
-            .of(false)
-            .map(|(r, _)| r.to - r.from)
-            .fold(0.0, f64::max);
         let part = |(run, score): &(&FreeRun, &Figures)| {
             let expected = (run.to - run.from).min(longest);
             let follows = score.follows_seconds.unwrap_or(f64::INFINITY);

@@ -17,6 +17,7 @@ use crate::lang::source::{Sources, Span};
 pub use decode::too_large;
 use lines::{Line, Lines};
 pub use refusals::bad_cells;
+pub(crate) use refusals::plain;
 use rows::{Rows, Shape};
 
 /// How many findings of one kind are shown in full.

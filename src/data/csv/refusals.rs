@@ -145,8 +145,8 @@ pub(super) fn unreadable(name: &str, e: &std::io::Error) -> Diagnostic {
     )
 }
 
-/// "No such file or directory" without the number behind it.
-fn plain(e: &std::io::Error) -> String {
+/// "no such file or directory" without what the system says behind it.
+pub fn plain(e: &std::io::Error) -> String {
     let text = e.to_string();
     match text.split_once(" (os error") {
         Some((words, _)) => words.to_lowercase(),

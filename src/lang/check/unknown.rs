@@ -61,10 +61,11 @@ impl Checker<'_> {
             return complain::let_used_before(at, text, later);
         }
         let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
-        let d = match self.meant(text) {
+        let meant = self.meant(text);
+        let d = match &meant {
             Some(name) => {
                 let d = d.at(at, format!("did you mean `{name}`?"));
-                self.point_to_declaration(d, &name)
+                self.point_to_declaration(d, name)
             }
             None => d.at(at, "not declared"),
         };
@@ -73,7 +74,7 @@ impl Checker<'_> {
         let known = self.scope.signal(&plain).is_some();
         match self.too_high_derivative(&plain).filter(|_| !known) {
             Some(help) => d.help(help),
-            None if self.meant(text).is_some() => d,
+            None if meant.is_some() => d,
             None if Keyword::named(text).is_some() => d.help(format!(
                 "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`; as a name declare it: \
                  `state {text}`"

@@ -86,28 +86,17 @@ mod tests {
     use std::ops::ControlFlow;
 
     use super::*;
-    use crate::dictionary::{Dense, Dictionary};
-    use crate::solve::reduce::{add_scaled, norm};
+    use crate::dictionary::Dictionary;
+    use crate::numbers::Numbers;
+    use crate::solve::reduce::norm;
 
     /// Interrupted after each step in turn: once an answer was optimal over all columns, later ones are, though the columns at hand
     /// are few.
     #[test]
     fn what_was_proved_is_not_lost_when_stopped() {
-        let (rows, cols) = (40, 2000);
-        let mut seed = 3u64;
-        let mut next = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
-        let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
-        let (mut target, mut column) = (vec![0.0; rows], vec![0.0; rows]);
-        for j in [5, 700, 1234, 1999] {
-            dictionary.column(j, &mut column);
-            add_scaled(&mut target, next(), &column);
-        }
-        target.iter_mut().for_each(|y| *y += 0.3 * next());
+        let mut numbers = Numbers(3);
+        let (dictionary, mut target) = numbers.planted((40, 2000), &[5, 700, 1234, 1999], 0.0);
+        target.iter_mut().for_each(|y| *y += 0.3 * numbers.next());
         let problem = Problem {
             dictionary: &dictionary,
             target: &target,
@@ -137,21 +126,9 @@ mod tests {
     /// Where a path for exact data ends λ lies on bounds of columns that it only passed; off them it proves that there is no other answer.
     #[test]
     fn dual_points_of_exact_data_leave_room_off_the_support() {
-        let (rows, cols) = (20, 60);
-        let mut seed = 17u64;
-        let mut next = || {
-            seed = seed
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (seed >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        };
+        let mut numbers = Numbers(17);
         for _ in 0..20 {
-            let dictionary = Dense::new(rows, (0..rows * cols).map(|_| next()).collect());
-            let (mut target, mut column) = (vec![0.0; rows], vec![0.0; rows]);
-            for j in [7, 30, 59] {
-                dictionary.column(j, &mut column);
-                add_scaled(&mut target, 1.5 + next(), &column);
-            }
+            let (dictionary, target) = numbers.planted((20, 60), &[7, 30, 59], 1.5);
             let problem = Problem {
                 dictionary: &dictionary,
                 target: &target,
