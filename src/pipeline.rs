@@ -153,28 +153,26 @@ pub fn measure(
         let mut go_on = || monitor(first).is_continue();
         discover::joint(model, libraries, &dataset, options, &mut go_on)
     };
-    let mut joint = match together(options, monitor) {
-        Ok(problem) => Some(problem),
-        Err(why) => {
-            if options.method == Method::Joint {
-                diagnostics.push(not_joint(&why));
-            } else if options.robust {
-                diagnostics.push(not_robust(&why));
-            }
-            None
-        }
-    };
+    let mut joint = together(options, monitor);
     let (samples, mut found, report) = match &joint {
-        Some(_) => Default::default(),
-        None => data::samples(&program.model, &dataset, &needed(program), monitor),
+        Ok(_) => Default::default(),
+        Err(_) => data::samples(&program.model, &dataset, &needed(program), monitor),
     };
     let free = options.method == Method::Auto && options.samples.is_none() && !options.path;
     if free && found.iter().any(|d| d.code == "no-samples") {
         // Readings that are never complete, or too sparse for derivatives, may do for a trajectory.
         let method = Method::Joint;
-        joint = together(&Options { method, ..*options }, monitor).ok();
-        found.retain(|d| !d.is_error() || joint.is_none());
+        joint = together(&Options { method, ..*options }, monitor).or(joint);
+        found.retain(|d| !d.is_error() || joint.is_err());
     }
+    if let Err(why) = &joint {
+        if options.method == Method::Joint {
+            diagnostics.push(not_joint(why));
+        } else if options.robust {
+            diagnostics.push(not_robust(why));
+        }
+    }
+    let joint = joint.ok();
     diagnostics.extend(found);
     finish(
         Measured {
