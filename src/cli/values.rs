@@ -120,7 +120,12 @@ pub fn noise(text: &str) -> Result<(String, f64), String> {
 /// What the command line says of the sensors holds over the model.
 pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
     let signals = sensors(&program.model);
-    for (name, sigma) in noise {
+    for (place, (name, sigma)) in noise.iter().enumerate() {
+        if noise.iter().take(place).any(|(n, _)| n == name) {
+            return Err(Failure::new(format!(
+                "error[given-twice]: --noise {name}: this has a value already\n  = help: one value a name"
+            )));
+        }
         if let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) {
             if let Some(var) = program.model.vars.get_mut(signal.var.0 as usize) {
                 var.noise.insert(signal.der, *sigma);

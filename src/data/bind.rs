@@ -220,7 +220,11 @@ fn give_params(
     pieces: &mut [Piece],
     out: &mut Vec<Diagnostic>,
 ) {
-    for (name, values) in params {
+    for (place, (name, values)) in params.iter().enumerate() {
+        if params.iter().take(place).any(|(n, _)| n == name) {
+            out.push(missing::param_twice(name));
+            continue;
+        }
         let declared = model
             .vars
             .iter()

@@ -27,6 +27,7 @@ pub(super) fn check(
     for signal in signals {
         let kind = model.var(signal.var).map(|v| v.kind);
         gaps(model, pieces, signal, out);
+        scale(model, pieces, signal, sources, out);
         if kind == Some(VarKind::Param) {
             varying_param(model, pieces, signal, out);
             continue;
@@ -72,6 +73,36 @@ fn gaps(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnosti
                 .fact("no derivative is estimated across them; laws fitted with their trajectory go through")
         });
     }
+}
+
+/// Largest values whose products and squares are numbers still, with room for both.
+const SCALE: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
+/// Values from which nothing can be computed: their squares overflow, or are zero.
+fn scale(
+    model: &Model,
+    pieces: &[Piece],
+    signal: Signal,
+    sources: &Sources,
+    out: &mut Vec<Diagnostic>,
+) {
+    let columns = pieces.iter().filter_map(|p| p.trajectory.column(signal));
+    let sizes = columns.flatten().map(|x| x.abs());
+    let largest = sizes.filter(|x| x.is_finite()).fold(0.0, f64::max);
+    if largest == 0.0 || SCALE.contains(&largest) {
+        return;
+    }
+    let what = model.name(signal);
+    let unit = -largest.log10().floor().clamp(-300.0, 300.0);
+    let source = source_text(model, sources, signal);
+    out.push(
+        Diagnostic::error(
+            "out-of-scale",
+            format!("the largest value of {what} is {largest:.1e}: its powers leave the numbers, which end at 1e-308 and 1e308"),
+        )
+        .fact("values from 1e-100 to 1e100 can be computed with")
+        .help(format!("another unit: data {{ {what} = {source} * 1e{unit} }}")),
+    );
 }
 
 fn varying_param(model: &Model, pieces: &[Piece], signal: Signal, out: &mut Vec<Diagnostic>) {

@@ -154,6 +154,16 @@ pub(super) fn unknown_param(model: &Model, name: &str) -> Diagnostic {
     }
 }
 
+pub(super) fn param_twice(name: &str) -> Diagnostic {
+    Diagnostic::error(
+        "given-twice",
+        format!("--param {name}: this has a value already"),
+    )
+    .help(format!(
+        "one value for all trajectories, or one for each: --param {name}=0.3,0.5"
+    ))
+}
+
 pub(super) fn param_count(name: &str, values: usize, pieces: &[Piece]) -> Diagnostic {
     let names: Vec<&str> = pieces
         .iter()

@@ -1,5 +1,6 @@
 //! What speaks against an equation: each rule is one function with its figure, and its text says the figure.
 
+use super::strays::Strays;
 use super::successive::Memory;
 use super::{Evidence, FoundTerm, Reason, Stop};
 use crate::solve::Status as Solved;
@@ -30,6 +31,14 @@ const CHOICE: usize = 4;
 /// Terms of a library of which a law has fewer than half.
 const WIDE: usize = 10;
 
+/// What the residuals of the rows show, beyond their size.
+#[derive(Default)]
+pub(super) struct Remains {
+    pub strays: Option<Strays>,
+    /// In discrete time.
+    pub memory: Option<Memory>,
+}
+
 /// Everything the rules see.
 pub(super) struct Case<'a> {
     pub evidence: &'a Evidence,
@@ -42,12 +51,11 @@ pub(super) struct Case<'a> {
     pub exact: bool,
     /// Terms of the solver's own answer.
     pub proposed: usize,
-    /// Of residuals in discrete time.
-    pub memory: Option<Memory>,
+    pub remains: Remains,
 }
 
 pub(super) fn weigh(case: &Case) -> Vec<Reason> {
-    let rules: [fn(&Case) -> Option<Reason>; 15] = [
+    let rules: [fn(&Case) -> Option<Reason>; 16] = [
         stopped,
         refused,
         heuristic,
@@ -56,6 +64,7 @@ pub(super) fn weigh(case: &Case) -> Vec<Reason> {
         crowded,
         poor_fit,
         misfit,
+        strayed,
         coloured,
         used_up,
         rough,
@@ -219,8 +228,24 @@ fn misfit(c: &Case) -> Option<Reason> {
     })
 }
 
+/// Where the residual as a whole passes: rows of small weight may hide what they contradict.
+fn strayed(c: &Case) -> Option<Reason> {
+    let s = c.remains.strays?;
+    let hidden = poor_fit(c).is_none() && misfit(c).is_none();
+    hidden.then(|| {
+        Reason::new(
+            "rows-missed",
+            format!(
+                "{} of {} rows are missed by more than half of the target's size and ten times their own error, at t = {} by {:.0} errors: \
+                 an impact, a switch, outliers, or a term that matters there alone",
+                s.rows, c.evidence.rows, s.time, s.errors
+            ),
+        )
+    })
+}
+
 fn coloured(c: &Case) -> Option<Reason> {
-    let m = c.memory?;
+    let m = c.remains.memory?;
     (m.is.abs() > m.chance.max(MEMORY) && c.evidence.residual > CLOSE).then(|| {
         Reason::new(
             "coloured-residuals",

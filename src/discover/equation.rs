@@ -3,13 +3,14 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-use super::doubts::{self, Case};
+use super::doubts::{self, Case, Remains};
 use super::memory;
 use super::prepared::{Basis, Prepared};
 use super::proof::prove;
 use super::rows::{self, Split};
+use super::strays::strays;
 use super::subset::Criterion;
-use super::successive::{self, Memory};
+use super::successive;
 use super::support::{self, Choice};
 use super::watch::{Stage, Stop, Watcher};
 use super::weights::{Weights, rms};
@@ -204,7 +205,7 @@ impl Task<'_> {
         let weights = &prepared.weights;
         let size = rms(&prepared.aim);
         let terms = self.found_terms(answer);
-        let (mut witness, mut memory) = (None, None);
+        let (mut witness, mut remains) = (None, Remains::default());
         let (rows, left, held_out, method) = match &prepared.basis {
             Basis::Samples { split, used, y } => {
                 witness = Some(Arc::new(Witness {
@@ -213,8 +214,9 @@ impl Task<'_> {
                     ..answer.witness.clone()
                 }));
                 let left = self.residual(&terms, used, y);
+                remains.strays = strays(&left, weights, used, size);
                 if self.model.discrete {
-                    memory = successive::memory(&left, used);
+                    remains.memory = successive::memory(&left, used);
                 }
                 let left = rms(&product(&left, &weights.row));
                 (
@@ -250,7 +252,7 @@ impl Task<'_> {
             verification: None,
             witness,
         };
-        self.equation(names, terms, (evidence, memory), answer)
+        self.equation(names, terms, (evidence, remains), answer)
     }
 
     /// y without what is known.
@@ -331,7 +333,7 @@ impl Task<'_> {
         &self,
         names: &Discovery,
         terms: Vec<FoundTerm>,
-        (evidence, memory): (Evidence, Option<Memory>),
+        (evidence, remains): (Evidence, Remains),
         answer: &Answer,
     ) -> Equation {
         let written: Vec<String> = terms
@@ -346,7 +348,7 @@ impl Task<'_> {
             stopped: answer.stopped,
             exact: answer.exact,
             proposed: answer.proposed,
-            memory,
+            remains,
         });
         let status = if reasons.is_empty() {
             Status::Pass

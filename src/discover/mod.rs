@@ -21,6 +21,7 @@ mod proof;
 mod relation;
 mod rows;
 mod strain;
+mod strays;
 mod subset;
 mod successive;
 mod support;

@@ -19,6 +19,8 @@ const SUMMED: usize = 20_000;
 pub struct Weights {
     /// Factor of each row, length M; 1 for rows of usual accuracy, less for worse ones.
     pub row: Vec<f64>,
+    /// Median error of a row, in units of the target; 0 if everything was measured.
+    pub usual: f64,
     /// Estimated ‖W e‖₂ of the weighted error; 0 if everything was measured.
     pub tolerance: f64,
     /// Variance of the weighted error of one row, never zero.
@@ -59,6 +61,7 @@ impl Weights {
         let weighted = |e: &[f64]| -> Vec<f64> { e.iter().zip(&row).map(|(e, w)| e * w).collect() };
         let floor = (SAFETY * usual).max(rounding);
         Weights {
+            usual,
             tolerance: norm(&weighted(&error)),
             floor: (floor * floor).max(f64::MIN_POSITIVE),
             correlation,
@@ -70,12 +73,18 @@ impl Weights {
     /// Rows whose errors are independent and of size one; residuals below `floor` are no evidence.
     pub fn known(rows: usize, floor: f64) -> Weights {
         Weights {
+            usual: floor,
             row: vec![1.0; rows],
             tolerance: (rows as f64).sqrt(),
             floor: floor * floor,
             correlation: 1.0,
             target_error: 1.0,
         }
+    }
+
+    /// Estimated error of a row, in units of the target, but at least the usual one.
+    pub fn error(&self, row: usize) -> f64 {
+        self.usual / self.row[row]
     }
 
     /// What the whole library leaves, row by row: errors that follow each other count as one.

@@ -423,6 +423,33 @@ fn runs_split_a_file_and_params_come_from_columns_or_the_command_line() {
     );
     let unknown = [("m".into(), vec![1.0]), ("mm".into(), vec![1.0])];
     assert_eq!(codes(&bind(&unknown).1), ["unknown-param"]);
+    let twice = [("m".into(), vec![1.0]), ("m".into(), vec![2.0])];
+    assert_eq!(codes(&bind(&twice).1), ["given-twice"]);
+}
+
+#[test]
+fn values_whose_powers_are_no_numbers_are_refused_with_a_unit() {
+    let said = |scale: f64| {
+        let mut sources = Sources::default();
+        let model = model(&mut sources, &[("x", VarKind::State, 1)]);
+        let rows: String = (0..20)
+            .map(|k| format!("{k},{:e}\n", scale * f64::from(k * k)))
+            .collect();
+        let table = table(&mut sources, "x.csv", format!("t,x\n{rows}"));
+        data::bind(&model, &[table], &[], &mut sources).1
+    };
+    for (scale, unit) in [(1e-300, "298"), (1e300, "-300"), (5e-324, "300")] {
+        let found = said(scale);
+        assert_eq!(codes(&found), ["out-of-scale"], "{scale}");
+        let help = format!("data {{ x = \"x\" * 1e{unit} }}");
+        assert!(
+            found[0].help.as_deref().unwrap_or_default().contains(&help),
+            "{found:?}"
+        );
+    }
+    for scale in [1e-100, 1e-20, 1e97] {
+        assert!(said(scale).is_empty(), "{:?}", said(scale));
+    }
 }
 
 #[test]

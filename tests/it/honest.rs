@@ -133,6 +133,39 @@ fn a_tiny_swing_cannot_tell_the_sine_from_the_angle() {
     );
 }
 
+/// Heights of a ball let fall from 2 m, that loses a fifth of its speed at every impact.
+fn bounces(rows: usize, step: f64) -> Vec<Vec<f64>> {
+    let (mut start, mut height, mut speed) = (0.0, 2.0f64, 0.0f64);
+    let mut fall = |time: f64| loop {
+        let s = time - start;
+        let y = height + speed * s - 9.81 / 2.0 * s * s;
+        if y >= 0.0 || speed.abs() < 1e-3 && height == 0.0 {
+            return vec![y];
+        }
+        let flight = (speed + (speed * speed + 2.0 * 9.81 * height).sqrt()) / 9.81;
+        speed = 0.8 * (9.81 * flight - speed);
+        (start, height) = (start + flight, 0.0);
+    };
+    (0..rows).map(|k| fall(k as f64 * step)).collect()
+}
+
+#[test]
+fn impacts_between_the_rows_of_a_clean_flight_are_not_hidden() {
+    let model = "state y : order 2\nddy ~ poly(y, dy; 2)\n";
+    let flight = |rows| {
+        identify_with(
+            model,
+            &[table("y", &bounces(rows, 0.01), &[0], &[0.0], 0.01)],
+            &["-q", "--method", "regression"],
+        )
+    };
+    let falls = flight(60);
+    assert_eq!(falls.status, 0, "{}{}", falls.stdout, falls.stderr);
+    let bounces = flight(401);
+    says(&bounces, &["ddy = -9.81\n", "doubt[rows-missed]"]);
+    assert!(!bounces.stdout.contains("doubt[misfit]"));
+}
+
 #[test]
 fn ten_samples_are_few() {
     let rows: Vec<Vec<f64>> = swing(2.5, 100).into_iter().step_by(10).collect();

@@ -68,6 +68,15 @@ fn noise_of_a_signal_that_is_not_there_is_refused() {
         "{}",
         run.stderr
     );
+    let twice = ["--noise", "ddtheta=0.05", "--noise", "ddtheta=0.5"];
+    let run = identify(folder.path(), &twice);
+    assert_eq!(run.status, 1);
+    assert!(
+        run.stderr
+            .starts_with("error[given-twice]: --noise ddtheta"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]

@@ -119,7 +119,16 @@ impl Checker<'_> {
                 self.scope.poisoned.insert(second.to_string());
                 self.fail(d)
             }
-            _ => self.fail(complain::not_a_name(e.span, keyword.text())),
+            // `y(2)`, perhaps its order.
+            ExprKind::Call(call) => {
+                self.scope.poisoned.insert(call.name.text.clone());
+                self.fail(complain::not_a_name(
+                    e.span,
+                    keyword.text(),
+                    &call.name.text,
+                ))
+            }
+            _ => self.fail(complain::not_a_name(e.span, keyword.text(), "x")),
         }
     }
 

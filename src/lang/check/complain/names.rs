@@ -113,12 +113,16 @@ pub fn two_names(at: Span, keyword: &str, first: &str, second: &str) -> Diagnost
     }
 }
 
-pub fn not_a_name(at: Span, keyword: &str) -> Diagnostic {
-    Diagnostic::error("syntax", "only a name can be declared")
-        .at(at, "not a name")
-        .help(format!(
-            "write `{keyword} x`, or a range `{keyword} x1..x12`"
-        ))
+pub fn not_a_name(at: Span, keyword: &str, example: &str) -> Diagnostic {
+    let d = Diagnostic::error("syntax", "only a name can be declared").at(at, "not a name");
+    match keyword {
+        "state" => d.help(format!(
+            "write `state {example}`, a range `state x1..x12`, an order as `state {example} : order 2`"
+        )),
+        _ => d.help(format!(
+            "write `{keyword} {example}`, or a range `{keyword} x1..x12`"
+        )),
+    }
 }
 
 pub fn too_many_variables(at: Span, limit: usize) -> Diagnostic {
