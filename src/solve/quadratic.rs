@@ -153,21 +153,23 @@ impl Quadratic {
         best.into_iter().map(|(_, s)| s).collect()
     }
 
-    /// Follows the best single addition, removal or exchange until none helps.
+    /// Follows the best single addition, removal or exchange until none helps; the last column stays.
     pub fn improve(&self, start: &[usize], penalty: f64) -> Vec<usize> {
         let mut support = start.to_vec();
         let mut value = self.least(&support).square + penalty * support.len() as f64;
         for _ in 0..ROUNDS {
-            let Some(best) = self.moves(&support, penalty, 1).into_iter().next() else {
+            // One of two leaves a column, for only one can take the last.
+            let best = self.moves(&support, penalty, 2);
+            let mut best = best.iter().map(|m| (m.change, m.applied(&support)));
+            let Some((change, next)) = best.find(|(_, next)| !next.is_empty()) else {
                 break;
             };
-            if best.change >= -1e-6 * penalty.max(1.0) {
+            if change >= -1e-6 * penalty.max(1.0) {
                 break;
             }
-            let next = best.applied(&support);
             let after = self.least(&next).square + penalty * next.len() as f64;
             let better = after < value - 1e-9 * value.abs().max(1.0);
-            if next.is_empty() || !better {
+            if !better {
                 break;
             }
             (support, value) = (next, after);
@@ -334,6 +336,17 @@ mod tests {
 
     fn criterion(form: &Quadratic, support: &[usize], penalty: f64) -> f64 {
         form.least(support).square + penalty * support.len() as f64
+    }
+
+    /// Of two columns that are not worth their penalty the better one is taken, though none at all were better still.
+    #[test]
+    fn the_last_column_is_exchanged() {
+        let columns: [&[f64]; 3] = [&[1.0, 0.0], &[0.0, 1.0], &[1.0, 2.0]];
+        let products: Vec<f64> = (columns.iter())
+            .flat_map(|a| columns.iter().map(|b| dot(a, b)))
+            .collect();
+        let form = Quadratic::new(&products, 2);
+        assert_eq!(form.improve(&[0], 100.0), [1]);
     }
 
     proptest! {
