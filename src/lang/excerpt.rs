@@ -191,4 +191,48 @@ mod tests {
         let (shown, marked) = shortened(&text, &[(2, text.len())]).unwrap();
         assert!(shown.len() < 1000 && marked[0].starts_with('é'), "{shown}");
     }
+
+    #[test]
+    fn the_longest_line_that_is_shown_whole_is_shown_whole() {
+        let edge = "x".repeat(LONGEST);
+        assert!(shortened(&format!("{edge}\n{edge}\n"), &[(7, 8)]).is_none());
+        let text = format!("{edge}\n{}\n", "y".repeat(LONGEST + 1));
+        let (shown, _) = shortened(&text, &[(LONGEST + 4, LONGEST + 5)]).unwrap();
+        assert!(shown.starts_with(&format!("{edge}\nyyy")), "{shown}");
+        assert!(shown.ends_with("…\n"), "{shown}");
+    }
+
+    #[test]
+    fn places_beside_each_other_are_shown_once() {
+        let digits: String = (0..1000)
+            .map(|k| char::from(b'0' + (k % 10) as u8))
+            .collect();
+        let (shown, marked) = shortened(&digits, &[(500, 501), (533, 535)]).unwrap();
+        assert_eq!(shown, format!("…{}…", &digits[440..575]));
+        assert_eq!(marked, ["0", "34"]);
+    }
+
+    #[test]
+    fn lines_without_a_place_show_how_they_begin() {
+        let long = "z".repeat(400);
+        let begin = format!("{}…", "z".repeat(PLACE));
+        let (shown, marked) =
+            shortened(&format!("a!\n{long}\nb?\n"), &[(1, 2), (405, 406)]).unwrap();
+        assert_eq!(shown, format!("a!\n{begin}\nb?\n"));
+        assert_eq!(marked, ["!", "?"]);
+    }
+
+    #[test]
+    fn places_are_those_of_their_own_file() {
+        let mut sources = Sources::default();
+        let model = sources.add("m.sid", "m".repeat(400));
+        let data = sources.add("d.csv", "d".repeat(400));
+        let d = Diagnostic::error("syntax", "wrong")
+            .at(Span::new(model, 390, 391), "here")
+            .also(Span::new(data, 0, 1), "there");
+        let short = shorten(&d, &sources).unwrap();
+        let text = |f| short.sources.get(f).unwrap().text.as_str();
+        assert_eq!(text(model), format!("…{}", "m".repeat(70)));
+        assert_eq!(text(data), format!("{}…", "d".repeat(41)));
+    }
 }

@@ -225,6 +225,15 @@ mod tests {
         let e = x().pow(2.0).pow(0.5);
         assert_eq!(e.eval(&|_| -3.0), 3.0);
         assert_eq!(text(e), "(x^2)^0.5");
-        assert_eq!(x().scale(-1.0).pow(0.5).eval(&|_| -4.0), 2.0);
+        let e = x().scale(-1.0).pow(0.5);
+        assert_eq!(e.eval(&|_| -4.0), 2.0);
+        assert_eq!(text(e), "(-x)^0.5");
+        // (x y)^0.5 is a number where both are below zero.
+        let e = (x() * y()).pow(0.5);
+        assert_eq!(e.eval(&|_| -3.0), 3.0);
+        assert_eq!(text(e), "(x*y)^0.5");
+        assert_eq!(text(x().scale(4.0).pow(0.5)), "2*x^0.5");
+        assert_eq!(text(x().scale(-2.0).pow(2.0)), "4*x^2");
+        assert_eq!(text(x() - x()), "0");
     }
 }

@@ -172,6 +172,22 @@ fn powers_agree_at_zeros_infinities_and_everywhere_else() {
 }
 
 #[test]
+fn numbers_beyond_the_numbers_are_found_wherever_they_stand() {
+    let x = || Expr::signal(INPUTS[0]);
+    let sine = |e| Expr::call(Func::named("sin").unwrap(), vec![e]);
+    let endless = f64::INFINITY;
+    assert!((sine(x().scale(1e308)) + x().pow(0.5)).is_finite());
+    for e in [
+        x().scale(endless),
+        x().pow(endless),
+        sine(x().scale(endless)) * x(),
+        (x() + Expr::number(endless)).pow(0.5),
+    ] {
+        assert!(!e.is_finite(), "{e:?}");
+    }
+}
+
+#[test]
 fn a_signal_that_is_not_given_is_named() {
     let other = Signal::new(VarId(9));
     let e = Expr::signal(INPUTS[0]) + (Expr::number(1.0) + Expr::signal(other).pow(2.0)).pow(0.5);

@@ -52,7 +52,6 @@ impl Checker<'_> {
         }
     }
 
-    /// Adds by halves, so that a long sum is sorted in n log n.
     fn sum(&mut self, parts: &[(Sign, Ast)]) -> Option<Expr> {
         let terms: Vec<Option<Expr>> = parts
             .iter()
@@ -65,19 +64,7 @@ impl Checker<'_> {
                 })
             })
             .collect();
-        let mut terms = terms.into_iter().collect::<Option<Vec<Expr>>>()?;
-        while terms.len() > 1 {
-            let mut halved = Vec::with_capacity(terms.len() / 2 + 1);
-            let mut pairs = terms.into_iter();
-            while let Some(a) = pairs.next() {
-                halved.push(match pairs.next() {
-                    Some(b) => a + b,
-                    None => a,
-                });
-            }
-            terms = halved;
-        }
-        terms.pop()
+        terms.into_iter().sum()
     }
 
     fn product(&mut self, e: &Ast, parts: &[(Side, Ast)]) -> Option<Expr> {
@@ -136,17 +123,11 @@ impl Checker<'_> {
 
     fn call(&mut self, e: &Ast, call: &Call) -> Option<Expr> {
         let name = call.name.text.as_str();
-        let shifted = match name {
-            "next" => return self.next(e, call).map(Expr::signal),
-            "lag" => self.lag(e, call).map(Expr::signal),
-            _ => None,
-        };
-        if name == "lag" {
-            return shifted;
-        }
-        match Func::named(name) {
-            Some(f) => self.function(e, call, f),
-            None => self.not_a_function(e, call),
+        match (name, Func::named(name)) {
+            ("next", _) => self.next(e, call).map(Expr::signal),
+            ("lag", _) => self.lag(e, call).map(Expr::signal),
+            (_, Some(f)) => self.function(e, call, f),
+            (_, None) => self.not_a_function(e, call),
         }
     }
 

@@ -10,8 +10,8 @@ use crate::lang::model::{ColumnExpr, ColumnKind, DataBlock, DataEntry};
 use crate::lang::source::Span;
 use crate::term::{Func, Signal};
 
-/// Operators in one line of a data block; a chain nests as deep as it is long.
-const MAX_OPERATORS: usize = 200;
+/// Parts of one sum or product of a data block; a chain nests as deep as it is long.
+const MAX_PARTS: usize = 200;
 
 impl Checker<'_> {
     pub fn data(&mut self, span: Span, entries: &[Entry]) -> DataBlock {
@@ -129,9 +129,10 @@ impl Checker<'_> {
         Some(ColumnExpr { span: e.span, kind })
     }
 
-    fn within_limit(&mut self, e: &Ast, operators: usize) -> Option<()> {
-        if operators > MAX_OPERATORS {
-            return self.fail(complain::chain_too_long(e.span, MAX_OPERATORS));
+    fn within_limit(&mut self, e: &Ast, parts: usize) -> Option<()> {
+        if parts > MAX_PARTS {
+            let help = "write such a column into the file";
+            return self.fail(complain::chain_too_long(e.span, MAX_PARTS, help));
         }
         Some(())
     }

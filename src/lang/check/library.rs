@@ -13,6 +13,7 @@ use crate::term::{Expr, Signal};
 
 /// Differences, quotients and products of whole libraries in one chain: each nests the result one deeper.
 const MAX_CHAIN: usize = 200;
+const LIST: &str = "put the terms in a list: `<a, b, c>`";
 const MAX_RANGE: usize = 10_000;
 
 impl Checker<'_> {
@@ -153,7 +154,7 @@ impl Checker<'_> {
         }
         let differences = sets.iter().filter(|(s, _)| *s == Sign::Minus).count();
         if let (true, Some((_, last))) = (differences > MAX_CHAIN, sets.last()) {
-            return self.fail(complain::chain_too_long(last.span, MAX_CHAIN));
+            return self.fail(complain::chain_too_long(last.span, MAX_CHAIN, LIST));
         }
         if let Some(span) = number_minus_term(&sets) {
             return self.fail(complain::arithmetic_outside_list(span, self.text(span)));
@@ -182,7 +183,7 @@ impl Checker<'_> {
             .filter(|s| !matches!(s.kind, LibKind::Term(_)))
             .count();
         if whole > MAX_CHAIN || sets.len() > 5 * MAX_CHAIN {
-            return self.fail(complain::chain_too_long(e.span, MAX_CHAIN));
+            return self.fail(complain::chain_too_long(e.span, MAX_CHAIN, LIST));
         }
         let mut out: Option<LibExpr> = None;
         for (set, (side, ast)) in sets.into_iter().zip(parts) {

@@ -82,8 +82,8 @@ impl Scope {
                 return true;
             }
             match base.strip_prefix('d') {
-                Some(rest) if !rest.is_empty() => base = rest,
-                _ => return false,
+                Some(rest) => base = rest,
+                None => return false,
             }
         }
     }

@@ -53,21 +53,21 @@ pub fn number_minus_term(sets: &[(Sign, LibExpr)]) -> Option<Span> {
     (has_number && removes_nothing).then_some(whole)
 }
 
-/// Joins sets by halves.
+/// Joins sets by halves, so that a long union is not deep.
 pub fn union(mut sets: Vec<LibExpr>) -> Option<LibExpr> {
     while sets.len() > 1 {
-        let mut halved = Vec::with_capacity(sets.len() / 2 + 1);
-        let mut pairs = sets.into_iter();
-        while let Some(a) = pairs.next() {
-            halved.push(match pairs.next() {
-                Some(b) => LibExpr {
-                    span: a.span.to(b.span),
-                    kind: LibKind::Union(Box::new(a), Box::new(b)),
+        let mut rest = sets.into_iter();
+        let pair = || {
+            let first = rest.next()?;
+            Some(match rest.next() {
+                Some(second) => LibExpr {
+                    span: first.span.to(second.span),
+                    kind: LibKind::Union(Box::new(first), Box::new(second)),
                 },
-                None => a,
-            });
-        }
-        sets = halved;
+                None => first,
+            })
+        };
+        sets = std::iter::from_fn(pair).collect();
     }
     sets.pop()
 }

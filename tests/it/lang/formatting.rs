@@ -106,3 +106,29 @@ constrain coef(ddx, x) >=
 fn a_wrong_text_is_not_formatted() {
     assert!(format(FileId(0), "dx ~ poly(x; 2").is_err());
 }
+
+/// Beside quotes a sign keeps the room that its author gave it, whatever stands between the quotes.
+#[test]
+fn columns_keep_their_signs() {
+    let entry = |source: &str| format!("state x\ndata {{ x = {source} }}\ndx ~ poly(x; 3)\n");
+    for tidy in [
+        "2*\"A\"",
+        "2 * \"A\"",
+        "\"A\"*2",
+        "\"A\" * 2",
+        "\"A\"/\"B\"",
+        "\"A\" - \"B\" + 1",
+        "-\"A\"",
+        "2 - -\"A\"",
+        "(\"A\" + \"-\")^2",
+        "\"A\"^2",
+        "unwrap(\"<\", 2*pi)",
+        "\"*\" + \"/\"*\"+\"",
+    ] {
+        assert_eq!(formatted(&entry(tidy)), entry(tidy));
+    }
+    assert_eq!(
+        formatted(&entry("( \"A\"+\"B\" )-\"C\" ^ 2")),
+        entry("(\"A\" + \"B\") - \"C\"^2")
+    );
+}

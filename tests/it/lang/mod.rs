@@ -3,6 +3,7 @@
 //! Here: the vocabulary and the helpers that the tests share.
 
 mod bad;
+mod corners;
 mod docs;
 mod edges;
 mod formatting;

@@ -39,13 +39,10 @@ pub fn too_many_factors(at: Span, factors: usize, limit: usize) -> Diagnostic {
         .help("use powers: `x^12`")
 }
 
-pub fn chain_too_long(at: Span, limit: usize) -> Diagnostic {
-    Diagnostic::error(
-        "too-large",
-        format!("more than {limit} operators in one chain"),
-    )
-    .at(at, "too long")
-    .help("put the terms in a list: `<a, b, c>`")
+pub fn chain_too_long(at: Span, limit: usize, help: &str) -> Diagnostic {
+    Diagnostic::error("too-large", format!("more than {limit} parts in one chain"))
+        .at(at, "too long")
+        .help(help)
 }
 
 pub fn text_in_model(at: Span, text: &str) -> Diagnostic {
