@@ -56,7 +56,12 @@ fn nothing(name: &str, tables: &[Table], sources: &mut Sources) -> Failure {
     if !faults.is_empty() {
         return Failure::new(inputs::render(&faults, sources));
     }
+    let nameless = tables.iter().flat_map(Table::headers).any(|h| h.is_empty());
+    let help = match nameless {
+        true => "a column without a name is left out: write one into the first line",
+        false => "a table has a line of headers and, below it, a column for each signal",
+    };
     Failure::new(format!(
-        "error[no-state]: {name}: no column of numbers moves, so there is nothing to find a law of\n  = help: a table has a line of headers and, below it, a column for each signal"
+        "error[no-state]: {name}: no column of numbers that has a name moves, so there is nothing to find a law of\n  = help: {help}"
     ))
 }

@@ -152,10 +152,14 @@ fn show(ds: &[Diagnostic], sources: &Sources) -> String {
 
 #[test]
 fn bad_files() {
-    let cases: [(&str, &[u8]); 16] = [
+    let cases: [(&str, &[u8]); 17] = [
         ("empty", b""),
         ("comments only", b"# nothing\n\n"),
         ("header only", b"t,x\n"),
+        (
+            "a result",
+            b"{\n  \"sidc_result\": 1,\n  \"time\": \"discrete\"\n}\n",
+        ),
         ("no header", b"0,1\n1,2\n"),
         ("commented header", b"# t, x\n0,1\n1,2\n"),
         ("duplicate headers", b"t,x,\"x\"\n0,1,2\n"),

@@ -110,6 +110,9 @@ fn a_table_without_a_state_says_so() {
         "{}",
         run.stderr
     );
+    std::fs::write(folder.path().join("d.csv"), " ,\n0,1\n1,3\n2,1\n").unwrap();
+    let run = sidc_in(folder.path(), &["new", "d.csv"]);
+    assert!(run.stderr.contains("into the first line"), "{}", run.stderr);
 }
 
 /// A rate beside its state, and no time to differentiate by.

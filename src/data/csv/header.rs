@@ -28,6 +28,10 @@ pub(super) fn read<'a>(
     let Some((line, text)) = lines.next() else {
         return Err(vec![refusals::empty_file(name)]);
     };
+    let mut place = |range| excerpt(name, sources, line.number, text, range);
+    if let Some(d) = refusals::json(place((0, text.len())), text) {
+        return Err(vec![d]);
+    }
     let comment = lines.comment();
     let separator = separator(text, lines.clone().next().map(|(_, l)| l));
     let cells = cells::count(text, separator) + 1;
@@ -36,7 +40,6 @@ pub(super) fn read<'a>(
         return Err(vec![d]);
     }
     let mut ranges = Vec::new();
-    let mut place = |range| excerpt(name, sources, line.number, text, range);
     if let Err(at) = cells::split(text, separator, &mut ranges) {
         return Err(vec![refusals::open_quote(place((at, text.len())))]);
     }

@@ -63,7 +63,7 @@ pub struct Table {
 /// Reads a comma, semicolon or tab separated table whose first line names the columns.
 ///
 /// `#` lines and blank lines are skipped. Errors: `unreadable-file`, `not-text`, `utf-16`, `not-utf8`, `file-too-large`,
-/// `line-too-long`, `table-too-large`, `too-many-columns`, `empty-file`, `no-header`, `no-rows`, `duplicate-header`, `units-row`, `open-quote`,
+/// `line-too-long`, `table-too-large`, `too-many-columns`, `empty-file`, `not-a-table`, `no-header`, `no-rows`, `duplicate-header`, `units-row`, `open-quote`,
 /// `ragged-row`. Time and memory linear in the text.
 pub fn read(
     name: &str,

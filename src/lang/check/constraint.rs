@@ -105,6 +105,12 @@ impl Checker<'_> {
             ExprKind::Call(call) if call.name.text == "coef" => {
                 self.coefficient(e, call, equations)
             }
+            ExprKind::Power(base, _) if self.has_coefficient(base) => {
+                self.fail(complain::constraint_not_linear(e.span))
+            }
+            ExprKind::Call(call) if call.args.iter().any(|a| self.has_coefficient(a)) => {
+                self.fail(complain::constraint_not_linear(e.span))
+            }
             _ => {
                 let constant = self.constant(e, "a constraint, outside `coef(…)`")?;
                 Some(Linear {
@@ -112,6 +118,19 @@ impl Checker<'_> {
                     constant,
                 })
             }
+        }
+    }
+
+    fn has_coefficient(&self, e: &Ast) -> bool {
+        match &e.kind {
+            ExprKind::Call(call) if call.name.text == "coef" => true,
+            ExprKind::Call(call) => call.args.iter().any(|a| self.has_coefficient(a)),
+            ExprKind::Negate(x) | ExprKind::Group(x) | ExprKind::Power(x, _) => {
+                self.has_coefficient(x)
+            }
+            ExprKind::Sum(parts) => parts.iter().any(|(_, x)| self.has_coefficient(x)),
+            ExprKind::Product(parts) => parts.iter().any(|(_, x)| self.has_coefficient(x)),
+            _ => false,
         }
     }
 

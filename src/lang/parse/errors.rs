@@ -66,6 +66,12 @@ pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
     .help(format!("replace `{text}` by `{ascii}`"))
 }
 
+pub fn index(at: Span) -> Diagnostic {
+    Diagnostic::error("pasted-character", "a signal has no index")
+        .at(at, "not a part of the language")
+        .help("the next sample of x is `next(x)`, the one k before `lag(x, k)`; several names are `x1..x12`")
+}
+
 pub fn strange_character(at: Span, c: char) -> Diagnostic {
     let shown = if is_unseen(c) {
         format!("U+{:04X}", c as u32)

@@ -236,9 +236,20 @@ impl<'t> Lexer<'t> {
             self.exponent();
             let text = self.text.get(start..self.at).unwrap_or("");
             self.bad(start, errors::dangling_dot(self.span(start), text));
+        } else if c == '[' && self.is_index() {
+            self.skip(|c| c != ']' && c != '\n');
+            self.skip(|c| c == ']');
+            self.bad(start, errors::index(self.span(start)));
         } else {
             self.strange(start, c);
         }
+    }
+
+    /// `[` of `x[k+1]`: close behind a name, and closed.
+    fn is_index(&self) -> bool {
+        let beside = |t: &Token| t.kind == TokenKind::Name && t.end == self.at;
+        let line = self.rest().lines().next().unwrap_or("");
+        self.out.last().is_some_and(beside) && line.contains(']')
     }
 
     /// A character that is not of the language, together with its like that follow (`“` … or `²³`).

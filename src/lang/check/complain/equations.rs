@@ -120,7 +120,7 @@ pub fn constraint_without_coefficient(at: Span) -> Diagnostic {
 
 pub fn constraint_not_linear(at: Span) -> Diagnostic {
     Diagnostic::error("constraint", "a constraint is linear in the coefficients")
-        .at(at, "a product or quotient of coefficients")
+        .at(at, "not a sum of coefficients times numbers")
         .help("multiply out: `coef(dx, x) = 2*coef(dy, y)`")
 }
 
