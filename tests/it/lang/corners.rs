@@ -156,6 +156,20 @@ fn a_minus_between_sets_takes_out_or_is_refused() {
 }
 
 #[test]
+fn constraints_are_linear_in_coefficients_and_free_in_numbers() {
+    let of = |constraint: &str| format!("state x\ndx ~ <x>\nconstrain {constraint}\n");
+    let fine = of("coef(dx, x) < 2^2 + sqrt(4)*max(1, -(2)) - 3/2");
+    assert_eq!(errors(&fine), [""; 0], "{}", said(&fine));
+    for wrong in [
+        "coef(dx, x)^2 < 1",
+        "exp(sin(1 + coef(dx, x))) > 1",
+        "(-(2*coef(dx, x)))^3 > 1",
+    ] {
+        assert_eq!(errors(&of(wrong)), ["constraint"], "{}", said(&of(wrong)));
+    }
+}
+
+#[test]
 fn only_sensors_have_noise_above_zero() {
     let m = model("state x : noise 0.1\ninput u\ndx ~ <x, u>\n");
     assert_eq!(m.noise(signal(&m, "x")), Some(0.1));
