@@ -97,6 +97,8 @@ struct Lexer<'t> {
 
 const PAIRS: [&str; 5] = ["..", "<=", ">=", "==", "->"];
 const SINGLES: &str = "+-*/^~=:;,()<>{}";
+/// Characters of an index in brackets that is recognised as one.
+const LONGEST_INDEX: usize = 40;
 
 impl<'t> Lexer<'t> {
     fn rest(&self) -> &'t str {
@@ -245,11 +247,12 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// `[` of `x[k+1]`: close behind a name, and closed.
+    /// `[` of `x[k+1]`: close behind a name, and closed soon, so that no line is read again and again.
     fn is_index(&self) -> bool {
         let beside = |t: &Token| t.kind == TokenKind::Name && t.end == self.at;
-        let line = self.rest().lines().next().unwrap_or("");
-        self.out.last().is_some_and(beside) && line.contains(']')
+        let mut inside = self.rest().chars().take(LONGEST_INDEX);
+        let closed = inside.find(|c| matches!(c, ']' | '\n')) == Some(']');
+        self.out.last().is_some_and(beside) && closed
     }
 
     /// A character that is not of the language, together with its like that follow (`“` … or `²³`).

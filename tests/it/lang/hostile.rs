@@ -152,6 +152,7 @@ fn large_texts_do_not_exhaust_the_stack_or_the_clock() {
     in_time(&of(format!("<{}x{}>", "(".repeat(n), ")".repeat(n))));
     in_time(&of("(".repeat(n)));
     in_time(&of("<".repeat(n)));
+    in_time(&of("a[".repeat(n)));
     in_time(&of(format!("<{}a>", "a+".repeat(n))));
     in_time(&of(format!("{}a", "a+".repeat(n))));
     in_time(&of(format!("{}a", "a*".repeat(n))));
