@@ -2,7 +2,7 @@
 //!
 //! In: texts, and the signals that may be named. Out: values by signal. Every text is refused that is not names with numbers.
 
-use super::{Failure, hint};
+use super::{Failure, hint, values};
 use crate::lang::model::RightSide;
 use crate::lang::parse::token::normalise;
 use crate::lang::source::Sources;
@@ -115,9 +115,7 @@ pub fn resolve(
             )));
         };
         if out.iter().any(|(p, _)| *p == place) {
-            return Err(Failure::new(format!(
-                "error[given-twice]: {option} {name}: this has a value already\n  = help: one value a name"
-            )));
+            return Err(values::given_twice(option, name));
         }
         out.push((place, *value));
     }

@@ -122,9 +122,7 @@ pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), F
     let signals = sensors(&program.model);
     for (place, (name, sigma)) in noise.iter().enumerate() {
         if noise.iter().take(place).any(|(n, _)| n == name) {
-            return Err(Failure::new(format!(
-                "error[given-twice]: --noise {name}: this has a value already\n  = help: one value a name"
-            )));
+            return Err(given_twice("--noise", name));
         }
         if let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) {
             if let Some(var) = program.model.vars.get_mut(signal.var.0 as usize) {
@@ -140,6 +138,13 @@ pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), F
         )));
     }
     Ok(())
+}
+
+/// A name of an option that takes one value for each.
+pub fn given_twice(option: &str, name: &str) -> Failure {
+    Failure::new(format!(
+        "error[given-twice]: {option} {name}: this has a value already\n  = help: one value a name"
+    ))
 }
 
 /// Every signal that a table may hold, by name: variables, then their derivatives.

@@ -34,12 +34,13 @@ pub(super) fn strays(
         let far = error > 0.0 && left.abs() > SURE * error && left.abs() > LARGE * size;
         far.then(|| (*time, left.abs() / error))
     });
-    missed.fold(None, |found: Option<Strays>, (time, errors)| {
-        let rows = found.map_or(0, |f| f.rows) + 1;
-        match found {
-            Some(worst) if worst.errors >= errors => Some(Strays { rows, ..worst }),
-            _ => Some(Strays { rows, time, errors }),
-        }
+    let missed: Vec<(f64, f64)> = missed.collect();
+    // The first of equals.
+    let worst = missed.iter().min_by(|a, b| b.1.total_cmp(&a.1));
+    worst.map(|(time, errors)| Strays {
+        rows: missed.len(),
+        time: *time,
+        errors: *errors,
     })
 }
 

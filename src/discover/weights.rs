@@ -73,7 +73,7 @@ impl Weights {
     /// Rows whose errors are independent and of size one; residuals below `floor` are no evidence.
     pub fn known(rows: usize, floor: f64) -> Weights {
         Weights {
-            usual: floor,
+            usual: 1.0,
             row: vec![1.0; rows],
             tolerance: (rows as f64).sqrt(),
             floor: floor * floor,

@@ -183,6 +183,22 @@ impl Expr {
         e
     }
 
+    /// The first call that is sought, a call before its arguments.
+    pub fn find_call(&self, sought: &impl Fn(&Call) -> bool) -> Option<&Expr> {
+        match &self.kind {
+            ExprKind::Number(_) | ExprKind::Text(_) | ExprKind::Name(_) => None,
+            ExprKind::Negate(x) | ExprKind::Group(x) => x.find_call(sought),
+            ExprKind::Power(x, y) | ExprKind::Range(x, y) => {
+                x.find_call(sought).or_else(|| y.find_call(sought))
+            }
+            ExprKind::Sum(parts) => parts.iter().find_map(|(_, x)| x.find_call(sought)),
+            ExprKind::Product(parts) => parts.iter().find_map(|(_, x)| x.find_call(sought)),
+            ExprKind::List(items) => items.iter().find_map(|x| x.find_call(sought)),
+            ExprKind::Call(call) if sought(call) => Some(self),
+            ExprKind::Call(call) => call.args.iter().find_map(|x| x.find_call(sought)),
+        }
+    }
+
     /// The text of a bare name.
     pub fn as_name(&self) -> Option<&str> {
         match &self.kind {

@@ -29,8 +29,8 @@ pub(super) fn read<'a>(
         return Err(vec![refusals::empty_file(name)]);
     };
     let mut place = |range| excerpt(name, sources, line.number, text, range);
-    if let Some(d) = refusals::json(place((0, text.len())), text) {
-        return Err(vec![d]);
+    if is_json(text) {
+        return Err(vec![refusals::json(place((0, text.len())))]);
     }
     let comment = lines.comment();
     let separator = separator(text, lines.clone().next().map(|(_, l)| l));
@@ -72,6 +72,13 @@ pub(super) fn read<'a>(
         separator,
         names,
     })
+}
+
+/// `{` or `[` where names should be: a document of values, perhaps one of ours.
+fn is_json(text: &str) -> bool {
+    let opened = text.trim_start().strip_prefix(['{', '[']);
+    let inside = opened.map(str::trim_start);
+    inside.is_some_and(|t| t.is_empty() || t.starts_with(['"', '{', '[', '}', ']']))
 }
 
 /// The separator that cuts the header and the row below it into equally many cells; else the most frequent one.

@@ -306,15 +306,10 @@ pub(super) fn no_header(first: Span, columns: usize, comment: Option<String>) ->
     }
 }
 
-/// `{` or `[` where names should be: a document of values, perhaps one of ours.
-pub(super) fn json(place: Span, text: &str) -> Option<Diagnostic> {
-    let opened = text.trim_start().strip_prefix(['{', '['])?.trim_start();
-    let is_json = opened.is_empty() || opened.starts_with(['"', '{', '[', '}', ']']);
-    is_json.then(|| {
-        Diagnostic::error("not-a-table", "this is JSON, not a table")
-            .at(place, "no names of columns")
-            .help("equations are found in tables with a line of names; results go to `sidc simulate`, `report`, `export` or `linearize`")
-    })
+pub(super) fn json(place: Span) -> Diagnostic {
+    Diagnostic::error("not-a-table", "this is JSON, not a table")
+        .at(place, "no names of columns")
+        .help("equations are found in tables with a line of names; results go to `sidc simulate`, `report`, `export` or `linearize`")
 }
 
 pub(super) fn duplicate_header(name: &str, first: Span, again: Span) -> Diagnostic {

@@ -31,6 +31,11 @@ impl Linear {
     }
 }
 
+/// `coef(TARGET, TERM)`
+fn is_coefficient(call: &Call) -> bool {
+    call.name.text == "coef"
+}
+
 impl Checker<'_> {
     pub fn constraints(&mut self, equations: &[Equation]) -> Vec<Constraint> {
         let mut out = Vec::new();
@@ -102,13 +107,8 @@ impl Checker<'_> {
                 total
             }
             ExprKind::Product(parts) => self.linear_product(e, parts, equations),
-            ExprKind::Call(call) if call.name.text == "coef" => {
-                self.coefficient(e, call, equations)
-            }
-            ExprKind::Power(base, _) if self.has_coefficient(base) => {
-                self.fail(complain::constraint_not_linear(e.span))
-            }
-            ExprKind::Call(call) if call.args.iter().any(|a| self.has_coefficient(a)) => {
+            ExprKind::Call(call) if is_coefficient(call) => self.coefficient(e, call, equations),
+            ExprKind::Power(..) | ExprKind::Call(_) if e.find_call(&is_coefficient).is_some() => {
                 self.fail(complain::constraint_not_linear(e.span))
             }
             _ => {
@@ -118,19 +118,6 @@ impl Checker<'_> {
                     constant,
                 })
             }
-        }
-    }
-
-    fn has_coefficient(&self, e: &Ast) -> bool {
-        match &e.kind {
-            ExprKind::Call(call) if call.name.text == "coef" => true,
-            ExprKind::Call(call) => call.args.iter().any(|a| self.has_coefficient(a)),
-            ExprKind::Negate(x) | ExprKind::Group(x) | ExprKind::Power(x, _) => {
-                self.has_coefficient(x)
-            }
-            ExprKind::Sum(parts) => parts.iter().any(|(_, x)| self.has_coefficient(x)),
-            ExprKind::Product(parts) => parts.iter().any(|(_, x)| self.has_coefficient(x)),
-            _ => false,
         }
     }
 

@@ -3,7 +3,7 @@
 //! A model is discrete if it mentions `next`, `lag` or a generator of lagged terms anywhere.
 
 use super::{Checker, complain};
-use crate::lang::ast::{Expr, ExprKind, StatementKind};
+use crate::lang::ast::{Call, Expr, StatementKind};
 use crate::lang::source::Span;
 
 impl Checker<'_> {
@@ -24,28 +24,12 @@ impl Checker<'_> {
 
     /// The first `next(…)`, `lag(…)` or discrete generator in an expression.
     fn sample_word(&self, e: &Expr) -> Option<Span> {
-        match &e.kind {
-            ExprKind::Number(_) | ExprKind::Text(_) | ExprKind::Name(_) => None,
-            ExprKind::Negate(x) | ExprKind::Group(x) => self.sample_word(x),
-            ExprKind::Power(x, y) | ExprKind::Range(x, y) => {
-                self.sample_word(x).or_else(|| self.sample_word(y))
-            }
-            ExprKind::Sum(parts) => parts.iter().find_map(|(_, x)| self.sample_word(x)),
-            ExprKind::Product(parts) => parts.iter().find_map(|(_, x)| self.sample_word(x)),
-            ExprKind::List(items) => items.iter().find_map(|x| self.sample_word(x)),
-            ExprKind::Call(call) => {
-                let name = call.name.text.as_str();
-                let sampled = ["next", "lag"].contains(&name)
-                    || self
-                        .vocabulary
-                        .generator(name)
-                        .is_some_and(|g| g.discrete_only);
-                if sampled {
-                    return Some(e.span);
-                }
-                call.args.iter().find_map(|x| self.sample_word(x))
-            }
-        }
+        let generator = |name: &str| self.vocabulary.generator(name);
+        let sampled = |call: &Call| {
+            let name = call.name.text.as_str();
+            ["next", "lag"].contains(&name) || generator(name).is_some_and(|g| g.discrete_only)
+        };
+        e.find_call(&sampled).map(|found| found.span)
     }
 
     /// `dx` in a model about samples: the name does not exist there, and the reason is elsewhere.

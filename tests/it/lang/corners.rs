@@ -3,18 +3,12 @@
 use sidc::lang::model::{LibExpr, LibKind, Model, RightSide};
 use sidc::term::{Expr, Signal, SignalNames, VarId};
 
-use super::{compiled, model};
-
-/// What is said of a text, all of it.
-fn said(text: &str) -> String {
-    compiled("m.sid", text).2
-}
+use super::{compiled, model, said};
+use crate::program::error_codes;
 
 /// Codes of the errors of a text, in order.
 fn errors(text: &str) -> Vec<&'static str> {
-    let found = compiled("m.sid", text).1;
-    let errors = found.iter().filter(|d| d.is_error());
-    errors.map(|d| d.code).collect()
+    error_codes(&compiled("m.sid", text).1)
 }
 
 fn signal(m: &Model, name: &str) -> Signal {

@@ -3,12 +3,7 @@
 use sidc::lang::model::{ColumnKind, Relation, VarKind};
 use sidc::term::{Signal, VarId};
 
-use super::{compiled, model};
-
-/// What is said of a text, all of it.
-fn said(text: &str) -> String {
-    compiled("m.sid", text).2
-}
+use super::{compiled, model, said};
 
 fn says(text: &str, words: &[&str]) {
     let said = said(text);

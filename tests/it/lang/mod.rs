@@ -41,6 +41,11 @@ pub fn compiled(name: &str, text: &str) -> (Option<Model>, Vec<Diagnostic>, Stri
     (model, found, shown)
 }
 
+/// What is said of a text, all of it.
+pub fn said(text: &str) -> String {
+    compiled("m.sid", text).2
+}
+
 /// The model of a text that must be right.
 pub fn model(text: &str) -> Model {
     let (model, _, shown) = compiled("model.sid", text);
