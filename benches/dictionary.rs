@@ -10,21 +10,17 @@ use std::hint::black_box;
 use std::thread;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sidc::data::{Column, Origin, Samples};
-use sidc::dictionary::compile;
-use sidc::library::{Block, Library};
-use sidc::term::{Expr, Func, Signal, Term, VarId};
-
-#[path = "../tests/it/pendulum.rs"]
-#[allow(dead_code)]
-mod pendulum;
+use sidc_data::{Column, Origin, Samples};
+use sidc_discover::dictionary::compile;
+use sidc_lang::library::{Block, Library};
+use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
 
 const ROWS: usize = 100_000;
 const COLS: usize = 1000;
 
 /// Signals of order one.
 fn samples(rows: usize, signals: u16) -> Samples {
-    let mut random = pendulum::Random::new(7);
+    let mut random = sidc_testing::pendulum_regression::Random::new(7);
     let column = |i| Column {
         signal: Signal::new(VarId(i)),
         values: (0..rows).map(|_| 2.0 * random.uniform() - 1.0).collect(),

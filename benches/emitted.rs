@@ -12,8 +12,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use sidc::discover::{Discovery, Form};
-use sidc::{emit, result};
+use sidc_emit as emit;
+use sidc_system::discovery::{Discovery, Form};
+use sidc_system::result;
 
 #[allow(dead_code)]
 mod pendulum {

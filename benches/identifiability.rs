@@ -5,14 +5,15 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use sidc::data::{Column, Origin, Samples};
-use sidc::discover::{Discovery, Equation, Evidence, FoundTerm, Options, Status};
-use sidc::frame::Frame;
-use sidc::identifiability::{Rows, judge};
-use sidc::lang::source::Sources;
 use sidc::pipeline;
-use sidc::term::{Signal, Term, VarId};
-use sidc::uncertainty;
+use sidc_data::{Column, Origin, Samples};
+use sidc_discover::Options;
+use sidc_discover::frame::Frame;
+use sidc_discover::identifiability::{Rows, judge};
+use sidc_discover::uncertainty;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{Signal, Term, VarId};
+use sidc_system::discovery::{Discovery, Equation, Evidence, FoundTerm, Status};
 
 /// Nine signals that follow each other a little.
 fn samples(rows: usize) -> Samples {
@@ -54,7 +55,7 @@ fn whole(c: &mut Criterion) {
         };
         // The first thousand of them.
         let terms: Vec<Term> = library.terms().map(|(_, t)| t).take(1000).collect();
-        let library = sidc::library::Library::listed(terms.clone());
+        let library = sidc_lang::library::Library::listed(terms.clone());
         let mut samples = samples(rows);
         let found: Vec<FoundTerm> = [1, 4, 12, 30]
             .into_iter()
@@ -69,7 +70,7 @@ fn whole(c: &mut Criterion) {
             .collect();
         let mut y = vec![0.0; rows];
         for t in &found {
-            let values = sidc::dictionary::evaluate(&t.term, &samples);
+            let values = sidc_discover::dictionary::evaluate(&t.term, &samples);
             y.iter_mut().zip(values).for_each(|(y, v)| *y += 0.7 * v);
         }
         let target = Signal::derivative(VarId(1), 1);

@@ -4,7 +4,7 @@
     python3 benches/peers.py                        # the full table, some ten minutes
     python3 benches/peers.py --sizes 100 --draws 1  # a first look
 
-In:  nothing but the repository. The problems come from `cargo run --example solve_times -- export`: a pendulum on a cart,
+In:  nothing but the repository. The problems come from `cargo run -p sidc-studies --bin solve_times -- export`: a pendulum on a cart,
      6,561 terms, ROWS random samples of 15 s without noise, for both of its equations. Peers run in a virtual environment that
      the script makes under target/peers, with the versions pinned below.
 Out: one Markdown table a size on standard output, every single run in target/peers/results.json.
@@ -305,9 +305,9 @@ def main():
     if args.work:
         work(args.work[0], pathlib.Path(args.work[1]))
         return
-    build = ["cargo", "build", "--release", "--quiet", "--example", "solve_times"]
+    build = ["cargo", "build", "--release", "--quiet", "-p", "sidc-studies", "--bin", "solve_times"]
     subprocess.run(build, check=True, cwd=ROOT)
-    binary = str(ROOT / "target" / "release" / "examples" / "solve_times")
+    binary = str(ROOT / "target" / "release" / "solve_times")
     registered = [s["name"] for s in json.loads(subprocess.check_output([binary, "list"]))]
     ours = f"ours: {registered[0]} (default)"
     contenders = {}  # name: the command for the problem in a folder

@@ -4,10 +4,12 @@
 
 use criterion::{Criterion, criterion_group, criterion_main};
 
-use sidc::data::{self, Limits};
-use sidc::lang::source::Sources;
-use sidc::result;
-use sidc::simulate::{self, Options, Run, Source};
+use sidc_data as data;
+use sidc_data::Limits;
+use sidc_lang::source::Sources;
+use sidc_system::result;
+use sidc_system::simulate;
+use sidc_system::simulate::{Options, Run, Source};
 
 /// The pendulum on a cart as `identify` writes it.
 const RESULT: &str = r#"{"sidc_result": 1,
@@ -41,7 +43,7 @@ fn bench(c: &mut Criterion) {
         &mut sources,
     )
     .unwrap();
-    let state = sidc::discover::Form::new(&opened.discovery).state;
+    let state = sidc_system::discovery::Form::new(&opened.discovery).state;
     let start: Vec<_> = state
         .iter()
         .map(|s| (*s, if s.var.0 == 2 && s.der == 0 { 1.0 } else { 0.0 }))

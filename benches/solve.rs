@@ -1,10 +1,8 @@
 //! Time of the solvers against rows M and columns N, on the pendulum on a cart without noise.
 //!
 //! The homotopy prices all columns once a round, 2MN operations, and walks in between: 4Mw a step on a working set of w columns. Rounds and
-//! steps depend on the terms of the answer, hardly on M and N. One interior-point iteration costs about M²|W| for the normal matrix (its lower
-//! triangle; W is all N columns, or the working set where Φ is not stored), M³/3 for its factor and some twelve passes over the M × W matrix; 10 to 16
-//! iterations hardly depend on either. Clarabel factorises a sparse system with M rows full of entries: also about M²|W| an iteration, with a factor in
-//! front several times larger.
+//! steps depend on the terms of the answer, hardly on M and N. Clarabel factorises a sparse system with M rows full of entries: about M²|W| an
+//! iteration with a large factor in front, W all N columns, or the working set where Φ is not stored; its 10 to 20 iterations hardly depend on either.
 //!
 //! The default solver is timed on all sizes, the others on the small ones. Peers are in `peers.py`.
 
@@ -13,13 +11,9 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
-use sidc::solve::{Problem, SOLVERS};
+use sidc_solve::{Problem, SOLVERS};
 
-#[path = "../tests/it/pendulum.rs"]
-#[allow(dead_code)]
-mod pendulum;
-
-use pendulum::{Regression, Target, draw, regression};
+use sidc_testing::pendulum_regression::{Regression, Target, draw, regression};
 
 const NARROW: [usize; 8] = [2, 2, 2, 6, 2, 2, 2, 2];
 const WIDE: [usize; 8] = [3; 8];

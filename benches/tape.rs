@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use sidc::term::{Expr, Func, Signal, Tape, VarId};
+use sidc_lang::term::{Expr, Func, Signal, Tape, VarId};
 
 const POINTS: usize = 2000;
 const INPUTS: [Signal; 3] = [

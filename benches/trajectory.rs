@@ -7,9 +7,11 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use sidc::data::{self, Limits};
-use sidc::lang::source::Sources;
-use sidc::{pipeline, trajectory};
+use sidc::pipeline;
+use sidc_data as data;
+use sidc_data::Limits;
+use sidc_discover::trajectory;
+use sidc_lang::source::Sources;
 
 const STEP: f64 = 0.01;
 const NOISE: f64 = 0.08;

@@ -1,31 +1,53 @@
-//! `sidc` is a compiler. Source: a `.sid` file (what the engineer knows) plus data (what was measured).
-//! Target: the differential equations, with evidence that they are right, and code that runs them.
+//! Equation discovery as a library: a model's text and arrays in memory → differential equations with evidence.
+//!
+//! ```
+//! use sidc::{Data, Model, Options};
+//!
+//! // A decay, ẋ = −0.5 x, measured every tenth of a second.
+//! let t: Vec<f64> = (0..60).map(|k| 0.1 * f64::from(k)).collect();
+//! let x: Vec<f64> = t.iter().map(|t| 2.0 * (-0.5 * t).exp()).collect();
+//!
+//! let model = Model::parse("state x\ndx ~ poly(x; 3)\n")?;
+//! let data = Data::new().run([("t", &t[..]), ("x", &x[..])])?;
+//! let discovery = model.identify(&data, &Options::default())?;
+//!
+//! let terms = &discovery.equations()[0].terms;
+//! assert_eq!((terms.len(), terms[0].term.as_str()), (1, "x"));
+//! assert!((terms[0].coefficient + 0.5).abs() < 1e-6);
+//! # Ok::<(), sidc::Error>(())
+//! ```
+//!
+//! [`Model`] is what you know, [`Data`] what you measured, [`Options`] how to look, [`Discovery`] what was found: its equations,
+//! whether they pass, free runs along other data, code in several languages, and the result document by serde. [`Error`] is
+//! the one error type. An [`Observer`] hears what is being done and may end it. docs/stability.md says what of this stays.
+//!
+//! [`pipeline`] holds the stages one by one, for the program and for studies; it may change with every version.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-pub mod algebra;
-pub mod cli;
-pub mod data;
-pub mod dictionary;
-pub mod discover;
-pub mod draft;
-pub mod emit;
-pub mod frame;
-pub mod identifiability;
-mod lanes;
-pub mod lang;
-pub mod library;
-#[cfg(test)]
-mod numbers;
+mod data;
+mod discovery;
+mod error;
+mod identify;
+mod model;
+mod options;
 pub mod pipeline;
-pub mod report;
-pub mod result;
-pub mod simulate;
-pub mod solve;
-pub mod term;
-pub mod trajectory;
-pub mod uncertainty;
-pub mod units;
-pub mod validate;
-pub mod verify;
-pub mod weak;
+mod simulation;
+mod target;
+
+pub use data::Data;
+pub use discovery::Discovery;
+pub use error::{Error, ErrorKind};
+pub use model::Model;
+pub use options::Options;
+pub use simulation::{Score, SimulatedRun, Simulation};
+pub use target::Target;
+
+pub use sidc_data::HoldOutRange;
+pub use sidc_discover::Method;
+pub use sidc_progress::{Activity, Observer, SolverProgress, Stage, Stop, Unwatched};
+pub use sidc_system::discovery::{Evidence, Mark, Notice, Reason, ReasonCode, Status};
+pub use sidc_system::result::{
+    EquationEntry as Equation, FailedEntry as Failed, TermEntry as Term,
+};
+pub use sidc_system::validate::Validation;

@@ -2,29 +2,40 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
-use crate::data::{self, Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table, Window};
-use crate::discover::{self, Discovery, Fitted, Method, Options, Refusal, Watch};
-use crate::identifiability;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::{Equation, Model, RightSide};
-use crate::lang::source::{FileId, Sources};
-use crate::lang::{self, GeneratorSignature, Vocabulary};
-pub use crate::library::MEMORY;
-use crate::library::{self, GENERATORS, Library};
-use crate::term::Signal;
-use crate::trajectory::Problem;
-use crate::validate::{self, Validation};
+use sidc_data as data;
+use sidc_data::{Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table, Window};
+use sidc_discover as discover;
+use sidc_discover::identifiability;
+use sidc_discover::trajectory::Problem;
+use sidc_discover::{Fitted, Method, Options, Refusal, Watch};
+use sidc_lang as lang;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::library;
+pub use sidc_lang::library::MEMORY;
+use sidc_lang::library::{GENERATORS, Library};
+use sidc_lang::model::{Equation, Model, RightSide};
+use sidc_lang::source::{FileId, Sources};
+use sidc_lang::term::Signal;
+use sidc_lang::{GeneratorSignature, Vocabulary};
+use sidc_solve::threads;
+use sidc_system::discovery::Discovery;
+use sidc_system::validate;
+use sidc_system::validate::Validation;
 
+mod document;
 mod evidence;
+mod noise;
 mod regression;
 mod unevaluable;
 mod verification;
 
+pub use document::{reading, signal_entries};
+pub use noise::{NoiseFault, set_noise};
 pub use regression::Regression;
 pub use verification::{verification_work, verify};
 
 /// A checked model with the library of each equation; `None` where the equation is known.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Program {
     pub model: Model,
     pub libraries: Vec<Option<Library>>,
@@ -44,7 +55,7 @@ pub struct Measured {
 }
 
 /// Up to so many equations are expanded at once; more would be more threads than cores.
-const MOST_THREADS: usize = 8;
+const MAX_THREADS: usize = 8;
 
 /// What a stage gave, if it gave anything, and everything it had to say.
 pub type Staged<T> = (Option<T>, Vec<Diagnostic>);
@@ -101,7 +112,7 @@ fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnosti
     let Some((first, rest)) = model.equations.split_first() else {
         return Vec::new();
     };
-    if rest.len() >= MOST_THREADS {
+    if rest.len() >= MAX_THREADS || threads::available() == 1 {
         return model.equations.iter().map(expand).collect();
     }
     std::thread::scope(|scope| {

@@ -1,5 +1,5 @@
-//! Fuzzes [`sidc_fuzz::attack`] as "algebra".
+//! Fuzzes [`sidc_testing::fuzzing::attack_in_time`] as "algebra".
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_fuzz::attack("algebra", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_testing::fuzzing::attack_in_time("algebra", data));

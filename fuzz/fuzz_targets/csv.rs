@@ -1,5 +1,5 @@
-//! Fuzzes [`sidc_fuzz::attack`] as "csv".
+//! Fuzzes [`sidc_testing::fuzzing::attack_in_time`] as "csv".
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_fuzz::attack("csv", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_testing::fuzzing::attack_in_time("csv", data));

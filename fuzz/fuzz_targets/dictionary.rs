@@ -1,5 +1,8 @@
-//! Fuzzes [`sidc_fuzz::attack`] as "dictionary".
+//! Fuzzes [`sidc_testing::fuzzing::attack_in_time`] as "dictionary".
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_fuzz::attack("dictionary", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_testing::fuzzing::attack_in_time(
+    "dictionary",
+    data
+));

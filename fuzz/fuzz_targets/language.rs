@@ -1,5 +1,5 @@
-//! Fuzzes [`sidc_fuzz::attack`] as "language".
+//! Fuzzes [`sidc_testing::fuzzing::attack_in_time`] as "language".
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_fuzz::attack("language", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_testing::fuzzing::attack_in_time("language", data));

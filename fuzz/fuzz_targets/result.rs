@@ -1,5 +1,5 @@
-//! Fuzzes [`sidc_fuzz::attack`] as "result".
+//! Fuzzes [`sidc_testing::fuzzing::attack_in_time`] as "result".
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_fuzz::attack("result", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_testing::fuzzing::attack_in_time("result", data));

@@ -1,5 +1,5 @@
-//! Fuzzes [`sidc_fuzz::attack`] as "simulate".
+//! Fuzzes [`sidc_testing::fuzzing::attack_in_time`] as "simulate".
 
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_fuzz::attack("simulate", data));
+libfuzzer_sys::fuzz_target!(|data: &[u8]| sidc_testing::fuzzing::attack_in_time("simulate", data));

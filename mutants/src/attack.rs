@@ -16,11 +16,19 @@ use crate::tests::Reached;
 /// A test of the fault's own part that takes longer than this is one of the others, seconds.
 const LONG: f64 = 15.0;
 
-/// Which tests are of which part of the crate, by how their names begin.
+/// Which tests are of which crate, by how their names begin.
 const OWN: &[(&str, &[&str])] = &[
-    ("lang", &["lang::", "units::", "attack::models"]),
-    ("term", &["term::", "calculus::"]),
-    ("library", &["library::", "dictionary::"]),
+    (
+        "lang",
+        &[
+            "lang::",
+            "units::",
+            "attack::models",
+            "calculus::",
+            "library::",
+            "dictionary::",
+        ],
+    ),
     ("solve", &["solve::", "lasso::", "joint::", "agreement::"]),
 ];
 

@@ -16,17 +16,20 @@ const ROUNDS: usize = 40;
 const ABOVE: usize = 60;
 
 /// Plants, checks, and leaves out what the compiler refuses, until it refuses nothing.
-pub fn viable(repository: &Path, work: &Path, folders: &[String]) -> Vec<Planted> {
+pub fn viable(repository: &Path, work: &Path, crates: &[String]) -> Vec<Planted> {
     let kept = work.join("unviable");
     let read = fs::read_to_string(&kept).unwrap_or_default();
     let mut without: BTreeSet<u32> = read.lines().filter_map(|l| l.parse().ok()).collect();
     let tree = work.join("tree");
-    let lib = fs::read_to_string(repository.join("src/lib.rs")).expect("src/lib.rs");
-    write(&tree.join("src/lib.rs"), &(lib + "\npub mod mutants;\n"));
-    write(&tree.join("src/mutants.rs"), include_str!("runtime.rs"));
     let mut files = Vec::new();
-    for folder in folders {
-        sources(&repository.join("src").join(folder), &mut files);
+    for name in crates {
+        let src = Path::new("crates").join(name).join("src");
+        // Each crate has the switches of its own faults; numbers are those of all.
+        write(
+            &tree.join(&src).join("mutants.rs"),
+            include_str!("runtime.rs"),
+        );
+        sources(&repository.join(&src), &mut files);
     }
     for _ in 0..ROUNDS {
         let (mut next, mut found) = (0, Vec::new());
@@ -35,12 +38,15 @@ pub fn viable(repository: &Path, work: &Path, folders: &[String]) -> Vec<Planted
                 .strip_prefix(repository)
                 .expect("a file of the repository");
             let source = fs::read_to_string(path).expect("a source");
-            let (text, mutants) = plant(&source, &mut next, &without);
+            let (mut text, mutants) = plant(&source, &mut next, &without);
+            if name.ends_with("src/lib.rs") {
+                text += "\npub mod mutants;\n";
+            }
             write(&tree.join(name), &text);
             let name = name.display().to_string();
             found.extend(mutants.into_iter().map(|m| (name.clone(), m)));
         }
-        let refused = refused(&tree);
+        let refused = refused(&tree, crates);
         println!(
             "{} faults, {} of them do not compile",
             found.len(),
@@ -77,9 +83,10 @@ fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
 }
 
 /// The faults on the lines that the compiler complains of.
-fn refused(tree: &Path) -> BTreeSet<u32> {
+fn refused(tree: &Path, crates: &[String]) -> BTreeSet<u32> {
     let run = Command::new("cargo")
         .args(["check", "--lib", "--message-format=short"])
+        .args(crates.iter().map(|name| format!("--package=sidc-{name}")))
         .current_dir(tree)
         .env("RUSTFLAGS", "-Awarnings")
         .output()

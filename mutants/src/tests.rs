@@ -28,10 +28,11 @@ pub struct Reached {
     pub faults: BTreeSet<u32>,
 }
 
-/// All tests of the library and of tests/it.
+/// All unit tests of the crates, and those of tests/it.
 pub fn all(tree: &Path) -> Vec<Test> {
     let run = Command::new("cargo")
-        .args(["test", "--no-run", "--lib", "--test", "it"])
+        .args(["test", "--no-run", "--workspace", "--exclude=sidc-studies"])
+        .args(["--lib", "--test", "it"])
         .current_dir(tree)
         .env("RUSTFLAGS", "-Awarnings")
         .output()
@@ -64,7 +65,7 @@ impl Test {
             .arg(&self.program)
             .args([&self.name, "--exact", "--test-threads=1"])
             .current_dir(tree)
-            .env("CARGO_MANIFEST_DIR", tree)
+            .env("CARGO_MANIFEST_DIR", tree.join("crates/cli"))
             .env("INSTA_UPDATE", "no")
             .env("RUST_BACKTRACE", "0")
             .env(variable.0, variable.1)

@@ -6,15 +6,16 @@
 use std::ops::ControlFlow;
 
 use super::{Measured, Program, needed};
-use crate::data;
-use crate::discover::{
-    self, Discovery, Equation, Fitted, Identifiability, Options, Stage, Step, Stop, Stretches,
-    Watch,
-};
-use crate::frame::Frame;
-use crate::identifiability::{self, Rows};
-use crate::term::Signal;
-use crate::uncertainty;
+use sidc_data as data;
+use sidc_discover as discover;
+use sidc_discover::frame::Frame;
+use sidc_discover::identifiability;
+use sidc_discover::identifiability::Rows;
+use sidc_discover::uncertainty;
+use sidc_discover::{Fitted, Options, Step, Watch};
+use sidc_lang::term::Signal;
+use sidc_progress::{Stage, Stop};
+use sidc_system::discovery::{Discovery, Equation, Identifiability, Stretches};
 
 /// Samples from which on readings are not differentiated only to say what is missing.
 const READ: usize = 20_000;

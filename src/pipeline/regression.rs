@@ -4,13 +4,14 @@
 //! rows, reads no files.
 
 use super::{MEMORY, Program, Sources, needed};
-use crate::data::{Column, Origin, Samples};
-use crate::dictionary::{BadValue, Dictionary, compile, subtract};
-use crate::lang::model::RightSide;
-use crate::lang::render;
-use crate::library::{Library, known_terms};
-use crate::solve::Problem;
-use crate::term::{Language, Signal, SignalNames};
+use sidc_data::{Column, Origin, Samples};
+use sidc_discover::dictionary::{BadValue, compile, subtract};
+use sidc_lang::library::{Library, known_terms};
+use sidc_lang::model::RightSide;
+use sidc_lang::render;
+use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_solve::Problem;
+use sidc_solve::dictionary::Dictionary;
 
 /// One equation on its rows: y = Φ a.
 pub struct Regression {
@@ -119,7 +120,7 @@ impl Program {
     ///
     /// ```
     /// use sidc::pipeline::Program;
-    /// use sidc::solve::{SOLVERS, certify, unwatched};
+    /// use sidc_solve::{SOLVERS, certify, unwatched};
     ///
     /// // A ball falls through air: 0.05 v|v| of drag, found out of ten terms on six rows.
     /// let program = Program::compile("fall.sid", "state v\ndv ~ <1, v*abs(v)> * powers(v; 4)\n")?;

@@ -1,11 +1,11 @@
 //! A term that has no finite value on the data: the term, the row, the value.
 
 use super::{Measured, Program};
-use crate::dictionary::BadValue;
-use crate::emit::significant;
-use crate::lang::diagnostic::Diagnostic;
-use crate::lang::model::RightSide;
-use crate::term::{Atom, Language, Term};
+use sidc_discover::dictionary::BadValue;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::RightSide;
+use sidc_lang::number::significant;
+use sidc_lang::term::{Atom, Language, Term};
 
 pub(super) fn explain(
     program: &Program,

@@ -4,10 +4,11 @@
 //! Never changes a term or a coefficient.
 
 use super::{Measured, Program};
-use crate::discover::{
-    Discovery, Equation, Reason, Stage, Status, Step, Stop, Verification, Watch,
-};
-use crate::verify::{self, Case};
+use sidc_discover::verify;
+use sidc_discover::verify::Case;
+use sidc_discover::{Step, Watch, unverified};
+use sidc_progress::{Stage, Stop};
+use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status, Verification};
 
 /// Checks every equation that was found, by other code and in other arithmetic. Where `watch` ends the work, equations that
 /// were not come to are doubted for it.
@@ -81,8 +82,8 @@ fn one(
 
 fn attach(equation: &mut Equation, checked: Result<Option<Verification>, Stop>) {
     let reason = match &checked {
-        Err(stop) => Some(stop.unverified()),
-        Ok(Some(v)) if !v.holds => Some(Reason::new("not-verified", v.fails.join("; "))),
+        Err(stop) => Some(unverified(*stop)),
+        Ok(Some(v)) if !v.holds => Some(Reason::new(ReasonCode::NotVerified, v.fails.join("; "))),
         Ok(_) => None,
     };
     if let Some(reason) = reason {

@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-use sidc::dictionary::Dense;
-use sidc::solve::{Problem, SOLVERS, Solution, Solver, Status};
+use sidc_solve::dictionary::Dense;
+use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status};
 
-use crate::pendulum::Random;
+use sidc_testing::pendulum_regression::Random;
 
 const PROBLEMS: u64 = 200;
 /// Relative difference of two minima, and relative duality gap.

@@ -1,26 +1,18 @@
 //! The fuzzer's targets on a stable toolchain: the corpus, everything that once failed, and some thousand inputs made from it.
 //!
-//! What a target promises is said in `fuzz/src`; how to fuzz for longer in docs/robustness.md.
+//! What a target promises is said in `crates/testing/src/fuzzing`; how to fuzz for longer in docs/robustness.md.
 
-use std::path::Path;
-use std::time::{Duration, Instant};
+use sidc_discover::SplitMix;
 
-use sidc::discover::SplitMix;
+use sidc_testing::fuzzing as fuzz;
+use sidc_testing::program::root;
 
-#[path = "../../fuzz/src/lib.rs"]
-mod fuzz;
-
-/// Inputs made of each corpus, as far as there is time.
-const MADE: usize = 3_000;
-const TIME: Duration = Duration::from_secs(3);
 /// Longest input made.
 const LONGEST: usize = 2_000;
 
 /// The inputs of a folder beside the fuzzer, by name.
 fn inputs(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fuzz")
-        .join(folder);
+    let root = root().join("fuzz").join(folder);
     let entries = std::fs::read_dir(root.join(target)).into_iter().flatten();
     let mut all: Vec<(String, Vec<u8>)> = entries
         .map(|e| e.unwrap().path())
@@ -68,17 +60,15 @@ fn mutated(corpus: &[(String, Vec<u8>)], random: &mut SplitMix) -> Vec<u8> {
     data
 }
 
-fn hold(target: &str) {
+/// The corpus, the regressions, and so many inputs made of the corpus.
+fn hold(target: &str, made: usize) {
     let corpus = inputs("corpus", target);
     assert!(!corpus.is_empty(), "no corpus for {target}");
     for (name, data) in corpus.iter().chain(&inputs("regressions", target)) {
         attack(target, name, data);
     }
-    let (start, mut random) = (Instant::now(), SplitMix::new(9));
-    for i in 0..MADE {
-        if start.elapsed() > TIME {
-            break;
-        }
+    let mut random = SplitMix::new(9);
+    for i in 0..made {
         attack(
             target,
             &format!("input {i}"),
@@ -89,40 +79,38 @@ fn hold(target: &str) {
 
 #[test]
 fn models_nobody_meant() {
-    hold("language");
+    hold("language", 150);
 }
 
 #[test]
 fn tables_nobody_meant() {
-    hold("csv");
+    hold("csv", 2000);
 }
 
 #[test]
 fn results_nobody_wrote() {
-    hold("result");
+    hold("result", 3000);
 }
 
 #[test]
 fn systems_nobody_measured() {
-    hold("simulate");
+    hold("simulate", 150);
 }
 
 #[test]
 fn sets_against_the_same_sets_written_out() {
-    hold("algebra");
+    hold("algebra", 100);
 }
 
 #[test]
 fn factors_against_whole_columns() {
-    hold("dictionary");
+    hold("dictionary", 1500);
 }
 
 /// Each target has a shim, and the fuzzer knows no others.
 #[test]
 fn every_target_can_be_fuzzed() {
-    let manifest =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/Cargo.toml"))
-            .unwrap();
+    let manifest = std::fs::read_to_string(root().join("fuzz/Cargo.toml")).unwrap();
     let bins = manifest
         .lines()
         .filter(|l| l.starts_with("path = \"fuzz_targets/"));

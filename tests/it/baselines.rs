@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
-use sidc::dictionary::{Collector, Dense, Dictionary, Strongest};
-use sidc::solve::{Problem, SOLVERS, Solution, Solver, Status, certify, least_squares};
+use sidc_solve::dictionary::{Collector, Dense, Dictionary, Strongest};
+use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status, certify, least_squares};
 
-use crate::pendulum::{Random, Target, draw, regression};
 use crate::solve::{combine, gaussian};
+use sidc_testing::pendulum_regression::{Random, Target, draw, regression};
 
 fn heuristics() -> impl Iterator<Item = &'static dyn Solver> {
     SOLVERS.iter().copied().filter(|s| !s.exact())
@@ -162,8 +162,8 @@ fn omp_asks_for_the_columns_it_takes_only() {
     assert_eq!(unstored.1.into_inner(), 8);
 }
 
-fn omp() -> sidc::solve::Omp {
-    sidc::solve::Omp
+fn omp() -> sidc_solve::Omp {
+    sidc_solve::Omp
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn what_is_too_large_to_hold_is_refused_or_streamed() {
     };
     let mut y = vec![0.0; 100];
     (y[3], y[70]) = (2.0, -1.0);
-    let s = run(&sidc::solve::Stlsq, &vast, &y, 0.0);
+    let s = run(&sidc_solve::Stlsq, &vast, &y, 0.0);
     let Status::Refused { reason } = &s.status else {
         unreachable!("{:?}", s.status)
     };

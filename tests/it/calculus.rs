@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use sidc::term::{Atom, Expr, FUNCTIONS, Func, Signal, Tape, VarId};
+use sidc_lang::term::{Atom, Expr, FUNCTIONS, Func, Signal, Tape, VarId};
 
 const INPUTS: [Signal; 3] = [
     Signal::new(VarId(1)),

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::program::{Run, file, root, sidc, sidc_in};
+use sidc_testing::program::{Run, file, root, sidc, sidc_in};
 
 const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
 
@@ -109,7 +109,7 @@ fn an_unknown_solver_is_2_with_a_suggestion() {
     refuses(
         &identify(&["--solver", "magic"]),
         2,
-        &["interior-point", "clarabel"],
+        &["homotopy", "clarabel"],
     );
 }
 
@@ -514,7 +514,7 @@ fn list_names_what_there_is() {
         "fourier(",
         "lags(",
         "sin",
-        "interior-point",
+        "homotopy",
         "clarabel",
         "omp",
         "stlsq",
@@ -556,7 +556,7 @@ fn options_without_effect_are_refused() {
 #[test]
 fn the_same_record_twice_is_said() {
     let folder = folder();
-    let table = std::fs::read_to_string("models/data/lorenz.csv").unwrap();
+    let table = std::fs::read_to_string(root().join("models/data/lorenz.csv")).unwrap();
     let twin = write(folder.path(), "twin.csv", &table);
     for arguments in [vec![twin.as_str()], vec!["--holdout", twin.as_str()]] {
         let run = identify(&arguments);

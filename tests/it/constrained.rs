@@ -1,13 +1,13 @@
 //! Constraints are solved: what they improve, where they bind, and what is said where they cannot hold.
 
 use std::path::Path;
-use std::time::Instant;
 
 use serde_json::Value;
-use sidc::lang::source::Sources;
 use sidc::pipeline;
+use sidc_lang::source::Sources;
 
-use super::program::{Run, error_codes, file, sidc, sidc_in};
+use sidc_testing::hang::ends;
+use sidc_testing::program::{Run, error_codes, file, sidc, sidc_in};
 
 const CARTS: &str = "models/two_carts.sid";
 const DATA: &str = "models/data/two_carts.csv";
@@ -281,17 +281,16 @@ fn thousands_of_constraints_are_judged_in_time() {
     let states: Vec<String> = (1..=400).map(|i| format!("dx{i} ~ <x1, x{i}>\n")).collect();
     let head = format!("state x1..x400\n{}", states.concat());
     let each = |of: &dyn Fn(usize) -> String| (1..=400).map(of).collect::<String>();
-    let start = Instant::now();
     let apart =
         each(&|i| format!("constrain coef(dx{i}, x1) > 0\nconstrain coef(dx{i}, x1) < 1\n"));
-    assert_eq!(errors(&(head.clone() + &apart)), [""; 0]);
+    let errors = |text: String| ends(move || errors(&text));
+    assert_eq!(errors(head.clone() + &apart), [""; 0]);
     let against =
         each(&|i| format!("constrain coef(dx{i}, x1) > 1\nconstrain coef(dx{i}, x1) < 0\n"));
     assert_eq!(
-        errors(&(head.clone() + &against)),
+        errors(head.clone() + &against),
         ["constraints-conflict"; 10]
     );
     let chain = each(&|i| format!("constrain coef(dx{i}, x1) < coef(dx{}, x1)\n", i % 400 + 1));
-    assert_eq!(errors(&(head + &chain)), ["too-large"]);
-    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+    assert_eq!(errors(head + &chain), ["too-large"]);
 }

@@ -1,23 +1,9 @@
 //! Standard errors are true: intervals hold the known coefficients as often as they say.
 
-#[path = "../../examples/coverage/accelerometer.rs"]
-mod accelerometer;
-#[path = "../../examples/coverage/case.rs"]
-mod case;
-#[path = "../../examples/coverage/figures.rs"]
-#[allow(dead_code)]
-mod figures;
-#[path = "../../examples/coverage/odebench.rs"]
-#[allow(dead_code)]
-mod odebench;
-#[path = "../../examples/coverage/run.rs"]
-mod run;
+use sidc_studies::coverage::figures::Row;
+use sidc_studies::coverage::{accelerometer, odebench, run};
 
-// What the files above know as their neighbours.
-use super::planted::{response, simulate};
-use figures::Row;
-
-/// Some draws of a case: all intervals together, and the size of every standard error. `cargo run --release --example coverage`
+/// Some draws of a case: all intervals together, and the size of every standard error. `cargo run --release -p sidc-studies --bin coverage`
 /// does 200 draws of all cases.
 fn holds(name: &str, count: u64, exact: usize) {
     let mut all = odebench::cases();

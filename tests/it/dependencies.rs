@@ -4,7 +4,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::program::root;
+use sidc_testing::program::root;
 
 /// Numbers of `1.89` or `1.89.0`.
 fn version(text: &str) -> Vec<u32> {

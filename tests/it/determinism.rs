@@ -1,11 +1,11 @@
 //! The same bytes: whatever the number of cores, the place, the language of the user, and however often.
 //!
-//! The long form of this is `examples/same_bytes.sh`.
+//! The long form of this is `tests/same_bytes.sh`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::program::root;
+use sidc_testing::program::root;
 
 /// Every command's arguments; `FILE.json` and the like are made in the folder of the run.
 const COMMANDS: &[&[&str]] = &[
@@ -49,7 +49,7 @@ const COMMANDS: &[&[&str]] = &[
         "two_carts.sid",
         "two_carts.csv",
         "--solver",
-        "interior-point",
+        "clarabel",
         "--json",
     ],
     &[
@@ -98,7 +98,8 @@ fn run(
     arguments: &[&str],
     folder: &Path,
 ) -> Vec<u8> {
-    let words: Vec<&str> = [before, &[env!("CARGO_BIN_EXE_sidc")], arguments].concat();
+    let program = sidc_testing::program::binary().to_str().unwrap();
+    let words: Vec<&str> = [before, &[program], arguments].concat();
     let mut command = Command::new(words[0]);
     command.args(&words[1..]).current_dir(folder);
     for (name, value) in environment {
@@ -137,13 +138,9 @@ fn runs_give_the_same_bytes_anywhere() {
         ("RAYON_NUM_THREADS", "7"),
         ("RUST_BACKTRACE", "1"),
     ];
-    let pinned = Command::new("taskset").args(["-c", "0", "true"]).status();
-    let one_core: &[&str] = match pinned.is_ok_and(|s| s.success()) {
-        true => &["taskset", "-c", "0"],
-        false => {
-            eprintln!("skipped: no taskset, so all runs have all cores");
-            &[]
-        }
+    let one_core: &[&str] = match sidc_testing::runtimes::runtime("taskset", &["taskset"]) {
+        Some(_) => &["taskset", "-c", "0"],
+        None => &[],
     };
     same(&first, &all(one_core, &elsewhere), "one core, elsewhere");
 }

@@ -1,12 +1,13 @@
 //! Factored dictionaries against the same library listed: norms, columns, correlations, and what is not finite.
 
 use proptest::prelude::*;
-use sidc::data::{Column, Origin, Samples};
-use sidc::dictionary::{BadValue, Dictionary, bytes, compile};
-use sidc::library::{Block, Library};
-use sidc::term::{Atom, Expr, Func, Signal, Term, VarId};
+use sidc_data::{Column, Origin, Samples};
+use sidc_discover::dictionary::{BadValue, bytes, compile};
+use sidc_lang::library::{Block, Library};
+use sidc_lang::term::{Atom, Expr, Func, Signal, Term, VarId};
+use sidc_solve::dictionary::Dictionary;
 
-use crate::pendulum::Random;
+use sidc_testing::pendulum_regression::Random;
 
 fn signal(i: usize) -> Expr {
     Expr::signal(Signal::new(VarId(i as u16)))

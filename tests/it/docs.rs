@@ -6,7 +6,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::program::{Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc};
+use sidc_system::discovery::ReasonCode;
+use sidc_testing::program::{
+    Piece, Run, file, is_figure, is_proof_by_tolerance, pieces, root, sidc,
+};
 
 const DOCUMENTS: &[&str] = &[
     "README.md",
@@ -149,7 +152,7 @@ fn rounding_is_no_difference_and_words_are() {
 
 /// Codes in double quotes behind `mark` in the source of the program.
 fn codes_behind(mark: &str, close: char) -> Vec<String> {
-    let mut folders = vec![root().join("src")];
+    let mut folders = vec![root().join("src"), root().join("crates")];
     let mut codes = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -176,9 +179,7 @@ fn codes_behind(mark: &str, close: char) -> Vec<String> {
 fn every_reason_is_documented() {
     let table = file("docs/diagnostics.md");
     let method = file("docs/method.md");
-    let reasons = codes_behind("Reason::new(", '"');
-    assert!(reasons.len() >= 10, "{reasons:?}");
-    for code in &reasons {
+    for code in ReasonCode::ALL {
         assert!(
             table.contains(&format!("| `{code}` |")),
             "diagnostics: {code}"
@@ -193,6 +194,23 @@ fn every_reason_is_documented() {
             "diagnostics: {code}"
         );
     }
+}
+
+/// Examples in comments. They run here and not at the end of `cargo test`, where it is said what was skipped.
+#[test]
+fn examples_in_comments_run() {
+    let own = std::env::current_exe().unwrap();
+    let mut cargo = std::process::Command::new(env!("CARGO"));
+    cargo.args(["test", "--doc", "--quiet", "--offline", "--target-dir"]);
+    cargo.arg(own.ancestors().nth(3).unwrap());
+    if !cfg!(debug_assertions) {
+        cargo.arg("--release");
+    }
+    let run = cargo.current_dir(root()).output().unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    let shown = String::from_utf8_lossy(&run.stdout);
+    assert!(run.status.success(), "{shown}{said}");
+    assert!(shown.contains("test result: ok. "), "{shown}{said}");
 }
 
 /// Links from one document to another, and to headings inside them, lead somewhere.

@@ -6,14 +6,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
-use sidc::lang::model::RightSide;
-use sidc::lang::source::Sources;
-use sidc::library::known_terms;
 use sidc::pipeline;
-use sidc::term::Language;
+use sidc_lang::library::known_terms;
+use sidc_lang::model::RightSide;
+use sidc_lang::source::Sources;
+use sidc_lang::term::Language;
 
 use super::lang::texts_in;
-use super::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
+use sidc_testing::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
 
 /// Relative error of a coefficient where the header says nothing.
 const USUAL: f64 = 1e-3;
@@ -120,9 +120,9 @@ pub fn normal(equations: &[(String, String)], document: &Value) -> Equations {
     }
     let mut sources = Sources::default();
     let file = sources.add("header.sid", text.as_str());
-    let (model, said) = sidc::lang::compile(file, &sources, &pipeline::vocabulary());
+    let (model, said) = sidc_lang::compile(file, &sources, &pipeline::vocabulary());
     let model =
-        model.unwrap_or_else(|| panic!("{text}{}", sidc::lang::render(&said, &sources, false)));
+        model.unwrap_or_else(|| panic!("{text}{}", sidc_lang::render(&said, &sources, false)));
     let mut out = Equations::new();
     for ((target, _), e) in equations.iter().zip(&model.equations) {
         let RightSide::Known(right) = &e.right else {
@@ -186,7 +186,7 @@ fn reduced_line(line: &str, digits: usize) -> String {
             words
         }
         Piece::Number(n) if is_figure(line, &n, &before) => "~".into(),
-        Piece::Number(n) => sidc::emit::significant(n.parse().unwrap(), digits),
+        Piece::Number(n) => sidc_lang::number::significant(n.parse().unwrap(), digits),
     });
     each.collect()
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::pendulum::Random;
-use super::program::{Run, sidc};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, sidc};
 
 const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
 const PENDULUM: [&str; 2] = ["models/pendulum.sid", "models/data/pendulum.csv"];

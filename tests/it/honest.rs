@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use super::pendulum::Random;
-use super::program::{Run, sidc_in};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, sidc_in};
 
 /// Rows of states every `step`, by Runge–Kutta with ten steps a sample.
 fn simulate(

@@ -1,7 +1,7 @@
 //! Result documents that nobody's `identify` wrote: refused in words, never run as something else.
 
-use sidc::emit;
-use sidc::result;
+use sidc_emit as emit;
+use sidc_system::result;
 
 fn document(variables: &str, target: &str, terms: &str) -> String {
     format!(

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use sidc::dictionary::Dense;
-use sidc::solve::{
+use sidc_solve::dictionary::Dense;
+use sidc_solve::{
     FitBlock, Joint, JointSolution, Outcome, Problem, Row, Sense, certify_joint, fit, nearest,
     solve_joint,
 };
@@ -53,7 +53,7 @@ impl Pair {
         (0..2)
             .map(|b| FitBlock {
                 columns: (0..self.cols).collect(),
-                values: faer::Mat::from_fn(self.rows, self.cols, |i, j| {
+                values: DMatrix::from_fn(self.rows, self.cols, |i, j| {
                     self.values[b][j * self.rows + i]
                 }),
                 target: self.targets[b].clone(),

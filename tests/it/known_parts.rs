@@ -4,8 +4,8 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::pendulum::Random;
-use super::program::{Run, sidc};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, sidc};
 
 const STEP: f64 = 0.05;
 const ROWS: usize = 400;

@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use proptest::prelude::*;
-use sidc::dictionary::Dense;
-use sidc::solve::{Knot, Problem, certify, certify_lasso, lasso, lasso_path};
+use sidc_solve::dictionary::Dense;
+use sidc_solve::{Knot, Problem, certify, certify_lasso, lasso, lasso_path};
 
-use crate::pendulum::{Random, Target, draw, regression};
+use sidc_testing::pendulum_regression::{Random, Target, draw, regression};
 
 /// Excess over a bound, relative to the penalty.
 const BOUND: f64 = 1e-8;

@@ -1,13 +1,12 @@
 //! Libraries: sizes by arithmetic, algebra of sets, what is refused and what is only noted.
 
-use std::time::Instant;
-
 use proptest::prelude::*;
-use sidc::lang::diagnostic::Diagnostic;
-use sidc::lang::source::Sources;
-use sidc::library::GENERATORS;
-use sidc::pipeline::{self, Program};
-use sidc::term::{Expr, Language, Signal, Term, VarId};
+use sidc::pipeline;
+use sidc::pipeline::Program;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::library::GENERATORS;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{Expr, Language, Signal, Term, VarId};
 
 /// The program, and the codes of its notes and warnings, or of its errors if there is none.
 fn compile(model: &str) -> (Option<Program>, Vec<String>) {
@@ -104,9 +103,9 @@ fn refusal(model: &str) -> String {
     errors[0].message.clone()
 }
 
+/// Numbers that nobody could count one by one: whoever tried would not end.
 #[test]
 fn what_does_not_fit_is_refused_by_arithmetic() {
-    let start = Instant::now();
     assert_eq!(
         refusal("state x1..x40\ndx1 ~ powers(x1..x40; 2)"),
         "this library has about 10^19 terms, which take 97,261,323,672 GB; the limit is 4 GB"
@@ -120,7 +119,6 @@ fn what_does_not_fit_is_refused_by_arithmetic() {
     let shared = "state x1..x13\ndx1 ~ powers(x1..x13; 2) * poly(x1..x13; 1)";
     assert!(refusal(shared).starts_with("22,320,522 terms would have to be listed"));
     refusal("state x1..x40\nlimit degree 12\ndx1 ~ powers(x1..x40; 2)");
-    assert!(start.elapsed().as_millis() < 200, "{:?}", start.elapsed());
 }
 
 /// Numbers of terms are exact; what is stored are the terms of the blocks' sides.
@@ -270,10 +268,10 @@ proptest! {
     /// Arithmetic knows what expansion makes, for every generator.
     #[test]
     fn counts_are_those_of_expansions(atoms in 1usize..5, from in 0u32..3, more in 0u32..3) {
-        use sidc::lang::model::NumberArg;
+        use sidc_lang::model::NumberArg;
         let mut sources = Sources::default();
         let file = sources.add("", "0");
-        let span = sidc::lang::source::Span::new(file, 0, 1);
+        let span = sidc_lang::source::Span::new(file, 0, 1);
         let signals: Vec<Expr> = (1..=atoms as u16).map(|i| Expr::signal(Signal::new(VarId(i)))).collect();
         let number = NumberArg { from: f64::from(from), to: f64::from(from + more), range: more > 0, span };
         for g in GENERATORS {

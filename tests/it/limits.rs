@@ -3,14 +3,18 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use sidc::data::{self, Limits};
-use sidc::discover::{Discovery, Options, Reason, Stage, Status, Step, Stop};
-use sidc::lang::source::Sources;
-use sidc::pipeline::{self, MEMORY, Measured, Program, Rows};
-use sidc::result::{Document, FailedEntry};
-use sidc::solve::SOLVERS;
+use sidc::pipeline;
+use sidc::pipeline::{MEMORY, Measured, Program, Rows};
+use sidc_data as data;
+use sidc_data::Limits;
+use sidc_discover::{Options, Step};
+use sidc_lang::source::Sources;
+use sidc_progress::{Stage, Stop};
+use sidc_solve::SOLVERS;
+use sidc_system::discovery::{Discovery, Reason, Status};
+use sidc_system::result::{Document, FailedEntry};
 
-use super::program::{Run, file, sidc, sidc_in};
+use sidc_testing::program::{Run, file, sidc, sidc_in};
 
 const LORENZ: [&str; 2] = ["models/lorenz.sid", "models/data/lorenz.csv"];
 const PENDULUM: [&str; 2] = ["models/pendulum.sid", "models/data/pendulum.csv"];
@@ -33,7 +37,7 @@ fn failures(d: &Document) -> Vec<String> {
 }
 
 fn codes(reasons: &[Reason]) -> Vec<String> {
-    reasons.iter().map(|r| r.code.clone()).collect()
+    reasons.iter().map(|r| r.code.to_string()).collect()
 }
 
 #[test]
@@ -289,7 +293,7 @@ fn a_stop_while_evidence_is_weighed_doubts_what_was_not_weighed() {
         "told of more after its stop"
     );
     assert!(d.failed.is_empty());
-    let evidence = |e: &sidc::discover::Equation| {
+    let evidence = |e: &sidc_system::discovery::Equation| {
         let evidence = e.evidence.as_ref().unwrap();
         evidence.identifiability.is_some()
     };
@@ -335,13 +339,13 @@ mod ctrl_c {
     use std::process::{Child, Command, Stdio};
     use std::time::{Duration, Instant};
 
-    use super::super::program::root;
     use super::{LORENZ, document, failures};
+    use sidc_testing::program::root;
 
     const SIGINT: u64 = 1 << 1;
 
     fn start(model: &str, more: &[&str]) -> Child {
-        Command::new(env!("CARGO_BIN_EXE_sidc"))
+        Command::new(sidc_testing::program::binary())
             .args(["identify", model, LORENZ[1], "--json", "--quiet"])
             .args(more)
             .current_dir(root())
@@ -354,7 +358,7 @@ mod ctrl_c {
     /// Waits until the process listens to Ctrl-C; false if whoever started the tests has it ignored, as shells do in scripts.
     fn listens(child: &Child) -> bool {
         let start = Instant::now();
-        while start.elapsed() < Duration::from_secs(60) {
+        while start.elapsed() < sidc_testing::hang::HANGS {
             let status = format!("/proc/{}/status", child.id());
             let status = std::fs::read_to_string(status).unwrap();
             let mask = |name: &str| {
@@ -362,7 +366,7 @@ mod ctrl_c {
                 u64::from_str_radix(line.unwrap_or("0").trim(), 16).unwrap()
             };
             if mask("SigIgn:") & SIGINT != 0 {
-                eprintln!("skipped: Ctrl-C is ignored here");
+                sidc_testing::runtimes::skipped("a terminal: Ctrl-C is ignored");
                 return false;
             }
             if mask("SigCgt:") & SIGINT != 0 {

@@ -3,14 +3,15 @@
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use sidc::algebra::{self, Linear, Near, NoLinear, Point, Stability};
-use sidc::discover::{Discovery, Form};
-use sidc::term::{Signal, VarId};
+use sidc_lang::term::{Signal, VarId};
+use sidc_system::algebra;
+use sidc_system::algebra::{Linear, LocalAnalysis, NoLinear, Point, Stability};
+use sidc_system::discovery::{Discovery, Form};
 
-use super::program::{Run, sidc};
 use super::symbolic::{
     BOB, CART, G, PIVOT, ROD, Sum, TRACK, at, document, pendulum, read, systems, two_carts,
 };
+use sidc_testing::program::{Run, sidc};
 
 fn point(values: &[(Signal, f64)]) -> Point {
     Point(values.iter().copied().collect())
@@ -20,7 +21,7 @@ fn v(i: u16) -> Signal {
     Signal::new(VarId(i))
 }
 
-fn near(d: &Discovery, values: &[(Signal, f64)], inputs: &[Signal]) -> Near {
+fn near(d: &Discovery, values: &[(Signal, f64)], inputs: &[Signal]) -> LocalAnalysis {
     algebra::near(&Form::new(d), &point(values), inputs).unwrap()
 }
 
@@ -45,11 +46,11 @@ fn the_pendulum_hanging_and_upright_is_the_textbook_s() {
             0.0, s * TRACK / (CART * ROD), -s * (CART + BOB) * G / (CART * ROD), -(CART + BOB) * friction / (CART * ROD),
         ]);
         close(&found.linear.b, &[0.0, 1.0 / CART, 0.0, -s / (CART * ROD)]);
-        assert!(found.linear.rests());
-        assert_eq!(found.reached, 4);
-        assert!(found.bends.is_empty());
+        assert!(found.linear.is_equilibrium());
+        assert_eq!(found.controllable_rank, 4);
+        assert!(found.nonsmooth.is_empty());
         let unstable = match s > 0.0 {
-            true => Stability::Border(1),
+            true => Stability::Marginal(1),
             false => Stability::Unstable(1),
         };
         assert_eq!(found.stability, Some(unstable));
@@ -97,7 +98,7 @@ fn a_mass_on_a_spring_has_its_frequency_and_damping() {
     assert!((modes[0].time_constant().unwrap() - 1.0 / (zeta * omega)).abs() < 1e-11);
     // Pulled out to 0.5, held there by u = (36·0.5 + 40·0.125)/3.
     let held = near(&d, &[(v(1), 0.5)], &[v(2)]);
-    assert!(!held.linear.rests());
+    assert!(!held.linear.is_equilibrium());
     let u = held.balance.unwrap()[0];
     assert!((u - 23.0 / 3.0).abs() < 1e-12, "{u}");
     close(
@@ -123,11 +124,11 @@ fn what_no_input_reaches_is_not_controllable() {
         ],
     ));
     let found = near(&d, &[], &[v(3)]);
-    assert_eq!(found.reached, 1);
+    assert_eq!(found.controllable_rank, 1);
     // w has no equation: it is an input, but nobody's to set.
     assert_eq!(found.linear.inputs, [v(3), v(4)]);
     assert_eq!(found.actuators, [v(3)]);
-    assert_eq!(near(&read(&two_carts()), &[], &[v(3)]).reached, 4);
+    assert_eq!(near(&read(&two_carts()), &[], &[v(3)]).controllable_rank, 4);
 }
 
 #[test]
@@ -157,7 +158,7 @@ fn lags_are_states_and_the_unit_circle_is_the_border() {
         0.0, 0.0, 1.0, 0.0,
     ]);
     close(&l.b, &[0.0, 0.0, 1.0, 0.0]);
-    assert_eq!(found.reached, 4);
+    assert_eq!(found.controllable_rank, 4);
     assert_eq!(found.stability, Some(Stability::Stable));
     // Roots of z² − 0.6 z + 0.2, and two of the delay.
     let modes = found.modes.unwrap();
@@ -167,14 +168,14 @@ fn lags_are_states_and_the_unit_circle_is_the_border() {
     // A lag that is not named is what its signal is: this point rests.
     let y = (-0.4 - 0.2f64).mul_add(1.0, 0.0) / 0.1;
     let rest = near(&d, &[(v(1), y)], &[]);
-    assert!(rest.linear.rests(), "{:?}", rest.linear.drift);
+    assert!(rest.linear.is_equilibrium(), "{:?}", rest.linear.drift);
     let map = read(&document(
         &[("x", "state", 0)],
         "discrete",
         &[("next(x)", &[("x", 3.9), ("x^2", -3.9)])],
     ));
     let fixed = near(&map, &[(v(1), 29.0 / 39.0)], &[]);
-    assert!(fixed.linear.rests());
+    assert!(fixed.linear.is_equilibrium());
     close(&fixed.linear.a, &[-1.9]);
     assert_eq!(fixed.stability, Some(Stability::Unstable(1)));
 }
@@ -190,11 +191,11 @@ fn kinks_show_their_sides_and_smooth_places_none() {
     };
     let bends = |terms: Sum, x: f64| {
         let d = system(terms);
-        near(&d, &[(v(1), x)], &[]).bends
+        near(&d, &[(v(1), x)], &[]).nonsmooth
     };
     assert!(bends(&[("x*abs(x)", -2.0)], 0.0).is_empty());
     assert!(bends(&[("abs(x)", -2.0)], 0.1).is_empty());
-    let slopes = |found: &[algebra::Bend]| -> Vec<(f64, f64)> {
+    let slopes = |found: &[algebra::NonsmoothPoint]| -> Vec<(f64, f64)> {
         let sides = found.iter().flat_map(|b| &b.sides);
         let a = sides.map(|(_, l): &(_, Option<Linear>)| l.as_ref().unwrap());
         a.map(|l| (l.a[(0, 0)], l.a[(1, 0)])).collect()
@@ -259,9 +260,9 @@ fn what_is_zero_up_to_the_digits_of_the_point_is_zero() {
     let half = near(&d, &[(v(1), std::f64::consts::FRAC_PI_2)], &[v(2)]);
     assert_eq!(half.linear.b.as_slice(), [0.0, 0.0]);
     assert_eq!(half.linear.a.as_slice(), [0.0, 0.0, 1.0, 0.0]);
-    assert!(!half.linear.rests());
+    assert!(!half.linear.is_equilibrium());
     let whole = near(&d, &[(v(1), std::f64::consts::PI)], &[v(2)]);
-    assert!(whole.linear.rests());
+    assert!(whole.linear.is_equilibrium());
 }
 
 proptest! {

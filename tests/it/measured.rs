@@ -1,26 +1,17 @@
-//! Real and benchmark data that live beside the checkout, not in it: where they are absent, the test says so and skips.
+//! Records of real rigs and of other people's benchmarks, in tests/data with their licences, and of our own rigs like those.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A file of the shared data folder, or `None` with a word on stderr.
-fn shared(file: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data")
-        .join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("skipped: {} is not here", path.display());
-    None
-}
+use sidc_testing::plants::rigs;
+use sidc_testing::program::record;
 
 /// Terms and coefficients of each equation that `sidc identify --json` finds.
 fn identify(model: &str, data: &Path) -> Vec<Vec<(String, f64)>> {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("model.sid");
     std::fs::write(&file, model).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_sidc"))
+    let output = Command::new(sidc_testing::program::binary())
         .arg("identify")
         .args([&file, data])
         .arg("--json")
@@ -49,9 +40,7 @@ fn near(found: &[(String, f64)], wanted: &[(&str, f64)], part: f64) {
 /// Published: 64.2 sin θ − 0.067 θ̇; least squares on our own smoothing gives −0.055.
 #[test]
 fn a_measured_pendulum_gives_gravity_and_damping() {
-    let Some(data) = shared("real/pendulum_single_free_train.csv") else {
-        return;
-    };
+    let data = record("pendulum_single_free.csv");
     let model = "state theta : order 2\nddtheta ~ <sin theta, cos theta> + poly(dtheta; 2)\n";
     let found = identify(model, &data);
     near(&found[0][..1], &[("dtheta", -0.06)], 0.25);
@@ -61,9 +50,7 @@ fn a_measured_pendulum_gives_gravity_and_damping() {
 /// SINDy-PI's implicit double pendulum, from angles and speeds.
 #[test]
 fn the_double_pendulum_is_found_in_implicit_form() {
-    let Some(data) = shared("sindypi/double_pendulum_train.csv") else {
-        return;
-    };
+    let data = record("sindypi_double_pendulum.csv");
     let model = "state theta1, theta2 : order 2
 data {
   dtheta1 = \"omega1\"
@@ -97,14 +84,13 @@ ddtheta2 ~ near + c * <ddtheta1, dtheta1^2, dtheta2^2, dtheta1*dtheta2, 1>
 /// Two tanks of which one is measured: no equation of one state is right, and that is what has to be said.
 #[test]
 fn a_hidden_state_ends_in_doubt() {
-    let Some(data) = shared("real/tanks_cascaded_est.csv") else {
-        return;
-    };
     let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("tanks.csv");
+    std::fs::write(&data, rigs::cascaded_tanks()).unwrap();
     let file = folder.path().join("tanks.sid");
     let model = "state y\ninput u\ndy ~ poly(y, u; 2) + <sqrt y, sqrt u>\n";
     std::fs::write(&file, model).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_sidc"))
+    let output = Command::new(sidc_testing::program::binary())
         .arg("identify")
         .args([&file, &data])
         .output()
@@ -124,7 +110,7 @@ fn within(model: &str, data: &[PathBuf], window: &str) -> (i32, serde_json::Valu
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("model.sid");
     std::fs::write(&file, model).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_sidc"))
+    let output = Command::new(sidc_testing::program::binary())
         .arg("identify")
         .arg(&file)
         .args(data)
@@ -160,21 +146,21 @@ fn close(found: f64, wanted: f64, part: f64) {
     );
 }
 
-/// The converter's offset is found beside the textbook's four terms, which predict the rest of the record to 1.5 %.
+/// A Duffing oscillator as a circuit: its four terms, two that the converter's offset makes, and the offset is named.
 #[test]
-fn the_silverbox_is_a_duffing_oscillator_with_an_offset() {
-    let Some(data) = shared("real/silverbox_multisine_excerpt.csv") else {
-        return;
-    };
+fn the_offset_of_a_converter_is_named_beside_the_duffing_terms() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("circuit.csv");
+    std::fs::write(&data, rigs::duffing_circuit()).unwrap();
     let model = "state y : order 2\ninput u : linear\nddy ~ poly(y, dy; 3) + u\n";
-    let (status, found) = within(model, &[data], "..6");
-    close(coefficient(&found, 0, "y"), -1.843e5, 0.01);
-    close(coefficient(&found, 0, "dy"), -41.6, 0.05);
-    close(coefficient(&found, 0, "u"), 1.936e5, 0.01);
-    close(coefficient(&found, 0, "y^3"), -6.9e5, 0.15);
+    let (status, found) = within(model, &[data], "..5");
+    for (term, truth) in ["y", "dy", "y^3", "u"].into_iter().zip(rigs::CIRCUIT) {
+        close(coefficient(&found, 0, term), truth, 1e-3);
+    }
+    assert_eq!(found["equations"][0]["terms"].as_array().unwrap().len(), 6);
     assert_eq!(status, 3);
     assert!(
-        reasons(&found, 0).contains(&"misfit".to_string()),
+        reasons(&found, 0).contains(&"sensor-offset".to_string()),
         "{found:#}"
     );
 }
@@ -182,9 +168,7 @@ fn the_silverbox_is_a_duffing_oscillator_with_an_offset() {
 /// A propeller on an arm, whose motor is a hidden state: few terms, and said to be wrong.
 #[test]
 fn a_lagging_motor_buys_few_terms() {
-    let Some(data) = shared("real/aeroshield_pendulum.csv") else {
-        return;
-    };
+    let data = record("aeroshield.csv");
     let model = "state theta : order 2\ninput u : hold
 ddtheta ~ <sin theta, cos theta, dtheta, dtheta*abs(dtheta), sign dtheta, u, u^2, u^3, 1>\n";
     let (status, found) = within(model, &[data], "..35");
@@ -203,9 +187,7 @@ ddtheta ~ <sin theta, cos theta, dtheta, dtheta*abs(dtheta), sign dtheta, u, u^2
 /// Pelts of 1900 to 1920; Stan's posterior means are .55, .028, .80, .024.
 #[test]
 fn lynx_and_hare_eat_as_published() {
-    let Some(data) = shared("real/bio_lynx_hare_1900_1920.csv") else {
-        return;
-    };
+    let data = record("lynx_hare.csv");
     let model = "state hare, lynx\ndhare, dlynx ~ poly(hare, lynx; 2)\n";
     let (status, found) = within(model, &[data], "..");
     assert_eq!(status, 3);
@@ -220,9 +202,7 @@ fn lynx_and_hare_eat_as_published() {
 /// Two measured angles of a real double pendulum, one second of them: gravity and both couplings.
 #[test]
 fn a_real_double_pendulum_shows_its_couplings() {
-    let Some(data) = shared("real/pendulum_double_free_train.csv") else {
-        return;
-    };
+    let data = record("pendulum_double_free.csv");
     let model = "state theta1, theta2 : order 2
 let near = <sin theta1, sin theta2, dtheta1, dtheta2>
 ddtheta1 ~ near + cos(theta1 - theta2)*ddtheta2 + sin(theta1 - theta2)*<dtheta2^2, dtheta1^2>
@@ -256,18 +236,12 @@ ddtheta2 ~ near + cos(theta1 - theta2)*ddtheta1 + sin(theta1 - theta2)*<dtheta2^
 /// SINDy-PI's rational kinetics, from concentrations with 1 % noise: dx (0.3 + x) = 0.18 − 0.9 x.
 #[test]
 fn michaelis_and_menten_are_found_in_noise() {
-    let files: Vec<PathBuf> = (0..5)
-        .filter_map(|i| shared(&format!("sindypi/michaelis_menten_ic{i}.csv")))
-        .collect();
-    if files.len() < 5 {
-        return;
-    }
+    let files = (0..5).map(|i| record(&format!("sindypi_michaelis_menten_{i}.csv")));
     let folder = tempfile::tempdir().unwrap();
-    let mut random = super::pendulum::Random::new(11);
+    let mut random = sidc_testing::pendulum_regression::Random::new(11);
     let noisy: Vec<PathBuf> = files
-        .iter()
         .map(|file| {
-            let text = std::fs::read_to_string(file).unwrap();
+            let text = std::fs::read_to_string(&file).unwrap();
             let mut spoilt = String::from("t,x\n");
             for line in text.lines().skip(1) {
                 let (t, x) = line.split_once(',').unwrap();

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::pendulum::Random;
-use super::program::{Run, file, sidc};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, file, sidc};
 
 /// Standard deviation of the angular acceleration's sensor; the signal's own size is 20.
 const SIGMA: f64 = 0.05;

@@ -1,26 +1,15 @@
 //! Records that cannot say what is asked of them: the cause is named, no wrong answer passes, and the advice helps.
 
-use std::path::Path;
+use sidc_lang::term::Language;
+use sidc_system::discovery::{Cause, Discovery, Equation, Finding, Identifiability, Status};
 
-use sidc::discover::{Cause, Discovery, Equation, Finding, Identifiability, Status};
-use sidc::term::Language;
+use sidc_studies::planted::cases::Case;
+use sidc_studies::planted::{cases, run};
+use sidc_testing::plants::response;
+use sidc_testing::program::record;
+use sidc_testing::{integrate, random};
 
-#[path = "../../examples/planted/cases.rs"]
-#[allow(dead_code)]
-mod cases;
-#[path = "../../examples/gallery/response.rs"]
-#[allow(dead_code)]
-pub mod response;
-#[path = "../../examples/planted/run.rs"]
-#[allow(dead_code)]
-mod run;
-#[path = "../../examples/simulate/mod.rs"]
-#[allow(dead_code)]
-pub mod simulate;
-
-use cases::Case;
-
-/// All sixty; `cargo run --release --example planted` prints them one by one.
+/// All sixty; `cargo run --release -p sidc-studies --bin planted` prints them one by one.
 #[test]
 fn planted_causes_are_named_and_no_wrong_answer_passes() {
     let (mut named, mut wrong, mut missed) = (0, Vec::new(), Vec::new());
@@ -65,8 +54,8 @@ fn case(model: &str, tables: Vec<String>) -> Case {
 
 /// Six seconds of a pendulum that starts at an angle, read with 1 % noise of its spread.
 fn swing(start: f64, seed: u64) -> String {
-    let mut random = simulate::random::Random::new(seed);
-    let times = simulate::integrate::grid(300, 0.02);
+    let mut random = random::Random::new(seed);
+    let times = integrate::grid(300, 0.02);
     let f = |_: f64, x: &[f64; 2]| [x[1], -9.81 * x[0].sin() - 0.2 * x[1]];
     let states = response::free(&f, &times, [start, 0.0]);
     let square: f64 = states.iter().map(|x| x[0] * x[0]).sum();
@@ -85,7 +74,7 @@ fn following_the_advice_separates_an_angle_from_its_sine() {
         let e = &d.equations[0];
         let small = |f: &&Finding| f.cause == Cause::SmallRange && f.matters;
         let found = judged(e).findings.iter().find(small);
-        let finding = found.unwrap_or_else(|| panic!("{}", sidc::emit::answer(&d, true)));
+        let finding = found.unwrap_or_else(|| panic!("{}", sidc_emit::answer(&d, true)));
         assert_eq!(e.status, Status::Doubt);
         assert!(finding.text.contains("sin(theta)"), "{}", finding.text);
         let reach = finding.reach.unwrap();
@@ -100,19 +89,11 @@ fn following_the_advice_separates_an_angle_from_its_sine() {
 /// ODEBench's 63rd system: S + E + I + R = 1, and the sparsest of many exact supports is the truth.
 #[test]
 fn the_conserved_sum_of_an_epidemic_is_named() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/odebench");
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
-    let tables: Option<Vec<String>> = ["ode63_ic0.csv", "ode63_ic1.csv"]
-        .into_iter()
-        .map(read)
-        .collect();
-    let Some(tables) = tables else {
-        println!("skipped: no shared data");
-        return;
-    };
+    let read = |name: &str| std::fs::read_to_string(record(name)).unwrap();
+    let tables = ["odebench_63_0.csv", "odebench_63_1.csv"].map(read);
     let lib = "poly(x0, x1, x2, x3; 3)";
     let model = format!("state x0, x1, x2, x3\ndx0, dx1, dx2, dx3 ~ {lib}\n");
-    let d = run::identify(&case(&model, tables)).unwrap();
+    let d = run::identify(&case(&model, tables.to_vec())).unwrap();
     let truth: [&[&str]; 4] = [&["x0*x2"], &["x0*x2", "x1"], &["x1", "x2"], &["x2"]];
     for (e, truth) in d.equations.iter().zip(truth) {
         assert_eq!(support(&d, e), truth);
@@ -135,7 +116,7 @@ fn the_sentences_read_well() {
     let shown = |name: &str| {
         let case = all.iter().find(|c| c.name == name).unwrap();
         let d = run::identify(case).unwrap();
-        let text = sidc::emit::answer(&d, false);
+        let text = sidc_emit::answer(&d, false);
         let lines = text.lines().filter(|l| l.trim_start().starts_with("data["));
         lines.map(|l| format!("{}\n", l.trim())).collect::<String>()
     };
@@ -156,7 +137,7 @@ fn the_sentences_read_well() {
 #[test]
 fn good_data_are_not_talked_about() {
     let f = |_: f64, x: &[f64; 2]| [x[1], -9.81 * x[0].sin() - 0.2 * x[1]];
-    let times = simulate::integrate::grid(800, 0.02);
+    let times = integrate::grid(800, 0.02);
     let states = response::free(&f, &times, [2.0, 0.0]);
     let row = |(t, x): (&f64, &[f64; 2])| format!("{t},{:e}\n", x[0]);
     let rows: String = times.iter().zip(&states).map(row).collect();
@@ -164,11 +145,12 @@ fn good_data_are_not_talked_about() {
     let d = run::identify(&case(model, vec![format!("t,theta\n{rows}")])).unwrap();
     let e = &d.equations[0];
     assert_eq!(e.status, Status::Pass);
-    assert!(!sidc::emit::answer(&d, false).contains("data["));
+    assert!(!sidc_emit::answer(&d, false).contains("data["));
     // For those who ask there is an identity, which needs two terms for one.
     let i = judged(e);
     assert_eq!((i.columns, i.rank), (6, 5));
-    let identity = |r: &&sidc::discover::Relation| r.cause == Cause::Identity && r.size < 1e-12;
+    let identity =
+        |r: &&sidc_system::discovery::Relation| r.cause == Cause::Identity && r.size < 1e-12;
     assert_eq!(i.relations.iter().filter(identity).count(), 1);
     assert!(i.equivalent.is_empty());
 }

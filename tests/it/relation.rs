@@ -1,13 +1,12 @@
 //! Coupled equations as relations: copies of each other are named and replaced where that is possible, laws are left alone.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use proptest::prelude::*;
 use serde_json::Value;
 
-use super::pendulum::Random;
-use super::program::{Run, sidc_in};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, record, sidc_in};
 
 const STEP: f64 = 0.01;
 
@@ -362,12 +361,7 @@ fn a_heavy_bob_on_a_light_cart_is_no_copy() {
 /// A real double pendulum, which is coupled by its accelerations.
 #[test]
 fn a_measured_double_pendulum_is_no_copy() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data/real/pendulum_double_free_train.csv");
-    let Ok(table) = std::fs::read_to_string(&data) else {
-        eprintln!("skipped: {} is not here", data.display());
-        return;
-    };
+    let table = std::fs::read_to_string(record("pendulum_double_free.csv")).unwrap();
     let model = "state theta1, theta2 : order 2
 data {
   dtheta1 = \"omega1\"

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::program::{Run, root, sidc, sidc_in};
+use sidc_testing::program::{Run, root, sidc, sidc_in};
 
 fn result(folder: &Path, model: &str, options: &[&str]) -> String {
     let out = folder.join(format!("{model}.json")).display().to_string();
@@ -284,12 +284,7 @@ fn size(png: &[u8]) -> (u32, u32) {
 
 /// A Chromium that sees a page, if there is one.
 fn browser(folder: &Path) -> Option<Command> {
-    let runs = |name: &&str| {
-        let version = Command::new(name).arg("--version").output();
-        version.is_ok_and(|o| o.status.success())
-    };
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    let mut command = Command::new(names.into_iter().find(runs)?);
+    let mut command = Command::new(sidc_testing::runtimes::chromium()?);
     let profile = folder.join("profile");
     command
         .args(["--headless", "--no-sandbox", "--disable-gpu"])

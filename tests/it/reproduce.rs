@@ -4,14 +4,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use super::program::{file, root};
+use sidc_testing::program::{file, root};
 
-#[path = "../../examples/reproduce/study/mod.rs"]
-// Other tests have the simulators in their own trees.
-#[allow(dead_code, clippy::duplicate_mod)]
-mod study;
-
-use study::{CHAPTERS, Effort, tables};
+use sidc_studies::reproduce::{CHAPTERS, Effort, tables};
 
 const FOLDER: &str = "docs/reproduction";
 /// Largest relative error of a coefficient in Tables 5.2 and 5.3.

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use super::pendulum::Random;
-use super::program::{Run, sidc};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, sidc};
 
 const STEP: f64 = 0.05;
 const MODEL: &str = "state x : order 2\nddx ~ poly(x, dx; 2)\n";

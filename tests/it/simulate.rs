@@ -1,11 +1,14 @@
 //! Free runs: equations of known solutions against those solutions, and the ways to end early.
 
-use sidc::data::{self, Limits};
-use sidc::lang::diagnostic::Diagnostic;
-use sidc::lang::source::Sources;
-use sidc::result::{self, Opened};
-use sidc::simulate::{self, FaultKind, Method, Options, Origin, Run, Source};
-use sidc::term::{Signal, SignalNames};
+use sidc_data as data;
+use sidc_data::Limits;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{Signal, SignalNames};
+use sidc_system::result;
+use sidc_system::result::Opened;
+use sidc_system::simulate;
+use sidc_system::simulate::{FaultKind, Method, Options, Origin, Run, Source};
 
 /// A result document: variables as `kind name order`, equations as a target and its terms.
 pub fn document(time: &str, variables: &[&str], equations: &[(&str, &[(f64, &str)])]) -> String {
@@ -135,7 +138,11 @@ fn held_and_linear_inputs_act_as_they_are_declared() {
             method,
             ..Options::default()
         };
-        let within = if method == Method::Stiff { 1e-7 } else { 1e-11 };
+        let within = if method == Method::Stiff {
+            1e-10
+        } else {
+            1e-11
+        };
         let run = run(&opened, &data, &options).unwrap();
         assert_near(column(&run, &opened, "x"), |k| x(run.time[k]), within);
     }
@@ -165,7 +172,10 @@ fn scores_are_what_they_say() {
     // x stays at 1; readings are 1 but for the second half, which is off by 0.5.
     let opened = continuous(&["state x 1"], &[("dx", &[])]);
     let data = csv(11, 1.0, &[("x", &|t| if t < 5.5 { 1.0 } else { 1.5 })]);
-    let start = vec![(sidc::discover::Form::new(&opened.discovery).state[0], 1.0)];
+    let start = vec![(
+        sidc_system::discovery::Form::new(&opened.discovery).state[0],
+        1.0,
+    )];
     let options = Options {
         start,
         ..Options::default()
@@ -354,9 +364,7 @@ fn what_is_not_a_number_is_found_where_it_begins() {
         .unwrap();
         let fault = run.fault().unwrap();
         assert_eq!(fault.kind.code(), "not-finite", "{fault:?}");
-        // The stiff method takes steps back only so often.
-        let within = if method == Method::Stiff { 1e-3 } else { 1e-6 };
-        assert!((fault.time - 1.0).abs() < within, "{fault:?}");
+        assert!((fault.time - 1.0).abs() < 1e-6, "{fault:?}");
         assert_eq!(opened.discovery.name(fault.equations[0]), "dz");
         assert!(run.time.len() >= 10);
     }
@@ -539,7 +547,7 @@ fn derivatives_of_inputs_are_slopes_and_states_without_equations_drive() {
 fn a_given_start_needs_no_measurement() {
     let opened = oscillator();
     let data = csv(50, 0.1, &[("u", &|_| 0.0)]);
-    let state = sidc::discover::Form::new(&opened.discovery).state;
+    let state = sidc_system::discovery::Form::new(&opened.discovery).state;
     let start = vec![(state[0], 0.5), (state[1], 0.0)];
     let given = run(
         &opened,
@@ -644,10 +652,8 @@ fn work_is_bounded_however_the_system_moves() {
     // A frequency that no record of 100 rows is worth.
     let opened = continuous(&["state x 2"], &[("ddx", &[(-1e18, "x")])]);
     let data = csv(101, 0.1, &[("x", &|t| (1e9 * t).cos()), ("dx", &|_| 1e9)]);
-    let started = std::time::Instant::now();
-    let run = run(&opened, &data, &Options::default()).unwrap();
+    let run = sidc_testing::hang::ends(move || run(&opened, &data, &Options::default()).unwrap());
     assert_eq!(run.fault().unwrap().kind.code(), "too-much-work");
-    assert!(started.elapsed().as_secs() < 60);
 }
 
 #[test]

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use sidc::lang::source::Sources;
 use sidc::pipeline;
-use sidc::result;
-use sidc::simulate::Options;
+use sidc_lang::source::Sources;
+use sidc_system::result;
+use sidc_system::simulate::Options;
 
 use super::gallery::{Header, normal};
 use super::lang::texts_in;
-use super::pendulum;
-use super::program::{Piece, is_figure, pieces, root, sidc, sidc_in};
 use super::simulate::{csv, document, normals, run};
+use sidc_testing::pendulum_regression as pendulum;
+use sidc_testing::program::{Piece, is_figure, pieces, root, sidc, sidc_in};
 
 // ---- Documents ----
 
@@ -37,7 +37,7 @@ fn documents_say_how_data_are_read() {
     assert_eq!(model.data.entries.len(), 3);
     assert_eq!(
         model.vars[2].between,
-        Some(sidc::lang::model::Between::Linear)
+        Some(sidc_lang::model::Between::Linear)
     );
     assert_eq!(
         result::Reading::of(model),
@@ -258,7 +258,7 @@ fn truth(text: &str) -> (Header, Value) {
     let file = sources.add("m.sid", text);
     let (program, _) = pipeline::compile(file, &sources, pipeline::MEMORY);
     let model = program.unwrap().model;
-    let variable = |v: &sidc::lang::model::Var| {
+    let variable = |v: &sidc_lang::model::Var| {
         let kind = format!("{:?}", v.kind).to_lowercase();
         json!({ "name": v.name, "kind": kind, "order": v.order })
     };

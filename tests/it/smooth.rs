@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use sidc::data::{Break, Smoothed, smooth};
+use sidc_data::{Break, Smoothed, smooth};
 
-use super::program::sidc;
+use sidc_testing::program::sidc;
 
 /// Normal deviates by summing twelve uniform ones of a small generator.
 fn noise(seed: u64, n: usize) -> Vec<f64> {

@@ -3,11 +3,12 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use sidc::algebra::{self, Fraction, LONGEST, Unsolved};
-use sidc::discover::{Discovery, Form};
-use sidc::emit;
-use sidc::result;
-use sidc::term::{Expr, Func, Signal, VarId};
+use sidc_emit as emit;
+use sidc_lang::term::{Expr, Func, Signal, VarId};
+use sidc_system::algebra;
+use sidc_system::algebra::{Fraction, LONGEST, Unsolved};
+use sidc_system::discovery::{Discovery, Form};
+use sidc_system::result;
 
 /// Terms of a right side with their coefficients.
 pub type Sum<'a> = &'a [(&'a str, f64)];
@@ -458,7 +459,7 @@ proptest! {
             let Ok(found) = algebra::solved(&form, &block) else { continue };
             for (row, fraction) in block.rows.iter().zip(&found) {
                 let numeric = form.rates.iter().zip(&q)
-                    .find(|(r, _)| **r == sidc::discover::Rate::Unknown(*row)).unwrap().1;
+                    .find(|(r, _)| **r == sidc_system::discovery::Rate::Unknown(*row)).unwrap().1;
                 let got = fraction.eval(&here);
                 let above = size(&fraction.sum, &here) * fraction.factor.eval(&here).abs();
                 let below = size(&fraction.below, &here) / fraction.below.eval(&here).abs();
@@ -475,7 +476,7 @@ proptest! {
         let (a, b) = (e.eval(&here), out.eval(&here));
         let scale = size(&out, &here).max(a.abs());
         prop_assert!((a - b).abs() <= 1e-11 * scale, "{a} and {b}");
-        let short = algebra::shortened(&out);
+        let short = algebra::simplified(&out);
         prop_assert!(short.terms().len() <= out.terms().len());
         let c = short.eval(&here);
         prop_assert!((c - b).abs() <= 1e-11 * scale.max(size(&short, &here)), "{c} and {b}");

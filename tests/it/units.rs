@@ -2,13 +2,13 @@
 
 use proptest::prelude::*;
 use serde_json::Value;
-use sidc::lang;
-use sidc::lang::source::Sources;
 use sidc::pipeline;
-use sidc::result;
-use sidc::units::{Likeness, Unit, coefficient, parse};
+use sidc_lang as lang;
+use sidc_lang::source::Sources;
+use sidc_lang::units::{Commensurability, Unit, coefficient, parse};
+use sidc_system::result;
 
-use super::program::{error_codes, sidc, sidc_in};
+use sidc_testing::program::{error_codes, sidc, sidc_in};
 
 fn unit(text: &str) -> Unit {
     parse(text).unwrap_or_else(|f| panic!("{text}: {f:?}")).0
@@ -57,7 +57,7 @@ proptest! {
     fn short_units_are_the_same_units(target in any_unit(), term in any_unit()) {
         let k = coefficient(&target, &term).unwrap();
         let product = k.times(&term).unwrap();
-        prop_assert_eq!(product.likeness(&target), Likeness::Same, "{} = {} * {}", target, k, term);
+        prop_assert_eq!(product.commensurability(&target), Commensurability::Same, "{} = {} * {}", target, k, term);
         let words = |u: &Unit| u.to_string().split(|c: char| "*/^().-0123456789".contains(c)).filter(|w| !w.is_empty()).count();
         prop_assert!(words(&k) <= words(&target.per(&term).unwrap()), "{k}");
     }
@@ -121,7 +121,11 @@ fn units_of_one_quantity_are_known_to_be() {
         ("mg", "kg/million"),
         ("rad/s", "1/s"),
     ] {
-        assert_eq!(unit(a).likeness(&unit(b)), Likeness::Same, "{a} {b}");
+        assert_eq!(
+            unit(a).commensurability(&unit(b)),
+            Commensurability::Same,
+            "{a} {b}"
+        );
     }
     for (a, b, factor) in [
         ("km", "m", 1e3),
@@ -132,8 +136,8 @@ fn units_of_one_quantity_are_known_to_be() {
         ("%", "1", 0.01),
         ("kWh", "J", 3.6e6),
     ] {
-        match unit(a).likeness(&unit(b)) {
-            Likeness::Scaled(k) => assert!((k / factor - 1.0).abs() < 1e-9, "{a} {b} {k}"),
+        match unit(a).commensurability(&unit(b)) {
+            Commensurability::Scaled(k) => assert!((k / factor - 1.0).abs() < 1e-9, "{a} {b} {k}"),
             other => panic!("{a} {b}: {other:?}"),
         }
     }
@@ -144,7 +148,11 @@ fn units_of_one_quantity_are_known_to_be() {
         ("N", "J"),
         ("kg", "m"),
     ] {
-        assert_eq!(unit(a).likeness(&unit(b)), Likeness::Different, "{a} {b}");
+        assert_eq!(
+            unit(a).commensurability(&unit(b)),
+            Commensurability::Different,
+            "{a} {b}"
+        );
     }
 }
 

@@ -7,17 +7,19 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use serde_json::Value;
-use sidc::data::{self, Dataset, Samples};
-use sidc::discover::{
-    Discovery, Equation, Evidence, Options, Step, Stop, Verification, Witness, discover,
-};
-use sidc::lang::source::Sources;
-use sidc::pipeline::{self, MEMORY, Measured, Program, Rows};
-use sidc::term::Signal;
-use sidc::verify::{Case, verify};
+use sidc::pipeline;
+use sidc::pipeline::{MEMORY, Measured, Program, Rows};
+use sidc_data as data;
+use sidc_data::{Dataset, Samples};
+use sidc_discover::verify::{Case, verify};
+use sidc_discover::{Options, Step, discover};
+use sidc_lang::source::Sources;
+use sidc_lang::term::Signal;
+use sidc_progress::Stop;
+use sidc_system::discovery::{Discovery, Equation, Evidence, ReasonCode, Verification, Witness};
 
-use super::pendulum::Random;
-use super::program::{file, sidc};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{file, sidc};
 
 /// A model with its data and what was found in them.
 struct Bench {
@@ -154,7 +156,7 @@ fn a_coefficient_that_is_off_is_named() {
     for off in [1e-2, 1e-5] {
         let mut wrong = bench.equation();
         wrong.terms[0].coefficient *= 1.0 + off;
-        let name = sidc::term::Language(&bench.found).term(&wrong.terms[0].term);
+        let name = sidc_lang::term::Language(&bench.found).term(&wrong.terms[0].term);
         let wanted = format!("the coefficient of {name} is ");
         rejected(
             &bench.check(&wrong),
@@ -241,7 +243,7 @@ fn all_columns_are_those_of_the_terms() {
             let samples = &bench.samples;
             move |s: Signal| samples.column(s).unwrap().values[row]
         };
-        let price = |(_, term): (usize, sidc::term::Term)| {
+        let price = |(_, term): (usize, sidc_lang::term::Term)| {
             let column: Vec<f64> = (witness.rows.iter().zip(&witness.weights))
                 .map(|(row, w)| w * term.eval(&at(*row)))
                 .collect();
@@ -316,7 +318,7 @@ fn what_fails_is_a_doubt_of_its_equation_alone() {
     assert_eq!(codes, [vec![], vec!["not-verified"], vec![]]);
     let said = &found.equations[1].reasons[0].text;
     assert!(said.contains("least squares on these rows give"), "{said}");
-    let lines = sidc::emit::answer(&found, false);
+    let lines = sidc_emit::answer(&found, false);
     assert!(lines.contains("doubt[not-verified]: "), "{lines}");
     assert!(lines.contains("    checked by separate code"), "{lines}");
 }
@@ -346,7 +348,7 @@ fn a_trajectory_is_held_against_its_equation_and_its_readings() {
     let found = verified("fitzhugh_nagumo", spoil, None);
     let said = |at: usize| {
         let all = found.equations[at].reasons.iter();
-        let own = all.filter(|r| r.code == "not-verified");
+        let own = all.filter(|r| r.code == ReasonCode::NotVerified);
         own.map(|r| r.text.clone()).collect::<String>()
     };
     assert!(

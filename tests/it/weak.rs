@@ -4,8 +4,8 @@ use std::fs;
 
 use serde_json::Value;
 
-use super::pendulum::Random;
-use super::program::sidc;
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::sidc;
 
 /// One step of Runge and Kutta's method.
 fn step<const N: usize>(f: impl Fn([f64; N]) -> [f64; N], x: [f64; N], h: f64) -> [f64; N] {

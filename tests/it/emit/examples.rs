@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::languages::{absent, finished, python, runs};
+use super::languages::finished;
 use super::pendulum;
-use crate::program::{file, root};
-use sidc::emit;
+use sidc_emit as emit;
+use sidc_testing::program::{file, root};
+use sidc_testing::runtimes;
 
 const PAGE: &str = "docs/exports.md";
 
@@ -47,10 +48,7 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
     match example.language.as_str() {
         "c" => {
             write("use.c", &example.code);
-            if !runs(Path::new("cc"), &["--version"]) {
-                absent("a C compiler");
-                return None;
-            }
+            let compiler = runtimes::c_compiler()?;
             let args = [
                 "-std=c99",
                 "-Wall",
@@ -62,12 +60,12 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
                 "use",
                 "-lm",
             ];
-            finished(Command::new("cc").args(args).current_dir(folder));
+            finished(Command::new(compiler).args(args).current_dir(folder));
             Some(finished(&mut Command::new(folder.join("use"))))
         }
         "python" => {
             write("use.py", &example.code);
-            let python = python("numpy, scipy, sympy")?;
+            let python = runtimes::python("numpy, scipy, sympy")?;
             Some(finished(
                 Command::new(python)
                     .args(["-B", "use.py"])
@@ -76,13 +74,10 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
         }
         _ => {
             write("use_model.m", &example.code);
-            if !runs(Path::new("octave-cli"), &["--version"]) {
-                absent("octave-cli");
-                return None;
-            }
+            let octave = runtimes::octave()?;
             let args = ["--quiet", "--no-init-file", "use_model.m"];
             Some(finished(
-                Command::new("octave-cli").args(args).current_dir(folder),
+                Command::new(octave).args(args).current_dir(folder),
             ))
         }
     }

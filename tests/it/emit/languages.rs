@@ -1,17 +1,16 @@
 //! Every target run: a hundred random systems and those of the gallery in one process a language, against our evaluator.
 //!
-//! A runtime that is not here is named on standard error, and its test passes: `.ci/run` installs them all.
+//! A runtime that is not here is named in the last lines of `cargo test`: `.ci/run` installs them all.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use super::random;
 use super::reference::{Case, check, compare, number};
 use super::systems;
 use crate::hostile::corpus;
-use crate::program::root;
-use sidc::emit;
+use sidc_emit as emit;
+use sidc_testing::runtimes;
 
 const SYSTEMS: u64 = 100;
 const POINTS: usize = 4;
@@ -26,29 +25,6 @@ fn cases() -> Vec<Case> {
 fn emitted(target: &str, case: &Case) -> String {
     let target = emit::target(target).unwrap();
     target.emit(&case.discovery).unwrap()
-}
-
-/// True if the program starts at all.
-pub fn runs(program: &Path, args: &[&str]) -> bool {
-    let done = Command::new(program).args(args).output();
-    done.is_ok_and(|o| o.status.success())
-}
-
-pub fn absent(what: &str) {
-    eprintln!("skipped: {what} is not here; .ci/run installs it");
-}
-
-/// A Python with these modules: that of `.ci/run`, or the system's.
-pub fn python(modules: &str) -> Option<PathBuf> {
-    let own = root().join("target/runtimes/python/bin/python");
-    let all = [own, PathBuf::from("python3")];
-    let found = all
-        .into_iter()
-        .find(|p| runs(p, &["-c", &format!("import {modules}")]));
-    if found.is_none() {
-        absent(&format!("Python with {modules}"));
-    }
-    found
 }
 
 pub fn finished(command: &mut Command) -> String {
@@ -119,10 +95,9 @@ fn rust_agrees_with_the_evaluator() {
 
 #[test]
 fn c_agrees_with_the_evaluator() {
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    if !runs(Path::new(&compiler), &["--version"]) {
-        return absent("a C compiler");
-    }
+    let Some(compiler) = runtimes::c_compiler() else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let cases = cases();
     let mut program = String::from("#include <stdio.h>\n");
@@ -177,7 +152,7 @@ fn c_agrees_with_the_evaluator() {
 
 #[test]
 fn python_agrees_with_the_evaluator() {
-    let Some(python) = python("numpy") else {
+    let Some(python) = runtimes::python("numpy") else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -210,10 +185,9 @@ fn python_agrees_with_the_evaluator() {
 
 #[test]
 fn octave_agrees_with_the_evaluator() {
-    let octave = Path::new("octave-cli");
-    if !runs(octave, &["--version"]) {
-        return absent("octave-cli");
-    }
+    let Some(octave) = runtimes::octave() else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let cases = cases();
     let mut calls =
@@ -266,7 +240,7 @@ fn octave_agrees_with_the_evaluator() {
 /// `lambdify` has min(x, NaN) = NaN, where all others have x.
 #[test]
 fn sympy_agrees_with_the_evaluator() {
-    let Some(python) = python("numpy, sympy") else {
+    let Some(python) = runtimes::python("numpy, sympy") else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -343,10 +317,9 @@ def show(m, points):
 /// All documents as one, and one of them as it is.
 #[test]
 fn latex_compiles() {
-    let latex = Path::new("pdflatex");
-    if !runs(latex, &["--version"]) {
-        return absent("pdflatex");
-    }
+    let Some(latex) = runtimes::pdflatex() else {
+        return;
+    };
     let cases = cases();
     let first = emitted("latex", &cases[0]);
     let (preamble, _) = first.split_once("\\begin{document}").unwrap();
@@ -368,7 +341,7 @@ fn latex_compiles() {
             "-no-shell-escape",
             name,
         ];
-        finished(Command::new(latex).args(args).current_dir(folder.path()));
+        finished(Command::new(&latex).args(args).current_dir(folder.path()));
         let pdf = fs::read(folder.path().join(format!("{name}.pdf"))).unwrap();
         assert!(pdf.starts_with(b"%PDF") && pdf.len() > 1000);
     }

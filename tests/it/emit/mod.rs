@@ -5,10 +5,10 @@ mod languages;
 mod random;
 mod reference;
 
-use crate::program::{file, root, sidc};
-use sidc::discover::Discovery;
-use sidc::emit;
-use sidc::result;
+use sidc_emit as emit;
+use sidc_system::discovery::Discovery;
+use sidc_system::result;
+use sidc_testing::program::{file, root, sidc};
 
 /// A result document with the given variables and equations: (target, [(term, coefficient)]).
 fn document(

@@ -1,8 +1,8 @@
 //! Systems drawn at random: all functions, mixed orders, coupled and implicit laws, and names that try to be code.
 
-use sidc::discover::{Discovery, Equation, FoundTerm, Status, Variable};
-use sidc::lang::model::VarKind;
-use sidc::term::{Expr, FUNCTIONS, Func, Signal, VarId};
+use sidc_lang::model::VarKind;
+use sidc_lang::term::{Expr, FUNCTIONS, Func, Signal, VarId};
+use sidc_system::discovery::{Discovery, Equation, FoundTerm, Status, Variable};
 
 /// A linear congruential generator, so that every machine draws the same systems.
 pub struct Random(u64);

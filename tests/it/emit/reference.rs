@@ -1,8 +1,8 @@
 //! What emitted code has to say: our evaluator at random points, and derivatives by the implicit function theorem.
 
 use nalgebra::{DMatrix, DVector};
-use sidc::discover::{Discovery, Form, Rate};
-use sidc::term::{Expr, Signal};
+use sidc_lang::term::{Expr, Signal};
+use sidc_system::discovery::{Discovery, Form, Rate};
 
 use super::random::Random;
 
@@ -177,7 +177,7 @@ fn slopes(form: &Form, by: &[Signal], with_q: &impl Fn(Signal) -> f64) -> Vec<f6
     let columns: Vec<DVector<f64>> = by
         .iter()
         .map(|s| {
-            let slope = |r: &sidc::discover::Row| -> Expr { r.right.derivative(*s) };
+            let slope = |r: &sidc_system::discovery::Row| -> Expr { r.right.derivative(*s) };
             let right = form.rows.iter().map(|r| slope(r).eval(with_q));
             let right = DVector::from_iterator(n, right);
             let solved = mass.clone().lu().solve(&right);

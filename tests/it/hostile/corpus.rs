@@ -1,7 +1,7 @@
 //! One corpus of names and texts that are code somewhere, and a system that has them all.
 
-use sidc::discover::Discovery;
-use sidc::result;
+use sidc_system::discovery::Discovery;
+use sidc_system::result;
 
 /// Names that the language admits: words of every target, names of the code around them, letters that look or count alike.
 pub const NAMES: &[&str] = &[

@@ -98,7 +98,7 @@ fn a_file_without_permission_is_named() {
         let rights = |mode| std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode));
         rights(0o000).unwrap();
         if File::open(&path).is_ok() {
-            eprintln!("skipped: whoever runs this reads everything");
+            sidc_testing::runtimes::skipped("a user who cannot read every file");
             return;
         }
         refused_by(

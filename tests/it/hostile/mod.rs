@@ -23,10 +23,10 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use sidc_testing::hang::HANGS;
+
 /// Address space of a child, kB: threads reserve much of it and touch little.
 const SPACE: u64 = 3_000_000;
-/// After this a child hangs.
-const HANGS: Duration = Duration::from_secs(120);
 
 /// What came of a run.
 pub struct Ran {
@@ -68,7 +68,7 @@ pub fn started(folder: &Path, args: &[&str]) -> Child {
     Command::new("sh")
         .arg("-c")
         .arg(format!("ulimit -v {SPACE} && exec \"$0\" \"$@\""))
-        .arg(env!("CARGO_BIN_EXE_sidc"))
+        .arg(sidc_testing::program::binary())
         .args(args)
         .current_dir(folder)
         .env("NO_COLOR", "1")

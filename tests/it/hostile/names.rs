@@ -8,6 +8,7 @@ use std::process::Command;
 
 use super::corpus::{NAMES, TEXTS};
 use super::{Ran, run};
+use sidc_testing::runtimes;
 
 /// What steers a terminal, or turns text around unseen.
 fn unseen(text: &str) -> Option<char> {
@@ -261,10 +262,12 @@ fn latex(folder: &Path, compile: bool) {
     ran.ended("latex", 0);
     let text = std::fs::read_to_string(folder.join("out.tex")).unwrap();
     assert!(!text.contains("\\input{") && text.matches("\\end{document}").count() == 1);
-    let there = Command::new("pdflatex").arg("--version").output();
-    if compile && there.is_ok_and(|o| o.status.success()) {
+    if !compile {
+        return;
+    }
+    if let Some(latex) = runtimes::pdflatex() {
         let args = ["-interaction=nonstopmode", "-halt-on-error", "out.tex"];
-        let done = Command::new("pdflatex")
+        let done = Command::new(latex)
             .args(args)
             .current_dir(folder)
             .output()
@@ -286,13 +289,14 @@ fn completions_are_scripts() {
         script.ended(shell, 0);
         let path = folder.path().join("script");
         std::fs::write(&path, &script.stdout).unwrap();
-        match Command::new(shell).arg(check).arg(&path).output() {
-            Ok(done) => assert!(
-                done.status.success(),
-                "{}",
-                String::from_utf8_lossy(&done.stderr)
-            ),
-            Err(_) => eprintln!("skipped: {shell} is not here"),
-        }
+        let Some(shell) = runtimes::runtime(shell, &[shell]) else {
+            continue;
+        };
+        let done = Command::new(shell).arg(check).arg(&path).output().unwrap();
+        assert!(
+            done.status.success(),
+            "{}",
+            String::from_utf8_lossy(&done.stderr)
+        );
     }
 }

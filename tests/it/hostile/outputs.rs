@@ -64,7 +64,7 @@ fn where_nothing_can_be_written_the_place_is_named() {
 fn a_full_disk_behind_standard_output_is_a_fault() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("t.csv"), super::decay()).unwrap();
-    let done = std::process::Command::new(env!("CARGO_BIN_EXE_sidc"))
+    let done = std::process::Command::new(sidc_testing::program::binary())
         .args(["new", "t.csv"])
         .current_dir(folder.path())
         .stdout(std::fs::File::create("/dev/full").unwrap())

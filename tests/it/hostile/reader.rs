@@ -2,8 +2,9 @@
 
 use std::io::{self, Read};
 
-use sidc::data::{self, Limits};
-use sidc::lang::source::Sources;
+use sidc_data as data;
+use sidc_data::Limits;
+use sidc_lang::source::Sources;
 
 /// Counts what is taken of a reader; fails after `fails` bytes.
 struct Counted<R> {
@@ -135,7 +136,7 @@ fn a_disk_that_fails_midway_is_an_unreadable_file() {
 fn rows_of(text: &str) -> Result<(Vec<String>, usize, Vec<usize>), String> {
     let limits = Limits::default();
     let read = data::read("a.csv", text.as_bytes(), &limits, &mut Sources::default());
-    let said = |d: Vec<sidc::lang::diagnostic::Diagnostic>| d[0].code.to_string();
+    let said = |d: Vec<sidc_lang::diagnostic::Diagnostic>| d[0].code.to_string();
     let table = read.map_err(said)?;
     let lines = (0..table.len()).map(|r| table.line_number(r)).collect();
     Ok((table.headers().to_vec(), table.len(), lines))

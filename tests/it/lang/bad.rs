@@ -3,13 +3,12 @@
 //! A new code needs a file there and a line in docs/diagnostics.md.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use super::{compiled, texts_in};
 
 #[test]
 fn every_wrong_model_has_its_golden_text() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bad");
+    let folder = sidc_testing::program::root().join("tests/bad");
     let texts = texts_in("tests/bad");
     assert!(texts.len() >= 45, "only {} files in tests/bad", texts.len());
     for (name, text) in texts {
@@ -62,7 +61,9 @@ fn every_error_offers_a_way_out() {
 /// All codes that the program can print, read from its source.
 fn codes_in_source() -> BTreeSet<String> {
     let mut out = BTreeSet::new();
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut folders = ["src", "crates"]
+        .map(|f| sidc_testing::program::root().join(f))
+        .to_vec();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -94,8 +95,7 @@ fn codes_in(source: &str, out: &mut BTreeSet<String>) {
 #[test]
 fn every_code_is_documented() {
     let table =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/diagnostics.md"))
-            .unwrap();
+        std::fs::read_to_string(sidc_testing::program::root().join("docs/diagnostics.md")).unwrap();
     let missing: Vec<String> = codes_in_source()
         .into_iter()
         .filter(|code| !table.contains(&format!("| `{code}` |")))

@@ -1,10 +1,10 @@
 //! Where one rule ends and the next begins: names that look like others, limits to the last one, faults that follow from faults.
 
-use sidc::lang::model::{LibExpr, LibKind, Model, RightSide};
-use sidc::term::{Expr, Signal, SignalNames, VarId};
+use sidc_lang::model::{LibExpr, LibKind, Model, RightSide};
+use sidc_lang::term::{Expr, Signal, SignalNames, VarId};
 
 use super::{compiled, model, said};
-use crate::program::error_codes;
+use sidc_testing::program::error_codes;
 
 /// Codes of the errors of a text, in order.
 fn errors(text: &str) -> Vec<&'static str> {

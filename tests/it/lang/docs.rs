@@ -23,7 +23,7 @@ fn blocks(text: &str, fence: &str) -> Vec<(usize, String)> {
 }
 
 fn reference() -> String {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/language.md");
+    let path = sidc_testing::program::root().join("docs/language.md");
     std::fs::read_to_string(path).unwrap()
 }
 
@@ -34,7 +34,7 @@ fn examples_of_the_reference_are_right() {
     for (line, text) in examples {
         let (model, _, shown) = compiled("example", &text);
         assert!(model.is_some(), "docs/language.md:{line}\n{text}\n{shown}");
-        let formatted = sidc::lang::format(sidc::lang::source::FileId(0), &text).unwrap();
+        let formatted = sidc_lang::format(sidc_lang::source::FileId(0), &text).unwrap();
         assert_eq!(formatted, text, "docs/language.md:{line} is not formatted");
     }
 }

@@ -1,7 +1,7 @@
 //! Rare forms of every statement: what they mean, and what is said of those that mean nothing.
 
-use sidc::lang::model::{ColumnKind, Relation, VarKind};
-use sidc::term::{Signal, VarId};
+use sidc_lang::model::{ColumnKind, Relation, VarKind};
+use sidc_lang::term::{Signal, VarId};
 
 use super::{compiled, model, said};
 

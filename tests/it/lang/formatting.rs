@@ -2,8 +2,8 @@
 //!
 //! Meaning is compared as the ast without places.
 
-use sidc::lang::source::FileId;
-use sidc::lang::{format, parse};
+use sidc_lang::source::FileId;
+use sidc_lang::{format, parse};
 
 use super::texts_in;
 

@@ -2,14 +2,13 @@
 //!
 //! Soups of tokens, patched models and texts of 10⁵ parts; what has a layout must be a fixed point of the formatter.
 
-use std::time::{Duration, Instant};
-
 use proptest::prelude::*;
-use sidc::lang::parse;
-use sidc::lang::source::FileId;
+use sidc_lang::parse;
+use sidc_lang::source::FileId;
 
 use super::{compiled, formatting, texts_in};
-use crate::program::error_codes;
+use sidc_testing::hang::ends;
+use sidc_testing::program::error_codes;
 
 const WORDS: &[&str] = &[
     "state",
@@ -133,43 +132,41 @@ fn every_wrong_model_survives_losing_a_line() {
     }
 }
 
-/// The text compiles, or fails, within the time; tests run unoptimised on shared machines.
-fn in_time(text: &str) {
-    let start = Instant::now();
-    let (model, found, _) = compiled("large.sid", text);
-    assert!(model.is_some() || found.iter().any(|d| d.is_error()));
-    assert!(
-        start.elapsed() < Duration::from_secs(20),
-        "{:?}",
-        start.elapsed()
-    );
+/// The text compiles, or fails, and does not hang.
+fn is_answered(text: &str) {
+    let text = text.to_string();
+    let answered = ends(move || {
+        let (model, found, _) = compiled("large.sid", &text);
+        model.is_some() || found.iter().any(|d| d.is_error())
+    });
+    assert!(answered);
 }
 
 #[test]
 fn large_texts_do_not_exhaust_the_stack_or_the_clock() {
     let n = 100_000;
     let of = |body: String| format!("state x, a\ndx ~ {body}\n");
-    in_time(&of(format!("<{}x{}>", "(".repeat(n), ")".repeat(n))));
-    in_time(&of("(".repeat(n)));
-    in_time(&of("<".repeat(n)));
-    in_time(&of("a[".repeat(n)));
-    in_time(&of(format!("<{}a>", "a+".repeat(n))));
-    in_time(&of(format!("{}a", "a+".repeat(n))));
-    in_time(&of(format!("{}a", "a*".repeat(n))));
-    in_time(&of(format!("{}a", "a - ".repeat(n))));
-    in_time(&of(format!("<{}a>", "-".repeat(n))));
-    in_time(&of(format!("<x{}>", "^2".repeat(n))));
-    in_time(&of(format!("<{}x>", "sin ".repeat(n))));
-    in_time(&of(format!("<{}x{}>", "sin(".repeat(200), ")".repeat(200))));
-    in_time(&of(format!("<{}x{}>", "sin(".repeat(120), ")".repeat(120))));
-    in_time(&of(format!("<{}x>", "x, ".repeat(n))));
-    in_time(&of(format!("poly(x;{} 2)", "\n".repeat(n))));
-    in_time(&"\n".repeat(n));
-    in_time(&"state x\n".repeat(n / 10));
-    in_time(&format!("state x1..x{n}\n"));
-    in_time(&"}".repeat(n));
-    in_time(&"data {\n".repeat(n / 10));
-    in_time(&format!("data {{ {} }}", "x = \"a\"; ".repeat(n / 10)));
+    is_answered(&of(format!("<{}x{}>", "(".repeat(n), ")".repeat(n))));
+    is_answered(&of("(".repeat(n)));
+    is_answered(&of("<".repeat(n)));
+    is_answered(&of("a[".repeat(n)));
+    is_answered(&of(format!("<{}a>", "a+".repeat(n))));
+    is_answered(&of(format!("{}a", "a+".repeat(n))));
+    is_answered(&of(format!("{}a", "a*".repeat(n))));
+    is_answered(&of(format!("{}a", "a - ".repeat(n))));
+    is_answered(&of(format!("<{}a>", "-".repeat(n))));
+    is_answered(&of(format!("<x{}>", "^2".repeat(n))));
+    is_answered(&of(format!("<{}x>", "sin ".repeat(n))));
+    is_answered(&of(format!("<{}x{}>", "sin(".repeat(200), ")".repeat(200))));
+    is_answered(&of(format!("<{}x{}>", "sin(".repeat(120), ")".repeat(120))));
+    is_answered(&of(format!("<{}x>", "x, ".repeat(n))));
+    is_answered(&of(format!("poly(x;{} 2)", "\n".repeat(n))));
+    is_answered(&"\n".repeat(n));
+    is_answered(&"state x\n".repeat(n / 10));
+    is_answered(&format!("state x1..x{n}\n"));
+    is_answered(&"}".repeat(n));
+    is_answered(&"data {\n".repeat(n / 10));
+    is_answered(&format!("data {{ {} }}", "x = \"a\"; ".repeat(n / 10)));
 }
 
 #[test]
@@ -178,12 +175,12 @@ fn chains_of_lets_do_not_explode() {
     for i in 1..2_000 {
         text += &format!("let a{i} = sin(a{})\n", i - 1);
     }
-    in_time(&(text + "dx ~ <a1999>\n"));
+    is_answered(&(text + "dx ~ <a1999>\n"));
     let mut text = "state x\nlet a0 = sin(x) + x\n".to_string();
     for i in 1..40 {
         text += &format!("let a{i} = sin(a{0})*cos(a{0})\n", i - 1);
     }
-    in_time(&(text + "dx ~ <a39>\n"));
+    is_answered(&(text + "dx ~ <a39>\n"));
 }
 
 /// A name or a range of a few characters stands for 10⁵ parts: many of those in one file must not take the machine's memory.
@@ -204,7 +201,7 @@ fn what_short_names_stand_for_is_counted_in_the_whole_file() {
         format!("state x1..x9999\n{ranges}dx1 ~ <1>\n"),
         format!("state x1..x9999\ndx1 ~ <{items}>\n"),
     ] {
-        in_time(&text);
+        is_answered(&text);
         let (_, found, said) = compiled("large.sid", &text);
         assert_eq!(error_codes(&found), ["too-large"], "{said}");
         assert!(said.contains("more than 2000000 parts"), "{said}");
@@ -212,34 +209,27 @@ fn what_short_names_stand_for_is_counted_in_the_whole_file() {
 }
 
 #[test]
-fn a_model_of_sixty_lines_takes_no_time() {
+fn a_model_of_sixty_lines_compiles() {
     let mut text = "state x1..x12 : order 2\ninput u\n".to_string();
     for i in 1..=12 {
         text += &format!("let t{i} = <1, sin(x{i}), cos(x{i})>\n");
         text +=
             &format!("ddx{i} ~ poly(x1..x12, dx{i}; 2) * t{i} + <u, u*x{i}^2, dx{i}*sin x{i}>\n");
     }
-    let start = Instant::now();
-    for _ in 0..10 {
-        assert!(
-            compiled("model.sid", &text).0.is_some(),
-            "{}",
-            compiled("model.sid", &text).2
-        );
-    }
-    assert!(start.elapsed() < Duration::from_secs(2));
+    let (model, _, said) = compiled("model.sid", &text);
+    assert!(model.is_some(), "{said}");
 }
 
 #[test]
-fn many_states_and_many_unknown_names_are_read_in_time() {
+fn many_states_and_many_unknown_names_are_read_is_answered() {
     let states: Vec<String> = (0..10_000).map(|i| format!("a{i}")).collect();
-    in_time(&format!(
+    is_answered(&format!(
         "state {}\nda0 ~ poly(a0..a9999; 1)\n",
         states.join(", ")
     ));
     let unknown: Vec<String> = (0..3000).map(|i| format!("b{i}")).collect();
     let text = format!("state a0..a9999\nda0 ~ <{}>\n", unknown.join(", "));
-    in_time(&text);
+    is_answered(&text);
     let (_, _, said) = compiled("large.sid", &text);
     assert!(said.matches("error[").count() <= 50, "{} bytes", said.len());
 }

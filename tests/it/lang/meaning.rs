@@ -2,8 +2,8 @@
 //!
 //! One small text each, and the part of the model that it is about.
 
-use sidc::lang::model::{Between, ColumnKind, LibKind, RightSide, VarKind};
-use sidc::term::{Language, Signal, SignalNames, VarId};
+use sidc_lang::model::{Between, ColumnKind, LibKind, RightSide, VarKind};
+use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 
 use super::{compiled, model};
 
@@ -338,20 +338,20 @@ fn a_broken_line_hides_no_other_error() {
 
 #[test]
 fn vocabulary_is_the_callers() {
-    let mut sources = sidc::lang::source::Sources::default();
+    let mut sources = sidc_lang::source::Sources::default();
     let id = sources.add("m.sid", "state x\ndx ~ poly(x; 2)\n");
-    let (model, found) = sidc::lang::compile(id, &sources, &sidc::lang::Vocabulary::default());
+    let (model, found) = sidc_lang::compile(id, &sources, &sidc_lang::Vocabulary::default());
     assert!(model.is_none());
     assert_eq!(found[0].code, "unknown-function");
 }
 
 #[test]
 fn coloured_text_says_the_same() {
-    let mut sources = sidc::lang::source::Sources::default();
+    let mut sources = sidc_lang::source::Sources::default();
     let id = sources.add("m.sid", "state x\ndx ~ poly(z; 2)\n");
-    let (_, found) = sidc::lang::compile(id, &sources, &super::vocabulary());
-    let coloured = sidc::lang::render(&found, &sources, true);
-    let plain = sidc::lang::render(&found, &sources, false);
+    let (_, found) = sidc_lang::compile(id, &sources, &super::vocabulary());
+    let coloured = sidc_lang::render(&found, &sources, true);
+    let plain = sidc_lang::render(&found, &sources, false);
     assert!(coloured.contains('\u{1b}') && !plain.contains('\u{1b}'));
     assert_eq!(coloured.lines().count(), plain.lines().count());
 }

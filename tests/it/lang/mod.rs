@@ -10,10 +10,10 @@ mod formatting;
 mod hostile;
 mod meaning;
 
-use sidc::lang::diagnostic::Diagnostic;
-use sidc::lang::model::Model;
-use sidc::lang::source::Sources;
-use sidc::lang::{GeneratorSignature, Vocabulary, compile, render};
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::Model;
+use sidc_lang::source::Sources;
+use sidc_lang::{GeneratorSignature, Vocabulary, compile, render};
 
 /// The generators as these tests know them.
 pub fn vocabulary() -> Vocabulary {
@@ -54,7 +54,7 @@ pub fn model(text: &str) -> Model {
 
 /// Every `.sid` text under a folder of the repository, with its name.
 pub fn texts_in(folder: &str) -> Vec<(String, String)> {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let root = sidc_testing::program::root().join(folder);
     let Ok(entries) = std::fs::read_dir(root) else {
         return Vec::new();
     };

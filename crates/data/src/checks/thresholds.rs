@@ -1,0 +1,49 @@
+//! The numbers that decide what is said about a record.
+
+sidc_thresholds::family! {
+    /// When a bound signal is found strange.
+    pub(crate) RECORD: RecordChecks {
+        /// Smallest maximum of a signal that can be computed with.
+        min_size: f64 = 1e-100, unit "of the model's unit", source "products of three values stay above 1e-308";
+        /// Largest value that can be computed with.
+        max_size: f64 = 1e100, unit "of the model's unit", source "products of three values stay below 1e308";
+        /// Change of a parameter that is rounding.
+        param_tolerance: f64 = 1e-12, unit "of its value", source "set by hand; not measured";
+        /// Least range of an angle that may be wrapped.
+        wrapped_min_range: f64 = 0.75, unit "turns", source "set by hand; not measured";
+        /// Largest range of an angle that may be wrapped.
+        wrapped_max_range: f64 = 1.02, unit "turns", source "set by hand; not measured";
+        /// Step from which an angle has wrapped.
+        wrapped_step: f64 = 0.75, unit "turns", source "set by hand; not measured";
+        /// Step up to which an angle has moved; between the two it is no angle.
+        moved_step: f64 = 0.25, unit "turns", source "set by hand; not measured";
+        /// Correlation with the slope below which a measured derivative is another signal.
+        slope_correlation: f64 = 0.5, unit "", source "set by hand; not measured";
+        /// Correlation from which a factor between the two is believed.
+        factor_correlation: f64 = 0.9, unit "", source "set by hand; not measured";
+        /// Deviation of that factor from 1 that is not mentioned.
+        factor_tolerance: f64 = 0.1, unit "", source "set by hand; not measured";
+        /// Deviation from a ratio of units that still explains a factor.
+        unit_tolerance: f64 = 0.05, unit "of the ratio", source "set by hand; not measured";
+        /// Intervals that a record is cut into to compare rises with areas, where that gives no more than the next number's steps.
+        intervals: usize = 50, unit "intervals", source "set by hand; not measured";
+        /// Most steps of one such interval.
+        max_interval: usize = 20, unit "steps", source "set by hand; not measured";
+    }
+}
+
+sidc_thresholds::family! {
+    /// When sampling times are found strange.
+    pub(crate) TIMES: TimeChecks {
+        /// Correction of rounded times that is not mentioned, since no result depends on it.
+        silent_correction: f64 = 1e-3, unit "median steps", source "set by hand; not measured";
+        /// Difference between the shortest and the longest step that is even.
+        even_steps: f64 = 0.01, unit "median steps", source "set by hand; not measured";
+        /// Deviation of a step in discrete time from a whole number of samples.
+        whole_step: f64 = 0.05, unit "median steps", source "set by hand; not measured";
+        /// A time that falls back to within this part of the time passed starts a new record.
+        restart: f64 = 0.1, unit "of the time passed", source "set by hand; not measured";
+        /// Longest table in which a column that numbers the runs is looked for.
+        max_rows_compared: usize = 200_000, unit "rows", source "set by hand; not measured";
+    }
+}

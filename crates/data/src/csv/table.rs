@@ -1,0 +1,171 @@
+//! One file, or one set of arrays, as numbers by column, with its text, so that messages can show any cell.
+
+use std::borrow::Cow;
+use std::fmt::Display;
+
+use sidc_lang::source::{Sources, Span};
+
+use super::cell::{self, Fault};
+use super::excerpt::{excerpt, line_at, slice};
+use super::lines::Line;
+use super::rows::{FirstFew, Rows};
+
+/// R rows of C columns, and what they were made of, so that messages can show any cell.
+#[derive(Clone, Debug)]
+pub struct Table {
+    pub name: String,
+    pub(super) headers: Vec<String>,
+    pub(super) rows: Rows,
+    pub(super) origin: Origin,
+}
+
+/// What the numbers of a table were made of.
+#[derive(Clone, Debug)]
+pub(super) enum Origin {
+    /// A file's text.
+    Text {
+        text: String,
+        header: Line,
+        separator: u8,
+    },
+    /// Arrays in memory.
+    Arrays,
+}
+
+/// What a table of so many rows and columns takes.
+pub(super) fn table_bytes(text: &str, rows: usize, columns: usize) -> u64 {
+    let numbers = (rows as u64).saturating_mul(8 * columns as u64 + 16);
+    numbers.saturating_add(text.len() as u64)
+}
+
+impl Table {
+    /// Memory, as [`super::Limits::table_bytes`] counts it.
+    pub fn bytes(&self) -> u64 {
+        let text = match &self.origin {
+            Origin::Text { text, .. } => text,
+            Origin::Arrays => "",
+        };
+        table_bytes(text, self.len(), self.headers.len())
+    }
+
+    /// Number of rows R.
+    pub fn len(&self) -> usize {
+        self.rows.lines.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.rows.lines.is_empty()
+    }
+
+    /// The headers, trimmed, in file order; some may be empty.
+    pub fn headers(&self) -> &[String] {
+        &self.headers
+    }
+
+    /// Index of the column with exactly this header.
+    pub fn position(&self, header: &str) -> Option<usize> {
+        self.headers
+            .iter()
+            .position(|h| h == header && !h.is_empty())
+    }
+
+    /// R values; NaN where a cell is missing or no number.
+    pub fn values(&self, column: usize) -> &[f64] {
+        self.rows.columns.get(column).map_or(&[], |c| c.as_slice())
+    }
+
+    /// The cell as written, trimmed.
+    pub fn cell(&self, row: usize, column: usize) -> Cow<'_, str> {
+        match self.locate(row, column) {
+            (_, Cow::Borrowed(line), range) => Cow::Borrowed(slice(line, range)),
+            (_, Cow::Owned(line), range) => Cow::Owned(slice(&line, range).to_string()),
+        }
+    }
+
+    /// Line of a row in the file, from 1; of a row of arrays, its number from 1.
+    pub fn line_number(&self, row: usize) -> usize {
+        self.rows.lines.get(row).map_or(0, |l| l.number)
+    }
+
+    /// A row as messages name it: its number and its line in the file.
+    pub(crate) fn place(&self, row: usize) -> String {
+        format!("row {} (line {})", row + 1, self.line_number(row))
+    }
+
+    /// Adds a row's line to the sources and points at one cell of it.
+    pub fn cell_span(&self, sources: &mut Sources, row: usize, column: usize) -> Span {
+        let (number, line, range) = self.locate(row, column);
+        excerpt(&self.name, sources, number, &line, range)
+    }
+
+    /// Adds the header line to the sources and points at one header.
+    pub fn header_span(&self, sources: &mut Sources, column: usize) -> Span {
+        let (number, line, range) = match &self.origin {
+            Origin::Text {
+                text,
+                header,
+                separator,
+            } => {
+                let line = line_at(text, *header);
+                let range = cell_range(line, *separator, column);
+                (header.number, Cow::Borrowed(line), range)
+            }
+            Origin::Arrays => {
+                let (line, range) = line_of_values(self.headers.iter(), column);
+                (0, Cow::Owned(line), range)
+            }
+        };
+        excerpt(&self.name, sources, number, &line, range)
+    }
+
+    /// The cells of a column that are no numbers, with their rows.
+    pub(super) fn faults(&self, column: usize) -> Option<&FirstFew<(usize, Fault)>> {
+        self.rows.faults.get(column)
+    }
+
+    /// Number and text of a row's line, and where a cell stands in it.
+    fn locate(&self, row: usize, column: usize) -> (usize, Cow<'_, str>, (usize, usize)) {
+        let at = self.rows.lines.get(row).copied().unwrap_or_default();
+        match &self.origin {
+            Origin::Text {
+                text, separator, ..
+            } => {
+                let line = line_at(text, at);
+                let range = cell_range(line, *separator, column);
+                (at.number, Cow::Borrowed(line), range)
+            }
+            Origin::Arrays => {
+                let values = self.rows.columns.iter().filter_map(|c| c.get(row));
+                let (line, range) = line_of_values(values, column);
+                (at.number, Cow::Owned(line), range)
+            }
+        }
+    }
+}
+
+/// Where a cell stands in its line.
+fn cell_range(line: &str, separator: u8, column: usize) -> (usize, usize) {
+    let mut ranges = Vec::new();
+    // An open quote was refused when the file was read.
+    let _ = cell::split(line, separator, &mut ranges);
+    ranges.get(column).copied().unwrap_or((0, line.len()))
+}
+
+/// Values side by side as messages show them, and where the one asked for stands.
+fn line_of_values(
+    values: impl Iterator<Item = impl Display>,
+    column: usize,
+) -> (String, (usize, usize)) {
+    let (mut text, mut range) = (String::new(), (0, 0));
+    for (place, value) in values.enumerate() {
+        if place > 0 {
+            text.push_str(", ");
+        }
+        let start = text.len();
+        text.push_str(&value.to_string());
+        if place == column {
+            range = (start, text.len());
+        }
+    }
+    (text, range)
+}

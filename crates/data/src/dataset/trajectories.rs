@@ -1,0 +1,71 @@
+//! Trajectories as they were measured, and how each input moves between samples.
+
+use sidc_lang::model::Between;
+use sidc_lang::term::{Signal, VarId};
+
+/// All trajectories, in the order of files, then of appearance.
+#[derive(Clone, Debug, Default)]
+pub struct Dataset {
+    pub trajectories: Vec<Trajectory>,
+    /// How each measured input moves between samples, in the order of declaration.
+    pub inputs: Vec<Input>,
+}
+
+/// An input's intersample behaviour, declared or inferred from its record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input {
+    pub var: VarId,
+    pub between: Between,
+    pub declared: bool,
+}
+
+impl Dataset {
+    /// How an input moves between samples; `None` if the variable is not a measured input.
+    pub fn between(&self, var: VarId) -> Option<Between> {
+        self.inputs.iter().find(|i| i.var == var).map(|i| i.between)
+    }
+}
+
+/// One uninterrupted record.
+#[derive(Clone, Debug, Default)]
+pub struct Trajectory {
+    /// File name without folders, and the run's id if one file holds several.
+    pub name: String,
+    /// Index of its file.
+    pub file: usize,
+    /// Seconds, strictly rising; sample numbers in discrete time. Length M.
+    pub time: Vec<f64>,
+    /// Measured signals in model units, each of length M; NaN marks a missing value. Sorted by signal.
+    pub columns: Vec<(Signal, Vec<f64>)>,
+}
+
+impl Trajectory {
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// The given rows as a trajectory of their own.
+    ///
+    /// # Panics
+    /// If the range exceeds the trajectory.
+    pub fn part(&self, rows: std::ops::Range<usize>) -> Trajectory {
+        let cut = |v: &[f64]| v[rows.clone()].to_vec();
+        Trajectory {
+            name: self.name.clone(),
+            file: self.file,
+            time: cut(&self.time),
+            columns: self.columns.iter().map(|(s, v)| (*s, cut(v))).collect(),
+        }
+    }
+
+    pub fn column(&self, s: Signal) -> Option<&[f64]> {
+        self.columns
+            .iter()
+            .find(|(c, _)| *c == s)
+            .map(|(_, v)| v.as_slice())
+    }
+}

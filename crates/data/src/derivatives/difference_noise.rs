@@ -1,0 +1,63 @@
+//! The noise of a channel from its high differences, in which smooth motion vanishes and white noise does not.
+//!
+//! In: times and values in segments. Out: one standard deviation; rounding in print counts as noise. Fits nothing.
+//!
+//! The method of Gasser, Sroka and Jennen-Steinmetz 1986, Biometrika 73, with medians for means and several orders.
+
+use super::orthonormal_polynomials::{divided_difference, dot};
+use super::quantization_noise::quantization_noise;
+use super::thresholds::NOISE;
+use crate::segmentation::Segment;
+use crate::time_axis::TimeGrid;
+
+/// Median of |x|, x standard normal.
+pub(crate) const MEDIAN_OF_ABS_NORMAL: f64 = 0.6745;
+
+/// Standard deviation of white noise on `values`, never below their rounding in memory.
+///
+/// For each order k the median of the absolute k-th differences, as unit contrasts, over 0.6745; the least over k, because no
+/// order shows less than the noise.
+pub(crate) fn noise_level(grid: &TimeGrid, values: &[f64], segments: &[Segment]) -> f64 {
+    let largest = values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let floor = largest * f64::EPSILON;
+    let mut least: Option<f64> = None;
+    for k in NOISE.min_order..=NOISE.max_order {
+        let mut left: Vec<f64> = contrasts(grid, values, segments, k);
+        if left.len() < NOISE.min_differences {
+            continue;
+        }
+        let middle = left.len() / 2;
+        let (_, median, _) = left.select_nth_unstable_by(middle, f64::total_cmp);
+        let sigma = *median / MEDIAN_OF_ABS_NORMAL;
+        least = Some(least.map_or(sigma, |l| l.min(sigma)));
+    }
+    let seen = least.unwrap_or(0.0);
+    seen.max(quantization_noise(values, segments)).max(floor)
+}
+
+fn contrasts(grid: &TimeGrid, values: &[f64], segments: &[Segment], k: usize) -> Vec<f64> {
+    let even = grid.is_even().then(|| {
+        let tau: Vec<f64> = (0..=k).map(|j| 2.0 * j as f64 / k as f64 - 1.0).collect();
+        divided_difference(&tau)
+    });
+    let total: usize = segments.iter().map(|s| s.len().saturating_sub(k)).sum();
+    let stride = total.div_ceil(NOISE.max_places).max(1);
+    let mut out = Vec::with_capacity(total.min(NOISE.max_places) + 1);
+    for s in segments {
+        for i in (s.start..s.end.saturating_sub(k)).step_by(stride) {
+            let window = values.get(i..=i + k).unwrap_or(&[]);
+            let r = match &even {
+                Some(c) => dot(c, window),
+                None => {
+                    let t = grid.time().get(i..=i + k).unwrap_or(&[]);
+                    let (a, b) = (t.first().unwrap_or(&0.0), t.last().unwrap_or(&1.0));
+                    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+                    let tau: Vec<f64> = t.iter().map(|t| (t - middle) / half).collect();
+                    dot(&divided_difference(&tau), window)
+                }
+            };
+            out.push(r.abs());
+        }
+    }
+    out
+}

@@ -1,0 +1,264 @@
+//! The text of a first model, with comments that teach.
+//!
+//! In: columns, roles, states. Out: text in the language. Guesses nothing but the size of the library.
+
+use std::collections::BTreeSet;
+
+use super::column_roles::Roles;
+use super::states::{State, derivative};
+use super::table_column::Column;
+use super::thresholds::DRAFT;
+use sidc_lang::source::printable;
+use sidc_lang::units;
+
+/// What the text is made of.
+pub(super) struct Parts<'a> {
+    pub table: &'a str,
+    pub all: &'a [Column],
+    pub roles: &'a Roles,
+    pub states: &'a [State<'a>],
+    pub left_out: &'a [String],
+}
+
+pub(super) fn model_text(p: &Parts) -> String {
+    let mut out = String::from("sidc 1\n");
+    let file = comment(p.table);
+    out.push_str(&format!("# A first model of {file}, guessed from headers and from the shape of its columns: change it.\n"));
+    out.push_str("# `sidc check` says what it means, `sidc identify` looks for its equations.\n\n");
+    out.push_str(&declarations(p));
+    out.push_str(&data(p));
+    out.push_str(&equations(p));
+    out
+}
+
+/// Text that neither ends a comment nor reverses its direction.
+fn comment(text: &str) -> String {
+    printable(text).replace(['\n', '\t'], " ")
+}
+
+fn is_discrete(p: &Parts) -> bool {
+    p.roles.time.is_none()
+}
+
+fn declarations(p: &Parts) -> String {
+    let mut out = String::new();
+    match is_discrete(p) {
+        true => out.push_str("# States: what evolves.\n"),
+        false => out.push_str("# States: what evolves. With `order 2` the acceleration is sought, with `order 1` the rate.\n"),
+    }
+    for s in p.states {
+        let mut attributes = Vec::new();
+        if !is_discrete(p) {
+            attributes.push(format!("order {}", s.order));
+        }
+        match s.angle {
+            Some(_) => attributes.push("unit \"rad\"".into()),
+            None => attributes.extend(unit(s.column)),
+        }
+        out.push_str(&declared("state", &s.name, &attributes));
+    }
+    let inputs = p.roles.inputs.iter();
+    let inputs: Vec<(&Column, bool)> = inputs
+        .filter_map(|(i, held)| Some((p.all.get(*i)?, *held)))
+        .collect();
+    if !inputs.is_empty() {
+        out.push_str("\n# Inputs: what acts from outside. `hold` keeps the last sample, `linear` joins samples.\n");
+    }
+    for (column, held) in inputs {
+        let mut attributes = Vec::new();
+        if !is_discrete(p) {
+            attributes.push(if held { "hold" } else { "linear" }.to_string());
+        }
+        attributes.extend(unit(column));
+        out.push_str(&declared("input", &column.declared(), &attributes));
+    }
+    let params: Vec<&Column> = p
+        .roles
+        .params
+        .iter()
+        .filter_map(|i| p.all.get(*i))
+        .collect();
+    if !params.is_empty() {
+        out.push_str("\n# Constant along a run, different between runs.\n");
+    }
+    for column in params {
+        let attributes: Vec<String> = unit(column).into_iter().collect();
+        out.push_str(&declared("param", &column.declared(), &attributes));
+    }
+    out.push('\n');
+    out
+}
+
+fn declared(kind: &str, name: &str, attributes: &[String]) -> String {
+    match attributes.is_empty() {
+        true => format!("{kind} {name}\n"),
+        false => format!("{kind} {name} : {}\n", attributes.join(", ")),
+    }
+}
+
+/// `unit "mm"`, if the header has one that the language knows.
+fn unit(c: &Column) -> Option<String> {
+    let unit = c.unit.as_deref()?;
+    let plain = !unit.is_empty()
+        && !unit
+            .chars()
+            .any(|c| c == '"' || c == '\\' || c.is_control());
+    (plain && units::parse(unit).is_ok()).then(|| format!("unit \"{unit}\""))
+}
+
+fn data(p: &Parts) -> String {
+    let mut out = String::from(
+        "# Where each signal is; arithmetic on headers converts: \"Pos [mm]\" * 1e-3\ndata {\n",
+    );
+    if let Some(time) = p.roles.time.and_then(|t| p.all.get(t)) {
+        let unit = time.unit.as_deref().unwrap_or("");
+        let factor = times(time.seconds().unwrap_or_default());
+        let unknown = match (factor.is_empty(), unit) {
+            (true, "" | "s") => "",
+            (true, _) => "  # time is taken for seconds",
+            _ => "",
+        };
+        out.push_str(&format!("  t = \"{}\"{factor}{unknown}\n", time.header));
+    }
+    if let Some(run) = p.roles.run.and_then(|r| p.all.get(r)) {
+        out.push_str(&format!("  run = \"{}\"\n", run.header));
+    }
+    for s in p.states {
+        let factor = match s.angle {
+            Some(a) if a.degrees => " * pi/180",
+            _ => "",
+        };
+        let header = &s.column.header;
+        let from = match s.angle {
+            Some(a) if a.wraps && a.degrees => format!("unwrap(\"{header}\", 360){factor}"),
+            Some(a) if a.wraps => format!("unwrap(\"{header}\", 2*pi)"),
+            _ => format!("\"{header}\"{factor}"),
+        };
+        out.push_str(&format!("  {} = {from}\n", s.name));
+        for (column, rate) in s.rates.iter().filter(|(_, rate)| rate.order <= s.order) {
+            let name = derivative(&s.name, rate.order);
+            if is_discrete(p) {
+                let header = comment(&column.header);
+                out.push_str(&format!(
+                    "  # \"{header}\" seems to be {name}, which a law from sample to sample has not.\n"
+                ));
+                continue;
+            }
+            let factor = times(rate.factor.unwrap_or_else(|| by_unit(column)));
+            out.push_str(&format!("  {name} = \"{}\"{factor}\n", column.header));
+        }
+    }
+    let others = p.roles.inputs.iter().map(|(i, _)| i).chain(&p.roles.params);
+    for column in others.filter_map(|i| p.all.get(*i)) {
+        out.push_str(&format!(
+            "  {} = \"{}\"\n",
+            column.declared(),
+            column.header
+        ));
+    }
+    out.push_str("}\n");
+    let still = p.roles.still.iter().filter_map(|i| p.all.get(*i));
+    for column in still {
+        out.push_str(&format!(
+            "# \"{}\" never moves, and is left out.\n",
+            comment(&column.header)
+        ));
+    }
+    for why in p.left_out {
+        out.push_str(&format!("# Left out: {}.\n", comment(why)));
+    }
+    if is_discrete(p) {
+        out.push_str("# No column is time, so this is a law from sample to sample. Of a motion say `step 0.01` (seconds)\n# in the data block, give the states an order, and ask for dx instead of next x.\n");
+    }
+    out + "\n"
+}
+
+/// The factor of a rate of an angle to radians, by its unit alone.
+fn by_unit(rate: &Column) -> &'static str {
+    let degrees = rate.unit_is(&["deg/s", "°/s", "deg/s^2", "°/s²"]);
+    let rpm = rate.unit_is(&["rpm", "1/min"]);
+    match (degrees, rpm) {
+        (true, _) => "pi/180",
+        (_, true) => "2*pi/60",
+        _ => "",
+    }
+}
+
+fn times(factor: &str) -> String {
+    match factor {
+        "" => String::new(),
+        f => format!(" * {f}"),
+    }
+}
+
+fn equations(p: &Parts) -> String {
+    let mut atoms: Vec<String> = Vec::new();
+    let mut angles: Vec<&str> = Vec::new();
+    for s in p.states {
+        match s.angle {
+            Some(_) if !is_discrete(p) => angles.push(&s.name),
+            _ => atoms.push(s.name.clone()),
+        }
+        if !is_discrete(p) {
+            atoms.extend((1..s.order).map(|k| derivative(&s.name, k)));
+        }
+    }
+    let others = p.roles.inputs.iter().map(|(i, _)| i).chain(&p.roles.params);
+    atoms.extend(others.filter_map(|i| p.all.get(*i)).map(Column::declared));
+    let trig: String = (angles.iter())
+        .map(|a| format!(" * <1, sin({a}), cos({a})>"))
+        .collect();
+    let (atoms, degree) = sized(atoms, 3usize.saturating_pow(angles.len() as u32));
+    let library = match atoms.is_empty() {
+        true => trig.trim_start_matches(" * ").to_string(),
+        false => format!("poly({}; {degree}){trig}", atoms.join(", ")),
+    };
+    let targets: BTreeSet<String> = (p.states.iter())
+        .map(|s| match is_discrete(p) {
+            true => format!("next {}", s.name),
+            false => derivative(&s.name, s.order),
+        })
+        .collect();
+    let mut out = String::from("# Candidate terms: products of signals up to a degree");
+    if !angles.is_empty() {
+        out.push_str(", times sines and cosines of the angles");
+    }
+    out.push_str(".\n# Add what you suspect, such as + <x*abs(x), exp(-x), x/(1 + x)> with names of your own.\n");
+    let bodies: Vec<&State> = p.states.iter().filter(|s| s.order > 1).collect();
+    if let ([_, other, ..], false) = (bodies.as_slice(), is_discrete(p)) {
+        let rate = derivative(&other.name, other.order);
+        let name = &other.name;
+        out.push_str(&format!(
+            "# Of coupled bodies the accelerations of the others belong in too: + {rate} * <1, cos({name})>\n"
+        ));
+    }
+    for target in targets {
+        out.push_str(&format!("{target} ~ {library}\n"));
+    }
+    out
+}
+
+/// Signals and the degree of their products, so that the number of terms stays within `DRAFT.max_candidate_terms`.
+fn sized(mut atoms: Vec<String>, times: usize) -> (Vec<String>, usize) {
+    // Beyond so many signals even their plain list is long.
+    atoms.truncate(DRAFT.max_candidate_terms - 1);
+    let n = atoms.len() as u128;
+    let count = |degree: u128| (1..=degree).fold(1u128, |c, k| c * (n + k) / k) * times as u128;
+    let degree = [3, 2]
+        .into_iter()
+        .find(|d| count(*d) <= DRAFT.max_candidate_terms as u128);
+    (atoms, degree.unwrap_or(1) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_comment_stays_on_its_line_and_in_its_direction() {
+        assert_eq!(
+            comment("a\nstate b\tc\rd\u{1b}[2J\u{202e}e"),
+            "a state b c d?[2J\u{fffd}e"
+        );
+    }
+}

@@ -1,0 +1,132 @@
+//! Intersample behaviour of inputs: zero-order hold or linear, where held inputs jump, and what that hides from the samples.
+//!
+//! In: declarations and records. Out: hold or linear for every input, with a note where it was not declared; rows of jumps;
+//! errors for derivatives. Changes no record. The term is Ljung's (System Identification, 2nd ed. 1999, ch. 13).
+
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::{Between, Model, VarKind};
+use sidc_lang::term::Signal;
+
+use crate::dataset::{Input, Trajectory};
+use crate::series::rows_of_steps;
+
+sidc_thresholds::family! {
+    /// How inputs are taken to move between samples.
+    pub(crate) INTERSAMPLE: IntersampleThresholds {
+        /// Consecutive differences of an undeclared input that are zero if it is held.
+        held: f64 = 0.5, unit "of all differences", source "set by hand; not measured";
+        /// Rows on either side whose jumps and corners add to the error of a derivative.
+        reach: usize = 3, unit "rows", source "set by hand; not measured";
+    }
+}
+
+/// Hold or linear for every measured input, in order of declaration.
+///
+/// An undeclared input is held if enough of its consecutive differences are exactly zero: a zero-order hold repeats its value
+/// when it is sampled faster than it is set, and a smooth signal hardly ever does.
+pub(crate) fn infer(
+    model: &Model,
+    trajectories: &[Trajectory],
+    out: &mut Vec<Diagnostic>,
+) -> Vec<Input> {
+    let mut inputs = Vec::new();
+    if model.discrete {
+        // In discrete time there is nothing between samples.
+        return inputs;
+    }
+    for (id, var) in model.vars_of(VarKind::Input) {
+        let signal = Signal::new(id);
+        let (mut still, mut all) = (0usize, 0usize);
+        for column in trajectories.iter().filter_map(|t| t.column(signal)) {
+            all += column.len().saturating_sub(1);
+            still += column.windows(2).filter(|w| w[0] == w[1]).count();
+        }
+        if all == 0 && var.between.is_none() {
+            continue;
+        }
+        let between = var.between.unwrap_or_else(|| {
+            let hold = still as f64 >= INTERSAMPLE.held * all as f64;
+            out.push(assumed(&var.name, hold, still, all));
+            if hold { Between::Hold } else { Between::Linear }
+        });
+        inputs.push(Input {
+            var: id,
+            between,
+            declared: var.between.is_some(),
+        });
+    }
+    inputs
+}
+
+fn assumed(name: &str, hold: bool, still: usize, all: usize) -> Diagnostic {
+    let (how, word) = if hold {
+        ("held from sample to sample", "hold")
+    } else {
+        ("linear between samples", "linear")
+    };
+    let percent = 100.0 * still as f64 / all.max(1) as f64;
+    Diagnostic::note("input-between", format!("input {name} is taken as {how}"))
+        .fact(format!("{percent:.0} % of its steps are exactly zero"))
+        .help(format!("say so: input {name} : {word}"))
+}
+
+/// Rows of a trajectory at which a held input jumps. u_k holds from t_k on, so row k starts a new segment.
+pub(crate) fn jumps(inputs: &[Input], trajectory: &Trajectory) -> Vec<usize> {
+    let held = |i: &&Input| i.between == Between::Hold;
+    let mut out: Vec<usize> = inputs
+        .iter()
+        .filter(held)
+        .filter_map(|i| trajectory.column(Signal::new(i.var)))
+        .flat_map(|u| rows_of_steps(u, |a, b| a != b))
+        .collect();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+/// What the samples of a driven signal cannot show: how far its highest derivative may be from that of a smooth curve through
+/// the samples, relative to its size, if the input alone moves it. Both vectors have the trajectory's length.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct IntersampleError {
+    /// For windows across jumps of held inputs: half a jump, since the curve follows its middle.
+    pub across: Vec<f64>,
+    /// For inputs that are linear between samples, whose corners a curve rounds off: a twelfth of the second difference.
+    pub corners: Vec<f64>,
+}
+
+pub(crate) fn intersample_error(inputs: &[Input], trajectory: &Trajectory) -> IntersampleError {
+    let rows = trajectory.len();
+    let mut out = IntersampleError {
+        across: vec![0.0; rows],
+        corners: vec![0.0; rows],
+    };
+    for input in inputs {
+        let Some(u) = trajectory.column(Signal::new(input.var)) else {
+            continue;
+        };
+        let size = (u.iter().map(|x| x * x).sum::<f64>() / rows.max(1) as f64).sqrt();
+        if !(size > 0.0 && size.is_finite()) {
+            continue;
+        }
+        let (into, moves): (&mut Vec<f64>, Vec<f64>) = match input.between {
+            Between::Hold => (
+                &mut out.across,
+                u.windows(2).map(|w| 0.5 * (w[1] - w[0]).abs()).collect(),
+            ),
+            Between::Linear => (
+                &mut out.corners,
+                u.windows(3)
+                    .map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() / 12.0)
+                    .collect(),
+            ),
+        };
+        for (row, worst) in into.iter_mut().enumerate() {
+            let near = moves
+                .iter()
+                .skip(row.saturating_sub(INTERSAMPLE.reach))
+                .take(2 * INTERSAMPLE.reach);
+            *worst = near.fold(*worst, |m, x| m.max(x / size));
+        }
+    }
+    out
+}

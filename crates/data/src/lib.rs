@@ -1,0 +1,55 @@
+//! Measured data: CSV text → trajectories of named signals → samples.
+//!
+//! In: a reader and the model's data block. Out: a [`Dataset`], and from it [`Samples`] with every signal that the model's
+//! equations need, measured or estimated. Opens no files.
+//!
+//! Flow: [`read`] (`csv`) → [`bind`] (`binding`, with `checks`) → [`Dataset`] → [`hold_out`], [`keep_window`] (`dataset`) →
+//! [`samples`] (`sample_assembly`, with `derivatives`). Beside it: [`smooth`] (`smoothing`) takes the noise off one signal, and
+//! [`draft`] writes a first model of a table. `time_axis`, `intersample` and `segmentation` say where a record is even, held and
+//! interrupted.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod binding;
+mod checks;
+mod csv;
+mod dataset;
+mod derivatives;
+pub mod draft;
+mod intersample;
+mod sample_assembly;
+mod segmentation;
+mod series;
+mod smoothing;
+mod time_axis;
+
+pub use binding::bind;
+pub use csv::{ArrayFault, Limits, Table, bad_cells, io_error_text, read, too_large};
+pub use dataset::{
+    Column, Dataset, HoldOut, HoldOutRange, Input, Origin, Samples, Trajectory, Window, hold_out,
+    keep_window,
+};
+pub use sample_assembly::{Provenance, SignalMonitor, samples};
+pub use segmentation::{Break, breaks};
+pub use smoothing::{Smoothed, smooth};
+pub use time_axis::{contiguous_ranges, gaps, snap_to_even_grid};
+
+/// Every number that decides in this crate, by family.
+pub fn thresholds() -> Vec<sidc_thresholds::Table> {
+    vec![
+        time_axis::thresholds::TimeAxisThresholds::table(),
+        intersample::IntersampleThresholds::table(),
+        checks::thresholds::RecordChecks::table(),
+        checks::thresholds::TimeChecks::table(),
+        derivatives::thresholds::BandwidthSelection::table(),
+        derivatives::thresholds::NoiseEstimation::table(),
+        derivatives::thresholds::QuantizationThresholds::table(),
+        sample_assembly::thresholds::SamplingThresholds::table(),
+        smoothing::thresholds::SmoothingThresholds::table(),
+        smoothing::thresholds::SmoothingSearch::table(),
+        smoothing::thresholds::OutlierThresholds::table(),
+        draft::thresholds::DraftThresholds::table(),
+        draft::thresholds::RateThresholds::table(),
+        draft::thresholds::LawOrderThresholds::table(),
+    ]
+}

@@ -1,0 +1,349 @@
+//! Doubts of an equation from rows: each rule is one function, and its text gives the figure that it judged by.
+//!
+//! In: evidence, terms, findings about residuals. Out: reasons. Never changes the equation.
+
+use crate::doubts::badly_fitted_rows::BadlyFittedRows;
+use crate::doubts::residual_autocorrelation::ResidualAutocorrelation;
+use crate::doubts::thresholds::DOUBTS;
+use crate::watch;
+use sidc_progress::Stop;
+use sidc_solve::Status as Solved;
+use sidc_system::discovery::{Evidence, FoundTerm, Reason, ReasonCode};
+
+/// What the residuals show beyond their size.
+#[derive(Default)]
+pub(crate) struct ResidualFindings {
+    pub strays: Option<BadlyFittedRows>,
+    /// In discrete time.
+    pub memory: Option<ResidualAutocorrelation>,
+}
+
+/// What the rules judge.
+pub(crate) struct RegressionCase<'a> {
+    pub evidence: &'a Evidence,
+    pub terms: &'a [FoundTerm],
+    pub names: &'a [String],
+    pub solved: &'a Solved,
+    /// Why the work ended early, if it did.
+    pub stopped: Option<Stop>,
+    /// Whether the solver gives a dual point.
+    pub exact: bool,
+    /// Terms that the solver proposed.
+    pub proposed: usize,
+    pub remains: ResidualFindings,
+}
+
+pub(crate) fn doubts(case: &RegressionCase) -> Vec<Reason> {
+    let rules: [fn(&RegressionCase) -> Option<Reason>; 16] = [
+        stopped,
+        refused,
+        heuristic,
+        contradicted,
+        solver,
+        crowded,
+        poor_fit,
+        misfit,
+        strayed,
+        coloured,
+        used_up,
+        rough,
+        held_out,
+        few_rows,
+        dependent,
+        tied,
+    ];
+    let mut reasons: Vec<Reason> = rules.iter().filter_map(|rule| rule(case)).collect();
+    if noisy(case.evidence) {
+        reasons.extend(uncertain(case.terms, case.names));
+    }
+    reasons
+}
+
+fn noisy(e: &Evidence) -> bool {
+    e.residual > DOUBTS.noisy
+}
+
+fn stopped(c: &RegressionCase) -> Option<Reason> {
+    c.stopped.map(watch::doubt)
+}
+
+fn refused(c: &RegressionCase) -> Option<Reason> {
+    match c.solved {
+        Solved::Refused { reason } => Some(Reason::new(
+            ReasonCode::SolverRefused,
+            format!("{reason}: another solver, or fewer rows or terms"),
+        )),
+        _ => None,
+    }
+}
+
+fn heuristic(c: &RegressionCase) -> Option<Reason> {
+    (!c.exact && !c.evidence.certificate.optimal).then(|| {
+        Reason::new(
+            ReasonCode::HeuristicSolver,
+            format!(
+                "`{}` is a heuristic: the equation fits as shown, which is not a proof of the sparsest answer",
+                c.evidence.solver
+            ),
+        )
+    })
+}
+
+/// Rows that no combination of all terms fits.
+fn contradicted(c: &RegressionCase) -> Option<Reason> {
+    matches!(c.solved, Solved::Inconsistent { .. }).then(|| {
+        Reason::new(
+            ReasonCode::InconsistentRows,
+            format!(
+                "no combination of all {} terms fits these rows: they are noisy, or a term is missing. Say how noisy, with `noise` \
+                 or --noise NAME=SIGMA: this equation leaves {:.1e} of the target",
+                c.evidence.candidates, c.evidence.residual
+            ),
+        )
+    })
+}
+
+fn solver(c: &RegressionCase) -> Option<Reason> {
+    let Solved::Inaccurate { gap, residual } = c.solved else {
+        return None;
+    };
+    let p = &c.evidence.certificate;
+    // A Lasso path that stopped early: its certificate holds for the residual reached, not for ε.
+    let early = !gap.is_finite();
+    let text = if early {
+        format!(
+            "no few terms fit these rows as closely as was asked. If the target is noisy, say how much, with `noise` or \
+             --noise NAME=SIGMA: this equation leaves {:.1e} of it",
+            c.evidence.residual
+        )
+    } else {
+        format!(
+            "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
+        )
+    };
+    let proved = p.optimal && (p.of_answer || !early);
+    (!proved).then(|| Reason::new(ReasonCode::SolverInaccurate, text))
+}
+
+/// Too many terms for the rows: any target can be fitted like that.
+fn crowded(c: &RegressionCase) -> Option<Reason> {
+    let (k, m) = (c.terms.len(), c.evidence.rows);
+    if DOUBTS.sparse_rows * k > m && k > 1 {
+        return Some(Reason::new(
+            ReasonCode::NotSparse,
+            format!(
+                "{k} terms from {m} rows is no sparse law: more rows, or a library that contains the physics"
+            ),
+        ));
+    }
+    // The exact fit has as many terms as that of an arbitrary target, so the terms kept of it may explain their part by chance.
+    let p = &c.evidence.certificate;
+    let dense =
+        p.tolerance == 0.0 && !p.of_answer && DOUBTS.sparse_rows * c.proposed > m && c.proposed > 1;
+    dense.then(|| {
+        Reason::new(
+            ReasonCode::NotSparse,
+            format!(
+                "the smallest 1-norm that fits these {m} rows has {} terms, of which {k} were kept: too few rows, noise that \
+                 nobody declared, or a term that is missing",
+                c.proposed
+            ),
+        )
+    })
+}
+
+/// A generated library that is used completely, or by more than half: a series that approximates the law, not the law itself. `made`
+/// counts the candidates that a generator made.
+pub(crate) fn exhausted(terms: usize, candidates: usize, made: usize) -> Option<Reason> {
+    let all = terms == candidates && made >= DOUBTS.exhausted_terms;
+    let most =
+        candidates >= DOUBTS.half_used_terms && 2 * terms > candidates && 2 * made > candidates;
+    (all || most).then(|| {
+        Reason::new(
+            ReasonCode::ExhaustedLibrary,
+            format!(
+                "{terms} of {candidates} terms are used: a series that comes near the law has that many; the law itself is \
+                 probably not in the library"
+            ),
+        )
+    })
+}
+
+fn used_up(c: &RegressionCase) -> Option<Reason> {
+    let e = c.evidence;
+    // If the fit is as good as the data, the law really has that many terms.
+    let off = e.target_error > 0.0 && e.residual > DOUBTS.misfit * e.target_error;
+    let reason = exhausted(c.terms.len(), e.candidates, e.candidates);
+    reason.filter(|_| off)
+}
+
+fn poor_fit(c: &RegressionCase) -> Option<Reason> {
+    let e = c.evidence;
+    // In the weak form the noise of the rows is known, and only the residual beyond it counts, if there are terms at all.
+    let known = match e.method.is_empty() || c.terms.is_empty() {
+        true => 0.0,
+        false => e.target_error,
+    };
+    let r = (e.residual.powi(2) - known.powi(2)).max(0.0).sqrt();
+    (r > DOUBTS.poor_fit).then(|| {
+        Reason::new(
+            ReasonCode::PoorFit,
+            format!(
+                "the equation leaves {:.0} % of the target's size unexplained (R² {:.3})",
+                100.0 * r.min(1.0),
+                1.0 - r * r
+            ),
+        )
+    })
+}
+
+fn misfit(c: &RegressionCase) -> Option<Reason> {
+    let (r, e) = (c.evidence.residual, c.evidence.target_error);
+    (e > 0.0 && r > DOUBTS.misfit * e && r > DOUBTS.negligible_residual).then(|| {
+        Reason::new(
+            ReasonCode::Misfit,
+            format!(
+                "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data: a term is missing, or the noise is larger than it looks",
+                r / e
+            ),
+        )
+    })
+}
+
+/// Rows of small weight that contradict an equation whose residual as a whole passes.
+fn strayed(c: &RegressionCase) -> Option<Reason> {
+    let s = c.remains.strays?;
+    let hidden = poor_fit(c).is_none() && misfit(c).is_none();
+    hidden.then(|| {
+        Reason::new(
+            ReasonCode::RowsMissed,
+            format!(
+                "{} of {} rows are missed by more than half of the target's size and ten times their own error, at t = {} by {:.0} errors: \
+                 an impact, a switch, outliers, or a term that matters there alone",
+                s.rows, c.evidence.rows, s.time, s.errors
+            ),
+        )
+    })
+}
+
+fn coloured(c: &RegressionCase) -> Option<Reason> {
+    let m = c.remains.memory?;
+    (m.is.abs() > m.chance.max(DOUBTS.autocorrelation) && c.evidence.residual > DOUBTS.negligible_residual).then(|| {
+        Reason::new(
+            ReasonCode::ColouredResiduals,
+            format!(
+                "the residuals of successive samples follow each other (autocorrelation {:.2}, chance allows {:.2}): noise of the sensors, \
+                 which the terms see too and which then makes coefficients wrong by more than their intervals, or a missing term",
+                m.is, m.chance
+            ),
+        )
+    })
+}
+
+fn rough(c: &RegressionCase) -> Option<Reason> {
+    let e = c.evidence.target_error;
+    (e > DOUBTS.rough_target && c.evidence.method.is_empty()).then(|| {
+        Reason::new(
+            ReasonCode::RoughDerivative,
+            format!(
+                "the target itself is known only to {:.0} %: it had to be estimated from coarse or noisy samples",
+                100.0 * e
+            ),
+        )
+    })
+}
+
+fn held_out(c: &RegressionCase) -> Option<Reason> {
+    let held = c.evidence.held_out.as_ref()?;
+    let expected = c
+        .evidence
+        .residual
+        .max(c.evidence.target_error)
+        .max(DOUBTS.held_out_rounding);
+    (held.residual > DOUBTS.overfit * expected).then(|| {
+        Reason::new(
+            ReasonCode::HeldOut,
+            format!(
+                "on {} rows not used the residual is {:.1e}, in the fit {:.1e}: the equation does not carry over",
+                held.rows, held.residual, c.evidence.residual
+            ),
+        )
+    })
+}
+
+fn few_rows(c: &RegressionCase) -> Option<Reason> {
+    let (k, m) = (c.terms.len().max(1), c.evidence.rows);
+    (noisy(c.evidence) && m < DOUBTS.rows_per_term * k).then(|| {
+        Reason::new(
+            ReasonCode::FewRows,
+            format!("{m} noisy rows for {k} terms: another law may fit as well by chance"),
+        )
+    })
+}
+
+fn dependent(c: &RegressionCase) -> Option<Reason> {
+    let p = &c.evidence.certificate;
+    (p.rank < p.support || p.condition > DOUBTS.condition).then(|| {
+        Reason::new(
+            ReasonCode::DependentSupport,
+            format!(
+                "the terms found are dependent on these data (rank {} of {}, condition {:.0e}): their coefficients are not separate facts",
+                p.rank, p.support, p.condition
+            ),
+        )
+    })
+}
+
+fn tied(c: &RegressionCase) -> Option<Reason> {
+    let e = c.evidence;
+    let p = &e.certificate;
+    if let Some(tie) = tie(&e.ties) {
+        return Some(tie);
+    }
+    let open = p.of_answer && p.optimal && p.tolerance == 0.0 && p.margin < DOUBTS.margin;
+    (open && p.support < e.candidates && !noisy(e)).then(|| {
+        Reason::new(
+            ReasonCode::Tie,
+            format!(
+                "another term is as good as those found: |φᵀλ| reaches {:.6} off the support",
+                1.0 - p.margin
+            ),
+        )
+    })
+}
+
+/// The doubt `tie`: other supports that the data do not distinguish from the answer.
+pub fn tie(ties: &[Vec<String>]) -> Option<Reason> {
+    let first = ties.first()?;
+    let more = match ties.len() {
+        1 => String::new(),
+        n => format!(", and {} more", n - 1),
+    };
+    Some(Reason::new(
+        ReasonCode::Tie,
+        format!(
+            "these data cannot tell this support from {{{}}}{more}",
+            first.join(", ")
+        ),
+    ))
+}
+
+/// Coefficients that could as well be zero, by their standard errors.
+pub(crate) fn uncertain(terms: &[FoundTerm], names: &[String]) -> Vec<Reason> {
+    terms
+        .iter()
+        .zip(names)
+        .filter_map(|(t, name)| {
+            let part = t.standard_error? / t.coefficient.abs();
+            (part > DOUBTS.uncertain).then(|| {
+                Reason::new(
+                    ReasonCode::UncertainCoefficient,
+                    format!(
+                        "the coefficient of {name} is known only to {:.0} %",
+                        100.0 * part
+                    ),
+                )
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,183 @@
+//! Doubts of an equation that was estimated with its trajectory: each rule is one function, and its text gives the figure.
+//!
+//! In: the residuals of each channel and the terms. Out: reasons. The measure is the noise of the sensor, declared or estimated by
+//! smoothing: right equations leave white residuals of that size. Never changes the equation.
+
+use crate::doubts::regression_rules;
+use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
+use crate::trajectory::{Channel, DelayedInputs, SensorOffset};
+use sidc_lang::term::SignalNames;
+use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode};
+
+/// What the rules judge.
+pub(crate) struct TrajectoryCase<'a> {
+    pub names: &'a Discovery,
+    pub channels: &'a [Channel],
+    /// Names of the trajectories.
+    pub files: &'a [String],
+    pub terms: &'a [FoundTerm],
+    pub written: &'a [String],
+    pub evidence: &'a Evidence,
+    pub readings: usize,
+    /// Terms of all equations.
+    pub all_terms: usize,
+    pub arrived: bool,
+    /// Candidates of this equation that a generator made.
+    pub made: usize,
+}
+
+pub(crate) fn doubts(case: &TrajectoryCase) -> Vec<Reason> {
+    let mut reasons = Vec::new();
+    for c in case.channels {
+        reasons.extend(poor(case, c));
+        reasons.extend(large(case, c));
+        reasons.extend(memory(case, c));
+        reasons.extend(outliers(case, c));
+    }
+    reasons.extend(few(case));
+    reasons.extend(regression_rules::exhausted(
+        case.terms.len(),
+        case.evidence.candidates,
+        case.made,
+    ));
+    reasons.extend(unsettled(case));
+    reasons.extend(regression_rules::tie(&case.evidence.ties));
+    reasons.extend(regression_rules::uncertain(case.terms, case.written));
+    reasons
+}
+
+/// Whether the residuals of a channel are more than the noise of its sensor.
+pub(crate) fn unexplained(c: &Channel) -> bool {
+    c.excess > TRAJECTORY_DOUBTS.misfit || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation)
+}
+
+/// The doubt `input-delay`: inputs that were shifted in time.
+pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
+    let inputs: Vec<&str> = late.inputs.iter().map(|v| names.variable(*v)).collect();
+    let (act, record) = match inputs.len() {
+        1 => ("acts", "its record"),
+        _ => ("act", "their records"),
+    };
+    let when = if late.samples > 0.0 {
+        "later"
+    } else {
+        "earlier"
+    };
+    Reason::new(
+        ReasonCode::InputDelay,
+        format!(
+            "{} {act} {} s ({} samples) {when} than {record}, which the criterion prefers by {:.0}; the equations are those with \
+             the delay",
+            inputs.join(", "),
+            short(late.seconds.abs()),
+            late.samples.abs(),
+            late.gain
+        ),
+    )
+}
+
+/// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do.
+pub(crate) fn offset(names: &Discovery, offset: &SensorOffset, terms: &[String]) -> Reason {
+    Reason::new(
+        ReasonCode::SensorOffset,
+        format!(
+            "if the sensor of {} reads {:.4} too much, {} not needed ({} fewer in all, which the criterion prefers by {:.0}): check its zero",
+            names.name(offset.signal),
+            offset.value,
+            match terms {
+                [one] => format!("{one} is"),
+                many => format!("{} are", many.join(", ")),
+            },
+            offset.terms.len(),
+            offset.gain
+        ),
+    )
+}
+
+fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+    let part = c.left / c.spread;
+    (part > TRAJECTORY_DOUBTS.poor_fit).then(|| {
+        Reason::new(
+            ReasonCode::PoorFit,
+            format!(
+                "the trajectory leaves {:.0} % of the variation of {} unexplained (R² {:.3})",
+                100.0 * part.min(1.0),
+                case.names.name(c.signal),
+                1.0 - part * part
+            ),
+        )
+    })
+}
+
+fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+    (c.excess > TRAJECTORY_DOUBTS.misfit && c.left > TRAJECTORY_DOUBTS.negligible_residual * c.spread).then(|| {
+        Reason::new(
+            ReasonCode::Misfit,
+            format!(
+                "the residuals of {} are {:.1} times its sensor's noise: a term or a state is missing, or an input acts otherwise",
+                case.names.name(c.signal),
+                c.excess
+            ),
+        )
+    })
+}
+
+fn memory(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+    (c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && c.left > TRAJECTORY_DOUBTS.negligible_residual * c.spread).then(|| {
+        Reason::new(
+            ReasonCode::ColouredResiduals,
+            format!(
+                "the residuals of {} follow each other (autocorrelation {:.2}, chance allows {:.2}): what they hold is no noise of \
+                 the sensor",
+                case.names.name(c.signal),
+                c.memory,
+                c.chance
+            ),
+        )
+    })
+}
+
+fn outliers(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
+    let s = c.outliers?;
+    let file = case.files.get(s.trajectory).map_or("?", String::as_str);
+    let lie = match s.count {
+        1 => "1 reading lies".to_string(),
+        n => format!("{n} of {} readings lie", c.readings),
+    };
+    Some(Reason::new(
+        ReasonCode::Outliers,
+        format!(
+            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst {:.0}, in {file} at {} s: `--robust` gives \
+             them no weight",
+            case.names.name(c.signal),
+            s.worst,
+            short(s.time)
+        ),
+    ))
+}
+
+/// At most six decimals.
+fn short(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
+}
+
+fn few(case: &TrajectoryCase) -> Option<Reason> {
+    (case.readings < DOUBTS.rows_per_term * case.all_terms).then(|| {
+        Reason::new(
+            ReasonCode::FewRows,
+            format!(
+                "{} noisy readings for {} terms: another law may fit as well by chance",
+                case.readings, case.all_terms
+            ),
+        )
+    })
+}
+
+fn unsettled(case: &TrajectoryCase) -> Option<Reason> {
+    (!case.arrived).then(|| {
+        Reason::new(
+            ReasonCode::NotSettled,
+            "the fit of trajectory and coefficients had not settled when it was ended; the coefficients are near, not at, the best",
+        )
+    })
+}

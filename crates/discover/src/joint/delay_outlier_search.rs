@@ -1,0 +1,271 @@
+//! The joint search, repeated for faults of the sensors that a first answer shows: outliers, delayed inputs, offsets.
+//!
+//! In: a problem, options. Out: the corrected problem and the best fit to it. Never writes messages.
+
+use crate::joint::thresholds::SENSOR_SEARCH;
+use std::borrow::Cow;
+
+use crate::doubts::trajectory_rules;
+use crate::options::Options;
+use crate::trajectory;
+use crate::trajectory::{DelayedInputs, Fit, Found, Law, Problem, SearchMonitor, SensorOffset};
+use crate::watch::Watcher;
+use sidc_lang::model::{Model, VarKind};
+use sidc_lang::term::VarId;
+use sidc_progress::Stage;
+
+/// The corrected problem and the answer to it.
+pub(crate) struct JointFit<'a> {
+    pub problem: Cow<'a, Problem>,
+    pub found: Found,
+    /// Inputs that act at other times than recorded; in `problem` they are shifted.
+    pub late: Option<DelayedInputs>,
+    /// An offset of a sensor that would explain terms.
+    pub offset: Option<SensorOffset>,
+}
+
+impl<'a> JointFit<'a> {
+    fn new(problem: Cow<'a, Problem>, found: Found, late: Option<DelayedInputs>) -> JointFit<'a> {
+        JointFit {
+            problem,
+            found,
+            late,
+            offset: None,
+        }
+    }
+}
+
+/// Searches all equations, for faults of sensors too. `None` if no support could be fitted.
+pub(crate) fn search_system<'a>(
+    model: &Model,
+    problem: &'a Problem,
+    options: &Options,
+    watcher: &mut Watcher,
+) -> Option<JointFit<'a>> {
+    let mut search = DelayOutlierSearch { watcher, at: 0 };
+    let inputs = inputs(model, problem);
+    let mut fit = search.first(problem, &inputs)?;
+    if options.robust {
+        search.without_outliers(&mut fit);
+    }
+    search.with_delay(&inputs, &mut fit);
+    if options.robust && fit.late.is_some() {
+        search.without_outliers(&mut fit);
+    }
+    fit.offset = search.offset(&fit);
+    Some(fit)
+}
+
+struct DelayOutlierSearch<'a, 'w> {
+    watcher: &'a mut Watcher<'w>,
+    at: usize,
+}
+
+/// Guides one search of supports. With `inputs`, ends it at the first fit if a delay of these explains the residuals.
+struct SearchGuide<'s, 'a, 'w> {
+    search: &'s mut DelayOutlierSearch<'a, 'w>,
+    inputs: Option<&'s [VarId]>,
+    laws: &'s [Law],
+    late: Option<DelayedInputs>,
+}
+
+impl SearchMonitor for SearchGuide<'_, '_, '_> {
+    fn go_on(&mut self) -> bool {
+        self.search.go_on(self.laws)
+    }
+
+    fn in_time(&mut self) -> bool {
+        self.search.in_time()
+    }
+
+    fn first(&mut self, problem: &Problem, fit: &Fit) -> bool {
+        if let Some(inputs) = self.inputs.filter(|_| unexplained(problem, fit)) {
+            let late = self.search.delay(problem, fit, inputs);
+            let enough = SENSOR_SEARCH.early_delay_gain * problem.measurements() as f64;
+            self.late = late.filter(|l| l.gain > enough);
+        }
+        self.late.is_none()
+    }
+}
+
+impl DelayOutlierSearch<'_, '_> {
+    fn go_on(&mut self, laws: &[Law]) -> bool {
+        // The search is for all laws at once; progress names them in turn.
+        self.watcher.turn_to(laws[self.at % laws.len()].equation);
+        self.at += 1;
+        self.watcher.at(Stage::Refitting(self.at)).is_none()
+    }
+
+    fn in_time(&mut self) -> bool {
+        self.watcher.at(Stage::Refitting(self.at)).is_none()
+    }
+
+    fn run(&mut self, problem: &Problem) -> Option<Found> {
+        let mut guide = SearchGuide {
+            search: self,
+            inputs: None,
+            laws: &problem.system.laws,
+            late: None,
+        };
+        trajectory::search(problem, &mut guide)
+    }
+
+    /// The first answer. With a delayed input a search adds many terms to compensate, so if the first few terms leave more than
+    /// noise, a delay is looked for at once and the search is repeated with it.
+    fn first<'a>(&mut self, problem: &'a Problem, inputs: &[VarId]) -> Option<JointFit<'a>> {
+        let mut late: Option<DelayedInputs> = None;
+        let mut moved = Cow::Borrowed(problem);
+        for _ in 0..SENSOR_SEARCH.delay_rounds {
+            let mut guide = SearchGuide {
+                search: self,
+                inputs: Some(inputs),
+                laws: &problem.system.laws,
+                late: None,
+            };
+            let found = trajectory::search(&moved, &mut guide);
+            let Some(more) = guide.late else {
+                return self.if_better(problem, JointFit::new(moved, found?, late));
+            };
+            let Some(sum) = together(late.as_ref(), more) else {
+                break;
+            };
+            moved = Cow::Owned(trajectory::with_delay(problem, &sum));
+            late = Some(sum);
+        }
+        let found = self.run(&moved)?;
+        self.if_better(problem, JointFit::new(moved, found, late))
+    }
+
+    /// If an answer with a delay leaves more than noise, it has to beat the answer without the delay.
+    fn if_better<'a>(&mut self, problem: &'a Problem, fit: JointFit<'a>) -> Option<JointFit<'a>> {
+        let Some(late) = &fit.late else {
+            return Some(fit);
+        };
+        if !unexplained(&fit.problem, &fit.found.best) || self.watcher.stop().is_some() {
+            return Some(fit);
+        }
+        let Some(found) = self.run(problem) else {
+            return Some(fit);
+        };
+        let without =
+            trajectory::criterion_without_delay(problem, &found.best, late, &mut || self.in_time());
+        if without - fit.found.best.value >= fit.found.penalty {
+            return Some(fit);
+        }
+        Some(JointFit::new(Cow::Borrowed(problem), found, None))
+    }
+
+    /// The delay with which the likelihood of a few terms improves most.
+    fn delay(&mut self, problem: &Problem, fit: &Fit, inputs: &[VarId]) -> Option<DelayedInputs> {
+        if inputs.is_empty() {
+            return None;
+        }
+        let mut go_on = || self.in_time();
+        let proposals = trajectory::screen_delays(problem, fit.support(), inputs, &mut go_on);
+        trajectory::fit_delay(problem, fit, &proposals, &mut go_on)
+    }
+
+    /// Removes readings that the laws found do not explain, and searches again, until no more are removed.
+    fn without_outliers(&mut self, fit: &mut JointFit) {
+        for _ in 0..SENSOR_SEARCH.outlier_rounds {
+            if self.watcher.stop().is_some() {
+                return;
+            }
+            let Some(next) = trajectory::leave_out(&fit.problem, &fit.found.best) else {
+                return;
+            };
+            let Some(found) = self.run(&next) else {
+                return;
+            };
+            fit.problem = Cow::Owned(next);
+            fit.found = found;
+        }
+    }
+
+    /// A sensor offset that would replace terms. Looked for only if the laws explain the readings to their noise.
+    fn offset(&mut self, fit: &JointFit) -> Option<SensorOffset> {
+        let best = &fit.found.best;
+        if best.support().len() > SENSOR_SEARCH.offset_terms || unexplained(&fit.problem, best) {
+            return None;
+        }
+        trajectory::find_sensor_offset(&fit.problem, best, &mut || self.in_time())
+    }
+
+    /// Shifts inputs in time if that explains the residuals, and searches again.
+    fn with_delay(&mut self, inputs: &[VarId], fit: &mut JointFit) {
+        if inputs.is_empty() || !unexplained(&fit.problem, &fit.found.best) {
+            return;
+        }
+        let (whole, known) = (fit.problem.clone(), fit.late.clone());
+        let mut moved: Option<DelayedInputs> = None;
+        for _ in 0..SENSOR_SEARCH.delay_rounds {
+            let (problem, best) = (&fit.problem, &fit.found.best);
+            let Some(more) = self.delay(problem, best, inputs) else {
+                return;
+            };
+            let before =
+                trajectory::criterion_without_delay(problem, best, &more, &mut || self.in_time());
+            let more = DelayedInputs { gain: 0.0, ..more };
+            let Some(mut late) = together(moved.as_ref(), more) else {
+                return;
+            };
+            let next = trajectory::with_delay(&whole, &late);
+            let Some(found) = self.run(&next) else {
+                return;
+            };
+            let gain = before - found.best.value;
+            late.gain += gain;
+            let sum = match &known {
+                None => Some(late.clone()),
+                Some(known) => together(Some(known), late.clone()),
+            };
+            if gain < found.penalty || sum.is_none() {
+                return;
+            }
+            *fit = JointFit::new(Cow::Owned(next), found, sum);
+            moved = Some(late);
+        }
+    }
+}
+
+/// The sum of two delays; `None` if they belong to different inputs or cancel.
+fn together(before: Option<&DelayedInputs>, more: DelayedInputs) -> Option<DelayedInputs> {
+    let Some(before) = before else {
+        return Some(more);
+    };
+    let samples = before.samples + more.samples;
+    (before.inputs == more.inputs && samples != 0.0).then_some(DelayedInputs {
+        samples,
+        seconds: before.seconds + more.seconds,
+        gain: before.gain + more.gain,
+        ..more
+    })
+}
+
+/// Whether a fit leaves more than the noise of a sensor.
+fn unexplained(problem: &Problem, fit: &Fit) -> bool {
+    let channels = trajectory::channels(problem, fit);
+    channels.iter().any(trajectory_rules::unexplained)
+}
+
+/// Declared inputs that the laws may contain and that are not constant.
+fn inputs(model: &Model, problem: &Problem) -> Vec<VarId> {
+    let moves = |place: usize| {
+        let columns = problem
+            .records
+            .iter()
+            .filter_map(|r| r.exogenous.get(place));
+        let moving = |v: &[f64]| v.windows(2).any(|w| w[0] != w[1]);
+        columns.into_iter().any(|o| moving(&o.values))
+    };
+    let signals = problem.system.exogenous.iter().enumerate();
+    let mut found: Vec<VarId> = signals
+        .filter(|(place, s)| {
+            model.var(s.var).is_some_and(|v| v.kind == VarKind::Input) && moves(*place)
+        })
+        .map(|(_, s)| s.var)
+        .collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}

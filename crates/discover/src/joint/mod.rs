@@ -1,0 +1,221 @@
+//! Joint estimation of all equations with their trajectory: when it applies, and its result as a discovery.
+//!
+//! In: a model, its libraries, a dataset. Out: the estimation problem, or why there is none; then equations with their evidence.
+//! Never estimates anything itself; `crate::trajectory` does.
+
+mod delay_outlier_search;
+pub(crate) mod no_fit;
+mod report;
+pub(crate) mod thresholds;
+
+use std::sync::Arc;
+
+use crate::doubts::dependent_states::doubt_dependent_states;
+use crate::joint::delay_outlier_search::{JointFit, search_system};
+use crate::joint::no_fit::measured_states;
+use crate::joint::report::Report;
+use crate::joint::thresholds::JOINT;
+use crate::known_terms::{fixed_terms, stated};
+use crate::options::{Method, Options};
+use crate::redundancy::doubt_redundant_equations;
+use crate::selection::screening::{CandidatePools, screen};
+use crate::trajectory;
+use crate::trajectory::{Channel, Found, Problem, System};
+use crate::watch::{self, Watch, Watcher, unweighed};
+use sidc_data::{Column, Dataset, Origin, Samples};
+use sidc_lang::library::Library;
+use sidc_lang::model::Model;
+use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_progress::Stage;
+use sidc_system::discovery::{Discovery, Failed, Status, Stretches, Witness};
+
+/// The joint estimation problem, where it is asked for or, by default, where the data are noisy.
+///
+/// # Errors
+/// Why there is none, in words that follow "because".
+pub fn joint(
+    model: &Model,
+    libraries: &[Option<Library>],
+    dataset: &Dataset,
+    options: &Options,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Problem, String> {
+    let asked = options.method == Method::Joint;
+    if !asked {
+        if options.method != Method::Auto {
+            return Err("another method was asked for".into());
+        }
+        if options.samples.is_some() || options.path {
+            return Err("rows are to be drawn, or a path is to be shown".into());
+        }
+    }
+    if !model.constraints.is_empty() {
+        return Err("coefficients are constrained".into());
+    }
+    if !asked && let Some(target) = measured(model, dataset) {
+        return Err(format!("{} is measured", model.name(target)));
+    }
+    let make = |pools: &CandidatePools| System::new(model, libraries, pools);
+    // The noise shows with one column for each equation, which is quick to set up.
+    let bare = make(&libraries.iter().map(|_| Some(vec![0])).collect())?;
+    let missing = |s: Signal| format!("the data have no {}", model.name(s));
+    let noise = |s| model.noise(s);
+    let bare = Problem::new(bare, dataset, &noise, options.robust).map_err(missing)?;
+    let noisy = |c: &Channel| c.noise > JOINT.clean_data * c.spread;
+    let noisy = bare.channels().iter().any(noisy) || !bare.left_out.is_empty();
+    if !asked && !noisy {
+        return Err("the data are clean".into());
+    }
+    let with = |system: System| bare.with_system(system, dataset, &noise, options.robust);
+    let size = (bare.states(), bare.samples());
+    let pools = screen(model, libraries, size, &|s| with(s).map_err(missing), go_on)?;
+    let problem = with(make(&pools)?).map_err(missing)?;
+    if let Some(term) = problem.first_undefined_column() {
+        return Err(format!(
+            "{} has no finite value",
+            Language(model).term(term)
+        ));
+    }
+    Ok(problem)
+}
+
+/// The first target that was measured.
+fn measured(model: &Model, dataset: &Dataset) -> Option<Signal> {
+    let held = |s: &Signal| dataset.trajectories.iter().any(|t| t.column(*s).is_some());
+    model.equations.iter().map(|e| e.target).find(held)
+}
+
+/// What is kept of a joint estimate so that it can be judged.
+#[derive(Clone, Debug, Default)]
+pub struct Fitted {
+    /// All signals along the trajectory.
+    pub samples: Samples,
+    /// `None` if the records cannot be divided.
+    pub stretches: Option<Stretches>,
+}
+
+/// Finds all equations of the system together, with all signals along the fitted trajectory. `None` if no support could be fitted.
+pub fn discover_jointly(
+    model: &Model,
+    problem: &Problem,
+    options: &Options,
+    watch: Watch,
+) -> Option<(Discovery, Fitted)> {
+    let mut watcher = Watcher::new(watch);
+    let mut discovery = Discovery::of(model);
+    let settled = search_system(model, problem, options, &mut watcher);
+    let stopped = watcher.stop();
+    let Some(JointFit {
+        problem,
+        found,
+        late,
+        offset,
+    }) = settled
+    else {
+        let stop = stopped?;
+        for law in &problem.system.laws {
+            discovery.failed.push(Failed {
+                target: law.target,
+                reasons: vec![watch::failure(stop)],
+            });
+        }
+        return Some((discovery, Fitted::default()));
+    };
+    let problem = problem.as_ref();
+    let report = Report {
+        model,
+        problem,
+        found: &found,
+        late: late.as_ref(),
+        offset: offset.as_ref(),
+        channels: trajectory::channels(problem, &found.best),
+    };
+    for law in &problem.system.laws {
+        let known = fixed_terms(&model.equations[law.equation].right);
+        if law.columns.is_empty() {
+            discovery.equations.push(stated(law.target, known));
+            continue;
+        }
+        let mut equation = report.equation(&discovery, law, known);
+        equation.reasons.extend(stopped.map(watch::doubt));
+        if !equation.reasons.is_empty() {
+            equation.status = Status::Doubt;
+        }
+        discovery.equations.push(equation);
+    }
+    let samples = samples(problem, &found);
+    let witness = Arc::new(Witness {
+        path: Some(Arc::new(samples.clone())),
+        ..Witness::default()
+    });
+    for evidence in discovery.equations.iter_mut().flat_map(|e| &mut e.evidence) {
+        evidence.witness = Some(witness.clone());
+    }
+    doubt_redundant_equations(&mut discovery, &samples, None);
+    doubt_dependent_states(&mut discovery, &measured_states(problem));
+    let mut go_on = || watcher.at(Stage::Weighing).is_none();
+    let stretches = match go_on() {
+        true => likelihood_by_stretch(problem, &found, &mut go_on),
+        false => None,
+    };
+    if let Some(stop) = watcher.stop() {
+        unweighed(&mut discovery, 0, stop);
+    }
+    Some((discovery, Fitted { samples, stretches }))
+}
+
+/// The quadratic form of the likelihood about the answer, stretch by stretch.
+fn likelihood_by_stretch(
+    problem: &Problem,
+    found: &Found,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<Stretches> {
+    let pieces = trajectory::block_products(problem, &found.best, found.inefficiency, go_on)?;
+    let system = &problem.system;
+    let column = |j: &usize| {
+        let law = &system.laws[system.law_of(*j)];
+        (law.target, system.columns[*j].clone())
+    };
+    let support = found.best.support().iter();
+    let readings = problem.measurements() as f64 / found.inefficiency;
+    Some(Stretches {
+        columns: pieces.columns.iter().map(column).collect(),
+        support: support
+            .filter_map(|j| pieces.columns.binary_search(j).ok())
+            .collect(),
+        products: pieces.products,
+        whole: pieces.whole,
+        readings,
+        price: (
+            trajectory::term_price(readings),
+            trajectory::term_price(0.5 * readings),
+        ),
+    })
+}
+
+/// All signals along the fitted trajectory.
+fn samples(problem: &Problem, found: &Found) -> Samples {
+    let signals = problem.system.evaluation_signals();
+    let rows = problem.values(&found.best);
+    let mut columns: Vec<Column> = signals
+        .iter()
+        .zip(rows)
+        .map(|(signal, values)| Column {
+            signal: *signal,
+            values,
+            origin: Origin::Measured { noise: None },
+        })
+        .collect();
+    columns.sort_by_key(|c| c.signal);
+    Samples {
+        trajectory: (problem.records.iter())
+            .flat_map(|r| r.time.iter().map(|_| r.trajectory as u32))
+            .collect(),
+        time: problem
+            .records
+            .iter()
+            .flat_map(|r| r.time.clone())
+            .collect(),
+        columns,
+    }
+}

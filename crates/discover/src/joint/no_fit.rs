@@ -1,0 +1,64 @@
+//! A system for which no trajectory could be fitted: the reason, as far as the readings show it.
+//!
+//! In: the problem. Out: a discovery in which every equation failed; the readings of the states. Never fits anything.
+
+use crate::doubts::dependent_states::MeasuredState;
+use crate::joint::thresholds::JOINT;
+use crate::trajectory::Problem;
+use sidc_lang::model::Model;
+use sidc_lang::term::SignalNames;
+use sidc_system::discovery::{Discovery, Failed, Reason, ReasonCode};
+
+/// The discovery for a system that could not be fitted.
+pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
+    let mut discovery = Discovery::of(model);
+    let still: Vec<String> = measured_states(problem)
+        .iter()
+        .filter(|m| spread(&m.values) < JOINT.no_motion * m.noise)
+        .map(|m| model.name(m.signal))
+        .collect();
+    let reason = if still.is_empty() {
+        Reason::new(
+            ReasonCode::NoTrajectory,
+            "no equations from these libraries lead along the data: hidden states, a library without the physics, or \
+             samples too far apart; `--method regression` shows what each equation fits alone",
+        )
+    } else {
+        Reason::new(
+            ReasonCode::NoMotion,
+            format!(
+                "{}: no motion beyond the noise of the sensor; record data in which the system moves",
+                still.join(", ")
+            ),
+        )
+    };
+    for law in &problem.system.laws {
+        discovery.failed.push(Failed {
+            target: law.target,
+            reasons: vec![reason.clone()],
+        });
+    }
+    discovery
+}
+
+/// Standard deviation of the finite readings.
+fn spread(values: &[f64]) -> f64 {
+    let read: Vec<f64> = values.iter().copied().filter(|x| x.is_finite()).collect();
+    let count = read.len().max(1) as f64;
+    let mean = read.iter().sum::<f64>() / count;
+    (read.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
+}
+
+/// The readings of the measured states.
+pub(crate) fn measured_states(problem: &Problem) -> Vec<MeasuredState> {
+    let states = problem.system.states.iter().enumerate();
+    let read = states.filter(|(i, s)| s.der == 0 && problem.readings[*i] > 0);
+    read.map(|(i, signal)| MeasuredState {
+        signal: *signal,
+        values: (problem.records.iter())
+            .flat_map(|r| r.measured[i].iter().copied())
+            .collect(),
+        noise: problem.noise[i],
+    })
+    .collect()
+}

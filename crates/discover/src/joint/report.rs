@@ -1,0 +1,197 @@
+//! The equations of a system that was estimated with its trajectory, each with its evidence and doubts.
+//!
+//! In: the problem and what the search found. Out: equations. Never fits anything.
+
+use crate::doubts::trajectory_rules::{self, TrajectoryCase};
+use crate::joint::thresholds::JOINT;
+use crate::known_terms::fixed;
+use crate::regression::task::{named, simpler};
+use crate::selection::thresholds::TERM_SELECTION;
+use crate::trajectory::{Channel, DelayedInputs, File, Found, Law, Problem, SensorOffset};
+use sidc_lang::model::Model;
+use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
+use sidc_system::discovery::{
+    ChannelFit, Discovery, Equation, Evidence, FoundTerm, InputDelay, Status, Together,
+};
+
+/// A fitted system, as its equations are reported.
+pub(crate) struct Report<'a> {
+    pub model: &'a Model,
+    pub problem: &'a Problem,
+    pub found: &'a Found,
+    pub late: Option<&'a DelayedInputs>,
+    pub offset: Option<&'a SensorOffset>,
+    pub channels: Vec<Channel>,
+}
+
+impl Report<'_> {
+    pub fn equation(&self, names: &Discovery, law: &Law, known: Vec<(f64, Term)>) -> Equation {
+        let terms = self.terms(law);
+        let language = Language(names);
+        let written: Vec<String> = terms.iter().map(|t| language.term(&t.term)).collect();
+        let own = |c: &&Channel| c.signal.var == law.target.var;
+        let channels: Vec<Channel> = self.channels.iter().filter(own).cloned().collect();
+        let worst = |f: &dyn Fn(&Channel) -> f64| channels.iter().map(f).fold(0.0, f64::max);
+        let ties = self.ties(names, law);
+        let evidence = Evidence {
+            rows: self.problem.samples(),
+            candidates: law.candidates,
+            searched: law.slots.len(),
+            iterations: self.found.tried,
+            residual: worst(&|c| c.left / c.spread),
+            target_error: worst(&|c| c.noise / c.spread),
+            ties: ties.iter().map(|(s, _)| s.clone()).collect(),
+            together: Some(Together {
+                channels: channels.iter().map(|c| self.channel(names, c)).collect(),
+                weakest: self.weakest(names, law),
+                delays: self.delays(names),
+                price: self.found.penalty,
+                tried: self.found.tried,
+                ties: ties.iter().map(|(_, more)| *more).collect(),
+            }),
+            ..Evidence::default()
+        };
+        let mut reasons = trajectory_rules::doubts(&TrajectoryCase {
+            names,
+            channels: &channels,
+            files: &self.problem.names,
+            terms: &terms,
+            written: &written,
+            evidence: &evidence,
+            readings: self.problem.measurements(),
+            all_terms: self.found.best.support().len(),
+            arrived: self.found.best.arrived,
+            made: law.written.iter().filter(|by_hand| !**by_hand).count(),
+        });
+        if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
+            reasons.push(trajectory_rules::late(names, late));
+        }
+        if let Some(offset) = self.offset {
+            let own = offset.terms.iter().filter(|j| law.columns.contains(j));
+            let terms: Vec<String> = own
+                .map(|j| language.term(&self.problem.system.columns[*j]))
+                .collect();
+            if !terms.is_empty() {
+                reasons.push(trajectory_rules::offset(names, offset, &terms));
+            }
+        }
+        let mut all: Vec<FoundTerm> = known.into_iter().map(fixed).collect();
+        all.extend(terms);
+        Equation {
+            target: law.target,
+            terms: all,
+            status: Status::Pass,
+            reasons,
+            evidence: Some(evidence),
+            path: Vec::new(),
+        }
+    }
+
+    fn delays(&self, names: &Discovery) -> Vec<InputDelay> {
+        let of = |late: &DelayedInputs| -> Vec<InputDelay> {
+            let inputs = late.inputs.iter();
+            let delay = |v: &VarId| InputDelay {
+                input: names.variable(*v).to_string(),
+                seconds: late.seconds,
+                samples: late.samples,
+            };
+            inputs.map(delay).collect()
+        };
+        self.late.map(of).unwrap_or_default()
+    }
+
+    /// Whether a delay concerns a law: those that contain a delayed input, or all laws if none does.
+    fn concerns(&self, late: &DelayedInputs, law: &Law) -> bool {
+        let contains = |law: &Law| {
+            let mut found = false;
+            let mut see = |s: Signal| found |= late.inputs.contains(&s.var);
+            let support = self.found.best.support().iter();
+            for j in support.filter(|j| law.columns.contains(j)) {
+                self.problem.system.columns[*j].for_each_signal(&mut see);
+            }
+            found
+        };
+        contains(law) || !self.problem.system.laws.iter().any(contains)
+    }
+
+    fn channel(&self, names: &Discovery, c: &Channel) -> ChannelFit {
+        let name = |f: &File| self.problem.names.get(f.trajectory).cloned();
+        let files = c.files.iter();
+        ChannelFit {
+            signal: names.name(c.signal),
+            left: c.left,
+            noise: c.noise,
+            declared: self.model.noise(c.signal).is_some(),
+            relative: c.left / c.spread,
+            memory: c.memory,
+            chance: c.chance,
+            files: files.filter_map(|f| Some((name(f)?, f.left))).collect(),
+            left_out: c.left_out,
+        }
+    }
+
+    fn terms(&self, law: &Law) -> Vec<FoundTerm> {
+        let best = &self.found.best;
+        let pairs = best.support().iter().zip(best.coefficients());
+        let mut terms: Vec<FoundTerm> = pairs
+            .zip(&best.variances)
+            .filter(|((j, _), _)| law.columns.contains(j))
+            .map(|((j, a), variance)| FoundTerm {
+                term: self.problem.system.columns[*j].clone(),
+                coefficient: *a,
+                fixed: false,
+                standard_error: Some(variance.sqrt()).filter(|e| e.is_finite()),
+                trust: None,
+            })
+            .collect();
+        terms.sort_by(|a, b| simpler(&a.term, &b.term));
+        terms
+    }
+
+    /// Other supports of this law that tie, each once and the smallest first, with their criterion minus that of the best.
+    fn ties(&self, names: &Discovery, law: &Law) -> Vec<(Vec<String>, f64)> {
+        let part = |s: &[usize]| -> Vec<usize> {
+            s.iter()
+                .copied()
+                .filter(|j| law.columns.contains(j))
+                .collect()
+        };
+        let best = &self.found.best;
+        let own = part(best.support());
+        let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
+        for (support, value) in &self.found.rivals {
+            let larger = support.len() > best.support().len();
+            let within = if larger {
+                JOINT.larger_tie
+            } else {
+                TERM_SELECTION.tie
+            };
+            let near = *value < best.value + within * self.found.inefficiency;
+            let rival = part(support);
+            // Rivals come best first, so the first that shows a support of this law is its best.
+            if near && rival != own && seen.iter().all(|(s, _)| *s != rival) {
+                seen.push((rival, value - best.value));
+            }
+        }
+        seen.sort_by(|a, b| a.0.len().cmp(&b.0.len()).then(a.1.total_cmp(&b.1)));
+        let columns = &self.problem.system.columns;
+        let name = |s: &[usize]| named(s.iter().map(|j| columns[*j].clone()), names);
+        seen.iter().map(|(s, more)| (name(s), *more)).collect()
+    }
+
+    /// The term whose loss costs least, and that cost, if it is not far above the price of a term: fits that were far worse were
+    /// given up early, so their cost is not known.
+    fn weakest(&self, names: &Discovery, law: &Law) -> Option<(String, f64)> {
+        let best = &self.found.best;
+        let without = |j: usize| {
+            let rest: Vec<usize> = best.support().iter().copied().filter(|i| *i != j).collect();
+            let rival = self.found.rivals.iter().find(|(s, _)| *s == rest)?;
+            Some(rival.1 - best.value + self.found.penalty)
+        };
+        let own = best.support().iter().filter(|j| law.columns.contains(j));
+        own.filter_map(|j| Some((*j, without(*j)?)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, loss)| *loss < JOINT.weakest_reported * self.found.penalty)
+            .map(|(j, loss)| (Language(names).term(&self.problem.system.columns[j]), loss))
+    }
+}

@@ -1,0 +1,39 @@
+//! What the model itself states of an equation: its known terms, as part of a result.
+//!
+//! In: right-hand sides. Out: terms with fixed coefficients. Never estimates anything.
+
+use sidc_lang::library::known_terms;
+use sidc_lang::model::RightSide;
+use sidc_lang::term::{Signal, Term};
+use sidc_system::discovery::{Equation, FoundTerm, Status};
+
+/// The terms that the model itself gives an equation.
+pub(crate) fn fixed_terms(right: &RightSide) -> Vec<(f64, Term)> {
+    match right {
+        RightSide::Known(e) => known_terms([e]),
+        RightSide::Search { known, .. } => known_terms(known.iter().map(|(e, _)| e)),
+    }
+}
+
+/// An equation that the model states completely.
+pub(crate) fn stated(target: Signal, terms: Vec<(f64, Term)>) -> Equation {
+    Equation {
+        target,
+        terms: terms.into_iter().map(fixed).collect(),
+        status: Status::Known,
+        reasons: Vec::new(),
+        evidence: None,
+        path: Vec::new(),
+    }
+}
+
+/// A known term as a result prints it.
+pub(crate) fn fixed((coefficient, term): (f64, Term)) -> FoundTerm {
+    FoundTerm {
+        term,
+        coefficient,
+        fixed: true,
+        standard_error: None,
+        trust: None,
+    }
+}

@@ -1,0 +1,41 @@
+//! How one equation depends on others, and the rules that call it a copy.
+//!
+//! In: a separation of gradients and the uncertainty of the equations. Out: yes or no. Never looks at samples.
+
+use crate::redundancy::gradients::Separation;
+use crate::redundancy::thresholds::{INDEPENDENT_LAW, REDUNDANCY};
+
+/// How one equation of a dependent set depends on the others.
+#[derive(Clone, Copy)]
+pub(super) struct Dependence {
+    pub separation: Separation,
+    /// The uncertainty of all of them, in units of its target.
+    pub uncertainty: f64,
+}
+
+impl Dependence {
+    /// Nearly parallel gradients that differ by the highest derivatives no more than the uncertainty. Differences by other signals
+    /// are not held against it: a series for 1/cos θ is close to it, but steeper in places.
+    pub fn same(&self) -> bool {
+        let a = &self.separation;
+        a.condition >= REDUNDANCY.close
+            && a.part <= REDUNDANCY.alike
+            && a.of_unknowns <= REDUNDANCY.certain * self.uncertainty
+    }
+
+    /// A nearly singular mass matrix: their difference says nothing about the highest derivatives.
+    fn uninformative(&self) -> bool {
+        let a = &self.separation;
+        a.condition >= REDUNDANCY.singular && a.of_unknowns <= REDUNDANCY.certain * self.uncertainty
+    }
+
+    pub fn is_dependent(&self) -> bool {
+        self.same() || self.uninformative()
+    }
+
+    /// The growth of the residual when the system is solved, if the equation is independent of the others.
+    pub fn growth_if_independent(&self) -> Option<f64> {
+        (self.separation.condition <= INDEPENDENT_LAW.condition && !self.is_dependent())
+            .then_some(self.separation.growth)
+    }
+}

@@ -1,0 +1,127 @@
+//! From a design to an estimate: the solver proposes terms, the criterion selects, least squares gives the coefficients.
+//!
+//! In: design matrix, target and tolerance. Out: the terms selected with coefficients, standard errors and certificate. Never
+//! judges the result.
+
+use crate::regression::certificate::certify;
+use crate::regression::design::Design;
+use crate::regression::task::Task;
+use crate::selection::information_criterion::InformationCriterion;
+use crate::selection::term_selection::{self, TermSelection};
+use crate::watch::Watcher;
+use sidc_progress::{Stage, Stop};
+use sidc_solve as solve;
+use sidc_solve::{Polished, Problem, Solution, Status as Solved};
+use sidc_system::discovery::{Proof, Witness};
+
+/// The proposal of the solver, and the terms that the criterion selected.
+pub(crate) struct Selected {
+    pub solution: Solution,
+    pub criterion: InformationCriterion,
+    pub selection: TermSelection,
+    pub polished: Polished,
+    stopped: Option<Stop>,
+}
+
+/// The terms that are printed, and how they were found.
+pub(crate) struct Estimate {
+    /// Columns of Φ, rising; coefficients and standard errors are in this order.
+    pub support: Vec<usize>,
+    pub coefficients: Vec<f64>,
+    pub standard_errors: Vec<f64>,
+    pub proof: Proof,
+    /// From what the proof can be verified, without its rows.
+    pub witness: Witness,
+    pub ties: Vec<Vec<usize>>,
+    pub searched: usize,
+    pub solver: &'static str,
+    /// Whether the solver gives a dual point.
+    pub exact: bool,
+    /// Terms that the solver proposed.
+    pub proposed: usize,
+    pub iterations: usize,
+    pub status: Solved,
+    pub stopped: Option<Stop>,
+}
+
+impl Selected {
+    /// (column, coefficient) of the selection.
+    pub fn pairs(&self) -> Vec<(usize, f64)> {
+        pairs(&self.selection.support, &self.polished.coefficients)
+    }
+}
+
+impl Estimate {
+    /// (column, coefficient) of the terms.
+    pub fn pairs(&self) -> Vec<(usize, f64)> {
+        pairs(&self.support, &self.coefficients)
+    }
+}
+
+/// (column, coefficient) pairs.
+pub(crate) fn pairs(columns: &[usize], coefficients: &[f64]) -> Vec<(usize, f64)> {
+    let columns = columns.iter().copied();
+    columns.zip(coefficients.iter().copied()).collect()
+}
+
+impl Task<'_> {
+    /// Runs the solver, selects terms by the criterion and fits them.
+    pub fn select(&self, design: &mut Design, watcher: &mut Watcher) -> Selected {
+        let problem = design.problem();
+        let solution = watcher.solving(|monitor| self.options.solver.solve(&problem, monitor));
+        let largest = largest_contribution(&problem, &solution);
+        design.weights.raise_floor(largest);
+        let (phi, weights) = (design.phi.as_ref(), &design.weights);
+        let criterion = InformationCriterion::new(
+            phi.rows(),
+            weights.correlation,
+            self.library.len(),
+            weights.floor,
+        );
+        let proposals = &solution.coefficients;
+        let selection =
+            term_selection::select_terms(phi, &design.target, proposals, criterion, &mut || {
+                watcher.at(Stage::Choosing).is_none()
+            });
+        let cut = selection.cut || solution.status == Solved::Interrupted;
+        Selected {
+            polished: solve::polish(phi, &design.target, &selection.support),
+            stopped: watcher.stop().filter(|_| cut),
+            solution,
+            criterion,
+            selection,
+        }
+    }
+
+    /// The selection as an estimate, with its certificate.
+    pub fn estimate(&self, design: &Design, selected: &Selected) -> Estimate {
+        let Selected {
+            solution,
+            selection,
+            polished,
+            ..
+        } = selected;
+        let (proof, witness) = certify(&design.problem(), solution, selection, polished);
+        Estimate {
+            support: selection.support.clone(),
+            coefficients: polished.coefficients.clone(),
+            standard_errors: polished.standard_errors.clone(),
+            proof,
+            witness,
+            ties: selection.ties.clone(),
+            searched: selection.searched,
+            solver: self.options.solver.name(),
+            exact: self.options.solver.exact(),
+            proposed: solve::support(&design.problem(), &solution.coefficients).len(),
+            iterations: solution.iterations,
+            status: solution.status.clone(),
+            stopped: selected.stopped,
+        }
+    }
+}
+
+/// Root mean square of the largest coefficient times its column.
+fn largest_contribution(problem: &Problem, solution: &Solution) -> f64 {
+    let largest = problem.shares(&solution.coefficients).fold(0.0, f64::max);
+    largest / (problem.target.len() as f64).sqrt()
+}

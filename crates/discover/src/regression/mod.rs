@@ -1,0 +1,45 @@
+//! One equation by sparse regression: design matrix, proposal of a solver, selection of terms, certificate, evidence.
+//!
+//! In: the target, the library and the samples of one equation. Out: the equation with its evidence and doubts, or why it
+//! failed. Never looks at other equations, except where the weak form hands on their trajectories.
+
+pub(crate) mod certificate;
+pub(crate) mod design;
+pub(crate) mod estimate;
+mod evidence;
+mod lasso_path;
+mod memory_limit;
+pub(crate) mod row_sampling;
+pub(crate) mod task;
+pub(crate) mod thresholds;
+pub(crate) mod weak_regression;
+
+use crate::dictionary::BadValue;
+use crate::watch::Watcher;
+use design::Design;
+use sidc_system::discovery::{Discovery, Equation, Failed};
+use task::Task;
+
+impl Task<'_> {
+    /// Finds the equation.
+    ///
+    /// # Errors
+    /// A term that the data cannot evaluate; inside, an equation that was not found.
+    pub fn run(
+        &self,
+        names: &Discovery,
+        watcher: &mut Watcher,
+    ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
+        let found = self.design(names, watcher)?;
+        Ok(found.map(|mut design| self.solve(names, &mut design, watcher)))
+    }
+
+    /// The equation from its design.
+    fn solve(&self, names: &Discovery, design: &mut Design, watcher: &mut Watcher) -> Equation {
+        let selected = self.select(design, watcher);
+        let estimate = self.estimate(design, &selected);
+        let mut equation = self.conclude(names, design, &estimate);
+        equation.path = self.lasso_path(design, watcher);
+        equation
+    }
+}

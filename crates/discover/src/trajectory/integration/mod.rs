@@ -1,0 +1,17 @@
+//! From one sample to the next: the laws integrated, with their sensitivities to the state and to the coefficients.
+//!
+//! In: laws with active terms, a record, states at its samples. Out: for every interval where the laws lead, the state-transition
+//! matrix, and the sensitivity to each coefficient. Never sees a reading.
+
+mod batched_inverse;
+mod compiled_laws;
+mod parameter_sensitivity;
+mod shooting;
+mod state_transition;
+mod step_group;
+
+pub(crate) use compiled_laws::{CompiledLaws, Diverged};
+pub(crate) use parameter_sensitivity::BLOCK;
+pub(crate) use shooting::{IntervalBlock, ShootingIntegrator, Workspace};
+#[cfg(test)]
+pub(crate) use state_transition::StateTransition;

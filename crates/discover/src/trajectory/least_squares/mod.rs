@@ -1,0 +1,15 @@
+//! Least squares on long records: states are eliminated by an information filter, the rows that are left go into a [`RowSink`].
+//!
+//! In: process equations and measurements, sample after sample. Out: a small problem in the coefficients alone, as a QR factor, as
+//! normal equations, or as a sketch. Numbers only: it knows neither laws nor sensors.
+
+mod count_sketch;
+mod incremental_qr;
+mod normal_equations;
+mod srif;
+
+pub(crate) use count_sketch::CountSketch;
+pub use count_sketch::SketchedProblem;
+pub(crate) use incremental_qr::IncrementalQr;
+pub(crate) use normal_equations::NormalEquations;
+pub(crate) use srif::{EliminatedStates, InformationFilter, Measurement, ProcessEquation, RowSink};

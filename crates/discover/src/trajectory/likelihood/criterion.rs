@@ -1,0 +1,103 @@
+//! The criterion by which supports are compared: a penalised likelihood with a floor under the noise.
+//!
+//! In: residuals and a support. Out: one number, the smaller the better. Fits nothing.
+
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::thresholds::CRITERION;
+
+/// −2 log likelihood + price · terms.
+#[derive(Clone, Debug)]
+pub(crate) struct PenalizedLikelihood {
+    /// Noise below which a closer fit is no evidence, by sensor.
+    pub floor: Vec<f64>,
+    /// Price of a term.
+    pub penalty: f64,
+}
+
+impl PenalizedLikelihood {
+    /// `floor` is in units of each state's spread.
+    pub fn new(problem: &Problem, floor: f64, penalty: f64) -> PenalizedLikelihood {
+        let sensors = problem.spread.iter().cycle().zip(&problem.noise);
+        PenalizedLikelihood {
+            floor: sensors
+                .map(|(d, s)| (floor * d).max(CRITERION.min_floor * s))
+                .collect(),
+            penalty,
+        }
+    }
+
+    /// With the price of a term that follows from the readings, of which `inefficiency` count as one independent one.
+    pub fn at_floor(problem: &Problem, floor: f64, inefficiency: f64) -> PenalizedLikelihood {
+        let readings = problem.measurements() as f64 / inefficiency;
+        PenalizedLikelihood::new(problem, floor, inefficiency * term_price(readings))
+    }
+
+    /// Price of a support. Where readings are few, a term costs more, since each fitted coefficient and first state takes one away
+    /// (the correction of Hurvich & Tsai, Biometrika 1989).
+    pub fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {
+        let written = |j: &&usize| {
+            let law = &problem.system.laws[problem.system.law_of(**j)];
+            law.written[**j - law.columns.start]
+        };
+        let readings = problem.measurements() as f64;
+        let fitted = support.len() + problem.states() * problem.records.len() + 1;
+        let scarce = readings / (readings - fitted as f64).max(1.0);
+        let discount = CRITERION.written_discount * support.iter().filter(written).count() as f64;
+        self.penalty * support.len() as f64 * scarce - discount
+    }
+
+    /// −2 log likelihood with the noise profiled out: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²). Mᵢ counts informative readings only.
+    pub fn deviance(&self, problem: &Problem, residual_squares: &[f64]) -> f64 {
+        let channel = |i: usize| {
+            let m = problem.readings[i] as f64;
+            let mean = residual_squares[i] / m.max(1.0) + self.floor[i].powi(2);
+            let m = m * problem.informative[i];
+            m * (mean / problem.spread[i % problem.states()].powi(2)).ln()
+        };
+        (0..residual_squares.len()).map(channel).sum()
+    }
+
+    /// The criterion of a point, without the misfit of its laws.
+    pub fn value_at(&self, problem: &Problem, point: &LinearizationPoint) -> f64 {
+        self.deviance(problem, &residual_squares(problem, point))
+            + self.cost(problem, &point.support)
+    }
+
+    /// The noise of sensor `i` that its residuals show. It is larger where readings are little informative, which lowers their weight.
+    pub fn noise(
+        &self,
+        problem: &Problem,
+        residual_squares: &[f64],
+        i: usize,
+        before: &[f64],
+    ) -> f64 {
+        if problem.readings[i] == 0 {
+            return before[i];
+        }
+        let mean = residual_squares[i] / problem.readings[i] as f64;
+        mean.sqrt().max(self.floor[i]) / problem.informative[i].sqrt()
+    }
+}
+
+/// Price of a term, given the number of independent readings.
+pub fn term_price(readings: f64) -> f64 {
+    CRITERION.term_price * readings.max(CRITERION.min_readings).ln()
+}
+
+/// Sum of squared residuals of each sensor's readings.
+pub(crate) fn residual_squares(problem: &Problem, point: &LinearizationPoint) -> Vec<f64> {
+    let n = problem.states();
+    let mut out = vec![0.0; problem.sensors.count()];
+    for (r, (record, path)) in problem.records.iter().zip(&point.paths).enumerate() {
+        for (i, out) in out[problem.sensors.of(r)].iter_mut().enumerate() {
+            for (k, read) in record.measured[i]
+                .iter()
+                .enumerate()
+                .filter(|(_, x)| x.is_finite())
+            {
+                *out += (read - path[k * n + i]).powi(2);
+            }
+        }
+    }
+    out
+}

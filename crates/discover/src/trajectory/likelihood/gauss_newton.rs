@@ -1,0 +1,167 @@
+//! Gauss–Newton for one support: trajectory, coefficients and noise fitted together.
+//!
+//! In: a problem, a point to start from. Out: a [`Fit`], or nothing where the laws diverge. A step linearises, eliminates the states,
+//! solves for the coefficients and substitutes back; the noise of each sensor is then taken from its residuals.
+
+use super::criterion::{PenalizedLikelihood, residual_squares};
+use crate::trajectory::cancellation::GoOn;
+use crate::trajectory::integration::CompiledLaws;
+use crate::trajectory::least_squares::IncrementalQr;
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::thresholds::GAUSS_NEWTON;
+
+/// A fitted support.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    pub(crate) point: LinearizationPoint,
+    /// Variances of the coefficients.
+    pub variances: Vec<f64>,
+    /// The criterion: smaller is better.
+    pub value: f64,
+    /// Sum of squared residuals of each sensor's readings, groups × states.
+    pub residual_squares: Vec<f64>,
+    /// χ² of the slips between the laws and the trajectory, in units of the criterion.
+    pub law_misfit: f64,
+    /// Whether the fit converged.
+    pub arrived: bool,
+}
+
+impl Fit {
+    pub fn support(&self) -> &[usize] {
+        &self.point.support
+    }
+
+    pub fn coefficients(&self) -> &[f64] {
+        &self.point.coefficients
+    }
+
+    /// Noise of each sensor, groups × states.
+    pub fn sigma(&self) -> &[f64] {
+        &self.point.sigma
+    }
+
+    /// States along each record, samples × n.
+    pub fn paths(&self) -> &[Vec<f64>] {
+        &self.point.paths
+    }
+
+    /// Reading less trajectory at every sample of a record; NaN where there is no reading.
+    pub(crate) fn residuals(
+        &self,
+        problem: &Problem,
+        record: usize,
+        state: usize,
+    ) -> impl Iterator<Item = f64> {
+        let path = self.point.paths[record].iter();
+        let estimated = path.skip(state).step_by(problem.states());
+        let read = problem.records[record].measured[state].iter();
+        read.zip(estimated).map(|(y, z)| y - z)
+    }
+}
+
+/// Fits the support of `from` from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
+/// `beat`. `None` where the laws diverge, the trajectory leaves the data, or `go_on` cancels.
+pub(crate) fn fit(
+    problem: &Problem,
+    from: LinearizationPoint,
+    criterion: &PenalizedLikelihood,
+    beat: f64,
+    go_on: GoOn,
+) -> Option<Fit> {
+    let code = CompiledLaws::new(&problem.system, &from.support);
+    let k = from.support.len();
+    let cost = criterion.cost(problem, &from.support);
+    let mut point = from;
+    let mut value = f64::INFINITY;
+    let mut found = None;
+    for left in (0..GAUSS_NEWTON.max_steps).rev() {
+        let mut qr = IncrementalQr::new(k);
+        let eliminated = problem.eliminate_all(&code, &point, &mut qr, go_on).ok()?;
+        let solved = qr.solve();
+        let step = &solved.coefficients;
+        let mut farthest = 0.0f64;
+        let n = problem.states();
+        for (r, (path, record)) in point.paths.iter_mut().zip(&eliminated).enumerate() {
+            let own = problem.sensors.of(r);
+            let (sigma, readings) = (&point.sigma[own.clone()], &problem.readings[own]);
+            for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
+                *x += d;
+                if readings[at % n] > 0 {
+                    farthest = farthest.max((d / sigma[at % n]).abs());
+                }
+            }
+        }
+        point
+            .coefficients
+            .iter_mut()
+            .zip(step)
+            .for_each(|(a, d)| *a += d);
+        if !farthest.is_finite() || left_the_data(problem, &point) {
+            return None;
+        }
+        let residual_squares = residual_squares(problem, &point);
+        let explained = residual_squares.iter().zip(&point.sigma);
+        let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
+        let law_misfit = (solved.residual - explained).max(0.0);
+        let new = criterion.deviance(problem, &residual_squares) + law_misfit + cost;
+        let sigma: Vec<f64> = (0..residual_squares.len())
+            .map(|i| criterion.noise(problem, &residual_squares, i, &point.sigma))
+            .collect();
+        let moved = sigma
+            .iter()
+            .zip(&point.sigma)
+            .map(|(a, b)| (a / b).ln().abs());
+        let moved = moved.fold(0.0, f64::max);
+        point.sigma = sigma;
+        let still = farthest < GAUSS_NEWTON.state_step && moved < GAUSS_NEWTON.log_noise_step;
+        let level = (new - value).abs() < GAUSS_NEWTON.criterion_step;
+        let hopeless = new - beat
+            > GAUSS_NEWTON.hopeless_lag
+                + GAUSS_NEWTON.hopeless_gain * left as f64 * (value - new).abs();
+        value = new;
+        let arrived = still || level;
+        found = Some((solved.variances, residual_squares, law_misfit, arrived));
+        if arrived || hopeless {
+            break;
+        }
+    }
+    let (variances, residual_squares, law_misfit, arrived) = found?;
+    value.is_finite().then_some(Fit {
+        point,
+        variances,
+        value,
+        residual_squares,
+        law_misfit,
+        arrived,
+    })
+}
+
+/// Whether some trajectory is farther from its readings than any fit of use.
+fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bool {
+    let n = problem.states();
+    let records = problem
+        .records
+        .iter()
+        .zip(&problem.smoothed)
+        .zip(&point.paths);
+    for (r, ((record, curve), path)) in records.enumerate() {
+        let sigma = &point.sigma[problem.sensors.of(r)];
+        let relative = sigma.iter().zip(&problem.spread).map(|(s, d)| s / d);
+        let limit =
+            GAUSS_NEWTON.lost_spread + GAUSS_NEWTON.lost_noise * relative.fold(0.0, f64::max);
+        for (at, x) in path.iter().enumerate() {
+            let (k, i) = (at / n, at % n);
+            let read = record.measured[i][k];
+            let (from, limit) = match read.is_finite() {
+                true => (read, limit),
+                false => (curve.states[at], GAUSS_NEWTON.lost_unread.max(limit)),
+            };
+            // Negated so that NaN counts as lost.
+            let near = (x - from).abs() <= limit * problem.spread[i];
+            if !near {
+                return true;
+            }
+        }
+    }
+    false
+}

@@ -1,0 +1,193 @@
+//! The likelihood linearised about a point: states eliminated, rows in the coefficients left.
+//!
+//! In: a problem and a point. Out: the quadratic form of all columns, or the rows and eliminated states of the active ones. Chooses no
+//! terms.
+
+use std::ops::Range;
+
+use crate::trajectory::cancellation::GoOn;
+use crate::trajectory::integration::{
+    BLOCK, CompiledLaws, Diverged, IntervalBlock, ShootingIntegrator, Workspace,
+};
+use crate::trajectory::least_squares::{
+    EliminatedStates, InformationFilter, Measurement, NormalEquations, ProcessEquation, RowSink,
+};
+use crate::trajectory::model::{LinearizationPoint, Problem, Record, segments};
+use crate::trajectory::thresholds::SHOOTING;
+use sidc_lang::term::Tape;
+use sidc_solve::quadratic::Quadratic;
+
+/// All columns, and which of them each law has.
+type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
+
+impl Problem {
+    /// The quadratic form of all columns about a point, on segments of long records.
+    ///
+    /// # Errors
+    /// The laws diverge from there, or the work was cancelled.
+    pub(crate) fn quadratic_form(
+        &self,
+        at: &LinearizationPoint,
+        go_on: GoOn,
+    ) -> Result<Quadratic, Diverged> {
+        Ok(self.quadratic_and_products(at, go_on)?.0)
+    }
+
+    /// The same with its normal equations, the right side last.
+    ///
+    /// # Errors
+    /// As above.
+    pub(crate) fn quadratic_and_products(
+        &self,
+        at: &LinearizationPoint,
+        go_on: GoOn,
+    ) -> Result<(Quadratic, Vec<f64>), Diverged> {
+        let mut normal_equations = NormalEquations::new(self.all.outputs());
+        let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
+        let parts = segments(&lengths);
+        self.linearise(at, &parts, &mut normal_equations, go_on)?;
+        let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
+        let share = self.samples() as f64 / used as f64;
+        let mut products = normal_equations.shifted(&at.active());
+        // Segments stand for all samples.
+        products.iter_mut().for_each(|x| *x *= share);
+        Ok((Quadratic::new(&products, self.all.outputs()), products))
+    }
+
+    /// Rows of all columns about a point, on parts of the records. The unknowns are corrections of the coefficients.
+    ///
+    /// # Errors
+    /// As above.
+    pub(crate) fn linearise(
+        &self,
+        at: &LinearizationPoint,
+        parts: &[(usize, Range<usize>)],
+        sink: &mut impl RowSink,
+        go_on: GoOn,
+    ) -> Result<(), Diverged> {
+        let code = CompiledLaws::new(&self.system, &at.support);
+        let all = Some((&self.all, &self.ranges[..]));
+        self.eliminate((&code, all), at, sink, (false, parts), go_on)?;
+        Ok(())
+    }
+
+    /// Eliminates the states of all records about a point; rows of the active columns go to `sink`.
+    ///
+    /// # Errors
+    /// As above.
+    pub(crate) fn eliminate_all(
+        &self,
+        code: &CompiledLaws,
+        at: &LinearizationPoint,
+        sink: &mut impl RowSink,
+        go_on: GoOn,
+    ) -> Result<Vec<EliminatedStates>, Diverged> {
+        let whole = self.records.iter().map(|r| 0..r.len());
+        let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
+        self.eliminate((code, None), at, sink, (true, &whole), go_on)
+    }
+
+    /// The same on parts of records, for all columns if `all` is given; `keep` the eliminated states or not.
+    fn eliminate(
+        &self,
+        (code, all): (&CompiledLaws, Option<AllColumns>),
+        at: &LinearizationPoint,
+        sink: &mut impl RowSink,
+        (keep, parts): (bool, &[(usize, Range<usize>)]),
+        go_on: GoOn,
+    ) -> Result<Vec<EliminatedStates>, Diverged> {
+        let integrator = ShootingIntegrator {
+            laws: code,
+            all,
+            coefficients: &at.coefficients,
+            spread: &self.spread,
+            accuracy: self.accuracy(&at.sigma),
+        };
+        let mut work = Workspace::default();
+        let mut block = IntervalBlock::default();
+        let parts = parts.iter().map(|(r, samples)| {
+            let (record, path) = (&self.records[*r], &at.paths[*r]);
+            let sigma = &at.sigma[self.sensors.of(*r)];
+            let stiffness = stiffness(sigma, record.len());
+            let mut filter = InformationFilter::new(&stiffness, sink, keep);
+            let last = samples.end - 1;
+            for from in (samples.start..last).step_by(BLOCK) {
+                if !go_on() {
+                    return Err(Diverged);
+                }
+                let intervals = from..(from + BLOCK).min(last);
+                integrator.block(record, path, intervals.clone(), &mut work, &mut block)?;
+                for (b, k) in intervals.enumerate() {
+                    filter.measurement_update(&self.readings_at(record, path, sigma, k));
+                    self.time_update(&mut filter, &block, b, path, k, integrator.width());
+                }
+            }
+            filter.measurement_update(&self.readings_at(record, path, sigma, last));
+            Ok(filter.end())
+        });
+        parts.collect()
+    }
+
+    fn time_update(
+        &self,
+        filter: &mut InformationFilter<impl RowSink>,
+        block: &IntervalBlock,
+        b: usize,
+        path: &[f64],
+        k: usize,
+        p: usize,
+    ) {
+        let n = self.states();
+        let next = &path[(k + 1) * n..(k + 2) * n];
+        let end = &block.end[b * n..(b + 1) * n];
+        let defect: Vec<f64> = end.iter().zip(next).map(|(e, x)| e - x).collect();
+        filter.time_update(&ProcessEquation {
+            transition: &block.transition[b * n * n..(b + 1) * n * n],
+            columns: &block.columns[b * n * p..(b + 1) * n * p],
+            defect: &defect,
+        });
+    }
+
+    /// Measurements at sample `k` relative to a trajectory; states without a reading are held loosely where they are.
+    pub(crate) fn readings_at(
+        &self,
+        record: &Record,
+        path: &[f64],
+        sigma: &[f64],
+        k: usize,
+    ) -> Vec<Measurement> {
+        let n = self.states();
+        (0..n)
+            .map(|i| {
+                let read = record.measured[i][k];
+                if read.is_finite() {
+                    return Measurement {
+                        component: i,
+                        weight: 1.0 / sigma[i],
+                        value: read - path[k * n + i],
+                    };
+                }
+                Measurement {
+                    component: i,
+                    weight: 1.0 / (SHOOTING.unread_hold * self.spread[i]),
+                    value: 0.0,
+                }
+            })
+            .collect()
+    }
+
+    fn accuracy(&self, sigma: &[f64]) -> f64 {
+        let relative = sigma
+            .iter()
+            .zip(self.spread.iter().cycle())
+            .map(|(s, d)| s / d);
+        (SHOOTING.accuracy * relative.fold(f64::INFINITY, f64::min)).max(SHOOTING.min_accuracy)
+    }
+}
+
+fn stiffness(sigma: &[f64], samples: usize) -> Vec<f64> {
+    let slack = SHOOTING
+        .slack
+        .min(SHOOTING.slack_of_record / (samples as f64).sqrt());
+    sigma.iter().map(|s| 1.0 / (slack * s)).collect()
+}

@@ -1,0 +1,75 @@
+//! Variances of a fit's coefficients by the sandwich formula (Huber 1967; White 1982).
+//!
+//! In: a problem and a fit. Out: the fit's variances. The laws may slip a little in a fit, but right laws do not: their rows weigh in the
+//! estimate and add nothing to its errors. With A_r the rows of the readings, A those of all, and C = (AᵀA)⁻¹, errors e move the
+//! estimate by C A_rᵀ e, so its covariance is C A_rᵀ S A_r C. S, the covariance of the errors, is diagonal where residuals are white, else
+//! that of an autoregression.
+
+use super::gauss_newton::Fit;
+use crate::trajectory::cancellation::GoOn;
+use crate::trajectory::integration::CompiledLaws;
+use crate::trajectory::least_squares::IncrementalQr;
+use crate::trajectory::model::Problem;
+use crate::trajectory::thresholds::RESIDUALS;
+use sidc_solve::Memory;
+
+/// Sets the variances; they stay as they are if the laws diverge or `go_on` cancels.
+pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, go_on: GoOn) {
+    if let Some(variances) = variances(problem, fit, go_on) {
+        fit.variances = variances;
+    }
+}
+
+fn variances(problem: &Problem, fit: &Fit, go_on: GoOn) -> Option<Vec<f64>> {
+    let code = CompiledLaws::new(&problem.system, fit.support());
+    let mut qr = IncrementalQr::new(fit.support().len());
+    let eliminated = problem
+        .eliminate_all(&code, &fit.point, &mut qr, go_on)
+        .ok()?;
+    let n = problem.states();
+    let memories: Vec<Memory> = (0..n)
+        .map(|i| Memory::of(&whitened_residuals(problem, fit, i)))
+        .collect();
+    let variance = |covariances: &Vec<f64>| {
+        let mut sum = 0.0;
+        for (r, (record, eliminated)) in problem.records.iter().zip(&eliminated).enumerate() {
+            let response = eliminated.response(covariances);
+            let sensors = problem.sensors.of(r);
+            for ((i, memory), sensor) in memories.iter().enumerate().zip(sensors) {
+                let states = response.iter().skip(i).step_by(n);
+                let read = record.measured[i].iter().zip(states);
+                let weight = residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
+                let weights = read.map(|(y, z)| if y.is_finite() { z * weight } else { 0.0 });
+                sum += memory.square(&weights.collect::<Vec<_>>());
+            }
+        }
+        sum
+    };
+    let scarce = degrees_of_freedom_factor(problem, fit);
+    let of = |c: &Option<Vec<f64>>| c.as_ref().map_or(f64::INFINITY, |c| scarce * variance(c));
+    Some(qr.covariances().iter().map(of).collect())
+}
+
+/// Root mean square of a sensor's residuals. The noise in the fit is larger where a floor holds it, or where readings are little
+/// informative: that is the sensor's weight, not its error. It may not be far smaller, since arithmetic is only as fine as the fit needs.
+fn residual_rms(problem: &Problem, fit: &Fit, sensor: usize) -> f64 {
+    let mean = fit.residual_squares[sensor] / problem.readings[sensor].max(1) as f64;
+    mean.sqrt().max(RESIDUALS.min_noise * fit.sigma()[sensor])
+}
+
+/// M/(M − p): residuals are smaller than the noise, for p coefficients and first states were fitted to them.
+fn degrees_of_freedom_factor(problem: &Problem, fit: &Fit) -> f64 {
+    let readings = problem.measurements() as f64;
+    let fitted = fit.support().len() + problem.states() * problem.records.len();
+    readings / (readings - fitted as f64).max(1.0)
+}
+
+/// Residuals of a state over their sensor's noise, record by record; 0 where there is no reading.
+fn whitened_residuals(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<f64>> {
+    let of = |r: usize| {
+        let sigma = fit.sigma()[problem.sensors.of(r).start + state];
+        let left = fit.residuals(problem, r, state).map(|x| x / sigma);
+        left.map(|x| if x.is_finite() { x } else { 0.0 }).collect()
+    };
+    (0..problem.records.len()).map(of).collect()
+}

@@ -1,0 +1,278 @@
+//! The estimation problem: everything that stays the same while supports are tried.
+//!
+//! In: a system, a dataset, declared noise. Out: a [`Problem`]: records, smoothed trajectories, spread and noise. Linearises nothing.
+
+use std::ops::Range;
+
+use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
+use super::record::{Record, SensorSettings, records};
+use super::rejected_readings::{LeftOut, reject_outliers};
+use super::sensor_groups::{SensorGroups, sensor_groups};
+use super::smoothing::{SmoothedTrajectory, smoothed_trajectories};
+use super::system::System;
+use sidc_data::Dataset;
+use sidc_lang::term::{Expr, Signal, Tape};
+
+/// The estimation problem of one system on its data.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    pub system: System,
+    pub records: Vec<Record>,
+    /// Names of the trajectories.
+    pub names: Vec<String>,
+    pub(crate) smoothed: Vec<SmoothedTrajectory>,
+    /// Standard deviation of each state over the smoothed trajectories.
+    pub spread: Vec<f64>,
+    /// Which sensors read which record.
+    pub sensors: SensorGroups,
+    /// Standard deviation of each sensor's noise as smoothing sees it; for unmeasured states in proportion to the measured ones of
+    /// their variable. Groups × states.
+    pub noise: Vec<f64>,
+    /// Number of readings of each sensor, groups × states.
+    pub readings: Vec<usize>,
+    /// Share of each sensor's readings that says something new, groups × states: 1 but for coarse encoders.
+    pub(crate) informative: Vec<f64>,
+    /// The grid of each state's readings, where those are quantized.
+    pub(crate) quantization: Vec<Option<QuantizationGrid>>,
+    /// Readings that have no weight.
+    pub left_out: Vec<LeftOut>,
+    /// Noise that the model declares for each state.
+    declared: Vec<Option<f64>>,
+    /// Columns of each law.
+    pub(crate) ranges: Vec<Range<usize>>,
+    /// All columns, compiled.
+    pub(crate) all: Tape,
+}
+
+/// A point about which the likelihood is linearised.
+#[derive(Clone, Debug)]
+pub(crate) struct LinearizationPoint {
+    pub support: Vec<usize>,
+    pub coefficients: Vec<f64>,
+    /// States along each record, samples × n.
+    pub paths: Vec<Vec<f64>>,
+    /// Noise of each sensor, groups × states.
+    pub sigma: Vec<f64>,
+}
+
+impl LinearizationPoint {
+    /// Pairs of column and coefficient.
+    pub fn active(&self) -> Vec<(usize, f64)> {
+        let columns = self.support.iter().copied();
+        columns.zip(self.coefficients.iter().copied()).collect()
+    }
+}
+
+impl Problem {
+    /// With `robust`, readings far from the smooth curve through the others get no weight.
+    ///
+    /// # Errors
+    /// A signal that the data do not have.
+    pub fn new(
+        system: System,
+        dataset: &Dataset,
+        declared: &dyn Fn(Signal) -> Option<f64>,
+        robust: bool,
+    ) -> Result<Problem, Signal> {
+        let mut records = records(&system, dataset, &SensorSettings { declared, robust })?;
+        let declared: Vec<Option<f64>> = system.states.iter().map(|s| declared(*s)).collect();
+        let left_out = match robust {
+            true => reject_outliers(&mut records, &declared),
+            false => Vec::new(),
+        };
+        let smoothed = smoothed_trajectories(&system, &records, &declared);
+        let n = system.states.len();
+        let mut problem = Problem {
+            spread: (0..n).map(|i| spread(&smoothed, i, n)).collect(),
+            sensors: sensor_groups(&records, n),
+            noise: Vec::new(),
+            ranges: Vec::new(),
+            all: Tape::default(),
+            names: dataset
+                .trajectories
+                .iter()
+                .map(|t| t.name.clone())
+                .collect(),
+            system,
+            records,
+            smoothed,
+            readings: Vec::new(),
+            informative: Vec::new(),
+            quantization: Vec::new(),
+            left_out,
+            declared,
+        };
+        problem.compile_columns();
+        problem.update_noise();
+        Ok(problem)
+    }
+
+    /// Compiles the columns of the system.
+    pub(crate) fn compile_columns(&mut self) {
+        let system = &self.system;
+        let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
+        self.all = Tape::new(&all, &system.evaluation_signals()).unwrap_or_default();
+        self.ranges = system.laws.iter().map(|l| l.columns.clone()).collect();
+    }
+
+    /// The same data with other columns of the same laws.
+    ///
+    /// # Errors
+    /// A signal that the data do not have.
+    pub fn with_system(
+        &self,
+        system: System,
+        dataset: &Dataset,
+        declared: &dyn Fn(Signal) -> Option<f64>,
+        robust: bool,
+    ) -> Result<Problem, Signal> {
+        let fresh = records(&system, dataset, &SensorSettings { declared, robust })?;
+        let mut problem = self.clone();
+        for (record, fresh) in problem.records.iter_mut().zip(fresh) {
+            record.exogenous = fresh.exogenous;
+        }
+        problem.system = system;
+        problem.compile_columns();
+        Ok(problem)
+    }
+
+    /// The same system, noise and spread on parts of the records; part i is of record `origin[i]`.
+    pub(crate) fn with_parts(
+        &self,
+        records: Vec<Record>,
+        smoothed: Vec<SmoothedTrajectory>,
+        origin: &[usize],
+    ) -> Problem {
+        let mut problem = Problem {
+            system: self.system.clone(),
+            names: self.names.clone(),
+            spread: self.spread.clone(),
+            sensors: self.sensors.for_parts(origin),
+            noise: self.noise.clone(),
+            declared: self.declared.clone(),
+            ranges: self.ranges.clone(),
+            all: self.all.clone(),
+            readings: Vec::new(),
+            informative: self.informative.clone(),
+            quantization: self.quantization.clone(),
+            left_out: Vec::new(),
+            records,
+            smoothed,
+        };
+        problem.count();
+        problem
+    }
+
+    /// The same problem on other readings of the same records, smoothed anew.
+    pub(crate) fn with_records(&self, records: Vec<Record>, left_out: Vec<LeftOut>) -> Problem {
+        let mut problem = self.clone();
+        problem.smoothed = smoothed_trajectories(&self.system, &records, &self.declared);
+        problem.records = records;
+        problem.left_out = left_out;
+        problem.update_noise();
+        problem
+    }
+
+    /// Counts the readings of every sensor.
+    fn count(&mut self) {
+        self.readings = vec![0; self.sensors.count()];
+        for (r, record) in self.records.iter().enumerate() {
+            for (of, column) in self.readings[self.sensors.of(r)]
+                .iter_mut()
+                .zip(&record.measured)
+            {
+                *of += column.iter().filter(|x| x.is_finite()).count();
+            }
+        }
+    }
+
+    /// Updates what follows from readings and smoothed trajectories: counts, noise, quantization.
+    pub(crate) fn update_noise(&mut self) {
+        let n = self.states();
+        self.count();
+        self.noise = (0..self.sensors.count() / n.max(1))
+            .flat_map(|group| self.noise_of_group(group))
+            .collect();
+        self.quantization = (0..n)
+            .map(|i| quantization_grid(&self.records, i))
+            .collect();
+        self.informative = informative_shares(
+            &self.records,
+            &self.sensors,
+            &self.noise,
+            &self.quantization,
+        );
+    }
+
+    /// Noise of a group's sensors: root mean square over its records; unmeasured states take the largest relative noise of their variable.
+    fn noise_of_group(&self, group: usize) -> Vec<f64> {
+        let n = self.system.states.len();
+        let seen = |i: usize| -> Option<f64> {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (r, (record, curve)) in self.records.iter().zip(&self.smoothed).enumerate() {
+                if self.sensors.group(r) != group {
+                    continue;
+                }
+                let m = record.len() as f64;
+                if let Some(sigma) = curve.noise.get(i).copied().flatten() {
+                    sum += m * sigma * sigma;
+                    count += m;
+                }
+            }
+            (count > 0.0).then(|| (sum / count).sqrt())
+        };
+        let own: Vec<Option<f64>> = (0..n).map(seen).collect();
+        let relative = |i: usize| own[i].map(|s| s / self.spread[i]);
+        (0..n)
+            .map(|i| {
+                let var = self.system.states[i].var;
+                let same = (0..n).filter(|j| self.system.states[*j].var == var);
+                let part = same.filter_map(relative).fold(0.0, f64::max);
+                own[i].unwrap_or(part * self.spread[i])
+            })
+            .collect()
+    }
+
+    pub fn states(&self) -> usize {
+        self.system.states.len()
+    }
+
+    /// Number of samples of all records.
+    pub fn samples(&self) -> usize {
+        self.records.iter().map(Record::len).sum()
+    }
+
+    /// Number of readings of one state in all records.
+    pub(crate) fn readings_of(&self, state: usize) -> usize {
+        let own = self.readings.iter().skip(state);
+        own.step_by(self.states()).sum()
+    }
+
+    /// Number of readings of all sensors.
+    pub fn measurements(&self) -> usize {
+        self.readings.iter().sum()
+    }
+
+    /// The smoothed trajectories as a point without terms.
+    pub(crate) fn initial_point(&self, sigma: &[f64]) -> LinearizationPoint {
+        LinearizationPoint {
+            support: Vec::new(),
+            coefficients: Vec::new(),
+            paths: self.smoothed.iter().map(|c| c.states.clone()).collect(),
+            sigma: sigma.to_vec(),
+        }
+    }
+}
+
+fn spread(smoothed: &[SmoothedTrajectory], state: usize, n: usize) -> f64 {
+    let all = || {
+        smoothed
+            .iter()
+            .flat_map(|c| c.states.iter().skip(state).step_by(n))
+    };
+    let count = all().count().max(1) as f64;
+    let mean = all().sum::<f64>() / count;
+    let square = all().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
+    // A state that never moves has no scale: 1.
+    if square > 0.0 { square.sqrt() } else { 1.0 }
+}

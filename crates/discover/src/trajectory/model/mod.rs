@@ -1,0 +1,21 @@
+//! What is estimated from what: the system of laws, the records of readings, the sensors, and where estimation starts.
+//!
+//! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
+
+mod estimation_problem;
+mod quantization;
+mod record;
+mod rejected_readings;
+mod sensor_groups;
+mod smoothing;
+mod subsampling;
+mod system;
+
+pub(crate) use estimation_problem::LinearizationPoint;
+pub use estimation_problem::Problem;
+pub use record::{Exogenous, Record};
+pub use rejected_readings::LeftOut;
+pub use sensor_groups::SensorGroups;
+pub(crate) use smoothing::SmoothedTrajectory;
+pub(crate) use subsampling::segments;
+pub use system::{Law, System};

@@ -1,0 +1,193 @@
+//! Records: uninterrupted pieces of trajectories with the readings of the states and the exogenous signals.
+//!
+//! In: a dataset, a system. Out: [`Record`]s, or the signal that is missing. Readings stay as measured. Only states without a law are
+//! smoothed, since no fit will estimate their noise.
+
+use std::ops::Range;
+
+use super::system::System;
+use crate::trajectory::thresholds::RECORDS;
+use sidc_data as data;
+use sidc_data::{Dataset, Trajectory};
+use sidc_lang::model::Between;
+use sidc_lang::term::Signal;
+
+/// One uninterrupted piece of a trajectory, M samples.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Index of the trajectory.
+    pub trajectory: usize,
+    /// Seconds. Length M.
+    pub time: Vec<f64>,
+    /// Readings of each state, each column of length M; NaN where there is none.
+    pub measured: Vec<Vec<f64>>,
+    /// The exogenous signals of the system, in its order.
+    pub exogenous: Vec<Exogenous>,
+}
+
+/// An exogenous signal.
+#[derive(Clone, Debug)]
+pub struct Exogenous {
+    /// Length M.
+    pub values: Vec<f64>,
+    /// Whether a value is held until the next sample (zero-order hold); otherwise signals are linear in between.
+    pub held: bool,
+}
+
+impl Record {
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Some of its samples.
+    pub(crate) fn part(&self, samples: Range<usize>) -> Record {
+        let keep = |x: &Vec<f64>| x[samples.clone()].to_vec();
+        let exogenous = self.exogenous.iter().map(|e| Exogenous {
+            values: keep(&e.values),
+            held: e.held,
+        });
+        Record {
+            trajectory: self.trajectory,
+            time: keep(&self.time),
+            measured: self.measured.iter().map(keep).collect(),
+            exogenous: exogenous.collect(),
+        }
+    }
+
+    /// Value of an exogenous signal between sample `k` and the next; `part` from 0 to 1.
+    pub fn exogenous_at(&self, signal: usize, k: usize, part: f64) -> f64 {
+        let Some(o) = self.exogenous.get(signal) else {
+            return f64::NAN;
+        };
+        let here = o.values.get(k).copied().unwrap_or(f64::NAN);
+        if o.held {
+            return here;
+        }
+        let next = o.values.get(k + 1).copied().unwrap_or(here);
+        here + part * (next - here)
+    }
+}
+
+/// How readings are treated before there is a fit.
+pub struct SensorSettings<'a> {
+    /// Noise that the model declares.
+    pub declared: &'a dyn Fn(Signal) -> Option<f64>,
+    /// Whether outliers of the smoother get no weight.
+    pub robust: bool,
+}
+
+/// The records of all trajectories.
+///
+/// # Errors
+/// An exogenous signal that a trajectory lacks, or a variable of which it has no signal.
+pub fn records(
+    system: &System,
+    dataset: &Dataset,
+    sensor: &SensorSettings,
+) -> Result<Vec<Record>, Signal> {
+    let mut all = Vec::new();
+    for (index, trajectory) in dataset.trajectories.iter().enumerate() {
+        for law in &system.laws {
+            let chain = system.states.iter().filter(|s| s.var == law.target.var);
+            if !chain.clone().any(|s| trajectory.column(*s).is_some()) {
+                return Err(Signal::new(law.target.var));
+            }
+        }
+        for piece in data::contiguous_ranges(&trajectory.time) {
+            if piece.len() >= RECORDS.min_samples {
+                all.push(record(system, dataset, sensor, (index, trajectory), piece)?);
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn record(
+    system: &System,
+    dataset: &Dataset,
+    sensor: &SensorSettings,
+    (index, trajectory): (usize, &Trajectory),
+    piece: Range<usize>,
+) -> Result<Record, Signal> {
+    let cut = |s: Signal| -> Option<Vec<f64>> {
+        if s == Signal::TIME {
+            return trajectory.time.get(piece.clone()).map(<[f64]>::to_vec);
+        }
+        Some(trajectory.column(s)?.get(piece.clone())?.to_vec())
+    };
+    let length = piece.len();
+    let mut exogenous = Vec::new();
+    for (signal, noisy_exogenous) in system.exogenous.iter().zip(&system.noisy_exogenous) {
+        let time = trajectory.time.get(piece.clone()).unwrap_or(&[]);
+        let smoothed = match noisy_exogenous {
+            true => smoothed(*signal, time, &cut, sensor),
+            false => None,
+        };
+        let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
+        let held = dataset.between(signal.var) == Some(Between::Hold) && signal.der == 0;
+        if !fill_missing(&mut values, held) {
+            return Err(*signal);
+        }
+        exogenous.push(Exogenous { values, held });
+    }
+    let unmeasured = || vec![f64::NAN; length];
+    Ok(Record {
+        trajectory: index,
+        time: cut(Signal::TIME).unwrap_or_default(),
+        measured: system
+            .states
+            .iter()
+            .map(|s| cut(*s).unwrap_or_else(unmeasured))
+            .collect(),
+        exogenous,
+    })
+}
+
+/// A signal of a state without a law, smoothed, or as a derivative of the smoothed signal.
+fn smoothed(
+    signal: Signal,
+    time: &[f64],
+    cut: &dyn Fn(Signal) -> Option<Vec<f64>>,
+    sensor: &SensorSettings,
+) -> Option<Vec<f64>> {
+    let lower = |steps: u8| {
+        Some(Signal::derivative(
+            signal.var,
+            signal.der.checked_sub(steps)?,
+        ))
+    };
+    let (steps, from, values) =
+        (0..=2).find_map(|steps| Some((steps, lower(steps)?, cut(lower(steps)?)?)))?;
+    let smooth = data::smooth(time, &values, (sensor.declared)(from), &[], sensor.robust)?;
+    Some(match steps {
+        0 => smooth.values,
+        1 => smooth.slope,
+        _ => smooth.curvature,
+    })
+}
+
+/// Fills missing values with the last one if held, else by linear interpolation. False if there are no values.
+fn fill_missing(values: &mut [f64], held: bool) -> bool {
+    let known: Vec<usize> = (0..values.len())
+        .filter(|i| values[*i].is_finite())
+        .collect();
+    let (Some(first), Some(last)) = (known.first(), known.last()) else {
+        return false;
+    };
+    let (start, end) = (values[*first], values[*last]);
+    values[..*first].fill(start);
+    values[last + 1..].fill(end);
+    for pair in known.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let (x, y) = (values[a], values[b]);
+        for (i, value) in values[a + 1..b].iter_mut().enumerate() {
+            let part = (i + 1) as f64 / (b - a) as f64;
+            *value = if held { x } else { x + part * (y - x) };
+        }
+    }
+    true
+}

@@ -1,0 +1,160 @@
+//! Residuals of each channel: their size, their autocorrelation, their outliers.
+//!
+//! In: a problem and a fit. Out: a [`Channel`] for every state that is read. White residuals of the sensor's own size are the test of laws
+//! and library together: what is missing from those stays in the residuals.
+
+use super::outliers::{Outliers, outliers};
+use crate::trajectory::likelihood::Fit;
+use crate::trajectory::model::Problem;
+use crate::trajectory::thresholds::RESIDUALS;
+use sidc_lang::term::Signal;
+use sidc_solve::white::{self, LAGS};
+
+/// One channel's residuals.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    pub signal: Signal,
+    /// Root mean square of the residuals, in the channel's units.
+    pub left: f64,
+    /// The sensor's noise, as declared or as smoothing sees it.
+    pub noise: f64,
+    /// Root mean square of residuals, each over the noise of its own record's sensor.
+    pub excess: f64,
+    /// Standard deviation of the state.
+    pub spread: f64,
+    pub readings: usize,
+    /// Root mean square of the autocorrelation over lags 1 … 8, signed by the first: 0 for white residuals, 1 at most.
+    pub memory: f64,
+    /// Bound of `memory` for white residuals, plus what the rounding of an encoder adds.
+    pub chance: f64,
+    /// Residuals of each file; empty unless they differ.
+    pub files: Vec<File>,
+    /// Isolated readings that noise does not explain.
+    pub outliers: Option<Outliers>,
+    /// Number of readings that had no weight.
+    pub left_out: usize,
+}
+
+/// One trajectory's part of a channel.
+#[derive(Clone, Debug)]
+pub struct File {
+    pub trajectory: usize,
+    /// Root mean square of its residuals.
+    pub left: f64,
+}
+
+/// The residuals of every state that is read.
+pub fn channels(problem: &Problem, fit: &Fit) -> Vec<Channel> {
+    (0..problem.states())
+        .filter(|i| problem.readings_of(*i) > 0)
+        .map(|i| channel(problem, fit, i))
+        .collect()
+}
+
+impl Problem {
+    /// Every channel before there is a fit, as if the residuals were the noise that smoothing sees.
+    pub fn channels(&self) -> Vec<Channel> {
+        let read = (0..self.states()).filter(|i| self.readings_of(*i) > 0);
+        read.map(|i| Channel {
+            signal: self.system.states[i],
+            left: noise(self, i),
+            noise: noise(self, i),
+            excess: 1.0,
+            spread: self.spread[i],
+            readings: self.readings_of(i),
+            memory: 0.0,
+            chance: 0.0,
+            files: Vec::new(),
+            outliers: None,
+            left_out: 0,
+        })
+        .collect()
+    }
+}
+
+/// Noise of a state's sensors, root mean square over all readings.
+fn noise(problem: &Problem, state: usize) -> f64 {
+    let n = problem.states();
+    let own = || (state..problem.noise.len()).step_by(n);
+    let square: f64 = own()
+        .map(|s| problem.readings[s] as f64 * problem.noise[s].powi(2))
+        .sum();
+    (square / problem.readings_of(state) as f64).sqrt()
+}
+
+fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
+    let n = problem.states();
+    let (mut sums, mut total) = ([0.0; LAGS], 0.0);
+    let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; LAGS]);
+    let coarse = problem.quantization[state].filter(|l| l.matters(noise(problem, state)));
+    for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
+        let sensor = problem.sensors.of(r).start + state;
+        let (sigma, noise) = (fit.sigma()[sensor], problem.noise[sensor]);
+        let known = |x: f64| if x.is_finite() { x } else { 0.0 };
+        // In units of the record's own noise, so that the noisiest record does not dominate.
+        let left = fit.residuals(problem, r, state).map(|x| known(x / sigma));
+        let left: Vec<f64> = left.collect();
+        let own: f64 = left.iter().map(|x| x * x).sum();
+        total += own;
+        square += own * sigma * sigma;
+        excess += own * (sigma / noise.max(f64::MIN_POSITIVE)).powi(2);
+        add_autocovariances(&left, &mut sums);
+        if let Some(lattice) = coarse {
+            let way = (0..record.len()).map(|k| path[k * n + state]);
+            let error: Vec<f64> = way.map(|x| (lattice.nearest(x) - x) / sigma).collect();
+            add_autocovariances(&error, &mut rounded);
+        }
+    }
+    let readings = problem.readings_of(state);
+    let m = readings as f64;
+    let correlation = sums.map(|s| s / total.max(f64::MIN_POSITIVE));
+    let memory = white::size(&correlation);
+    let rounded = white::size(&rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
+    Channel {
+        signal: problem.system.states[state],
+        left: (square / m).sqrt(),
+        noise: noise(problem, state),
+        excess: (excess / m).sqrt(),
+        spread: problem.spread[state],
+        readings,
+        memory: memory.copysign(correlation[0]),
+        chance: white::chance(m) + rounded,
+        files: files(problem, fit, state),
+        outliers: outliers(problem, fit, state),
+        left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
+    }
+}
+
+/// Adds Σ x_k x_{k+lag} for every lag.
+fn add_autocovariances(values: &[f64], sums: &mut [f64; LAGS]) {
+    for (lag, sum) in (1..).zip(sums) {
+        let pairs = values.iter().zip(values.iter().skip(lag));
+        *sum += pairs.map(|(a, b)| a * b).sum::<f64>();
+    }
+}
+
+/// Residuals of each group of trajectories, if they differ.
+fn files(problem: &Problem, fit: &Fit, state: usize) -> Vec<File> {
+    let n = problem.states();
+    let mut files: Vec<File> = Vec::new();
+    let mut seen = Vec::new();
+    for (r, record) in problem.records.iter().enumerate() {
+        let group = problem.sensors.group(r);
+        let sensor = group * n + state;
+        let count = problem.readings[sensor];
+        if count == 0 || seen.contains(&group) {
+            continue;
+        }
+        seen.push(group);
+        files.push(File {
+            trajectory: record.trajectory,
+            left: (fit.residual_squares[sensor] / count as f64).sqrt(),
+        });
+    }
+    let least = files.iter().map(|f| f.left).fold(f64::INFINITY, f64::min);
+    let most = files.iter().map(|f| f.left).fold(0.0, f64::max);
+    if most <= RESIDUALS.files_differ * least {
+        files.clear();
+    }
+    files
+}

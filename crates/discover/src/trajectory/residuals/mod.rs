@@ -1,0 +1,13 @@
+//! What a fit leaves of the readings, and what that says.
+//!
+//! In: a problem and a fit. Out: residuals of each channel, outliers, the statistical inefficiency of coloured residuals, all signals
+//! along the fitted trajectory. Changes no fit.
+
+mod channels;
+mod effective_sample_size;
+mod fitted_signals;
+mod outliers;
+
+pub use channels::{Channel, File, channels};
+pub(crate) use effective_sample_size::statistical_inefficiency;
+pub use outliers::{Outliers, leave_out};

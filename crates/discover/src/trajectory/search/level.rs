@@ -1,0 +1,288 @@
+//! The search at one floor under the noise: supports proposed on quadratic forms, fitted, and kept if they are better.
+//!
+//! In: a problem and a criterion. Out: the best fits and the criterion of every support tried.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::beam_search::{Subset, best_subsets};
+use super::monitor::SearchMonitor;
+use crate::trajectory::cancellation::{GoOn, join};
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::thresholds::SEARCH;
+use sidc_solve::quadratic::Quadratic;
+
+/// The search at one level of the noise floor.
+pub(crate) struct SearchLevel<'a> {
+    problem: &'a Problem,
+    pub criterion: PenalizedLikelihood,
+    /// Criterion of each support tried; ∞ where the fit failed.
+    pub tried: BTreeMap<Vec<usize>, f64>,
+    /// The best fits, best first.
+    pub best: Vec<Fit>,
+    /// The quadratic form about the fit of this support.
+    form: Option<(Vec<usize>, Arc<Quadratic>)>,
+}
+
+impl<'a> SearchLevel<'a> {
+    pub fn new(problem: &'a Problem, criterion: PenalizedLikelihood) -> SearchLevel<'a> {
+        SearchLevel {
+            problem,
+            criterion,
+            tried: BTreeMap::new(),
+            best: Vec::new(),
+            form: None,
+        }
+    }
+
+    /// Fits the supports that are new, two at a time, until the monitor says stop; true if one became the best.
+    pub fn fit(
+        &mut self,
+        points: impl IntoIterator<Item = LinearizationPoint>,
+        monitor: &mut dyn SearchMonitor,
+    ) -> bool {
+        let mut points = points.into_iter();
+        let mut better = false;
+        while monitor.in_time() {
+            let mut pair: Vec<LinearizationPoint> = Vec::new();
+            while pair.len() < 2 {
+                let Some(point) = points.next() else { break };
+                let seen = pair.iter().any(|p| p.support == point.support);
+                if !(seen || point.support.is_empty() || self.tried.contains_key(&point.support)) {
+                    pair.push(point);
+                }
+            }
+            let (problem, criterion) = (self.problem, &self.criterion);
+            let beat = self.best.first().map_or(f64::INFINITY, |f| f.value);
+            let one = |p: LinearizationPoint, go_on: GoOn| {
+                (p.support.clone(), fit(problem, p, criterion, beat, go_on))
+            };
+            let (second, first) = (pair.pop(), pair.pop());
+            let found = match (first, second) {
+                (Some(a), Some(b)) => <[_; 2]>::from(join(
+                    &mut || monitor.in_time(),
+                    |go| one(a, go),
+                    |go| one(b, go),
+                ))
+                .into(),
+                (None, Some(b)) => vec![one(b, &mut || monitor.in_time())],
+                _ => return better,
+            };
+            for (support, found) in found {
+                better |= self.record(support, found);
+            }
+        }
+        better
+    }
+
+    /// Records the result of a fit; true if it became the best.
+    fn record(&mut self, support: Vec<usize>, found: Option<Fit>) -> bool {
+        let value = found.as_ref().map_or(f64::INFINITY, |f| f.value);
+        self.tried.insert(support, value);
+        let Some(found) = found else { return false };
+        let before = self.best.first().map_or(f64::INFINITY, |f| f.value);
+        let place = self.best.partition_point(|f| f.value <= found.value);
+        self.best.insert(place, found);
+        self.best.truncate(SEARCH.carried);
+        value < before - SEARCH.min_gain
+    }
+
+    /// The best fit and the quadratic form about it, which is computed once.
+    fn best_and_form(&mut self, monitor: &mut dyn SearchMonitor) -> Option<(Fit, Arc<Quadratic>)> {
+        let best = self.best.first()?.clone();
+        if let Some((support, form)) = &self.form
+            && support == best.support()
+        {
+            return Some((best, form.clone()));
+        }
+        let form = self
+            .problem
+            .quadratic_form(&best.point, &mut || monitor.in_time());
+        let form = Arc::new(form.ok()?);
+        self.form = Some((best.support().to_vec(), form.clone()));
+        Some((best, form))
+    }
+
+    /// Noise of each sensor for a first linearisation: not below the floor, larger where readings are little informative.
+    pub fn sigma(&self, at: &[f64]) -> Vec<f64> {
+        at.iter()
+            .zip(&self.criterion.floor)
+            .zip(&self.problem.informative)
+            .map(|((s, f), informative)| s.max(*f) / informative.sqrt())
+            .collect()
+    }
+
+    /// First supports, from integral matching: best subsets of each law, at several prices of a term.
+    pub fn propose_and_fit_initial(&mut self, monitor: &mut dyn SearchMonitor) {
+        let problem = self.problem;
+        let sigma = self.sigma(&problem.noise);
+        let [first, second] = SEARCH.initial_slacks;
+        let (first, second) = join(
+            &mut || monitor.in_time(),
+            |go_on| problem.integral_matching_form(&sigma, first, go_on),
+            |go_on| problem.integral_matching_form(&sigma, second, go_on),
+        );
+        for form in [first, second].into_iter().flatten() {
+            let sizes: Vec<Vec<Subset>> = (problem.ranges.iter())
+                .map(|r| best_subsets(&form, &[], r.clone(), SEARCH.max_beam_terms))
+                .collect();
+            let all: Vec<usize> = (0..form.p).collect();
+            let least = form.least(&all).square.max(0.0);
+            let scale = (least / problem.measurements() as f64).max(1.0);
+            let point = |strength: f64| {
+                let penalty = self.criterion.penalty * strength * scale;
+                let cost = |s: &&Subset| s.square + penalty * s.columns.len() as f64;
+                let best = sizes
+                    .iter()
+                    .filter_map(|all| all.iter().min_by(|a, b| cost(a).total_cmp(&cost(b))));
+                let mut support: Vec<usize> =
+                    best.flat_map(|s| s.columns.iter().copied()).collect();
+                support.sort_unstable();
+                at_minimum(&form, &problem.initial_point(&sigma), support)
+            };
+            let points = SEARCH.initial_prices.map(point);
+            self.fit(points, monitor);
+            let Some((best, form)) = self.best_and_form(monitor) else {
+                continue;
+            };
+            if let Some(support) = form.backward(&[self.criterion.penalty]).into_iter().next() {
+                let support = form.improve(&support, self.criterion.penalty);
+                self.fit([at_minimum(&form, &best.point, support)], monitor);
+            }
+        }
+    }
+
+    /// Follows improvements among the supports that the quadratic form proposes, until there is none. The `last` level fits rivals too,
+    /// and with `prune` the support without each of its terms.
+    pub fn improve(&mut self, (last, prune): (bool, bool), monitor: &mut dyn SearchMonitor) {
+        let mut fits = 0;
+        while fits < SEARCH.max_fits && monitor.go_on() {
+            let Some((current, form)) = self.best_and_form(monitor) else {
+                return;
+            };
+            let point = |support| at_minimum(&form, &current.point, support);
+            let proposals = self.proposals(&form, current.support(), monitor);
+            let near = proposals
+                .iter()
+                .take_while(|(change, _)| *change <= SEARCH.max_predicted_loss);
+            let near: Vec<Vec<usize>> = near.map(|(_, s)| s.clone()).collect();
+            let mut better = false;
+            for pair in near[..near.len().min(SEARCH.max_fits - fits)].chunks(2) {
+                fits += pair.len();
+                better = self.fit(pair.iter().cloned().map(point), monitor);
+                if better {
+                    break;
+                }
+                if !monitor.go_on() {
+                    return;
+                }
+            }
+            if !better && last {
+                let new = |s: &Vec<usize>| !self.tried.contains_key(s);
+                let rivals = proposals.into_iter().filter(|(_, s)| new(s));
+                let near = rivals.take_while(|(change, _)| *change < SEARCH.rival_loss);
+                let near: Vec<Vec<usize>> = near.take(SEARCH.max_rivals).map(|(_, s)| s).collect();
+                better = self.fit(near.into_iter().map(point), monitor);
+            }
+            let support = current.support();
+            if !better && last && prune && support.len() <= SEARCH.max_pruned_terms {
+                let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
+                better = self.fit(support.iter().map(|j| point(without(j))), monitor);
+            }
+            if !better {
+                return;
+            }
+        }
+    }
+
+    /// Supports not fitted yet with their predicted change of the criterion, best first.
+    fn proposals(
+        &self,
+        form: &Quadratic,
+        support: &[usize],
+        monitor: &mut dyn SearchMonitor,
+    ) -> Vec<(f64, Vec<usize>)> {
+        let penalty = self.criterion.penalty;
+        let value = |s: &[usize]| form.least(s).square + penalty * s.len() as f64;
+        let base = value(support);
+        let mut all: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+        let mut propose = |s: Vec<usize>, change: f64| {
+            if !s.is_empty() && !self.tried.contains_key(&s) {
+                let known = all.entry(s).or_insert(change);
+                *known = known.min(change);
+            }
+        };
+        let strengths = SEARCH.prices.map(|s| s * penalty);
+        let strongest =
+            (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
+        for (backward, strength) in form.backward(&strengths).into_iter().zip(strengths) {
+            if !monitor.in_time() {
+                break;
+            }
+            let starts = [backward, strongest.into_iter().collect(), support.to_vec()];
+            let cost = |s: &Vec<usize>| form.least(s).square + strength * s.len() as f64;
+            let ends = starts.iter().map(|s| form.improve(s, strength));
+            if let Some(best) = ends.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
+                let change = value(&best) - base;
+                // A sparse support is fitted whatever the quadratic form predicts.
+                let change = if strength > SEARCH.sparse_price * penalty {
+                    change.min(0.0)
+                } else {
+                    change
+                };
+                propose(best, change);
+            }
+        }
+        let mut combined = support.to_vec();
+        for range in &self.problem.ranges {
+            if range.is_empty() || !monitor.in_time() {
+                continue;
+            }
+            let others: Vec<usize> = support
+                .iter()
+                .copied()
+                .filter(|j| !range.contains(j))
+                .collect();
+            let mut best = best_subsets(form, support, range.clone(), SEARCH.max_beam_terms);
+            let cost = |s: &Subset| s.square + penalty * s.columns.len() as f64;
+            best.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+            for s in best.iter().take(SEARCH.subsets_proposed) {
+                let change = cost(s) + penalty * others.len() as f64 - base;
+                propose(union(&others, &s.columns), change);
+            }
+            if let Some(s) = best.first() {
+                combined.retain(|j| !range.contains(j));
+                combined = union(&combined, &s.columns);
+            }
+        }
+        let change = value(&combined) - base;
+        propose(combined, change);
+        for m in form.moves(support, penalty, SEARCH.moves_proposed) {
+            propose(m.applied(support), m.change);
+        }
+        let mut all: Vec<(f64, Vec<usize>)> = all.into_iter().map(|(s, c)| (c, s)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
+        all
+    }
+}
+
+/// The point with a support at the minimum of its quadratic form.
+fn at_minimum(
+    form: &Quadratic,
+    from: &LinearizationPoint,
+    support: Vec<usize>,
+) -> LinearizationPoint {
+    let coefficients = form.least(&support).coefficients;
+    LinearizationPoint {
+        support,
+        coefficients,
+        ..from.clone()
+    }
+}
+
+fn union(a: &[usize], b: &[usize]) -> Vec<usize> {
+    let mut all: Vec<usize> = a.iter().chain(b).copied().collect();
+    all.sort_unstable();
+    all
+}

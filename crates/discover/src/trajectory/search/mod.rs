@@ -1,0 +1,14 @@
+//! Which terms: supports are proposed on linearised likelihoods and accepted where the refitted likelihood improves.
+//!
+//! In: a problem. Out: [`Found`]: the best fit and its rivals. Never decides whether the answer is to be trusted.
+
+mod beam_search;
+mod level;
+mod monitor;
+mod support_search;
+
+#[cfg(test)]
+pub(crate) use beam_search::best_subsets;
+pub use monitor::SearchMonitor;
+pub use support_search::{Found, search};
+pub(crate) use support_search::{final_criterion, initial_fit};

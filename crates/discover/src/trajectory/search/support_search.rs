@@ -1,0 +1,158 @@
+//! Continuation over noise floors: the search for the support of all laws together.
+//!
+//! In: a problem. Out: the best fit, its rivals, and how many supports were tried. The floor under the noise falls level by level: first
+//! come the few terms that explain most, then those that explain what is left.
+
+use super::level::SearchLevel;
+use super::monitor::{FitBudget, SearchMonitor};
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, set_variances};
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::residuals::statistical_inefficiency;
+use crate::trajectory::thresholds::SEARCH;
+
+/// The result of a search.
+#[derive(Debug)]
+pub struct Found {
+    pub best: Fit,
+    /// Every support fitted at the last level with its criterion, best first; the first is the best fit's own.
+    pub rivals: Vec<(Vec<usize>, f64)>,
+    /// Number of fits.
+    pub tried: usize,
+    /// Price of a term.
+    pub penalty: f64,
+    /// Statistical inefficiency of the residuals: readings that count as one independent one.
+    pub inefficiency: f64,
+}
+
+/// Searches the support of all laws together. `None` if nothing could be fitted.
+///
+/// Long records are searched on segments first. The support found there, and what is proposed about it, is then fitted on all samples.
+pub fn search(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Found> {
+    let mut found = match problem.on_segments() {
+        None => search_with_inefficiency(problem, monitor)?,
+        Some(short) => {
+            let found = search_with_inefficiency(&short, monitor)?;
+            let start = LinearizationPoint {
+                paths: problem.initial_point(&[]).paths,
+                ..found.best.point.clone()
+            };
+            let level = (found.inefficiency, false);
+            let all = match monitor.in_time() {
+                true => continuation(problem, vec![start.clone()], level, monitor),
+                false => None,
+            };
+            // After a stop, the support found on segments is still fitted on all samples once: without that it is no answer.
+            let all = match all {
+                None => continuation(problem, vec![start], level, &mut FitBudget::default())?,
+                Some(all) => all,
+            };
+            Found {
+                tried: found.tried + all.tried,
+                ..all
+            }
+        }
+    };
+    set_variances(problem, &mut found.best, &mut || monitor.in_time());
+    Some(found)
+}
+
+/// Laws that are only nearly right leave coloured residuals. The choice is then made again with a price of terms for the effective
+/// number of readings.
+fn search_with_inefficiency(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Found> {
+    let found = continuation(problem, Vec::new(), (1.0, true), monitor)?;
+    let inefficiency = statistical_inefficiency(problem, &found.best);
+    if inefficiency <= SEARCH.max_inefficiency || !monitor.go_on() {
+        return Some(found);
+    }
+    let start = vec![found.best.point.clone()];
+    let Some(again) = continuation(problem, start, (inefficiency, true), monitor) else {
+        return Some(found);
+    };
+    Some(Found {
+        tried: found.tried + again.tried,
+        ..again
+    })
+}
+
+/// One level after another; the last level alone if there are points to start from. With `fresh`, levels start from integral matching
+/// too.
+fn continuation(
+    problem: &Problem,
+    start: Vec<LinearizationPoint>,
+    (inefficiency, fresh): (f64, bool),
+    monitor: &mut dyn SearchMonitor,
+) -> Option<Found> {
+    let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
+    let noisiest = (0..problem.noise.len())
+        .filter(|i| problem.readings[*i] > 0)
+        .map(relative)
+        .fold(0.0, f64::max);
+    let lowest = SEARCH.floors[SEARCH.floors.len() - 1];
+    let floors = SEARCH
+        .floors
+        .into_iter()
+        .filter(|f| *f > SEARCH.floor_over_noise * noisiest || *f == lowest);
+    let mut floors: Vec<f64> = floors.collect();
+    if !start.is_empty() {
+        floors = vec![lowest];
+    }
+    let anew = start.is_empty();
+    let mut carried = start;
+    let mut tried = 0;
+    let mut result = None;
+    for place in 0..floors.len() {
+        let last = place + 1 == floors.len();
+        let mut level = SearchLevel::new(
+            problem,
+            PenalizedLikelihood::at_floor(problem, floors[place], inefficiency),
+        );
+        let penalty = level.criterion.penalty;
+        let sigma = level.sigma(&problem.noise);
+        let points = carried.drain(..).map(|point| LinearizationPoint {
+            sigma: sigma.clone(),
+            ..point
+        });
+        level.fit(points.collect::<Vec<_>>(), monitor);
+        if level.best.is_empty() || fresh && (place == 0 || last) {
+            level.propose_and_fit_initial(monitor);
+        }
+        let first = level.best.first().filter(|_| anew && place == 0);
+        if first.is_some_and(|fit| !monitor.first(problem, fit)) {
+            return None;
+        }
+        level.improve((last, fresh), monitor);
+        tried += level.tried.len();
+        let mut rivals: Vec<(Vec<usize>, f64)> = level
+            .tried
+            .into_iter()
+            .filter(|(_, v)| v.is_finite())
+            .collect();
+        rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
+        carried = level.best.iter().map(|f| f.point.clone()).collect();
+        if let Some(best) = level.best.into_iter().next() {
+            result = Some(Found {
+                best,
+                rivals,
+                tried,
+                penalty,
+                inefficiency,
+            });
+        }
+    }
+    result
+}
+
+/// The criterion of the last level for white residuals.
+pub(crate) fn final_criterion(problem: &Problem) -> PenalizedLikelihood {
+    PenalizedLikelihood::at_floor(problem, SEARCH.floors[SEARCH.floors.len() - 1], 1.0)
+}
+
+/// The best fit of the supports that integral matching proposes, under the highest floor.
+pub(crate) fn initial_fit(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Fit> {
+    let mut level = SearchLevel::new(
+        problem,
+        PenalizedLikelihood::at_floor(problem, SEARCH.floors[0], 1.0),
+    );
+    level.propose_and_fit_initial(monitor);
+    level.best.into_iter().next()
+}

@@ -1,0 +1,178 @@
+//! Inputs that act later or earlier than they were recorded.
+//!
+//! In: a problem, the fit of a support, screened delays. Out: the delay under which the refitted likelihood gains most, and the problem
+//! with that delay. Fits are compared over the instants for which every delay knows the input.
+
+use super::delay_screening::DelayProposal;
+use super::time_shift::{cut, cut_point, moved, reach, shifted, step};
+use crate::trajectory::cancellation::GoOn;
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::search::{final_criterion, initial_fit};
+use crate::trajectory::thresholds::DELAYS;
+use sidc_lang::term::VarId;
+
+/// Inputs with a delay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DelayedInputs {
+    pub inputs: Vec<VarId>,
+    /// Positive if they act later than recorded.
+    pub samples: f64,
+    pub seconds: f64,
+    /// Decrease of the criterion.
+    pub gain: f64,
+}
+
+/// The delay that gains most, if that is more than the price of a term. Under a wrong input a large support imitates the right one,
+/// whatever the delay. So a delay is fitted with the few terms of its screening, with those found if they are few, and if
+/// neither gains, with terms chosen anew under the best proposal.
+pub fn fit_delay(
+    problem: &Problem,
+    found: &Fit,
+    proposals: &[DelayProposal],
+    go_on: &mut dyn FnMut() -> bool,
+) -> Option<DelayedInputs> {
+    let reach = reach(problem);
+    let base = cut(problem, reach, reach);
+    let criterion = final_criterion(&base);
+    let own = cut_point(problem, &found.point, (reach, reach));
+    let as_found = criterion.value_at(&base, &own) + found.law_misfit;
+    let undelayed =
+        fit(&base, own.clone(), &criterion, f64::INFINITY, go_on).map_or(as_found, |f| f.value);
+    let few = found.support().len() <= DELAYS.max_terms * problem.system.laws.len();
+    let trial = |proposal: &DelayProposal, start: LinearizationPoint, go_on: GoOn| {
+        let mut trial = DelayTrial {
+            problem,
+            inputs: &proposal.inputs,
+            reach,
+            criterion: &criterion,
+            start,
+            best: (0.0, undelayed),
+        };
+        trial.refine(proposal.samples, go_on);
+        (undelayed - trial.best.1 > criterion.penalty)
+            .then_some((trial.best, proposal.inputs.clone()))
+    };
+    let mut all = Vec::new();
+    for proposal in proposals.iter().take(DELAYS.max_sets) {
+        all.extend(trial(
+            proposal,
+            cut_point(problem, &proposal.start, (reach, reach)),
+            go_on,
+        ));
+        if few {
+            all.extend(trial(proposal, own.clone(), go_on));
+        }
+    }
+    if all.is_empty() {
+        let proposal = proposals.first().filter(|p| p.samples != 0.0)?;
+        let moved = moved(problem, &proposal.inputs, proposal.samples, reach);
+        let start = initial_fit(&moved, &mut || go_on())?.point;
+        all.extend(trial(proposal, start, go_on));
+    }
+    let best = all.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
+    let ((samples, value), inputs) = best.filter(|b| b.0.0 != 0.0)?;
+    Some(DelayedInputs {
+        inputs,
+        samples,
+        seconds: samples * step(problem)?,
+        gain: undelayed - value,
+    })
+}
+
+/// The criterion without the delay, over the samples that [`with_delay`] keeps.
+pub fn criterion_without_delay(
+    problem: &Problem,
+    found: &Fit,
+    late: &DelayedInputs,
+    go_on: &mut dyn FnMut() -> bool,
+) -> f64 {
+    let (front, back) = ends(late);
+    let problem_cut = cut(problem, front, back);
+    let start = cut_point(problem, &found.point, (front, back));
+    let fitted = fit(
+        &problem_cut,
+        start,
+        &final_criterion(&problem_cut),
+        f64::INFINITY,
+        go_on,
+    );
+    fitted.map_or(f64::INFINITY, |f| f.value)
+}
+
+/// Samples at the start and at the end of a record for which the delayed input is unknown.
+fn ends(late: &DelayedInputs) -> (usize, usize) {
+    let whole = late.samples.abs().ceil() as usize;
+    match late.samples > 0.0 {
+        true => (whole, 0),
+        false => (0, whole),
+    }
+}
+
+/// The problem with inputs delayed, its records cut where the delayed input is unknown.
+pub fn with_delay(problem: &Problem, late: &DelayedInputs) -> Problem {
+    let (front, back) = ends(late);
+    cut(&shifted(problem, &late.inputs, late.samples), front, back)
+}
+
+/// Fits of one support with different delays of a set of inputs.
+struct DelayTrial<'a> {
+    problem: &'a Problem,
+    inputs: &'a [VarId],
+    reach: usize,
+    criterion: &'a PenalizedLikelihood,
+    /// The best point so far.
+    start: LinearizationPoint,
+    /// The best delay and its criterion.
+    best: (f64, f64),
+}
+
+impl DelayTrial<'_> {
+    fn try_delay(&mut self, samples: f64, go_on: GoOn) {
+        if samples.abs() > self.reach as f64 {
+            return;
+        }
+        let problem = moved(self.problem, self.inputs, samples, self.reach);
+        let start = self.start.clone();
+        let Some(found) = fit(&problem, start, self.criterion, f64::INFINITY, go_on) else {
+            return;
+        };
+        if found.value < self.best.1 {
+            self.best = (samples, found.value);
+            self.start = found.point;
+        }
+    }
+
+    /// Searches about a proposed delay in falling steps; no delay is tried too.
+    fn refine(&mut self, proposed: f64, go_on: &mut dyn FnMut() -> bool) {
+        self.try_delay(proposed, go_on);
+        if proposed != 0.0 && go_on() {
+            self.try_delay(0.0, go_on);
+        }
+        let smallest = if self.held() { 1.0 } else { 0.0 };
+        for part in DELAYS.steps.into_iter().filter(|p| *p >= smallest) {
+            let middle = self.best.0;
+            for sign in [1.0, -1.0] {
+                if !go_on() {
+                    return;
+                }
+                self.try_delay(middle + sign * part, go_on);
+            }
+        }
+    }
+
+    fn held(&self) -> bool {
+        let problem = self.problem;
+        let own = |s: &sidc_lang::term::Signal| self.inputs.contains(&s.var);
+        let mut signals = problem
+            .system
+            .exogenous
+            .iter()
+            .enumerate()
+            .filter(|(_, s)| own(s));
+        signals.any(|(x, _)| {
+            let exogenous = problem.records.iter().filter_map(|r| r.exogenous.get(x));
+            exogenous.into_iter().any(|o| o.held)
+        })
+    }
+}

@@ -1,0 +1,13 @@
+//! What sensors may have done instead of the laws: inputs recorded early or late, and readings with a constant offset.
+//!
+//! In: a problem and a fit. Out: the fault under which the refitted likelihood gains more than a term costs. Takes no decision on
+//! the answer.
+
+mod delay_screening;
+mod input_delay;
+mod sensor_offset;
+mod time_shift;
+
+pub use delay_screening::{DelayProposal, screen_delays};
+pub use input_delay::{DelayedInputs, criterion_without_delay, fit_delay, with_delay};
+pub use sensor_offset::{SensorOffset, find_sensor_offset};

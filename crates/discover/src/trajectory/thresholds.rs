@@ -1,0 +1,235 @@
+//! The numbers that decide in joint estimation, one family a subject.
+//!
+//! In: nothing. Out: records of values with unit and source. Imports nobody, so every file may read it.
+
+use sidc_thresholds::{Table, family};
+
+family! {
+    /// When readings are enough, coarse, or too many to be searched at once.
+    pub(crate) RECORDS: Records {
+        /// Fewest samples of an uninterrupted piece of a trajectory that is used.
+        min_samples: usize = 4, unit "samples", source "set by hand; not measured";
+        /// Fewest readings of every measured state for which a trajectory has noise levels of its own.
+        min_readings_of_own_noise: usize = 50, unit "readings", source "a standard deviation from m readings has a relative error of 1/sqrt(2 m): a tenth at 50";
+        /// Distance of a reading from a quantization grid that rounding in print may make.
+        grid_tolerance: f64 = 0.05, unit "quantization steps", source "set by hand; not measured";
+        /// Fewest readings a distinct value for which a grid is accepted.
+        readings_per_value: usize = 2, unit "readings", source "set by hand; not measured";
+        /// Noise from which quantization errors count as white.
+        dither: f64 = 0.5, unit "quantization steps", source "Widrow and Kollar 2008, Quantization Noise (dither); the value is set by hand";
+        /// Samples up to which all records are searched whole.
+        max_searched_samples: usize = 10_000, unit "samples", source "set by hand; not measured";
+        /// Longest segment of a record that is searched in parts.
+        segment_samples: usize = 1_000, unit "samples", source "set by hand; not measured";
+        /// Shortest segment that is used.
+        min_segment_samples: usize = 50, unit "samples", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// How laws are integrated between samples, and how far a trajectory may depart from them.
+    pub(crate) SHOOTING: Shooting {
+        /// Standard deviation by which a state may slip from the laws between samples: it forgives rounding and chaos.
+        slack: f64 = 3e-3, unit "noise of the sensor", source "set by hand; not measured";
+        /// The same summed over a record (it grows with the root of the number of samples).
+        slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand; not measured";
+        /// Standard deviation of the loose hold on a state that nothing reads at a sample.
+        unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand; not measured";
+        /// Integration error allowed over an interval.
+        accuracy: f64 = 0.01, unit "noise of the sensor", source "set by hand; not measured";
+        /// No integration is asked to be finer than this.
+        min_accuracy: f64 = 1e-11, unit "spread of the state", source "set by hand; not measured";
+        /// Most Runge-Kutta steps of an interval.
+        max_steps: usize = 64, unit "steps", source "set by hand; not measured";
+        /// Error of a Runge-Kutta step over the fifth power of its length in time constants.
+        step_error: f64 = 1.0 / 120.0, unit "", source "the first term of exp that order four leaves out: 1/5!";
+        /// Newton steps for laws that contain rates.
+        newton_steps: usize = 8, unit "steps", source "set by hand; not measured";
+        /// Relative change of a rate at which Newton's method ends.
+        newton_converged: f64 = 1e-12, unit "", source "set by hand; not measured";
+        /// Relative change that is accepted after the last step.
+        newton_accepted: f64 = 1e-6, unit "", source "set by hand; not measured";
+        /// Pivot, relative to the largest entry, below which laws cannot be solved for their rates.
+        singular_pivot: f64 = 1e-10, unit "", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// When a Gauss-Newton fit of one support ends.
+    pub(crate) GAUSS_NEWTON: GaussNewton {
+        /// Most steps.
+        max_steps: usize = 8, unit "steps", source "set by hand; not measured";
+        /// Largest step of a state at which the fit has converged.
+        state_step: f64 = 0.02, unit "noise of the sensor", source "set by hand; not measured";
+        /// Largest step of the logarithm of a noise at which the fit has converged.
+        log_noise_step: f64 = 1e-3, unit "", source "set by hand; not measured";
+        /// Change of the criterion that decides nothing.
+        criterion_step: f64 = 0.02, unit "criterion", source "set by hand; not measured";
+        /// A fit is given up if it stays behind the best one by more than this.
+        hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand; not measured";
+        /// Gain that each remaining step is credited with when that is judged, in gains of the last step.
+        hopeless_gain: f64 = 2.0, unit "", source "set by hand; not measured";
+        /// Distance from the readings at which a trajectory has left the data.
+        lost_spread: f64 = 2.0, unit "spread of the state", source "set by hand; not measured";
+        /// Added to it, times the relative noise.
+        lost_noise: f64 = 10.0, unit "noise of the sensor", source "set by hand; not measured";
+        /// The same for states without a reading, measured from the smoothed trajectory.
+        lost_unread: f64 = 6.0, unit "spread of the state", source "set by hand; not measured";
+        /// Diagonal entry of R, relative to the norm of its column, below which the column depends on those before it.
+        dependent_pivot: f64 = 1e-10, unit "", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// What a term costs and which noise is believed.
+    pub(crate) CRITERION: Criterion {
+        /// Price of a term over the logarithm of the number of readings; 1 would be the Bayesian criterion (Schwarz 1978).
+        term_price: f64 = 1.5, unit "ln(readings)", source "set by hand; not measured";
+        /// Fewest readings in that logarithm.
+        min_readings: f64 = 4.0, unit "readings", source "set by hand; not measured";
+        /// What a term that the model's author wrote out costs less than one that a generator made.
+        written_discount: f64 = 0.5, unit "criterion", source "odds of e^(1/4) to 1; set by hand, not measured";
+        /// Least floor under the noise.
+        min_floor: f64 = 0.5, unit "noise that smoothing sees", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// Budgets of the search for supports.
+    pub(crate) SEARCH: Search {
+        /// Floors under the noise, level after level.
+        floors: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5], unit "spread of the state", source "set by hand; not measured";
+        /// A floor is skipped unless it is this many times the largest noise that smoothing sees.
+        floor_over_noise: f64 = 1.5, unit "", source "set by hand; not measured";
+        /// Slack of the laws in the two first linearisations.
+        initial_slacks: [f64; 2] = [0.3, 0.03], unit "noise of the sensor", source "set by hand; not measured";
+        /// Prices of a term for which the first linearisations propose supports.
+        initial_prices: [f64; 3] = [1.0, 4.0, 16.0], unit "price of a term", source "set by hand; not measured";
+        /// Prices for which backward elimination proposes supports about a fit.
+        prices: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], unit "price of a term", source "set by hand; not measured";
+        /// Price above which a proposal is fitted whatever the linearised likelihood says of it.
+        sparse_price: f64 = 2.0, unit "price of a term", source "set by hand; not measured";
+        /// Most terms of a law that the beam search reaches.
+        max_beam_terms: usize = 7, unit "terms", source "set by hand; not measured";
+        /// Supports that the beam keeps of each size above two.
+        beam_width: usize = 200, unit "supports", source "set by hand; not measured";
+        /// Supports that the beam keeps of one and two terms.
+        beam_width_pairs: usize = 500, unit "supports", source "set by hand; not measured";
+        /// Supports that the beam reports of each size.
+        beam_reported: usize = 8, unit "supports", source "set by hand; not measured";
+        /// Best subsets of each law that are proposed.
+        subsets_proposed: usize = 4, unit "supports", source "set by hand; not measured";
+        /// Single additions, removals and exchanges that are proposed.
+        moves_proposed: usize = 6, unit "supports", source "set by hand; not measured";
+        /// Most fits of a level, beside the first ones and those carried over.
+        max_fits: usize = 40, unit "fits", source "set by hand; not measured";
+        /// Predicted loss up to which a proposal is fitted.
+        max_predicted_loss: f64 = 3.0, unit "criterion", source "set by hand; not measured";
+        /// Predicted loss up to which a rival is fitted at the end.
+        rival_loss: f64 = 6.0, unit "criterion", source "Kass and Raftery 1995, section 3.2: 6 is strong evidence";
+        /// Most rivals fitted at the end.
+        max_rivals: usize = 12, unit "fits", source "set by hand; not measured";
+        /// Fits carried over to the next level.
+        carried: usize = 3, unit "fits", source "set by hand; not measured";
+        /// Improvement below which a fit is no better.
+        min_gain: f64 = 1e-3, unit "criterion", source "set by hand; not measured";
+        /// Most terms of a support for which each is tried without at the end.
+        max_pruned_terms: usize = 30, unit "terms", source "set by hand; not measured";
+        /// Statistical inefficiency of the residuals above which supports are chosen anew.
+        max_inefficiency: f64 = 1.5, unit "readings", source "set by hand; not measured";
+        /// Blocks of intervals that the last fit of a stopped search may take: a second or two.
+        grace_blocks: usize = 5_000, unit "blocks", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// What residuals say of noise, memory and outliers.
+    pub(crate) RESIDUALS: Residuals {
+        /// Autocorrelation below which residuals count as white, however sure it is.
+        white: f64 = 0.05, unit "", source "set by hand; not measured";
+        /// Residual below which it is arithmetic.
+        arithmetic: f64 = 1e-6, unit "spread of the state", source "set by hand; not measured";
+        /// Lags summed, over the integrated autocorrelation time so far.
+        lag_window: f64 = 5.0, unit "", source "Sokal 1997, Monte Carlo methods in statistical mechanics, section 3 (automatic windowing)";
+        /// Least noise in standard errors, over the noise that the fit went by.
+        min_noise: f64 = 0.1, unit "noise of the fit", source "set by hand; not measured";
+        /// Ratio of residuals from which files are told apart.
+        files_differ: f64 = 1.5, unit "", source "set by hand; not measured";
+        /// Robust distance beyond which a reading is an outlier.
+        outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand; not measured";
+        /// Distance of its neighbours, relative to its own, up to which a reading is an outlier and not a misfit of the laws.
+        neighbours: f64 = 0.6, unit "", source "set by hand; not measured";
+        /// Largest share of outliers; a channel with more has another distribution.
+        max_outliers: f64 = 0.2, unit "readings", source "set by hand; not measured";
+        /// Readings of which a normal distribution puts one beyond the distance of an outlier.
+        readings_per_chance_outlier: f64 = 1.7e6, unit "readings", source "1/(2 Phi(-5)) = 1.74e6, Phi the normal distribution";
+        /// Blocks of the records that stability is judged on.
+        max_blocks: usize = 10, unit "blocks", source "set by hand; not measured";
+        /// Fewest blocks of which halves are drawn.
+        min_blocks: usize = 4, unit "blocks", source "set by hand; not measured";
+        /// Samples of a block a state: its free first state then takes an eighth of what it tells.
+        block_samples: usize = 8, unit "samples", source "n of 8 n readings determine the first state: an eighth";
+        /// Columns beside those found whose products are kept.
+        block_rivals: usize = 100, unit "columns", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// Which delays of inputs are tried.
+    pub(crate) DELAYS: Delays {
+        /// Delays that are screened, to both sides.
+        screened: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20], unit "samples", source "set by hand; not measured";
+        /// Simplest columns of each law that are screened: as many without inputs, and as many with them.
+        simple_columns: usize = 8, unit "columns", source "set by hand; not measured";
+        /// Fewest of them with each input.
+        columns_per_input: usize = 2, unit "columns", source "set by hand; not measured";
+        /// Steps about a proposed delay; held inputs take whole samples only.
+        steps: [f64; 4] = [2.0, 1.0, 0.5, 0.25], unit "samples", source "set by hand; not measured";
+        /// Most terms a law of a support that is fitted with delays as it is.
+        max_terms: usize = 8, unit "terms", source "set by hand; not measured";
+        /// Sets of inputs whose delays are fitted.
+        max_sets: usize = 2, unit "sets", source "set by hand; not measured";
+        /// A record is cut by at most one part in so many.
+        max_cut: usize = 5, unit "", source "set by hand; not measured";
+    }
+}
+
+family! {
+    /// Which offsets of sensors are tried.
+    pub(crate) OFFSETS: Offsets {
+        /// Offsets tried for each state.
+        max_candidates: usize = 2, unit "offsets", source "set by hand; not measured";
+        /// Relative distance within which two candidates are one.
+        same: f64 = 0.2, unit "", source "set by hand; not measured";
+        /// Most parabolas laid through the criterion.
+        max_parabolas: usize = 4, unit "parabolas", source "set by hand; not measured";
+        /// First step, relative to the offset.
+        first_step: f64 = 0.1, unit "", source "set by hand; not measured";
+        /// Longest move of a parabola, in steps.
+        max_move: f64 = 4.0, unit "steps", source "set by hand; not measured";
+        /// Shortest next step, in steps.
+        min_step: f64 = 0.05, unit "steps", source "set by hand; not measured";
+        /// Change of the criterion at which the offset has converged.
+        converged: f64 = 0.5, unit "criterion", source "a move of one standard error changes it by 1: this is less";
+        /// Fewest terms that an offset has to explain.
+        min_terms: usize = 2, unit "terms", source "set by hand; not measured";
+        /// How much worse the first fit with an offset may be.
+        hopeless: f64 = 30.0, unit "price of a term", source "set by hand; not measured";
+        /// Relative standard error from which a term may be dropped.
+        weak: f64 = 0.1, unit "", source "set by hand; not measured";
+    }
+}
+
+/// Every family of joint estimation, for the documentation.
+pub fn tables() -> Vec<Table> {
+    vec![
+        Records::table(),
+        Shooting::table(),
+        GaussNewton::table(),
+        Criterion::table(),
+        Search::table(),
+        Residuals::table(),
+        Delays::table(),
+        Offsets::table(),
+    ]
+}

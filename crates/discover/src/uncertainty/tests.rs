@@ -1,0 +1,160 @@
+//! What intervals, halves and alternatives say of problems whose answer is known.
+
+use super::{intervals, judge, mark};
+use crate::SplitMix;
+use sidc_lang::term::{Signal, Term, VarId};
+use sidc_system::discovery::{
+    Discovery, Equation, Evidence, FoundTerm, MARKS, Mark, Status, Stretches, Trust,
+};
+
+const TARGET: Signal = Signal {
+    var: VarId(1),
+    der: 1,
+    shift: 0,
+};
+
+fn column(j: u16) -> Term {
+    Term::signal(Signal::new(VarId(j + 2)))
+}
+
+/// Rows of random columns, `twin` of them twice but for a small part; the target is the first two columns plus noise.
+fn stretches(noise: f64, twin: Option<f64>) -> Stretches {
+    let mut random = SplitMix::new(4);
+    let (rows, p) = (400, 6);
+    let mut products = vec![vec![0.0; (p + 1) * (p + 1)]; 20];
+    for row in 0..rows {
+        let mut x: Vec<f64> = (0..p).map(|_| random.normal()).collect();
+        if let Some(part) = twin {
+            x[5] = x[0] + part * x[5];
+        }
+        x.push(2.0 * x[0] - x[1] + noise * random.normal());
+        for i in 0..=p {
+            for j in 0..=p {
+                products[row / 20][i * (p + 1) + j] += x[i] * x[j] / (noise * noise);
+            }
+        }
+    }
+    let mut whole = vec![0.0; (p + 1) * (p + 1)];
+    for part in &products {
+        whole.iter_mut().zip(part).for_each(|(s, x)| *s += x);
+    }
+    Stretches {
+        whole,
+        columns: (0..p as u16).map(|j| (TARGET, column(j))).collect(),
+        products,
+        support: vec![0, 1],
+        readings: rows as f64,
+        price: (12.0, 11.0),
+    }
+}
+
+fn discovery() -> Discovery {
+    let term = |j: u16, coefficient: f64| FoundTerm {
+        term: column(j),
+        coefficient,
+        fixed: false,
+        standard_error: Some(0.01),
+        trust: None,
+    };
+    Discovery {
+        equations: vec![Equation {
+            target: TARGET,
+            terms: vec![term(0, 2.0), term(1, -1.0)],
+            status: Status::Pass,
+            reasons: Vec::new(),
+            evidence: Some(Evidence::default()),
+            path: Vec::new(),
+        }],
+        ..Discovery::default()
+    }
+}
+
+fn judged(stretches: &Stretches) -> Vec<Trust> {
+    let mut d = discovery();
+    intervals(&mut d.equations[0], stretches.readings);
+    judge(stretches, &mut d);
+    mark(&mut d);
+    let terms = d.equations[0].terms.iter();
+    terms.map(|t| *t.trust.clone().unwrap()).collect()
+}
+
+#[test]
+fn terms_that_stand_out_are_firm() {
+    for t in judged(&stretches(0.1, None)) {
+        assert_eq!((t.mark, t.stability), (Mark::Firm, Some(1.0)));
+        assert!(t.without.unwrap().cost > 100.0);
+    }
+}
+
+/// Two columns that differ by a ten-thousandth: the other one steps in at no price.
+#[test]
+fn a_twin_makes_a_term_doubtful_and_is_named() {
+    let all = judged(&stretches(0.1, Some(1e-4)));
+    let without = all[0].without.as_ref().unwrap();
+    assert_eq!(without.enter.len(), 1);
+    assert!(without.leave.is_empty() && without.cost.abs() < 6.0);
+    assert_eq!((all[0].mark, all[1].mark), (Mark::Doubtful, Mark::Firm));
+    assert!(all[0].stability.unwrap() < 0.9);
+}
+
+/// Hidden in the noise, the smaller term is found on some halves only.
+#[test]
+fn weak_terms_are_found_on_some_halves() {
+    let all = judged(&stretches(6.0, None));
+    let shares: Vec<f64> = all.iter().filter_map(|t| t.stability).collect();
+    assert!(shares[0] > shares[1] && shares[1] < 0.9, "{shares:?}");
+    assert_ne!(all[1].mark, Mark::Firm);
+}
+
+#[test]
+fn intervals_are_those_of_student() {
+    let mut d = discovery();
+    intervals(&mut d.equations[0], 12.0);
+    let (low, high) = d.equations[0].terms[0]
+        .trust
+        .as_ref()
+        .unwrap()
+        .interval
+        .unwrap();
+    // Ten degrees of freedom: 2.228 standard errors.
+    assert!((high - 2.0 - 0.02228).abs() < 1e-5 && (low + high - 4.0).abs() < 1e-12);
+}
+
+#[test]
+fn terms_of_a_doubted_equation_are_never_firm() {
+    let mut d = discovery();
+    d.equations[0].status = Status::Doubt;
+    intervals(&mut d.equations[0], 100.0);
+    mark(&mut d);
+    let marks = d.equations[0]
+        .terms
+        .iter()
+        .map(|t| t.trust.as_ref().unwrap());
+    assert!(marks.clone().all(|t| t.mark == Mark::Likely));
+    assert!(marks.clone().all(|t| MARKS.of(t) == Mark::Firm));
+}
+
+/// Too few stretches to deal out, or none: no stability is claimed.
+#[test]
+fn no_stability_is_claimed_of_two_stretches() {
+    let mut few = stretches(0.1, None);
+    few.products.truncate(2);
+    assert!(judged(&few).iter().all(|t| t.stability.is_none()));
+}
+
+/// A library of one term has nothing to put in its place.
+#[test]
+fn a_lonely_term_is_replaced_by_nothing() {
+    let mut all = stretches(0.1, None);
+    all.columns.truncate(1);
+    all.support = vec![0];
+    for part in all.products.iter_mut().chain([&mut all.whole]) {
+        *part = vec![part[0], part[6], part[6], part[48]];
+    }
+    let mut d = discovery();
+    d.equations[0].terms.truncate(1);
+    judge(&all, &mut d);
+    let trust = d.equations[0].terms[0].trust.as_ref().unwrap();
+    let without = trust.without.as_ref().unwrap();
+    assert!(without.enter.is_empty() && without.cost > 20.0);
+}

@@ -1,0 +1,215 @@
+//! Expressions as text, for languages with `+ - * /` and functions called as `f(x)`.
+//!
+//! In: the body of a function, and how a language writes numbers, roots and powers. Out: expressions with as few
+//! parentheses as possible, evaluated in the order of the evaluator. Never writes a statement.
+
+use crate::code::identifiers::Identifiers;
+use crate::code::program::{Body, Name};
+use sidc_lang::term::{Func, Node, Precedence, Signal};
+use std::collections::BTreeMap;
+
+/// What differs between languages.
+pub(crate) trait Syntax {
+    /// A number that is not negative. May be ∞ or NaN.
+    fn number(&self, x: f64) -> String;
+    /// The name of a function.
+    fn function(&self, f: Func) -> String;
+    /// x^½: +0 for −0, NaN for negative x.
+    fn root(&self, x: &str) -> String;
+    /// x^p, where p is not whole or very large.
+    fn power(&self, x: &str, p: &str) -> String;
+}
+
+/// Writes the nodes of one body.
+pub(crate) struct Infix<'a, S> {
+    syntax: &'a S,
+    body: &'a Body,
+    names: BTreeMap<Name, String>,
+    identifiers: Identifiers,
+}
+
+impl<'a, S: Syntax> Infix<'a, S> {
+    /// `identifiers` holds arguments and unknowns; other names of the body get free identifiers.
+    pub fn new(syntax: &'a S, body: &'a Body, identifiers: &Identifiers) -> Self {
+        let mut identifiers = identifiers.clone();
+        let fresh = |(name, wish): &(Name, String)| (*name, identifiers.fresh(wish));
+        let names = body.wishes.iter().map(fresh).collect();
+        Infix {
+            syntax,
+            body,
+            names,
+            identifiers,
+        }
+    }
+
+    pub fn signal(&self, s: Signal) -> String {
+        if s == Signal::TIME {
+            return "t".into();
+        }
+        let own = self.names.get(&Name::Signal(s)).cloned();
+        own.unwrap_or_else(|| self.identifiers.get(s).to_string())
+    }
+
+    pub fn name(&self, name: Name) -> String {
+        match name {
+            Name::Signal(s) => self.signal(s),
+            Name::Node(_) => self.names.get(&name).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// The name of a node, or else its value.
+    pub fn text(&self, node: usize) -> String {
+        self.guarded(node, Precedence::Sum)
+    }
+
+    /// The expression that computes a node.
+    pub fn value(&self, node: usize) -> String {
+        self.computed(node).0
+    }
+
+    /// The right side of an assignment: a node's own value, or for a signal what it equals, which may have a name.
+    pub fn assigned(&self, name: Name, node: usize) -> String {
+        match name {
+            Name::Node(_) => self.value(node),
+            Name::Signal(_) => self.text(node),
+        }
+    }
+
+    /// All entries, row by row.
+    pub fn flat(&self, rows: &[Vec<usize>]) -> Vec<String> {
+        rows.iter().flat_map(|row| self.texts(row)).collect()
+    }
+
+    pub fn texts(&self, nodes: &[usize]) -> Vec<String> {
+        nodes.iter().map(|n| self.text(*n)).collect()
+    }
+
+    fn piece(&self, node: usize) -> (String, Precedence) {
+        match self.names.get(&Name::Node(node)) {
+            Some(name) => (name.clone(), Precedence::Atom),
+            None => self.computed(node),
+        }
+    }
+
+    fn guarded(&self, node: usize, needs: Precedence) -> String {
+        match self.piece(node) {
+            (text, has) if has < needs => format!("({text})"),
+            (text, _) => text,
+        }
+    }
+
+    fn computed(&self, node: usize) -> (String, Precedence) {
+        match self.body.nodes().get(node) {
+            None => (String::new(), Precedence::Atom),
+            Some(Node::Input(row)) => (self.signal(self.body.input(*row)), Precedence::Atom),
+            Some(Node::Number(bits)) => {
+                let x = f64::from_bits(*bits);
+                // A sign binds as loosely as a sum.
+                let binds = if is_negative(x) {
+                    Precedence::Sum
+                } else {
+                    Precedence::Atom
+                };
+                (self.literal(x), binds)
+            }
+            Some(Node::Product(a, b)) => (self.product(*a, *b), Precedence::Product),
+            Some(Node::Reciprocal(a)) => {
+                let below = self.guarded(*a, Precedence::Power);
+                (
+                    format!("{} / {below}", self.syntax.number(1.0)),
+                    Precedence::Product,
+                )
+            }
+            Some(Node::Root(a)) => (self.syntax.root(&self.text(*a)), Precedence::Atom),
+            Some(Node::Power(a, p)) => {
+                let p = self.literal(f64::from_bits(*p));
+                (self.syntax.power(&self.text(*a), &p), Precedence::Atom)
+            }
+            Some(Node::Call(f, args)) => (self.call(*f, args), Precedence::Atom),
+            Some(Node::Sum(start, parts)) => self.sum(f64::from_bits(*start), parts),
+        }
+    }
+
+    fn is_inline(&self, node: usize, is: impl Fn(&Node) -> bool) -> bool {
+        !self.names.contains_key(&Name::Node(node)) && self.body.nodes().get(node).is_some_and(is)
+    }
+
+    /// Products associate to the left. The order of two factors does not change rounding, so a product goes first.
+    fn product(&self, a: usize, b: usize) -> String {
+        let reciprocal = |n| self.is_inline(n, |n| matches!(n, Node::Reciprocal(_)));
+        let product = |n| self.is_inline(n, |n| matches!(n, Node::Product(..)));
+        let (a, b) = match () {
+            () if reciprocal(a) && !reciprocal(b) => (b, a),
+            () if product(b) && !product(a) && !reciprocal(b) => (b, a),
+            () => (a, b),
+        };
+        let left = self.guarded(a, Precedence::Product);
+        match self.body.nodes().get(b) {
+            Some(Node::Reciprocal(below)) if reciprocal(b) => {
+                format!("{left} / {}", self.guarded(*below, Precedence::Power))
+            }
+            _ => format!("{left} * {}", self.guarded(b, Precedence::Power)),
+        }
+    }
+
+    fn call(&self, f: Func, args: &[usize]) -> String {
+        let name = self.syntax.function(f);
+        let args = self.texts(args);
+        let Some((first, rest)) = args.split_first() else {
+            return format!("{name}()");
+        };
+        let Some((second, rest)) = rest.split_first() else {
+            return format!("{name}({first})");
+        };
+        let pair = format!("{name}({first}, {second})");
+        rest.iter()
+            .fold(pair, |before, arg| format!("{name}({before}, {arg})"))
+    }
+
+    fn sum(&self, start: f64, parts: &[(u64, usize)]) -> (String, Precedence) {
+        let mut out = String::new();
+        if start != 0.0 {
+            out = self.literal(start);
+        }
+        for (bits, node) in parts {
+            let weight = f64::from_bits(*bits);
+            out.push_str(match (out.is_empty(), is_negative(weight)) {
+                (true, true) => "-",
+                (true, false) => "",
+                (false, true) => " - ",
+                (false, false) => " + ",
+            });
+            out.push_str(&self.weighted(weight.abs(), *node));
+        }
+        match parts {
+            [(bits, _)] if start == 0.0 && !is_negative(f64::from_bits(*bits)) => {
+                (out, Precedence::Product)
+            }
+            _ => (out, Precedence::Sum),
+        }
+    }
+
+    /// Parentheses around a product keep the order of roundings.
+    fn weighted(&self, weight: f64, node: usize) -> String {
+        if weight == 1.0 {
+            return self.guarded(node, Precedence::Product);
+        }
+        format!(
+            "{} * {}",
+            self.syntax.number(weight),
+            self.guarded(node, Precedence::Power)
+        )
+    }
+
+    fn literal(&self, x: f64) -> String {
+        match is_negative(x) {
+            true => format!("-{}", self.syntax.number(-x)),
+            false => self.syntax.number(x),
+        }
+    }
+}
+
+/// Signs of NaN and zero are dropped.
+fn is_negative(x: f64) -> bool {
+    x < 0.0
+}

@@ -1,0 +1,201 @@
+//! Statements of a straight-line program, for every language with assignments.
+//!
+//! In: a discovery and the description of a language. Out: a source file: declarations, linear solves, Newton loops, results.
+//! What is computed, and when, was decided by [`super::program`]; expressions are written by [`super::infix`].
+
+use crate::Target;
+use crate::code::bracket_lists::{list, solver_call, wanted};
+use crate::code::identifiers::Identifiers;
+use crate::code::infix::{Infix, Syntax};
+use crate::code::program::{Function, Name, Newton, Program, Solve, Step};
+use sidc_lang::term::{Func, Node, Signal};
+use sidc_system::discovery::Discovery;
+
+/// How the statements of a language look.
+pub(crate) struct Dialect {
+    /// What `--to` takes.
+    pub target: &'static str,
+    /// One line for help texts.
+    pub about: &'static str,
+    /// The language as error messages call it.
+    pub language: &'static str,
+    pub indent: &'static str,
+    /// What stands before a name that is declared.
+    pub declares: &'static str,
+    /// What ends a statement.
+    pub end: &'static str,
+    /// Number of an array's first element, and the brackets around it.
+    pub index: (usize, &'static str, &'static str),
+    /// What ends a function.
+    pub close: &'static str,
+    /// True if a function must stand before its callers.
+    pub helpers_first: bool,
+    /// Words that no name may be.
+    pub reserved: &'static [&'static str],
+}
+
+/// A language: its dialect, and what no other language shares.
+pub(crate) trait Language: Syntax + Sized + Sync {
+    const DIALECT: Dialect;
+
+    /// A function of the table in this language; empty if it has none.
+    fn spelling(f: Func) -> &'static str;
+
+    /// What stands before all functions.
+    fn header(&self, d: &Discovery, program: &Program) -> String;
+
+    /// A function up to its first statement.
+    fn opening(&self, program: &Program, f: &Function) -> String;
+
+    /// A number that is assigned to a name by itself.
+    fn bare_number(&self, number: String) -> String {
+        number
+    }
+
+    /// The helper that solves so many linear equations and returns rows.
+    fn solver(&self, _equations: usize) -> &'static str {
+        ""
+    }
+
+    /// A linear solve. The default unpacks what [`Language::solver`] returns.
+    fn solve(&self, p: &Printer<Self>, s: &Solve) -> String {
+        let names: Vec<String> = s.signals.iter().map(|row| wanted(&p.infix, row)).collect();
+        p.declare(1, &list(&names), &p.solver_call(&s.mass, &s.right, 1))
+    }
+
+    fn newton(&self, p: &Printer<Self>, n: &Newton) -> String;
+
+    /// Returns a vector with these entries.
+    fn vector(&self, p: &Printer<Self>, entries: &[String]) -> String;
+
+    /// What stands before and behind the assignments to a matrix that is zero elsewhere.
+    fn matrix(&self, f: &Function) -> (String, String);
+
+    /// An entry of that matrix.
+    fn cell(&self, f: &Function, row: usize, column: usize) -> String;
+
+    /// The helpers that the code calls.
+    fn helpers(&self, program: &Program) -> String;
+}
+
+impl<L: Language> Target for L {
+    fn name(&self) -> &'static str {
+        L::DIALECT.target
+    }
+
+    fn about(&self) -> &'static str {
+        L::DIALECT.about
+    }
+
+    fn emit(&self, d: &Discovery) -> Result<String, String> {
+        let program = Program::new(d)?;
+        program.check_calls(L::DIALECT.language, L::spelling)?;
+        let reserved = L::DIALECT.reserved.iter().copied();
+        let names = Identifiers::new(program.names.iter().cloned(), reserved);
+        let functions = program.functions.iter();
+        let functions = functions.map(|f| function(self, &program, f, &names));
+        let mut parts = [functions.collect(), self.helpers(&program)];
+        if L::DIALECT.helpers_first {
+            parts.reverse();
+        }
+        Ok(self.header(d, &program) + &parts.concat())
+    }
+}
+
+fn function<L: Language>(
+    language: &L,
+    program: &Program,
+    f: &Function,
+    names: &Identifiers,
+) -> String {
+    let p = Printer {
+        language,
+        function: f,
+        infix: Infix::new(language, &f.body, names),
+    };
+    let mut out = language.opening(program, f);
+    for read in &f.body.reads {
+        let value = p.element(read.argument, read.place);
+        out.push_str(&p.declare(1, &p.infix.signal(read.signal), &value));
+    }
+    for step in &f.body.steps {
+        out.push_str(&match step {
+            Step::Let(name, node) => p.declare(1, &p.infix.name(*name), &p.value(*name, *node)),
+            Step::Solve(s) => language.solve(&p, s),
+            Step::Newton(n) => language.newton(&p, n),
+        });
+    }
+    if f.kind.is_matrix() {
+        let (before, after) = language.matrix(f);
+        out.push_str(&before);
+        for (i, j, node) in f.entries() {
+            out.push_str(&p.assign(1, &language.cell(f, i, j), &p.infix.text(node)));
+        }
+        out.push_str(&after);
+    } else {
+        out.push_str(&language.vector(&p, &p.infix.flat(&f.body.results)));
+    }
+    out + L::DIALECT.close
+}
+
+/// Writes the statements of one function. Depths count indentations.
+pub(crate) struct Printer<'a, L> {
+    language: &'a L,
+    pub function: &'a Function,
+    pub infix: Infix<'a, L>,
+}
+
+impl<L: Language> Printer<'_, L> {
+    pub fn assign(&self, depth: usize, place: &str, value: &str) -> String {
+        let indent = L::DIALECT.indent.repeat(depth);
+        format!("{indent}{place} = {value}{}\n", L::DIALECT.end)
+    }
+
+    pub fn declare(&self, depth: usize, name: &str, value: &str) -> String {
+        self.assign(depth, &format!("{}{name}", L::DIALECT.declares), value)
+    }
+
+    /// An element of an array, counted from 0.
+    pub fn element(&self, array: &str, place: usize) -> String {
+        let (first, open, close) = L::DIALECT.index;
+        format!("{array}{open}{}{close}", place + first)
+    }
+
+    /// Signals from the elements of an array; `None` is left out.
+    pub fn unpack(&self, depth: usize, array: &str, signals: &[Option<Signal>]) -> String {
+        let named = signals.iter().enumerate();
+        let named = named.filter_map(|(i, s)| Some((i, (*s)?)));
+        named
+            .map(|(i, s)| self.declare(depth, &self.infix.signal(s), &self.element(array, i)))
+            .collect()
+    }
+
+    /// The nodes that a Newton loop names.
+    pub fn inside(&self, n: &Newton) -> String {
+        let each = n.inside.iter().map(|node| {
+            let name = self.infix.name(Name::Node(*node));
+            self.declare(2, &name, &self.infix.value(*node))
+        });
+        each.collect()
+    }
+
+    /// A call of the helper that solves mass · x = right.
+    pub fn solver_call(&self, mass: &[Vec<usize>], right: &[Vec<usize>], depth: usize) -> String {
+        let indent = L::DIALECT.indent.repeat(depth);
+        let solver = self.language.solver(mass.len());
+        solver_call(solver, &self.infix, (mass, right), &indent)
+    }
+
+    fn value(&self, name: Name, node: usize) -> String {
+        let value = self.infix.assigned(name, node);
+        match (name, self.function.body.nodes().get(node)) {
+            (Name::Signal(_), Some(Node::Number(_))) => self.language.bare_number(value),
+            _ => value,
+        }
+    }
+}
+
+/// A line of comment for each line of text.
+pub(crate) fn commented(mark: &str, lines: impl Iterator<Item = String>) -> String {
+    lines.map(|line| format!("{mark}{line}\n")).collect()
+}

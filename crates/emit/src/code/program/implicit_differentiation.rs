@@ -1,0 +1,123 @@
+//! Partial derivatives of the rates by implicit differentiation.
+//!
+//! In: a form and signals s. Out: the linear systems M · ∂q/∂s = ∂right/∂s, block by block, and ∂(rates)/∂s in terms
+//! of their solutions (implicit function theorem). Exact; no differences.
+
+use crate::code::program::definitions::{Definition, Definitions, System, is_explicit, mass};
+use crate::code::program::strong_components::blocks;
+use sidc_lang::term::{Expr, Signal, VarId};
+use sidc_system::discovery::{Form, Rate};
+
+/// Derivatives of the rates (rows) by signals (columns), and the definitions they need: the unknowns, then their
+/// derivatives.
+pub(crate) fn by(form: &Form, signals: &[Signal]) -> (Definitions, Vec<Vec<Expr>>) {
+    let mut found = Slopes {
+        form,
+        signals,
+        of_unknown: vec![vec![Expr::zero(); signals.len()]; form.rows.len()],
+        motion: Definitions::new(form),
+    };
+    blocks(form).iter().for_each(|block| found.add(block));
+    let row = |rate: &Rate| match rate {
+        Rate::State(i) => signals
+            .iter()
+            .map(|s| same(form.state.get(*i), s))
+            .collect(),
+        Rate::Unknown(i) => found.of_unknown.get(*i).cloned().unwrap_or_default(),
+    };
+    let rows = form.rates.iter().map(row).collect();
+    (found.motion, rows)
+}
+
+fn same(a: Option<&Signal>, b: &Signal) -> Expr {
+    Expr::number(if a == Some(b) { 1.0 } else { 0.0 })
+}
+
+struct Slopes<'a> {
+    form: &'a Form,
+    signals: &'a [Signal],
+    /// ∂q/∂s: unknowns × signals.
+    of_unknown: Vec<Vec<Expr>>,
+    motion: Definitions,
+}
+
+impl Slopes<'_> {
+    fn add(&mut self, block: &[usize]) {
+        let right: Vec<Vec<Expr>> = block.iter().map(|i| self.right(*i, block)).collect();
+        if let ([i], [row]) = (block, right.as_slice())
+            && is_explicit(self.form, *i)
+        {
+            self.set(*i, row.clone());
+            return;
+        }
+        // A signal that no equation of the block mentions has derivative zero.
+        let alive: Vec<usize> = (0..self.signals.len())
+            .filter(|k| {
+                right
+                    .iter()
+                    .any(|row| row.get(*k).is_some_and(|e| *e != Expr::zero()))
+            })
+            .collect();
+        if alive.is_empty() {
+            return;
+        }
+        let names: Vec<Vec<Signal>> = block
+            .iter()
+            .map(|i| alive.iter().filter_map(|k| self.fresh(*i, *k)).collect())
+            .collect();
+        for (i, names) in block.iter().zip(&names) {
+            let mut row = vec![Expr::zero(); self.signals.len()];
+            for (k, name) in alive.iter().zip(names) {
+                row.iter_mut()
+                    .skip(*k)
+                    .take(1)
+                    .for_each(|e| *e = Expr::signal(*name));
+            }
+            self.set(*i, row);
+        }
+        let kept = |row: &Vec<Expr>| alive.iter().filter_map(|k| row.get(*k)).cloned().collect();
+        self.motion.definitions.push(Definition::Linear(System {
+            mass: mass(self.form, block),
+            right: right.iter().map(kept).collect(),
+            signals: names,
+        }));
+    }
+
+    /// ∂right/∂s of row `i`, with unknowns outside the block included by the chain rule.
+    fn right(&self, i: usize, block: &[usize]) -> Vec<Expr> {
+        let Some(row) = self.form.rows.get(i) else {
+            return Vec::new();
+        };
+        let slope = |(k, s): (usize, &Signal)| {
+            let others = row.mass.iter().zip(&self.of_unknown).enumerate();
+            let through =
+                others
+                    .filter(|(j, _)| !block.contains(j))
+                    .filter_map(|(_, (m, slopes))| {
+                        let slope = slopes.get(k).filter(|e| **e != Expr::zero())?;
+                        Some((m.clone() * slope.clone()).scale(-1.0))
+                    });
+            std::iter::once(row.right.derivative(*s))
+                .chain(through)
+                .sum()
+        };
+        self.signals.iter().enumerate().map(slope).collect()
+    }
+
+    fn set(&mut self, i: usize, row: Vec<Expr>) {
+        self.of_unknown
+            .iter_mut()
+            .skip(i)
+            .take(1)
+            .for_each(|r| r.clone_from(&row));
+    }
+
+    /// A new signal for ∂q_i/∂s_k. Its variable is beyond the last of any model, its shift is a counter.
+    fn fresh(&mut self, i: usize, k: usize) -> Option<Signal> {
+        let (of, by) = (self.form.unknowns.get(i)?, self.signals.get(k)?);
+        let count = self.motion.slopes.len() as i32;
+        let signal = Signal::shifted(VarId(u16::MAX), count + 1);
+        self.motion.slopes.push((signal, *of, *by));
+        Some(signal)
+    }
+}

@@ -1,0 +1,90 @@
+//! From definitions and results to the statements of one function.
+//!
+//! In: the arguments of the function, what defines the unknowns, the expressions wanted. Out: a [`Body`]: scheduled steps, the
+//! entries of arguments that are read, and what each named value would like to be called. Knows no language.
+
+use std::collections::BTreeSet;
+
+use crate::code::program::definitions::Definitions;
+use crate::code::program::schedule::schedule;
+use crate::code::program::statements::{Argument, Body, Name, Read, Step};
+use sidc_lang::term::{Expr, Node, Signal};
+
+/// What a function is made from.
+pub(crate) struct Scope<'a> {
+    pub arguments: &'a [Argument],
+    /// Every signal that an argument or an equation gives, with its name.
+    pub names: &'a [(Signal, String)],
+}
+
+impl Scope<'_> {
+    /// # Errors
+    /// A signal that the expressions mention and nobody gives.
+    pub fn lower(&self, motion: Definitions, results: Vec<Vec<Expr>>) -> Result<Body, Signal> {
+        let mut inputs = vec![Signal::TIME];
+        inputs.extend(self.names.iter().map(|(s, _)| *s));
+        inputs.extend(motion.slopes.iter().map(|(s, ..)| *s));
+        let mut body = schedule(motion.definitions, &results, inputs)?;
+        body.reads = self.reads(&body);
+        body.wishes = self.wishes(&body, &motion.slopes);
+        Ok(body)
+    }
+
+    fn reads(&self, body: &Body) -> Vec<Read> {
+        let mentioned: BTreeSet<Signal> = body
+            .nodes()
+            .iter()
+            .filter_map(|n| match n {
+                Node::Input(row) => Some(body.input(*row)),
+                _ => None,
+            })
+            .collect();
+        let entries = self.arguments.iter().flat_map(|a| {
+            a.signals.iter().enumerate().map(move |(place, s)| Read {
+                argument: a.name,
+                place,
+                signal: *s,
+            })
+        });
+        entries.filter(|r| mentioned.contains(&r.signal)).collect()
+    }
+
+    /// `sin_theta` for a function of one signal, `ddx_by_x` for a derivative, else a number.
+    fn wishes(&self, body: &Body, slopes: &[(Signal, Signal, Signal)]) -> Vec<(Name, String)> {
+        let name = |s: Signal| {
+            let found = self.names.iter().find(|(known, _)| *known == s);
+            found.map_or_else(|| "t".to_string(), |(_, n)| n.clone())
+        };
+        let slopes = slopes
+            .iter()
+            .map(|(s, of, by)| (Name::Signal(*s), format!("{}_by_{}", name(*of), name(*by))));
+        let mut wishes: Vec<(Name, String)> = slopes.collect();
+        let mut count = 0;
+        let mut named = BTreeSet::new();
+        for node in body.steps.iter().flat_map(Step::named) {
+            if !named.insert(node) {
+                continue;
+            }
+            let wish = word(body, node, &name).unwrap_or_else(|| {
+                count += 1;
+                format!("w{count}")
+            });
+            wishes.push((Name::Node(node), wish));
+        }
+        wishes
+    }
+}
+
+/// `sin_theta` for a function of one signal.
+fn word(body: &Body, node: usize, name: &impl Fn(Signal) -> String) -> Option<String> {
+    let Node::Call(f, args) = body.nodes().get(node)? else {
+        return None;
+    };
+    match (
+        args.as_slice(),
+        args.first().and_then(|a| body.nodes().get(*a)),
+    ) {
+        ([_], Some(Node::Input(row))) => Some(format!("{}_{}", f.name, name(body.input(*row)))),
+        _ => None,
+    }
+}

@@ -1,0 +1,268 @@
+//! A system as straight-line code, independent of a language.
+//!
+//! In: a [`Discovery`]. Out: the arguments in their order, and a [`Function`] for the rates, the outputs, and the
+//! Jacobians of the rates. Targets only write this down.
+
+mod definitions;
+mod implicit_differentiation;
+mod lowering;
+mod schedule;
+mod statements;
+mod strong_components;
+
+pub(crate) use statements::{Argument, Body, Name, Newton, Solve, Step};
+
+use definitions::Definitions;
+use lowering::Scope;
+
+use crate::code::identifiers::plain;
+use sidc_lang::term::{Expr, Func, Node, Signal, SignalNames};
+use sidc_system::discovery::{Discovery, Form, Rate};
+
+const NOT_GIVEN: &str =
+    "an equation mentions a signal that is neither state, input, parameter nor earlier sample";
+
+/// The functions of a system.
+pub(crate) struct Program {
+    /// The name of the system, as the user wrote it.
+    pub system: Option<String>,
+    pub discrete: bool,
+    pub form: Form,
+    /// State, inputs, parameters, history; those that are not empty, and always the state.
+    pub arguments: Vec<Argument>,
+    pub functions: Vec<Function>,
+    /// Every signal with the user's name.
+    pub names: Vec<(Signal, String)>,
+}
+
+/// One thing to compute.
+pub(crate) struct Function {
+    pub kind: Kind,
+    pub body: Body,
+    /// Rows and columns of the result; one column if it is a vector.
+    pub size: (usize, usize),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// ẋ, or the next x.
+    Rates,
+    /// Rates by state.
+    Jacobian,
+    /// Rates by inputs.
+    InputJacobian,
+    Outputs,
+}
+
+impl Kind {
+    /// The name of the function in code.
+    pub fn name(self, discrete: bool) -> &'static str {
+        match (self, discrete) {
+            (Kind::Rates, false) => "derivatives",
+            (Kind::Rates, true) => "next",
+            (Kind::Jacobian, _) => "jacobian",
+            (Kind::InputJacobian, _) => "jacobian_input",
+            (Kind::Outputs, _) => "outputs",
+        }
+    }
+
+    /// A sentence that describes the function.
+    pub fn about(self, discrete: bool) -> &'static str {
+        match (self, discrete) {
+            (Kind::Rates, false) => "The time derivative of the state.",
+            (Kind::Rates, true) => "The next state.",
+            (Kind::Jacobian, false) => {
+                "The partial derivatives of `derivatives` (rows) by the state (columns)."
+            }
+            (Kind::Jacobian, true) => {
+                "The partial derivatives of `next` (rows) by the state (columns)."
+            }
+            (Kind::InputJacobian, false) => {
+                "The partial derivatives of `derivatives` (rows) by the input (columns)."
+            }
+            (Kind::InputJacobian, true) => {
+                "The partial derivatives of `next` (rows) by the input (columns)."
+            }
+            (Kind::Outputs, _) => "The outputs.",
+        }
+    }
+
+    /// True if the result is a matrix.
+    pub fn is_matrix(self) -> bool {
+        matches!(self, Kind::Jacobian | Kind::InputJacobian)
+    }
+}
+
+impl Function {
+    /// Row, column and node of every nonzero entry of the result.
+    pub fn entries(&self) -> Vec<(usize, usize, usize)> {
+        let rows = self.body.results.iter().enumerate();
+        rows.flat_map(|(i, row)| row.iter().enumerate().map(move |(j, node)| (i, j, *node)))
+            .filter(|(.., node)| !self.body.is_zero(*node))
+            .collect()
+    }
+}
+
+impl Program {
+    /// # Errors
+    /// An equation mentions a signal that is no argument.
+    pub fn new(d: &Discovery) -> Result<Program, String> {
+        let form = Form::new(d);
+        let named = |s: &Signal| (*s, d.name(*s));
+        let groups = [
+            ("state", "the state", &form.state, true),
+            ("input", "the inputs", &form.inputs, false),
+            ("parameter", "the parameters", &form.params, false),
+            ("history", "earlier samples", &form.history, false),
+        ];
+        let arguments: Vec<Argument> = groups
+            .into_iter()
+            .filter(|(_, _, signals, always)| *always || !signals.is_empty())
+            .map(|(name, about, signals, _)| Argument {
+                name,
+                about,
+                signals: signals.clone(),
+                names: signals.iter().map(|s| d.name(*s)).collect(),
+            })
+            .collect();
+        let known = arguments.iter().flat_map(|a| &a.signals);
+        let names = known.chain(&form.unknowns).map(named).collect();
+        let mut program = Program {
+            system: d.system.clone(),
+            discrete: d.discrete,
+            arguments,
+            functions: Vec::new(),
+            names,
+            form,
+        };
+        program.functions = program.all_functions().map_err(|_| NOT_GIVEN.to_string())?;
+        Ok(program)
+    }
+
+    fn all_functions(&mut self) -> Result<Vec<Function>, Signal> {
+        let form = self.form.clone();
+        let mut all = Vec::new();
+        if !form.rows.is_empty() {
+            let rates = form.rates.iter().map(|r| vec![moves(&form, *r)]).collect();
+            all.push(self.function(Kind::Rates, Definitions::new(&form), rates)?);
+            let (motion, slopes) = implicit_differentiation::by(&form, &form.state);
+            all.push(self.function(Kind::Jacobian, motion, slopes)?);
+            if !form.inputs.is_empty() {
+                let (motion, slopes) = implicit_differentiation::by(&form, &form.inputs);
+                all.push(self.function(Kind::InputJacobian, motion, slopes)?);
+            }
+        }
+        if !form.outputs.is_empty() {
+            let values = form.outputs.iter().map(|(_, e)| vec![e.clone()]).collect();
+            all.push(self.function(Kind::Outputs, Definitions::new(&form), values)?);
+        }
+        Ok(all)
+    }
+
+    fn function(
+        &self,
+        kind: Kind,
+        motion: Definitions,
+        results: Vec<Vec<Expr>>,
+    ) -> Result<Function, Signal> {
+        let size = (results.len(), results.first().map_or(0, Vec::len));
+        let body = self.scope().lower(motion, results)?;
+        Ok(Function { kind, body, size })
+    }
+
+    /// The terms of the system with the unknowns given. Rows of results: for each equation its row of the mass matrix,
+    /// its force and its right side; then each output.
+    ///
+    /// # Errors
+    /// An equation mentions a signal that is no argument.
+    pub fn sides(&self) -> Result<Body, String> {
+        let row = |r: &sidc_system::discovery::Row| {
+            let mut all = r.mass.clone();
+            all.extend([r.force.clone(), r.right.clone()]);
+            all
+        };
+        let outputs = self.form.outputs.iter().map(|(_, e)| vec![e.clone()]);
+        let rows = self.form.rows.iter().map(row).chain(outputs).collect();
+        let body = self.scope().lower(Definitions::default(), rows);
+        body.map_err(|_| NOT_GIVEN.to_string())
+    }
+
+    fn scope(&self) -> Scope<'_> {
+        Scope {
+            arguments: &self.arguments,
+            names: &self.names,
+        }
+    }
+
+    /// A line for each argument, for comments.
+    pub fn legend(&self) -> impl Iterator<Item = String> {
+        let filled = self.arguments.iter().filter(|a| !a.signals.is_empty());
+        filled.map(|a| format!("{} is {}: {}", a.name, a.about, plain(&a.names.join(", "))))
+    }
+
+    /// Names of the outputs.
+    pub fn outputs(&self, d: &Discovery) -> Vec<String> {
+        self.form.outputs.iter().map(|(s, _)| d.name(*s)).collect()
+    }
+
+    /// The function of that kind, if there is one.
+    pub fn get(&self, kind: Kind) -> Option<&Function> {
+        self.functions.iter().find(|f| f.kind == kind)
+    }
+
+    /// True if some function contains such a node.
+    pub fn computes(&self, is: impl Fn(&Node) -> bool) -> bool {
+        self.functions
+            .iter()
+            .any(|f| f.body.nodes().iter().any(&is))
+    }
+
+    /// True if some function contains such a step.
+    pub fn makes(&self, is: impl Fn(&Step) -> bool) -> bool {
+        self.functions.iter().any(|f| f.body.steps.iter().any(&is))
+    }
+
+    /// True if some linear system of such a size is solved.
+    pub fn solves(&self, is: impl Fn(usize) -> bool) -> bool {
+        self.makes(|step| match step {
+            Step::Solve(s) => is(s.mass.len()),
+            Step::Newton(n) => is(n.mass.len()),
+            Step::Let(..) => false,
+        })
+    }
+
+    /// Every function of the table that is called, once and in order.
+    pub fn calls(&self) -> Vec<Func> {
+        let nodes = self.functions.iter().flat_map(|f| f.body.nodes());
+        let mut all: Vec<Func> = nodes
+            .filter_map(|n| match n {
+                Node::Call(f, _) => Some(*f),
+                _ => None,
+            })
+            .collect();
+        all.sort();
+        all.dedup();
+        all
+    }
+
+    /// # Errors
+    /// The language lacks a function of the table.
+    pub fn check_calls(
+        &self,
+        language: &str,
+        spelling: impl Fn(Func) -> &'static str,
+    ) -> Result<(), String> {
+        match self.calls().into_iter().find(|f| spelling(*f).is_empty()) {
+            Some(f) => Err(format!("{language} has no function for `{}`", f.name)),
+            None => Ok(()),
+        }
+    }
+}
+
+fn moves(form: &Form, rate: Rate) -> Expr {
+    let signal = match rate {
+        Rate::State(i) => form.state.get(i),
+        Rate::Unknown(i) => form.unknowns.get(i),
+    };
+    signal.map_or_else(Expr::zero, |s| Expr::signal(*s))
+}

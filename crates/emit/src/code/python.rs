@@ -1,0 +1,208 @@
+//! Python: a module of numpy functions of time, state and input, for SciPy's `solve_ivp`.
+//!
+//! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
+//! derivatives.
+
+use crate::code::bracket_lists::{LINE_WIDTH, wanted};
+use crate::code::chosen;
+use crate::code::identifiers::{plain, titled};
+use crate::code::infix::Syntax;
+use crate::code::printer::{Dialect, Language, Printer};
+use crate::code::program::{Function, Kind, Newton, Program, Step};
+use sidc_lang::term::Func;
+use sidc_system::discovery::Discovery;
+
+pub(crate) struct Python;
+
+impl Language for Python {
+    const DIALECT: Dialect = Dialect {
+        target: "python",
+        about: "a numpy module: functions for SciPy's solve_ivp, and their Jacobians",
+        language: "numpy",
+        indent: "    ",
+        declares: "",
+        end: "",
+        index: (0, "[", "]"),
+        close: "",
+        helpers_first: false,
+        reserved: RESERVED,
+    };
+
+    fn spelling(f: Func) -> &'static str {
+        f.spelling.numpy
+    }
+
+    fn header(&self, d: &Discovery, program: &Program) -> String {
+        let system = titled(program.system.as_deref());
+        let mut out =
+            format!("\"\"\"Written by sidc: the identified system{system} as code, for numpy.\n");
+        if let (Some(_), false) = (program.get(Kind::Rates), program.discrete) {
+            let others: Vec<&str> = program.arguments.iter().skip(1).map(|a| a.name).collect();
+            let args = match others.as_slice() {
+                [] => String::new(),
+                [one] => format!(", args=({one},)"),
+                many => format!(", args=({})", many.join(", ")),
+            };
+            out.push_str(&format!(
+                "\n    scipy.integrate.solve_ivp(derivatives, (t0, t1), state{args}, jac=jacobian)\n"
+            ));
+            if others.contains(&"input") {
+                out.push_str("\n`input` is the inputs, or a function of time that gives them.\n");
+            }
+        }
+        out.push_str("\"\"\"\nimport numpy as np\n\n");
+        for a in &program.arguments {
+            out.push_str(&tuple(a.name, &a.names));
+        }
+        let outputs = program.outputs(d);
+        if !outputs.is_empty() {
+            out.push_str(&tuple("output", &outputs));
+        }
+        out
+    }
+
+    fn opening(&self, program: &Program, f: &Function) -> String {
+        let arguments = program.arguments.iter().map(|a| format!(", {}", a.name));
+        let mut out = format!(
+            "\n\n@np.errstate(all=\"ignore\")\ndef {}(t{}):\n    \"\"\"{}\"\"\"\n",
+            f.kind.name(program.discrete),
+            arguments.collect::<String>(),
+            f.kind.about(program.discrete)
+        );
+        for a in &program.arguments {
+            if f.body.reads.iter().any(|r| r.argument == a.name) {
+                out.push_str(&format!("    {0} = _numbers({0}, t)\n", a.name));
+            }
+        }
+        if f.body.mentions_time() {
+            out.push_str("    t = np.float64(t)\n");
+        }
+        out
+    }
+
+    /// Division of Python's own numbers by zero raises an exception; numpy's gives an infinity.
+    fn bare_number(&self, number: String) -> String {
+        format!("np.float64({number})")
+    }
+
+    fn solver(&self, _: usize) -> &'static str {
+        "_solve"
+    }
+
+    fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
+        format!(
+            "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",
+            wanted(&p.infix, &n.moving),
+            p.inside(n),
+            p.solver_call(&n.mass, &n.right, 2),
+            wanted(&p.infix, &n.asked),
+            n.signals.len()
+        )
+    }
+
+    fn vector(&self, _: &Printer<Self>, entries: &[String]) -> String {
+        let line = entries.join(", ");
+        match line.len() < LINE_WIDTH {
+            true => format!("    return np.array([{line}])\n"),
+            false => format!(
+                "    return np.array([\n        {},\n    ])\n",
+                entries.join(",\n        ")
+            ),
+        }
+    }
+
+    fn matrix(&self, f: &Function) -> (String, String) {
+        let (rows, columns) = f.size;
+        (
+            format!("    slope = np.zeros(({rows}, {columns}))\n"),
+            "    return slope\n".into(),
+        )
+    }
+
+    fn cell(&self, _: &Function, row: usize, column: usize) -> String {
+        format!("slope[{row}, {column}]")
+    }
+
+    fn helpers(&self, program: &Program) -> String {
+        let newton = program.makes(|s| matches!(s, Step::Newton(_)));
+        let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
+        chosen(&[
+            (reads, NUMBERS),
+            (program.solves(|_| true), SOLVE),
+            (newton, NEWTON),
+        ])
+    }
+}
+
+impl Syntax for Python {
+    fn number(&self, x: f64) -> String {
+        match x {
+            f64::INFINITY => "np.inf".into(),
+            x if x.is_nan() => "np.nan".into(),
+            x => format!("{x:?}"),
+        }
+    }
+
+    fn function(&self, f: Func) -> String {
+        format!("np.{}", f.spelling.numpy)
+    }
+
+    fn root(&self, x: &str) -> String {
+        format!("np.power({x}, 0.5)")
+    }
+
+    fn power(&self, x: &str, p: &str) -> String {
+        format!("np.power({x}, {p})")
+    }
+}
+
+/// `STATE = ("x", "dx")`: the names in their order.
+fn tuple(name: &str, all: &[String]) -> String {
+    let all: String = all.iter().map(|n| format!("\"{}\", ", plain(n))).collect();
+    let all = match all.strip_suffix(", ") {
+        Some(several) if several.contains("\", \"") => several,
+        Some(_) => all.trim_end(),
+        None => "",
+    };
+    format!("{} = ({all})\n", name.to_uppercase())
+}
+
+const NUMBERS: &str = "
+
+def _numbers(values, t):
+    \"\"\"Numbers, or those that a function of time gives.\"\"\"
+    return np.asarray(values(t) if callable(values) else values, dtype=float).reshape(-1)
+";
+
+const SOLVE: &str = "
+
+def _solve(mass, right):
+    \"\"\"Solves a small linear system, column by column of the right side; NaN where it is singular.\"\"\"
+    try:
+        return np.linalg.solve(np.array(mass), np.array(right))
+    except np.linalg.LinAlgError:
+        return np.full(np.shape(right), np.nan)
+";
+
+const NEWTON: &str = "
+
+def _newton(step, size):
+    \"\"\"Repeats the solve from zero on until the unknowns stay; NaN if they never do.\"\"\"
+    unknown = np.zeros(size)
+    for _ in range(50):
+        after = step(unknown)[:, 0]
+        moved, unknown = np.max(np.abs(after - unknown)), after
+        if moved <= 1e-12 * np.max(np.abs(after)):
+            return unknown
+    return np.full(size, np.nan)
+";
+
+/// Keywords of Python, and names in the emitted code.
+#[rustfmt::skip]
+const RESERVED: &[&str] = &[
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
+    "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
+    "return", "try", "while", "with", "yield",
+    "np", "t", "state", "input", "parameter", "history", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
+    "outputs",
+];

@@ -1,0 +1,104 @@
+//! What follows from the equations and is printed after them: coupled equations as a matrix equation and solved,
+//! linear systems as A and B.
+//!
+//! In: a discovery. Out: expressions and matrices. Layout is left to text and LaTeX.
+
+use sidc_lang::term::{Expr, Signal, Term};
+use sidc_system::algebra;
+use sidc_system::algebra::{Fraction, LARGEST_TIE, LONGEST, Linear, Point, Unsolved};
+use sidc_system::discovery::{Discovery, Form};
+
+/// The largest system whose A is printed unasked.
+const MAX_PRINTED_STATES: usize = 12;
+
+/// What follows from the equations.
+pub(crate) struct Consequences {
+    pub ties: Vec<CoupledEquations>,
+    /// A, B of a linear system with two states or more.
+    pub linear: Option<Linear>,
+    /// The number of states of a linear system too large to be printed.
+    pub too_wide: Option<usize>,
+}
+
+/// Equations that are solved together: mass · unknowns = force.
+pub(crate) struct CoupledEquations {
+    pub unknowns: Vec<Signal>,
+    pub mass: Vec<Vec<Expr>>,
+    pub force: Vec<Expr>,
+    pub solved: Solved,
+}
+
+pub(crate) enum Solved {
+    Form(Vec<Fraction>),
+    /// Why it is not printed.
+    Not(String),
+    /// The state-space matrices already show it.
+    Matrices,
+}
+
+impl Consequences {
+    pub fn of(d: &Discovery) -> Consequences {
+        let form = Form::new(d);
+        let states = match algebra::affine(&form) {
+            true => Linear::without_matrices(&form).states.len(),
+            false => 0,
+        };
+        let linear = match (2..=MAX_PRINTED_STATES).contains(&states) {
+            true => algebra::linear(&form, &Point::default()).ok(),
+            false => None,
+        };
+        let ties = algebra::blocks(&form).into_iter();
+        let ties = ties.filter(|b| b.linear || b.rows.len() > 1).map(|block| {
+            let rows = || block.rows.iter().filter_map(|i| form.rows.get(*i));
+            let cells = |masses: &[Expr]| -> Vec<Expr> {
+                let cell = |j: &usize| masses.get(*j).cloned().unwrap_or_default();
+                block.rows.iter().map(cell).collect()
+            };
+            let unknowns = block.rows.iter().filter_map(|i| form.unknowns.get(*i));
+            CoupledEquations {
+                unknowns: unknowns.copied().collect(),
+                mass: match block.linear {
+                    true => rows().map(|r| cells(&r.mass)).collect(),
+                    false => Vec::new(),
+                },
+                force: rows().map(|r| r.force.clone()).collect(),
+                solved: match (&linear, algebra::solved(&form, &block)) {
+                    (Some(_), Ok(_)) => Solved::Matrices,
+                    (_, Ok(all)) => Solved::Form(all),
+                    (_, Err(why)) => Solved::Not(reason(why)),
+                },
+            }
+        });
+        Consequences {
+            ties: ties.collect(),
+            linear,
+            too_wide: Some(states).filter(|n| *n > MAX_PRINTED_STATES),
+        }
+    }
+}
+
+fn reason(why: Unsolved) -> String {
+    match why {
+        Unsolved::Nonlinear => {
+            "some unknown does not occur linearly, so there is no mass matrix either".into()
+        }
+        Unsolved::ManyUnknowns(n) => {
+            format!("{n} equations are tied, and more than {LARGEST_TIE} are not solved in symbols")
+        }
+        Unsolved::ManyTerms(Some(n)) => {
+            format!("it has {n} terms, and more than {LONGEST} are not printed")
+        }
+        Unsolved::ManyTerms(None) => "it has thousands of terms".into(),
+        Unsolved::Singular => {
+            "det M = 0: the equations are one relation written twice, and have no unique solution"
+                .into()
+        }
+    }
+}
+
+/// The terms in the order of the equations: lowest degree first.
+pub(crate) fn simplest_first(e: &Expr) -> Vec<(f64, &Term)> {
+    let mut terms: Vec<(f64, &Term)> = e.terms().collect();
+    terms.sort_by(|(_, a), (_, b)| a.degree().total_cmp(&b.degree()).then_with(|| a.cmp(b)));
+    terms
+}

@@ -1,0 +1,108 @@
+//! HTML: escaped text, and numbers with the typography of print.
+
+use crate::escape;
+use sidc_lang::number::significant;
+
+/// A number with so many significant digits, a true minus sign and raised exponents.
+pub(crate) fn number(x: f64, digits: usize) -> String {
+    if !x.is_finite() {
+        return match x.is_nan() {
+            true => "–".into(),
+            false if x > 0.0 => "∞".into(),
+            false => "−∞".into(),
+        };
+    }
+    let text = significant(x, digits);
+    let minus = |t: &str| t.replace('-', "−");
+    match text.split_once('e') {
+        Some((m, e)) => {
+            let raised: String = e.chars().map(superscript).collect();
+            match m {
+                "1" => format!("10{raised}"),
+                "-1" => format!("−10{raised}"),
+                m => format!("{}·10{raised}", minus(m)),
+            }
+        }
+        None => minus(&text),
+    }
+}
+
+/// A number with so many decimals; a large one with three significant digits.
+pub(crate) fn fixed(x: f64, decimals: usize) -> String {
+    match x.is_finite() && x.abs() < 1e4 {
+        true => format!("{x:.decimals$}").replace('-', "−"),
+        false => number(x, 3),
+    }
+}
+
+fn superscript(c: char) -> char {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    match c.to_digit(10).and_then(|d| DIGITS.get(d as usize)) {
+        Some(raised) => *raised,
+        None => '⁻',
+    }
+}
+
+/// `1 row`, `2,400 rows`
+pub(crate) fn counted(n: usize, one: &str) -> String {
+    let s = if n == 1 { "" } else { "s" };
+    format!("{} {one}{s}", grouped(n))
+}
+
+/// `2,400`
+pub(crate) fn grouped(n: usize) -> String {
+    let digits = n.to_string();
+    let mut out = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// `a, b and c`
+pub(crate) fn listed(all: &[String]) -> String {
+    match all {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// A paragraph of plain text.
+pub(crate) fn paragraph(text: &str) -> String {
+    format!("<p>{}</p>\n", escape(text))
+}
+
+/// The paragraph under a heading that says how to read the section.
+pub(crate) fn lead(text: &str) -> String {
+    format!("<p class=\"lead\">{}</p>\n", escape(text))
+}
+
+/// A section with its heading; empty if its body is.
+pub(crate) fn section(id: &str, title: &str, body: &str) -> String {
+    match body.is_empty() {
+        true => String::new(),
+        false => format!(
+            "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n{body}</section>\n",
+            escape(title)
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_typeset() {
+        assert_eq!(number(-1.5e-7, 3), "−1.5·10⁻⁷");
+        assert_eq!(number(1e12, 3), "10¹²");
+        assert_eq!(number(-0.25, 3), "−0.25");
+        assert_eq!(number(f64::NAN, 3), "–");
+        assert_eq!(counted(1_234_567, "row"), "1,234,567 rows");
+        assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
+    }
+}

@@ -1,0 +1,56 @@
+//! The equations, typeset, each with its proof and fit.
+
+use crate as emit;
+use crate::report::markup::{lead, section};
+use crate::report::sections::verdict::badge;
+use crate::report::subject::Subject;
+use crate::{MathMl, escape};
+use sidc_system::discovery::Equation;
+
+pub(crate) fn html(s: &Subject) -> String {
+    let d = s.discovery;
+    let notation = MathMl(d);
+    let mut body = String::new();
+    for e in &d.equations {
+        let pieces = notation.equation(e).join("");
+        body.push_str(&format!(
+            "<div class=\"equation\">\n<div class=\"formula\">{pieces}</div>\n{} {}\n</div>\n",
+            badge(e.status),
+            remarks(s, e)
+        ));
+    }
+    for f in &d.failed {
+        body.push_str(&format!(
+            "<div class=\"equation\">\n<div class=\"formula\">{}</div>\n<span class=\"badge fail\">not found</span>\n</div>\n",
+            notation.symbol(f.target)
+        ));
+    }
+    let follows = emit::consequences(d);
+    if !follows.trim().is_empty() {
+        body.push_str(&format!(
+            "<h3>What follows from them</h3>\n<pre tabindex=\"0\">{}</pre>\n",
+            escape(follows.trim_matches('\n'))
+        ));
+    }
+    section("equations", "Equations", &body)
+}
+
+/// Fit, proof and units as the terminal prints them; reasons and marks have sections of their own.
+fn remarks(s: &Subject, e: &Equation) -> String {
+    let mut lines = emit::remarks(s.discovery, e);
+    let elsewhere = ["doubt[", "data[", "95 %:", "firm:", "likely:", "doubtful:"];
+    lines.retain(|l| !elsewhere.iter().any(|head| l.starts_with(head)));
+    let lines: String = (lines.iter())
+        .map(|l| format!("<li>{}</li>", escape(l)))
+        .collect();
+    format!("<ul class=\"remarks\">{lines}</ul>")
+}
+
+/// The units of the coefficients, where units were declared.
+pub(crate) fn reading(s: &Subject) -> String {
+    let has_units = s.discovery.variables.iter().any(|v| v.unit.is_some());
+    match has_units {
+        true => lead("Units are those that follow from the units declared in the model."),
+        false => String::new(),
+    }
+}

@@ -1,0 +1,12 @@
+//! The sections of the report, a file each: a [`super::Subject`] as HTML.
+
+pub(crate) mod coefficients;
+pub(crate) mod collinearity;
+pub(crate) mod data_coverage;
+pub(crate) mod equations;
+pub(crate) mod error_by_terms;
+pub(crate) mod phase_portraits;
+pub(crate) mod reproduction;
+pub(crate) mod residual_autocorrelation;
+pub(crate) mod trajectories;
+pub(crate) mod verdict;

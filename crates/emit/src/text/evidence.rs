@@ -1,0 +1,243 @@
+//! Evidence in words: what was proved, what was measured, and every doubt.
+
+use sidc_lang::term::SignalNames;
+use sidc_system::discovery::{
+    ChannelFit, Discovery, Equation, Evidence, Proof, Rearranged, Reason, ReasonCode, Status,
+    Together,
+};
+
+use crate::text::{
+    self, coefficient_inference as trust, coefficient_units as units, identifiability,
+    solution_path as path, verification,
+};
+use sidc_lang::number::{percent, significant};
+
+/// The terminal's answer: each equation with proof, fit and doubts, then what was not found. `whole` prints all
+/// evidence.
+pub fn answer(d: &Discovery, whole: bool) -> String {
+    let mut out = String::new();
+    for (e, lines) in d.equations.iter().zip(text::equations(d)) {
+        out.push_str(&lines);
+        out.push_str(&units::lines(d, e));
+        for line in said(d, e, whole) {
+            out.push_str(&format!("    {line}\n"));
+        }
+        out.push_str(&path::table(d, e));
+    }
+    if whole {
+        let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
+        let judged = judged.filter_map(|e| e.identifiability.as_deref());
+        for line in identifiability::ranges(judged) {
+            out.push_str(&format!("{line}\n"));
+        }
+    }
+    out.extend(trust::rule(d, whole).map(|line| format!("{line}\n")));
+    for f in &d.failed {
+        out.push_str(&format!("{}: not found\n", d.name(f.target)));
+        out.push_str(&reasons("failed", &f.reasons));
+    }
+    out
+}
+
+/// Remarks on one equation, a sentence each: fit, proof, doubts, trust.
+pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
+    said(d, e, false)
+}
+
+fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
+    let Some(evidence) = &e.evidence else {
+        return vec!["known: stated by the model".into()];
+    };
+    let mut lines = match &evidence.together {
+        Some(together) => jointly(evidence, together),
+        None => vec![
+            format!("{}; {}", fit(evidence), scope(evidence)),
+            proof(evidence),
+        ],
+    };
+    lines.extend(verification::lines(evidence.verification.as_deref()));
+    // The doubt says the same with more figures.
+    if e.reasons.iter().all(|r| r.code != ReasonCode::SameRelation) {
+        lines.extend(evidence.relation.as_ref().and_then(independent));
+    }
+    if e.status == Status::Doubt {
+        lines.extend(
+            e.reasons
+                .iter()
+                .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
+        );
+    }
+    lines.extend(trust::lines(d, e, whole));
+    lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
+        true => identifiability::whole(i),
+        false => identifiability::brief(i, &e.reasons),
+    }));
+    lines
+}
+
+/// Which repeated law the equation replaced.
+fn independent(r: &Rearranged) -> Option<String> {
+    let other = r.other.as_ref().filter(|_| r.independent)?;
+    let terms: Vec<&str> = other.terms.iter().map(|(t, _)| t.as_str()).collect();
+    Some(format!(
+        "chosen to be independent of the equation of {}: {{{}}} leaves {} of the target, but says the same as that",
+        r.of.join(" and "),
+        terms.join(", "),
+        significant(other.residual, 2)
+    ))
+}
+
+/// Residuals of the trajectory, gain of the terms, and errors of the coefficients.
+fn jointly(evidence: &Evidence, t: &Together) -> Vec<String> {
+    let mut lines: Vec<String> = t.channels.iter().flat_map(channel).collect();
+    let terms = match evidence.searched < evidence.candidates {
+        true => format!("{} of {} terms", evidence.searched, evidence.candidates),
+        false => format!("{} terms", evidence.candidates),
+    };
+    let mut search = format!(
+        "{terms}; {} sets of terms of all equations fitted with the trajectory",
+        t.tried
+    );
+    if let Some((term, earned)) = &t.weakest {
+        search.push_str(&format!(
+            "; least missed: {term}, which earns {earned:.0} (a term costs {:.0})",
+            t.price
+        ));
+    }
+    lines.push(search);
+    let ties = evidence.ties.iter().zip(&t.ties);
+    lines.extend(ties.map(|(terms, more)| {
+        let terms = terms.join(", ");
+        format!("nearly as good: {{{terms}}}, criterion {more:+.1}")
+    }));
+    lines
+}
+
+fn channel(c: &ChannelFit) -> Vec<String> {
+    let white = if c.memory.abs() <= c.chance {
+        "white".into()
+    } else {
+        format!("autocorrelation {:.2}", c.memory)
+    };
+    let noise = match c.declared {
+        true => format!("declared noise {}", significant(c.noise, 2)),
+        false => format!("smoothing alone sees noise of {}", significant(c.noise, 2)),
+    };
+    let mut lines = vec![format!(
+        "fit: {} to {} ({} of its spread), residuals {white}; {noise}",
+        c.signal,
+        significant(c.left, 2),
+        percent(c.relative)
+    )];
+    if c.left_out > 0 {
+        lines.push(format!(
+            "robust: {} readings of {} had no weight",
+            c.left_out, c.signal
+        ));
+    }
+    if !c.files.is_empty() {
+        let files: Vec<String> = (c.files.iter())
+            .map(|(name, left)| format!("{} in {name}", significant(*left, 2)))
+            .collect();
+        lines.push(format!(
+            "noise of {} by file: {}",
+            c.signal,
+            files.join(", ")
+        ));
+    }
+    lines
+}
+
+fn reasons(kind: &str, all: &[Reason]) -> String {
+    all.iter()
+        .map(|r| format!("    {kind}[{}]: {}\n", r.code, r.text))
+        .collect()
+}
+
+fn fit(e: &Evidence) -> String {
+    let mut out = format!("fit: residual {} of the target", significant(e.residual, 2));
+    if e.target_error > 0.0 {
+        out.push_str(&format!(
+            " (its estimated error: {})",
+            significant(e.target_error, 2)
+        ));
+    }
+    if let Some(h) = &e.held_out {
+        out.push_str(&format!(
+            "; {} on {} rows held out",
+            significant(h.residual, 2),
+            h.rows
+        ));
+    }
+    out
+}
+
+fn scope(e: &Evidence) -> String {
+    let rows = match e.method.as_str() {
+        "" => "rows".into(),
+        method => format!("integrals ({method})"),
+    };
+    format!("{} terms tried on {} {rows}", e.candidates, e.rows)
+}
+
+/// A line on what the certificate proves, and what it does not.
+fn proof(e: &Evidence) -> String {
+    let p = &e.certificate;
+    let mut fits = if p.tolerance == 0.0 {
+        "fits these rows".to_string()
+    } else {
+        format!("fits within {} of the target", significant(p.tolerance, 2))
+    };
+    if p.constrained {
+        fits.push_str(" and obeys the constraints (tied equations taken together)");
+    }
+    if !p.optimal && p.max_correlation == 0.0 {
+        return format!(
+            "not proved: `{}` gives no dual bound; this is not a proof of the sparsest answer",
+            e.solver
+        );
+    }
+    if !p.optimal {
+        return format!(
+            "not proved: the dual bound leaves a gap of {} (max |φᵀλ| {:.6})",
+            significant(p.gap, 2),
+            p.max_correlation
+        );
+    }
+    let figures = figures(p);
+    match (p.of_answer, p.unique) {
+        (true, true) => format!(
+            "proved: of all that {fits}, this has the smallest 1-norm, and no other equals it ({figures})"
+        ),
+        (true, false) => format!(
+            "proved: of all that {fits}, none has a smaller 1-norm; that none equals it is not shown ({figures})"
+        ),
+        (false, _) => format!(
+            "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \
+             the terms (rank {} of {}) are the best of {} by the extended Bayesian criterion{}",
+            p.rank,
+            p.support,
+            e.searched,
+            match e.relation.as_ref().is_some_and(|r| r.independent) {
+                true => " that are independent",
+                false => "",
+            }
+        ),
+    }
+}
+
+fn figures(p: &Proof) -> String {
+    // A negative gap is rounding of the residual.
+    let mut out = format!("gap {}", significant(p.gap.abs(), 2));
+    if p.of_answer {
+        out.push_str(&format!(
+            ", |φᵀλ| ≤ {:.4} off the support, rank {} of {}",
+            1.0 - p.margin,
+            p.rank,
+            p.support
+        ));
+    } else {
+        out.push_str(&format!(", max |φᵀλ| {:.6}", p.max_correlation));
+    }
+    out
+}

@@ -1,0 +1,188 @@
+//! LaTeX: a document with one `align*` block; \dot, \ddot and Greek letters. It needs amsmath, nothing else.
+
+use crate::Target;
+use crate::code::identifiers::titled;
+use crate::typeset::latex_matrices;
+use crate::typeset::symbols::{GREEK, greek, stem_and_index};
+use sidc_lang::number::significant;
+use sidc_lang::term::{Func, Notation, Precedence, Signal, SignalNames, write_term};
+use sidc_system::discovery::{Discovery, Equation};
+
+pub(crate) struct Latex;
+
+impl Target for Latex {
+    fn name(&self) -> &'static str {
+        "latex"
+    }
+
+    fn about(&self) -> &'static str {
+        "a document with the equations in an align* block"
+    }
+
+    fn emit(&self, d: &Discovery) -> Result<String, String> {
+        let notation = Math(d);
+        let lines: Vec<String> = d
+            .equations
+            .iter()
+            .map(|e| {
+                format!(
+                    "  {} &= {}",
+                    notation.signal(e.target),
+                    right_side(&notation, e)
+                )
+            })
+            .collect();
+        let system = titled(d.system.as_deref());
+        let equations = match lines.is_empty() {
+            true => String::new(),
+            false => format!(
+                "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
+                lines.join(" \\\\\n")
+            ),
+        };
+        Ok(format!(
+            "% Written by sidc: the identified system{system}.\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n\
+             {equations}{}\\end{{document}}\n",
+            latex_matrices::matrices(d, &notation)
+        ))
+    }
+}
+
+fn right_side(notation: &Math, e: &Equation) -> String {
+    if e.terms.is_empty() {
+        return "0".into();
+    }
+    let mut out = String::new();
+    for (i, t) in e.terms.iter().enumerate() {
+        match (i, t.coefficient < 0.0) {
+            (0, false) => {}
+            (0, true) => out.push('-'),
+            (_, false) => out.push_str(" + "),
+            (_, true) => out.push_str(" - "),
+        }
+        let size = notation.number(t.coefficient.abs());
+        let (term, binds) = write_term(notation, &t.term);
+        match (t.term.is_one(), binds < Precedence::Product) {
+            (true, _) => out.push_str(&size),
+            (false, _) if t.coefficient.abs() == 1.0 && binds >= Precedence::Product => {
+                out.push_str(&term);
+            }
+            (false, true) => out.push_str(&format!("{size} {}", notation.parenthesise(&term))),
+            (false, false) => out.push_str(&format!("{size} {term}")),
+        }
+    }
+    out
+}
+
+struct Math<'a>(&'a Discovery);
+
+impl Notation for Math<'_> {
+    fn signal(&self, s: Signal) -> String {
+        let base = name(self.0.variable(s.var));
+        match (s.der, s.shift) {
+            (0, 0) if self.0.discrete && s != Signal::TIME => format!("{base}[k]"),
+            (0, 0) => base,
+            (0, k) if k > 0 => format!("{base}[k+{k}]"),
+            (0, k) => format!("{base}[k-{}]", -k),
+            (1, _) => format!(r"\dot{{{base}}}"),
+            (2, _) => format!(r"\ddot{{{base}}}"),
+            (3, _) => format!(r"\dddot{{{base}}}"),
+            (n, _) => format!("{{{base}}}^{{({n})}}"),
+        }
+    }
+
+    fn number(&self, x: f64) -> String {
+        let text = significant(x, 6);
+        match text.split_once('e') {
+            Some((m, e)) => format!(r"{m} \cdot 10^{{{e}}}"),
+            None => text,
+        }
+    }
+
+    fn call(&self, f: Func, args: &[String]) -> String {
+        match (f.name, args) {
+            ("sqrt", [x]) => format!(r"\sqrt{{{x}}}"),
+            ("abs", [x]) => format!(r"\left|{x}\right|"),
+            _ => format!(r"{}\left({}\right)", f.latex, args.join(", ")),
+        }
+    }
+
+    fn power(&self, base: &str, p: f64) -> (String, Precedence) {
+        (
+            format!("{{{base}}}^{{{}}}", significant(p, 6)),
+            Precedence::Power,
+        )
+    }
+
+    fn product(&self, factors: &[String]) -> String {
+        factors.join(r" \, ")
+    }
+
+    fn quotient(&self, above: &str, below: &[String]) -> String {
+        format!(r"\frac{{{above}}}{{{}}}", self.product(below))
+    }
+
+    fn parenthesise(&self, inner: &str) -> String {
+        format!(r"\left({inner}\right)")
+    }
+}
+
+/// A variable in math mode: Greek by name or letter; trailing digits, or the part after `_`, as a subscript.
+fn name(raw: &str) -> String {
+    let (stem, index) = stem_and_index(raw);
+    if index.is_empty() {
+        word(stem)
+    } else {
+        format!("{}_{{{}}}", word(stem), word(index))
+    }
+}
+
+fn word(text: &str) -> String {
+    let mut chars = text.chars();
+    match (chars.next(), chars.next()) {
+        (Some(c), None) => symbol(c),
+        _ if greek(text).is_some() => format!(r"\{text}"),
+        _ if text.chars().all(|c| c.is_ascii_digit()) => text.to_string(),
+        _ => format!(
+            r"\mathrm{{{}}}",
+            text.chars().map(symbol_in_word).collect::<String>()
+        ),
+    }
+}
+
+fn symbol(c: char) -> String {
+    match GREEK.iter().find(|(_, g)| *g == c) {
+        Some((n, _)) => format!(r"\{n}"),
+        None => symbol_in_word(c),
+    }
+}
+
+/// Names hold letters, digits and `_`; only characters that TeX takes literally are passed through.
+fn symbol_in_word(c: char) -> String {
+    match c {
+        '_' => r"\_".into(),
+        c if c.is_ascii_alphanumeric() => c.to_string(),
+        c => match GREEK.iter().find(|(_, g)| *g == c) {
+            Some((n, _)) => format!(r"\{n} "),
+            None => format!(
+                r"\text{{{}}}",
+                c.escape_unicode().to_string().replace(['\\', '{', '}'], "")
+            ),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::name;
+
+    #[test]
+    fn names_become_symbols() {
+        assert_eq!(name("theta"), r"\theta");
+        assert_eq!(name("θ"), r"\theta");
+        assert_eq!(name("x12"), "x_{12}");
+        assert_eq!(name("omega_m"), r"\omega_{m}");
+        assert_eq!(name("hare"), r"\mathrm{hare}");
+        assert_eq!(name("_a_b"), r"\mathrm{\_a\_b}");
+    }
+}

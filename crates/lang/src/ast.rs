@@ -1,0 +1,248 @@
+//! The abstract syntax tree: what was written, statement by statement, before any name is looked up.
+//!
+//! Made by [`mod@super::parse`], read by [`super::check`]. Chains of one precedence are flat (`a + b - c` is one
+//! [`ExprKind::Sum`]), so depth is bounded by the nesting of brackets, never by the length of a line.
+
+use crate::source::{FileId, Span};
+
+/// One `.sid` file.
+#[derive(Clone, Debug)]
+pub struct File {
+    pub id: FileId,
+    /// The text itself, so that a message can quote it.
+    pub text: String,
+    pub statements: Vec<Statement>,
+    /// Statements that could not be understood; their errors are reported already.
+    pub broken: Vec<Broken>,
+}
+
+/// What a broken statement would have declared. Uses of these names are not reported as unknown: the cause is reported already.
+#[derive(Clone, Debug)]
+pub struct Broken {
+    pub keyword: Option<Keyword>,
+    pub names: Vec<String>,
+    pub span: Span,
+}
+
+/// A word that opens a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keyword {
+    Sidc,
+    System,
+    State,
+    Input,
+    Output,
+    Param,
+    Let,
+    Data,
+    Constrain,
+    Symmetry,
+    Limit,
+}
+
+#[derive(Clone, Debug)]
+pub struct Statement {
+    pub span: Span,
+    pub kind: StatementKind,
+}
+
+#[derive(Clone, Debug)]
+pub enum StatementKind {
+    /// `sidc 1`
+    Version(f64),
+    /// `system NAME`
+    System(Ident),
+    /// `state NAMES : attributes`, and the same for inputs, outputs and parameters.
+    Declare {
+        keyword: Keyword,
+        names: Vec<Expr>,
+        attributes: Vec<Attribute>,
+    },
+    /// `let NAME = EXPR`
+    Let { name: Ident, body: Expr },
+    /// `TARGETS ~ EXPR`, or `TARGET = EXPR` if `known`.
+    Equation {
+        targets: Vec<Expr>,
+        known: bool,
+        right: Expr,
+    },
+    /// `constrain EXPR > EXPR`, or a chain `EXPR < EXPR < EXPR`.
+    Constrain {
+        first: Expr,
+        rest: Vec<(&'static str, Expr)>,
+    },
+    /// `symmetry NAMES -> IMAGE`
+    Symmetry { names: Vec<Expr>, image: Image },
+    /// `limit degree 4`
+    Limit(Vec<Attribute>),
+    /// `data { ... }`
+    Data(Vec<Entry>),
+}
+
+/// One line of a data block.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub span: Span,
+    pub kind: EntryKind,
+}
+
+#[derive(Clone, Debug)]
+pub enum EntryKind {
+    /// `NAME = EXPR`; the checker gives `run` and `none` their meaning.
+    Source { name: Ident, value: Expr },
+    /// `step 0.01`
+    Step(Expr),
+}
+
+/// The right side of a symmetry.
+#[derive(Clone, Debug)]
+pub struct Image {
+    pub span: Span,
+    /// True for `-(NAMES)`.
+    pub flipped: bool,
+    pub items: Vec<Expr>,
+}
+
+/// A name as written (primes included), normalised to NFC.
+#[derive(Clone, Debug)]
+pub struct Ident {
+    pub text: String,
+    pub span: Span,
+}
+
+/// `key` or `key value`.
+#[derive(Clone, Debug)]
+pub struct Attribute {
+    pub key: Ident,
+    pub value: Option<Expr>,
+}
+
+#[derive(Clone, Debug)]
+pub struct Expr {
+    pub span: Span,
+    pub kind: ExprKind,
+}
+
+#[derive(Clone, Debug)]
+pub enum ExprKind {
+    Number(f64),
+    /// A quoted header or unit, without its quotes.
+    Text(String),
+    Name(String),
+    Negate(Box<Expr>),
+    /// `a + b - c`; the sign of the first is plus.
+    Sum(Vec<(Sign, Expr)>),
+    /// `a * b / c`; the first is multiplied.
+    Product(Vec<(Side, Expr)>),
+    Power(Box<Expr>, Box<Expr>),
+    /// Parentheses.
+    Group(Box<Expr>),
+    /// `<a, b, c>`
+    List(Vec<Expr>),
+    /// `a..b`
+    Range(Box<Expr>, Box<Expr>),
+    Call(Call),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    Plus,
+    Minus,
+}
+
+/// Whether a factor multiplies or divides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Above,
+    Below,
+}
+
+/// `name(args; numbers)`, or `name arg` if juxtaposed.
+#[derive(Clone, Debug)]
+pub struct Call {
+    pub name: Ident,
+    /// The 2 of `sin^2 theta`.
+    pub power: Option<(f64, Span)>,
+    pub args: Vec<Expr>,
+    /// What stood after the `;`, if there was one.
+    pub numbers: Option<Vec<Expr>>,
+    pub juxtaposed: bool,
+}
+
+impl Expr {
+    pub fn new(span: Span, kind: ExprKind) -> Self {
+        Expr { span, kind }
+    }
+
+    /// The expression inside any parentheses around it.
+    pub fn ungrouped(&self) -> &Expr {
+        let mut e = self;
+        while let ExprKind::Group(inner) = &e.kind {
+            e = inner;
+        }
+        e
+    }
+
+    /// The first call that satisfies the condition, depth first, a call before its arguments.
+    pub fn find_call(&self, sought: &impl Fn(&Call) -> bool) -> Option<&Expr> {
+        match &self.kind {
+            ExprKind::Call(call) if sought(call) => Some(self),
+            _ => self
+                .children()
+                .into_iter()
+                .find_map(|x| x.find_call(sought)),
+        }
+    }
+
+    /// The operands, items or arguments, in order; the numbers of a generator are not among them.
+    pub fn children(&self) -> Vec<&Expr> {
+        match &self.kind {
+            ExprKind::Number(_) | ExprKind::Text(_) | ExprKind::Name(_) => Vec::new(),
+            ExprKind::Negate(x) | ExprKind::Group(x) => vec![x],
+            ExprKind::Power(x, y) | ExprKind::Range(x, y) => vec![x, y],
+            ExprKind::Sum(parts) => parts.iter().map(|(_, x)| x).collect(),
+            ExprKind::Product(parts) => parts.iter().map(|(_, x)| x).collect(),
+            ExprKind::List(items) => items.iter().collect(),
+            ExprKind::Call(call) => call.args.iter().collect(),
+        }
+    }
+
+    /// The text of a bare name.
+    pub fn as_name(&self) -> Option<&str> {
+        match &self.kind {
+            ExprKind::Name(text) => Some(text),
+            _ => None,
+        }
+    }
+}
+
+/// Every keyword with its spelling.
+pub const KEYWORDS: &[(&str, Keyword)] = &[
+    ("sidc", Keyword::Sidc),
+    ("system", Keyword::System),
+    ("state", Keyword::State),
+    ("input", Keyword::Input),
+    ("output", Keyword::Output),
+    ("param", Keyword::Param),
+    ("let", Keyword::Let),
+    ("data", Keyword::Data),
+    ("constrain", Keyword::Constrain),
+    ("symmetry", Keyword::Symmetry),
+    ("limit", Keyword::Limit),
+];
+
+/// Every word that opens an attribute of a declaration.
+pub const ATTRIBUTES: [&str; 5] = ["order", "noise", "unit", "hold", "linear"];
+
+impl Keyword {
+    pub fn named(text: &str) -> Option<Keyword> {
+        KEYWORDS.iter().find(|(t, _)| *t == text).map(|(_, k)| *k)
+    }
+
+    pub fn text(self) -> &'static str {
+        KEYWORDS
+            .iter()
+            .find(|(_, k)| *k == self)
+            .map_or("", |(t, _)| t)
+    }
+}

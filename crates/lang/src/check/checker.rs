@@ -1,0 +1,49 @@
+//! The state of one check: the file, the names found so far, and what was found wrong.
+//!
+//! In: findings. Out: nothing. The passes over statements and expressions are methods, each in the file of its subject.
+
+use std::collections::BTreeSet;
+
+use crate::ast::{File, Statement};
+use crate::check::scope::Scope;
+use crate::check::vocabulary::Vocabulary;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+
+pub struct Checker<'a> {
+    pub file: &'a File,
+    pub vocabulary: &'a Vocabulary,
+    pub scope: Scope,
+    pub found: Vec<Diagnostic>,
+    /// Names and limits that were reported, so that each is reported once.
+    pub reported: BTreeSet<String>,
+    /// Nodes so far with every `let` written out.
+    pub written: usize,
+}
+
+impl<'a> Checker<'a> {
+    pub fn say(&mut self, d: Diagnostic) {
+        self.found.push(d);
+    }
+
+    /// Reports an error, and is the `None` of the caller.
+    pub fn fail<T>(&mut self, d: Diagnostic) -> Option<T> {
+        self.found.push(d);
+        None
+    }
+
+    /// The user's text at a place.
+    pub fn text(&self, span: Span) -> &'a str {
+        self.file.text.get(span.start..span.end).unwrap_or("")
+    }
+
+    pub fn statements(&self) -> impl Iterator<Item = &'a Statement> + use<'a> {
+        self.file.statements.iter()
+    }
+}
+
+/// All values, or `None` if one is missing. Goes through all of them, so that the errors of each are reported.
+pub fn every<T>(values: impl Iterator<Item = Option<T>>) -> Option<Vec<T>> {
+    let values: Vec<Option<T>> = values.collect();
+    values.into_iter().collect()
+}

@@ -1,0 +1,52 @@
+//! Errors of entries in the data block.
+//!
+//! Constructors only: places and values in, diagnostics out.
+
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+
+pub fn step(at: Span, value: f64) -> Diagnostic {
+    Diagnostic::error(
+        "data-entry",
+        format!("a step of {value} is no sampling interval"),
+    )
+    .at(at, "a number of seconds above 0")
+    .help("write `step 0.01`")
+}
+
+pub fn run(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "data-entry",
+        "`run` names the column that splits a file into trajectories",
+    )
+    .at(at, "not one quoted header")
+    .help("write `run = \"exp_id\"`")
+}
+
+pub fn data_for_let(at: Span, name: &str, definition: Span) -> Diagnostic {
+    Diagnostic::error(
+        "data-entry",
+        format!("`{name}` is defined by `let` and takes no data"),
+    )
+    .at(at, "no signal")
+    .also(definition, "defined here")
+    .help(format!("declare it: `param {name}`"))
+}
+
+pub fn library_in_data(at: Span) -> Diagnostic {
+    Diagnostic::error("data-entry", "a data entry is arithmetic on columns")
+        .at(at, "a library or a range")
+        .help("write `x = \"Column\" * 1e-3`")
+}
+
+pub fn unquoted_column(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error("unquoted-column", format!("`{text}` is no number"))
+        .at(at, "columns stand in quotes")
+        .help(format!("write `\"{text}\"` for the column of that name"))
+}
+
+pub fn period(at: Span, value: f64) -> Diagnostic {
+    Diagnostic::error("data-entry", format!("a period of {value} does not exist"))
+        .at(at, "a number above 0")
+        .help("write `unwrap(\"Angle\", 2*pi)`, or 360 for degrees")
+}

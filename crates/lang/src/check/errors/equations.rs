@@ -1,0 +1,232 @@
+//! Errors of equations and constraints, and notes on models without errors.
+//!
+//! Constructors only, but for the notes, which are chosen here.
+
+use crate::check::scope::Scope;
+use crate::diagnostic::Diagnostic;
+use crate::model::{Model, Var, VarKind};
+use crate::source::{FileId, Span};
+use crate::term::VarId;
+use crate::thresholds::MESSAGES;
+
+pub fn not_a_target(at: Span, example: &str) -> Diagnostic {
+    Diagnostic::error("target", "an equation is about one signal")
+        .at(at, "not a derivative, a next sample or an output")
+        .help(format!(
+            "write `{example} ~ …`, with everything else on the right"
+        ))
+}
+
+pub fn next_of_other(at: Span, var: &Var) -> Diagnostic {
+    Diagnostic::error("target", format!("`{}` is not a state", var.name))
+        .at(at, "only a state has a next sample")
+        .also_if_known(var.span, "declared here")
+        .help("an output has an equation of its own: `y ~ …`")
+}
+
+pub fn let_as_target(at: Span, name: &str, definition: Option<Span>) -> Diagnostic {
+    Diagnostic::error("target", format!("`{name}` is defined by `let`"))
+        .at(at, "cannot have an equation")
+        .also_if_known(definition, "defined here")
+        .help(format!("declare it instead: `output {name}`"))
+}
+
+/// `x ~ …` for a state, an input or time.
+pub fn wrong_target(at: Span, name: &str, var: &Var, discrete: bool) -> Diagnostic {
+    let what = match var.kind {
+        VarKind::Time => "time",
+        VarKind::State => "a state",
+        VarKind::Input => "an input",
+        VarKind::Output => "an output",
+        VarKind::Param => "a parameter",
+    };
+    let d = Diagnostic::error(
+        "target",
+        format!("`{name}` is {what}, and cannot have an equation"),
+    )
+    .at(
+        at,
+        "an equation is about a derivative, a next sample or an output",
+    )
+    .also_if_known(var.span, "declared here");
+    match var.kind {
+        VarKind::State if discrete => d.help(format!("write `next {} ~ …`", var.name)),
+        VarKind::State => d.help(format!(
+            "write `{}{} ~ …`",
+            "d".repeat(usize::from(var.order)),
+            var.name
+        )),
+        VarKind::Input => d.help(format!(
+            "what is to be explained is declared as `output {}`",
+            var.name
+        )),
+        _ => d.help("declare a state or an output for it"),
+    }
+}
+
+pub fn second_equation(at: Span, first: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("second-equation", format!("a second equation for `{name}`"))
+        .at(at, "again here")
+        .also(first, "first here")
+        .help("join the libraries with `+`, or put the candidates in two model files")
+}
+
+pub fn known_with_target(at: Span, target: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("known-part", format!("the known part contains its own target `{name}`"))
+        .at(at, "known, and sought")
+        .also(target, "the target")
+        .help(format!("bring `{name}` to the left by hand, or write a library with a product of it: `{name} * <x>`"))
+}
+
+/// `dx = poly(x; 2)`
+pub fn known_library(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "library-in-expression",
+        "`=` states a known expression, and this is a library",
+    )
+    .at(at, "candidates, not an expression")
+    .help("to search the library write `~` instead of `=`")
+}
+
+pub fn known_subtracted(at: Span) -> Diagnostic {
+    Diagnostic::error("known-part", "`known(…)` is added as it stands")
+        .at(at, "no `-`, power or `;` here")
+        .help("put the sign inside: `known(-(…))`")
+}
+
+pub fn minus_from_nothing(at: Span) -> Diagnostic {
+    Diagnostic::error("difference-removes-nothing", "this `-` has no library before it")
+        .at(at, "taken from nothing")
+        .help("a known part is no library: put its sign inside, `known(-x)`, and remove terms from a library")
+}
+
+pub fn constraint_without_coefficient(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "constraint",
+        "a constraint is about at least one coefficient",
+    )
+    .at(at, "no `coef(…)`, or they cancel")
+    .help("write `constrain coef(dx, x) < 0`")
+}
+
+pub fn constraint_not_linear(at: Span) -> Diagnostic {
+    Diagnostic::error("constraint", "a constraint is linear in the coefficients")
+        .at(at, "not a sum of coefficients times numbers")
+        .help("multiply out: `coef(dx, x) = 2*coef(dy, y)`")
+}
+
+pub fn coefficient_of_no_equation(at: Span, example: &str) -> Diagnostic {
+    Diagnostic::error("constraint", "there is no equation for this")
+        .at(at, "no target of an equation")
+        .help(format!(
+            "the first argument is a target such as `{example}`"
+        ))
+}
+
+pub fn coefficient_of_known(at: Span, equation: Span) -> Diagnostic {
+    Diagnostic::error(
+        "constraint",
+        "this equation is known and has no coefficients to find",
+    )
+    .at(at, "stated, not asked")
+    .also(equation, "with `=`")
+    .help("constrain an equation written with `~`")
+}
+
+pub fn coefficient_of_multiple(at: Span, weight: f64) -> Diagnostic {
+    Diagnostic::error(
+        "constraint",
+        format!("the term carries the number {weight}"),
+    )
+    .at(at, "terms have no numeric factor")
+    .help("leave the number out here and multiply the coefficient: `2*coef(dx, x)`")
+}
+
+/// A model without an equation, with one that would fit it.
+pub fn no_equation(at: Option<Span>, model: &Model, file: FileId) -> Diagnostic {
+    let states: Vec<&Var> = model.vars_of(VarKind::State).map(|(_, v)| v).collect();
+    let inputs = model.vars_of(VarKind::Input).map(|(_, v)| v.name.clone());
+    let example = match states.first() {
+        None => "state x`, then `dx ~ poly(x; 3)".to_string(),
+        Some(first) => {
+            let names: Vec<String> = states
+                .iter()
+                .flat_map(|v| (0..usize::from(v.order.max(1))).map(|k| "d".repeat(k) + &v.name))
+                .chain(inputs)
+                .take(MESSAGES.example_names)
+                .collect();
+            let target = "d".repeat(usize::from(first.order.max(1))) + &first.name;
+            format!("{target} ~ poly({}; 2)", names.join(", "))
+        }
+    };
+    Diagnostic::error("no-equation", "the model has no equation")
+        .at(
+            at.unwrap_or(Span::new(file, 0, 0)),
+            "nothing is asked up to here",
+        )
+        .help(format!("add a line such as `{example}`"))
+}
+
+/// Notes on states without an equation and on names that nothing uses: legal, but perhaps not meant.
+pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    let driven: Vec<&Var> = model
+        .vars_of(VarKind::State)
+        .filter(|(id, _)| !model.has_equation(*id))
+        .map(|(_, var)| var)
+        .collect();
+    out.extend(driven_states(&driven));
+    for (i, var) in model.vars.iter().enumerate() {
+        let id = VarId(i as u16);
+        let target = model.has_equation(id);
+        let idle =
+            matches!(var.kind, VarKind::Input | VarKind::Param) && !scope.used_vars.contains(&id);
+        let asked_nothing = var.kind == VarKind::Output && !target;
+        if let (Some(span), true) = (var.span, idle || asked_nothing) {
+            out.push(unused(span, &var.name, asked_nothing));
+        }
+    }
+    for (name, l) in &scope.lets {
+        if !scope.used_lets.contains(name) {
+            out.push(unused(l.span, name, false));
+        }
+    }
+    out
+}
+
+/// One note for all states without an equation; the model of a part of a large system has many.
+fn driven_states(states: &[&Var]) -> Option<Diagnostic> {
+    let shown = MESSAGES.listed_names;
+    let at = states.first()?.span?;
+    let names: Vec<String> = states
+        .iter()
+        .take(shown)
+        .map(|v| format!("`{}`", v.name))
+        .collect();
+    let (subject, label) = match states.len() {
+        1 => (
+            format!("the state {} has", names.join(", ")),
+            "driven by its measurement in simulation",
+        ),
+        n if n <= shown => (
+            format!("the states {} have", names.join(", ")),
+            "driven by their measurements in simulation",
+        ),
+        n => (
+            format!("{n} states, {}, …, have", names.join(", ")),
+            "driven by their measurements in simulation",
+        ),
+    };
+    Some(Diagnostic::note("driven-state", format!("{subject} no equation")).at(at, label))
+}
+
+fn unused(at: Span, name: &str, output: bool) -> Diagnostic {
+    if output {
+        return Diagnostic::note(
+            "unused-name",
+            format!("the output `{name}` has no equation"),
+        )
+        .at(at, "declared here");
+    }
+    Diagnostic::note("unused-name", format!("`{name}` is never used")).at(at, "defined here")
+}

@@ -1,0 +1,17 @@
+//! What can be wrong with the meaning of a model, by the kind of statement it is about.
+//!
+//! Constructors only: places and names in, a [`crate::diagnostic::Diagnostic`] with a fix to copy out.
+
+mod data_entries;
+mod declarations;
+mod equations;
+mod expressions;
+mod symmetries;
+mod unit_mismatch;
+
+pub use data_entries::*;
+pub use declarations::*;
+pub use equations::*;
+pub use expressions::*;
+pub use symmetries::*;
+pub use unit_mismatch::*;

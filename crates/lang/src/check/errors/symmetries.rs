@@ -1,0 +1,80 @@
+//! Errors of symmetries and limits.
+//!
+//! Constructors only: places and names in, diagnostics out.
+
+use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::source::Span;
+
+/// `x, y -> y, x`, `x -> 2*x`
+pub fn not_a_flip(at: Span, names: &str) -> Diagnostic {
+    Diagnostic::error(
+        "symmetry",
+        "only changes of sign are understood as symmetries for now",
+    )
+    .at(at, "not the names with their signs changed")
+    .help(format!("write `symmetry {names} -> -({names})`"))
+}
+
+pub fn flips_other_names(at: Span, left: Span, names: &str) -> Diagnostic {
+    Diagnostic::error("symmetry", "both sides of `->` must list the same names")
+        .at(at, "other names here")
+        .also(left, "than here")
+        .help(format!("write `symmetry {names} -> -({names})`"))
+}
+
+pub fn not_a_flipped_name(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "symmetry",
+        "a symmetry changes the signs of declared variables",
+    )
+    .at(at, "not one of them")
+    .help("write `symmetry x, y -> -(x, y)`")
+}
+
+pub fn flipped_derivative(at: Span, derivative: &str, name: &str) -> Diagnostic {
+    Diagnostic::error(
+        "symmetry",
+        format!("`{derivative}` changes its sign with `{name}`"),
+    )
+    .at(at, "a derivative")
+    .help(format!("list `{name}`; derivatives and samples go with it"))
+}
+
+pub fn flipped_samples(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "symmetry",
+        "in a model about samples, time cannot change its sign",
+    )
+    .at(at, "would make `next` of `lag`")
+    .help("leave `t` out")
+}
+
+pub fn too_many_symmetries(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-large", format!("more than {limit} symmetries"))
+        .at(at, "one too many")
+        .help("join those that always hold together")
+}
+
+pub fn too_many_constraints(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error("too-large", format!("more than {limit} constraints"))
+        .at(at, "one too many")
+        .help("leave out those that follow from others")
+}
+
+pub fn unknown_limit(at: Span, key: &str) -> Diagnostic {
+    let d = Diagnostic::error("unknown-attribute", format!("no limit named `{key}`"));
+    match did_you_mean(key, ["degree"]) {
+        Some(near) => d.at(at, format!("did you mean `{near}`?")),
+        None => d.at(at, "not known"),
+    }
+    .help("write `limit degree 4`")
+}
+
+pub fn degree_limit(at: Span, value: f64) -> Diagnostic {
+    Diagnostic::error(
+        "attribute-value",
+        format!("a limit on the degree is a number from 0 to 1,000,000, not {value}"),
+    )
+    .at(at, "not a degree")
+    .help("write `limit degree 4`")
+}

@@ -1,0 +1,117 @@
+//! Errors of units: texts that are no unit, sums and arguments of the wrong unit.
+//!
+//! Constructors only; every fix is a line of the model with a number that carries the missing unit.
+
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::thresholds::MESSAGES;
+use crate::units::{Commensurability, Misspelling, Unit, UnitSyntaxError};
+
+pub fn unit_text(at: Span, fault: &UnitSyntaxError) -> Diagnostic {
+    Diagnostic::error("unit-text", fault.cause.as_str())
+        .at(at, fault.label.as_str())
+        .help(fault.fix.as_str())
+}
+
+pub fn unit_unknown(at: Span, suspect: &Misspelling) -> Diagnostic {
+    let Misspelling { word, meant, .. } = suspect;
+    Diagnostic::note(
+        "unit-unknown",
+        format!("`{word}` is taken for a unit of its own"),
+    )
+    .at(at, format!("did you mean `{meant}`?"))
+}
+
+/// A part of a sum, or an argument that is compared with others.
+pub struct Summand<'a> {
+    pub at: Span,
+    pub text: &'a str,
+    pub unit: &'a Unit,
+    /// True after a minus.
+    pub subtracted: bool,
+}
+
+/// What holds the parts together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Joint {
+    /// A sum that is a whole item of a list.
+    Item,
+    Sum,
+    /// The arguments of `min`.
+    Comparison,
+}
+
+pub fn unit_sum(first: &Summand, second: &Summand, joint: Joint) -> Diagnostic {
+    let (a, b) = (first.unit, second.unit);
+    let cannot = match joint {
+        Joint::Comparison => "compared",
+        _ => "added",
+    };
+    let d = Diagnostic::error("unit-sum", format!("{a} and {b} cannot be {cannot}"))
+        .at(second.at, format!("in {b}"))
+        .also(first.at, format!("in {a}"));
+    if let Commensurability::Scaled(factor) = a.commensurability(b) {
+        return d
+            .fact(format!(
+                "1 {a} is {} {b}, and no number is converted",
+                plain(factor)
+            ))
+            .help("scale one of them in the data block, and declare the same unit for both");
+    }
+    let (x, y) = (first.text, second.text);
+    let ratio = a.per(b).filter(|_| x.len() + y.len() <= MESSAGES.unit_fix);
+    let Some(ratio) = ratio else {
+        return d.help("a number carries a unit: multiply one of the two by its own");
+    };
+    let sign = if second.subtracted { '-' } else { '+' };
+    d.help(match joint {
+        Joint::Comparison => format!("a number carries a unit: `2*{y}` with the 2 in {ratio}"),
+        Joint::Sum => format!("a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}"),
+        Joint::Item => format!(
+            "two terms are `<{x}, {y}>`; in one, a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}"
+        ),
+    })
+}
+
+/// `sin(x)` of metres.
+pub fn unit_argument(name: &str, argument: &Summand, time: bool) -> Diagnostic {
+    let (u, x) = (argument.unit, argument.text);
+    let d = Diagnostic::error(
+        "unit-argument",
+        format!("`{name}` takes a pure number, not {u}"),
+    )
+    .at(argument.at, format!("in {u}"));
+    if let Commensurability::Scaled(factor) = u.commensurability(&Unit::one()) {
+        let d = d.fact(format!(
+            "1 {u} is {}, and no number is converted",
+            plain(factor)
+        ));
+        return d.help(if u.to_string() == "deg" {
+            "scale the angle in the data block, `x = \"X\" * pi/180`, and declare it in rad"
+        } else {
+            "scale it in the data block, and declare what comes out"
+        });
+    }
+    let by = if time {
+        "divide by a time constant"
+    } else {
+        "divide by a number, which carries a unit"
+    };
+    if x.len() > MESSAGES.unit_fix {
+        return d.help(by);
+    }
+    let x = match argument.subtracted {
+        true => format!("({x})"),
+        false => x.to_string(),
+    };
+    d.help(format!("{by}: `{name}({x}/2)` with the 2 in {u}"))
+}
+
+fn plain(x: f64) -> String {
+    let rounded = (x * 1e6).round() / 1e6;
+    if rounded != 0.0 && x < 1e6 {
+        format!("{rounded}")
+    } else {
+        format!("{x:.3e}")
+    }
+}

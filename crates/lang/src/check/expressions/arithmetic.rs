@@ -1,0 +1,191 @@
+//! Arithmetic on numbers and signals, in arguments, lists and known parts: ast → [`Expr`].
+//!
+//! In: an expression. Out: its normal form, or `None` after reporting an error. Refuses libraries.
+
+use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign};
+use crate::check::checker::{Checker, every};
+use crate::check::errors;
+use crate::check::scope::Value;
+use crate::term::{Expr, Func, Signal};
+use crate::thresholds::MODEL;
+
+impl Checker<'_> {
+    /// The normal form of an arithmetic expression.
+    pub fn arithmetic(&mut self, e: &Ast) -> Option<Expr> {
+        match &e.kind {
+            ExprKind::Number(x) => Some(Expr::number(*x)),
+            ExprKind::Text(text) => self.fail(errors::text_in_model(e.span, text)),
+            ExprKind::Name(text) => self.name(e, text),
+            ExprKind::Negate(x) => Some(self.arithmetic(x)?.scale(-1.0)),
+            ExprKind::Group(x) => self.arithmetic(x),
+            ExprKind::Sum(parts) => self.sum(parts),
+            ExprKind::Product(parts) => self.product(e, parts),
+            ExprKind::Power(base, exponent) => {
+                let (b, p) = (self.arithmetic(base), self.exponent(exponent));
+                let (b, p) = (b?, p?);
+                self.powered(e, b, p)
+            }
+            ExprKind::List(_) => self.fail(errors::library_inside(e.span, "a list")),
+            ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
+            ExprKind::Call(call) => self.call(e, call),
+        }
+    }
+
+    fn name(&mut self, e: &Ast, text: &str) -> Option<Expr> {
+        if let Some(s) = self.scope.use_signal(text) {
+            return Some(Expr::signal(s));
+        }
+        if text == "pi" {
+            return Some(Expr::number(std::f64::consts::PI));
+        }
+        self.scope.used_lets.insert(text.to_string());
+        match self.scope.lets.get(text).map(|l| (&l.value, l.span)) {
+            Some((Value::Number(x), _)) => Some(Expr::number(*x)),
+            Some((Value::Expr { expr, .. }, _)) => Some(expr.clone()),
+            Some((Value::Library(_), definition)) => {
+                self.fail(errors::library_by_name_inside(e.span, text, definition))
+            }
+            Some((Value::Wrong, _)) => None,
+            None => self.unknown_name(e.span, text),
+        }
+    }
+
+    fn sum(&mut self, parts: &[(Sign, Ast)]) -> Option<Expr> {
+        let terms = every(parts.iter().map(|(sign, x)| {
+            let x = self.arithmetic(x)?;
+            Some(match sign {
+                Sign::Minus => x.scale(-1.0),
+                Sign::Plus => x,
+            })
+        }))?;
+        Some(terms.into_iter().sum())
+    }
+
+    fn product(&mut self, e: &Ast, parts: &[(Side, Ast)]) -> Option<Expr> {
+        if parts.len() > MODEL.factors {
+            return self.fail(errors::too_many_factors(e.span, parts.len(), MODEL.factors));
+        }
+        let mut out = Some(Expr::number(1.0));
+        for (side, part) in parts {
+            let factor = self.arithmetic(part);
+            let (Some(done), Some(factor)) = (out.take(), factor) else {
+                continue;
+            };
+            out = match side {
+                Side::Above => Some(done * factor),
+                Side::Below => self.quotient(part, done, factor),
+            };
+        }
+        out
+    }
+
+    /// `a / b`. Two numbers are divided directly, so that 9.8/3 is rounded once.
+    pub fn quotient(&mut self, divisor: &Ast, a: Expr, b: Expr) -> Option<Expr> {
+        match (a.as_number(), b.as_number()) {
+            (_, Some(0.0)) => self.fail(errors::division_by_zero(divisor.span)),
+            (Some(x), Some(y)) => Some(Expr::number(x / y)),
+            _ => Some(a / b),
+        }
+    }
+
+    pub fn powered(&mut self, e: &Ast, base: Expr, p: f64) -> Option<Expr> {
+        let result = base.pow(p);
+        if result.is_finite() {
+            return Some(result);
+        }
+        self.fail(errors::not_finite(e.span))
+    }
+
+    /// The exponent of a power, which must be constant.
+    pub fn exponent(&mut self, e: &Ast) -> Option<f64> {
+        let value = self.arithmetic(e)?;
+        match value.as_number() {
+            Some(p) => Some(p),
+            None => self.fail(errors::exponent_not_a_number(e.span)),
+        }
+    }
+
+    /// A constant, known without data; `what` names its purpose in the error.
+    pub fn constant(&mut self, e: &Ast, what: &str) -> Option<f64> {
+        let value = self.arithmetic(e)?;
+        match value.as_number() {
+            Some(x) if x.is_finite() => Some(x),
+            Some(_) => self.fail(errors::not_finite(e.span)),
+            None => self.fail(errors::not_constant(e.span, what)),
+        }
+    }
+
+    fn call(&mut self, e: &Ast, call: &Call) -> Option<Expr> {
+        let name = call.name.text.as_str();
+        match (name, Func::named(name)) {
+            ("next", _) => self.next(e, call).map(Expr::signal),
+            ("lag", _) => self.lag(e, call).map(Expr::signal),
+            (_, Some(f)) => self.function(e, call, f),
+            (_, None) => self.not_a_function(e, call),
+        }
+    }
+
+    fn function(&mut self, e: &Ast, call: &Call, f: Func) -> Option<Expr> {
+        if call.numbers.is_some() {
+            return self.fail(errors::numbers_of_function(e.span, f.name));
+        }
+        if let Some((p, at)) = call.power
+            && p < 0.0
+        {
+            let arg = call.args.first().and_then(Ast::as_name).unwrap_or("…");
+            return self.fail(errors::inverse_or_reciprocal(at, f.name, arg));
+        }
+        let args = every(call.args.iter().map(|arg| self.arithmetic(arg)))?;
+        let (least, most) = f.arity;
+        if args.len() < least || args.len() > most {
+            return self.fail(errors::arity(e.span, f.name, args.len(), f.arity));
+        }
+        let inner = Expr::call(f, args);
+        if inner.as_number().is_some_and(|x| !x.is_finite()) {
+            return self.fail(errors::outside_domain(e.span, f.name, f.domain));
+        }
+        match call.power {
+            Some((p, _)) => self.powered(e, inner, p),
+            None => Some(inner),
+        }
+    }
+
+    /// `next(x)`
+    pub fn next(&mut self, e: &Ast, call: &Call) -> Option<Signal> {
+        match call.args.as_slice() {
+            [one] if call.numbers.is_none() && call.power.is_none() => self.shifted(one, 1),
+            _ => self.fail(errors::form(e.span, "next", "next(x)")),
+        }
+    }
+
+    /// `lag(u, k)`
+    fn lag(&mut self, e: &Ast, call: &Call) -> Option<Signal> {
+        let [signal, back] = call.args.as_slice() else {
+            return self.fail(errors::form(e.span, "lag", "lag(u, 2)"));
+        };
+        if call.numbers.is_some() || call.power.is_some() {
+            return self.fail(errors::form(e.span, "lag", "lag(u, 2)"));
+        }
+        let k = self.constant(back, "the lag");
+        let k = k?;
+        if k.fract() != 0.0 || !(0.0..=MODEL.lag).contains(&k) {
+            return self.fail(errors::lag(back.span, k));
+        }
+        self.shifted(signal, -(k as i32))
+    }
+
+    fn shifted(&mut self, e: &Ast, by: i32) -> Option<Signal> {
+        let inner = e.ungrouped();
+        let Some(text) = inner.as_name() else {
+            return self.fail(errors::shift_of_expression(e.span));
+        };
+        match self.scope.use_signal(text) {
+            Some(s) if s.der == 0 => Some(Signal::shifted(s.var, by)),
+            Some(_) => self.fail(errors::shift_of_expression(e.span)),
+            None if self.scope.lets.contains_key(text) => {
+                self.fail(errors::shift_of_expression(e.span))
+            }
+            None => self.unknown_name(inner.span, text),
+        }
+    }
+}

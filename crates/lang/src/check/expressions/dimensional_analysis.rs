@@ -1,0 +1,302 @@
+//! Dimensional analysis of the model's text: sums of different units, functions of arguments with units.
+//!
+//! In: a model without errors. Out: an error for each sum whose parts have different units. A number may carry any unit, so a product
+//! with a number has an unknown one; a sum with a name of unknown unit is not checked. Works on the text and not on normal forms,
+//! where `exp(-t/1)` would have lost its number.
+
+use std::collections::BTreeMap;
+
+use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
+use crate::check::checker::Checker;
+use crate::check::errors::{self, Joint, Summand};
+use crate::check::scope::{Scope, Value};
+use crate::check::vocabulary::Vocabulary;
+use crate::diagnostic::Diagnostic;
+use crate::term::{Func, UnitRule, VarId};
+use crate::thresholds::MESSAGES;
+use crate::units;
+use crate::units::{Commensurability, Unit};
+
+/// What is known about the unit of an expression.
+#[derive(Clone, Debug)]
+enum Measure {
+    /// It contains a number, which may carry any unit.
+    Any,
+    /// It contains a name without a unit.
+    Unknown,
+    Is(Unit),
+}
+
+impl Checker<'_> {
+    /// Checks every sum and every argument of the model, if it declares any unit.
+    pub fn units(&mut self) {
+        let declared = self.scope.vars.iter().any(|v| v.unit.is_some());
+        if !declared || !self.file.broken.is_empty() || self.found.iter().any(Diagnostic::is_error)
+        {
+            return;
+        }
+        let mut pass = Pass {
+            checker: self,
+            lets: BTreeMap::new(),
+            found: Vec::new(),
+        };
+        for s in pass.checker.statements() {
+            match &s.kind {
+                StatementKind::Let { body, .. } => pass.library(body),
+                StatementKind::Equation {
+                    known: true, right, ..
+                } => {
+                    pass.measure(right);
+                }
+                StatementKind::Equation { right, .. } => pass.library(right),
+                _ => {}
+            }
+        }
+        let found = pass.found;
+        self.found.extend(found);
+    }
+}
+
+struct Pass<'c, 'f> {
+    checker: &'c Checker<'f>,
+    /// Units of `let`s by name, each computed once.
+    lets: BTreeMap<&'f str, Measure>,
+    found: Vec<Diagnostic>,
+}
+
+impl<'f> Pass<'_, 'f> {
+    fn say(&mut self, d: Diagnostic) {
+        if self.found.len() < MESSAGES.unit_faults && !self.found.contains(&d) {
+            self.found.push(d);
+        }
+    }
+
+    fn vocabulary(&self) -> &'f Vocabulary {
+        self.checker.vocabulary
+    }
+
+    /// Sets of terms. Summands of a union may have different units; arithmetic begins in lists and arguments.
+    fn library(&mut self, e: &'f Ast) {
+        match &e.kind {
+            ExprKind::Group(x) | ExprKind::Negate(x) | ExprKind::Power(x, _) => self.library(x),
+            ExprKind::Sum(parts) => parts.iter().for_each(|(_, x)| self.library(x)),
+            ExprKind::Product(parts) => parts.iter().for_each(|(_, x)| self.library(x)),
+            ExprKind::List(items) => items.iter().for_each(|x| self.item(x)),
+            ExprKind::Call(call) => match self.vocabulary().generator(&call.name.text) {
+                Some(g) => {
+                    for x in &call.args {
+                        if g.of_angles && !self.checker.is_library(x) {
+                            self.pure(g.name, x);
+                        } else {
+                            self.item(x);
+                        }
+                    }
+                }
+                None => {
+                    self.call(call);
+                }
+            },
+            _ => {}
+        }
+    }
+
+    fn item(&mut self, e: &'f Ast) {
+        match &e.kind {
+            _ if self.checker.is_library(e) => self.library(e),
+            ExprKind::Range(..) => {}
+            ExprKind::Sum(parts) => {
+                self.alike(&signed(parts), Joint::Item);
+            }
+            _ => {
+                self.measure(e);
+            }
+        }
+    }
+
+    fn measure(&mut self, e: &'f Ast) -> Measure {
+        match &e.kind {
+            ExprKind::Name(text) => self.name(text),
+            ExprKind::Negate(x) | ExprKind::Group(x) => self.measure(x),
+            ExprKind::Sum(parts) => self.alike(&signed(parts), Joint::Sum),
+            ExprKind::Product(parts) => self.product(parts),
+            ExprKind::Power(base, exponent) => {
+                let base = self.measure(base);
+                let p = number(&self.checker.scope, exponent);
+                p.map_or(Measure::Unknown, |p| base.power(p))
+            }
+            ExprKind::Call(call) => self.call(call),
+            _ => Measure::Any,
+        }
+    }
+
+    fn name(&mut self, text: &'f str) -> Measure {
+        if let Some(s) = self.checker.scope.signal(text) {
+            let of = |id: VarId| self.checker.scope.var(id)?.unit.as_ref();
+            let unit = of(s.var)
+                .zip(of(VarId::TIME))
+                .and_then(|(var, time)| units::derivative(var, time, s.der));
+            return unit.map_or(Measure::Unknown, Measure::Is);
+        }
+        if let Some(known) = self.lets.get(text) {
+            return known.clone();
+        }
+        let value = self.checker.scope.lets.get(text).map(|l| &l.value);
+        if !matches!(value, Some(Value::Expr { .. })) {
+            return Measure::Any;
+        }
+        let body = self.checker.statements().find_map(|s| match &s.kind {
+            StatementKind::Let { name, body } if name.text == text => Some(body),
+            _ => None,
+        });
+        let Some(body) = body else {
+            return Measure::Any;
+        };
+        let found = self.measure(body);
+        self.lets.insert(text, found.clone());
+        found
+    }
+
+    fn product(&mut self, parts: &'f [(Side, Ast)]) -> Measure {
+        let mut out = Measure::Is(Unit::one());
+        for (side, part) in parts {
+            let factor = self.measure(part);
+            let factor = match side {
+                Side::Above => factor,
+                Side::Below => factor.power(-1.0),
+            };
+            out = match (out, factor) {
+                (Measure::Unknown, _) | (_, Measure::Unknown) => Measure::Unknown,
+                (Measure::Any, _) | (_, Measure::Any) => Measure::Any,
+                (Measure::Is(a), Measure::Is(b)) => {
+                    a.times(&b).map_or(Measure::Unknown, Measure::Is)
+                }
+            };
+        }
+        out
+    }
+
+    /// A sum, or arguments that are compared: all must have one unit.
+    fn alike(&mut self, parts: &[(bool, &'f Ast)], joint: Joint) -> Measure {
+        let measured: Vec<Measure> = parts.iter().map(|(_, x)| self.measure(x)).collect();
+        if measured.iter().any(|m| matches!(m, Measure::Unknown)) {
+            return Measure::Unknown;
+        }
+        let with_units = parts.iter().zip(&measured).filter_map(|(part, m)| match m {
+            Measure::Is(unit) => Some((part, unit)),
+            _ => None,
+        });
+        let mut with_units = with_units.map(|((subtracted, x), unit)| Summand {
+            at: x.span,
+            text: self.checker.text(x.span),
+            unit,
+            subtracted: *subtracted,
+        });
+        let Some(first) = with_units.next() else {
+            return Measure::Any;
+        };
+        let odd =
+            with_units.find(|s| first.unit.commensurability(s.unit) != Commensurability::Same);
+        let fault = odd.map(|second| errors::unit_sum(&first, &second, joint));
+        let unit = first.unit.clone();
+        if let Some(d) = fault {
+            self.say(d);
+            return Measure::Unknown;
+        }
+        Measure::Is(unit)
+    }
+
+    fn call(&mut self, call: &'f Call) -> Measure {
+        if matches!(call.name.text.as_str(), "next" | "lag" | "known") {
+            return match call.args.first() {
+                Some(x) => self.measure(x),
+                None => Measure::Any,
+            };
+        }
+        let Some(f) = Func::named(&call.name.text) else {
+            return Measure::Any;
+        };
+        let value = match f.units {
+            UnitRule::Pure => {
+                call.args.iter().for_each(|x| self.pure(f.name, x));
+                Measure::Is(Unit::one())
+            }
+            UnitRule::Lost => {
+                call.args.iter().for_each(|x| {
+                    self.measure(x);
+                });
+                Measure::Is(Unit::one())
+            }
+            UnitRule::Kept | UnitRule::Root => {
+                let args: Vec<(bool, &Ast)> = call.args.iter().map(|x| (false, x)).collect();
+                let value = self.alike(&args, Joint::Comparison);
+                if f.units == UnitRule::Root {
+                    value.power(0.5)
+                } else {
+                    value
+                }
+            }
+        };
+        match call.power {
+            Some((p, _)) => value.power(p),
+            None => value,
+        }
+    }
+
+    /// Checks an argument that must be a pure number or an angle in rad.
+    fn pure(&mut self, function: &str, e: &'f Ast) {
+        let Measure::Is(unit) = self.measure(e) else {
+            return;
+        };
+        if unit.commensurability(&Unit::one()) == Commensurability::Same {
+            return;
+        }
+        let argument = Summand {
+            at: e.span,
+            text: self.checker.text(e.span),
+            unit: &unit,
+            subtracted: matches!(e.kind, ExprKind::Sum(_)),
+        };
+        let time = self.checker.scope.var(VarId::TIME);
+        let time = time.and_then(|v| v.unit.as_ref()) == Some(&unit);
+        self.say(errors::unit_argument(function, &argument, time));
+    }
+}
+
+/// The parts of a sum, and whether each is subtracted.
+fn signed(parts: &[(Sign, Ast)]) -> Vec<(bool, &Ast)> {
+    parts
+        .iter()
+        .map(|(sign, x)| (*sign == Sign::Minus, x))
+        .collect()
+}
+
+impl Measure {
+    fn power(self, p: f64) -> Measure {
+        match self {
+            Measure::Is(unit) => unit.power(p).map_or(Measure::Unknown, Measure::Is),
+            other => other,
+        }
+    }
+}
+
+/// The value of a constant exponent.
+fn number(scope: &Scope, e: &Ast) -> Option<f64> {
+    match &e.kind {
+        ExprKind::Number(x) => Some(*x),
+        ExprKind::Group(x) => number(scope, x),
+        ExprKind::Negate(x) => Some(-number(scope, x)?),
+        ExprKind::Name(text) => match scope.lets.get(text)?.value {
+            Value::Number(x) => Some(x),
+            _ => None,
+        },
+        ExprKind::Product(parts) => parts.iter().try_fold(1.0, |out, (side, x)| {
+            let x = number(scope, x)?;
+            Some(if *side == Side::Above {
+                out * x
+            } else {
+                out / x
+            })
+        }),
+        _ => None,
+    }
+}

@@ -1,0 +1,7 @@
+//! What expressions mean: numbers, terms, sets of terms, and their units.
+
+mod arithmetic;
+mod dimensional_analysis;
+mod inlined_size;
+mod library_expr;
+mod set_algebra;

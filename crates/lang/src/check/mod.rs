@@ -1,0 +1,118 @@
+//! ast → model: names resolved, statements understood, libraries kept factored.
+//!
+//! In: one parsed file and the names of the generators. Out: the model, or none if there are errors, and every finding. Expands no
+//! library and checks no generator's numbers; the library does.
+
+mod checker;
+mod errors;
+mod expressions;
+mod scope;
+mod statements;
+mod time_domain;
+mod unknown_names;
+mod vocabulary;
+
+use std::collections::BTreeSet;
+
+use crate::ast::{File, Keyword, Statement, StatementKind};
+use crate::diagnostic::Diagnostic;
+use crate::model::{DataBlock, Model};
+use crate::source::Span;
+use checker::Checker;
+use scope::Scope;
+
+pub use vocabulary::{GeneratorSignature, Vocabulary};
+
+/// Checks one file. The model is `None` only if there are errors, here or in the text (`file.broken`).
+pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagnostic>) {
+    let mut c = Checker {
+        file,
+        vocabulary,
+        scope: Scope::default(),
+        found: Vec::new(),
+        reported: BTreeSet::new(),
+        written: 0,
+    };
+    c.headers();
+    c.find_time_kind();
+    c.number_lets();
+    c.declarations();
+    c.lets();
+    let mut model = c.equations();
+    model.system = c.system();
+    model.discrete = c.scope.discrete.is_some();
+    model.constraints = c.constraints(&model.equations);
+    model.symmetries = c.symmetries();
+    model.degree = c.degree_limit();
+    model.data = c.data_blocks();
+    c.units();
+    model.vars = std::mem::take(&mut c.scope.vars);
+    c.notes(&model);
+    let failed = !file.broken.is_empty() || c.found.iter().any(Diagnostic::is_error);
+    ((!failed).then_some(model), c.found)
+}
+
+impl<'a> Checker<'a> {
+    /// `sidc 1` comes first, and once.
+    fn headers(&mut self) {
+        let mut before: Option<Span> = None;
+        let mut first_system: Option<Span> = None;
+        for s in &self.file.statements {
+            match &s.kind {
+                StatementKind::Version(v) => {
+                    let broken = self.file.broken.iter().find(|b| b.span < s.span);
+                    if let Some(before) = before.or(broken.map(|b| b.span)) {
+                        self.say(errors::late_version(s.span, before));
+                    } else if *v != 1.0 {
+                        self.say(errors::future_version(s.span, *v));
+                    }
+                }
+                StatementKind::System(name) => match first_system {
+                    Some(first) => self.say(errors::twice(name.span, first, "`system` line")),
+                    None => first_system = Some(name.span),
+                },
+                _ => {}
+            }
+            before = before.or(Some(s.span));
+        }
+    }
+
+    fn system(&self) -> Option<String> {
+        self.file.statements.iter().find_map(|s| match &s.kind {
+            StatementKind::System(name) => Some(name.text.clone()),
+            _ => None,
+        })
+    }
+
+    fn data_blocks(&mut self) -> DataBlock {
+        let file = self.file;
+        let mut block: Option<DataBlock> = None;
+        for s in &file.statements {
+            if let StatementKind::Data(entries) = &s.kind {
+                match block.as_ref().and_then(|b| b.span) {
+                    Some(first) => self.say(errors::twice(s.span, first, "data block")),
+                    None => block = Some(self.data(s.span, entries)),
+                }
+            }
+        }
+        block.unwrap_or_default()
+    }
+
+    /// A missing equation, and notes on what is legal but probably not meant.
+    fn notes(&mut self, model: &Model) {
+        let is_broken = |k: Option<Keyword>| self.file.broken.iter().any(|b| b.keyword == k);
+        if model.equations.is_empty() {
+            let written = |s: &Statement| matches!(s.kind, StatementKind::Equation { .. });
+            if !is_broken(None) && !self.statements().any(written) {
+                let at = self.file.statements.last().map(|s| s.span);
+                let missing = errors::no_equation(at, model, self.file.id);
+                self.say(missing);
+            }
+            return;
+        }
+        if !self.found.iter().any(Diagnostic::is_error) && self.file.broken.is_empty() {
+            let notes = errors::loose_ends(model, &self.scope);
+            self.found.extend(notes);
+        }
+    }
+}

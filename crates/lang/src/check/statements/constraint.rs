@@ -1,0 +1,186 @@
+//! `constrain coef(ddy, F) > 0`: relations that are linear in coefficients.
+//!
+//! In: constraints and equations. Out: `Σ weight · coef + constant RELATION 0` for each relation. Does not check that a library has
+//! the term.
+
+use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
+use crate::check::checker::Checker;
+use crate::check::errors;
+use crate::model::{Coefficient, Constraint, Equation, Relation, RightSide};
+use crate::source::Span;
+use crate::thresholds::MODEL;
+
+/// `Σ weight · coef + constant`
+#[derive(Clone, Default)]
+struct Linear {
+    coefficients: Vec<Coefficient>,
+    constant: f64,
+}
+
+impl Linear {
+    fn scale(mut self, k: f64) -> Self {
+        self.coefficients.iter_mut().for_each(|c| c.weight *= k);
+        self.constant *= k;
+        self
+    }
+
+    fn add(mut self, mut other: Linear) -> Self {
+        self.coefficients.append(&mut other.coefficients);
+        self.constant += other.constant;
+        self
+    }
+}
+
+/// `coef(TARGET, TERM)`
+fn is_coefficient(call: &Call) -> bool {
+    call.name.text == "coef"
+}
+
+impl Checker<'_> {
+    pub fn constraints(&mut self, equations: &[Equation]) -> Vec<Constraint> {
+        let mut out = Vec::new();
+        for s in self.statements() {
+            if let StatementKind::Constrain { first, rest } = &s.kind {
+                if out.len() + rest.len() > MODEL.constraints {
+                    self.say(errors::too_many_constraints(s.span, MODEL.constraints));
+                    break;
+                }
+                self.chain(s.span, first, rest, equations, &mut out);
+            }
+        }
+        out
+    }
+
+    /// `0 < coef(dx, x) < 1` is two constraints.
+    fn chain(
+        &mut self,
+        span: Span,
+        first: &Ast,
+        rest: &[(&'static str, Ast)],
+        equations: &[Equation],
+        out: &mut Vec<Constraint>,
+    ) {
+        if self.sized(first).is_none() || !rest.iter().all(|(_, e)| self.sized(e).is_some()) {
+            return;
+        }
+        let mut left = self.linear(first, equations);
+        for (relation, e) in rest {
+            let right = self.linear(e, equations);
+            if let (Some(l), Some(r)) = (left, &right) {
+                let difference = l.add(r.clone().scale(-1.0));
+                if difference.coefficients.is_empty() {
+                    self.say(errors::constraint_without_coefficient(span));
+                } else {
+                    out.push(Constraint {
+                        coefficients: difference.coefficients,
+                        constant: difference.constant,
+                        relation: self.relation(relation),
+                        span,
+                    });
+                }
+            }
+            left = right;
+        }
+    }
+
+    fn relation(&self, text: &str) -> Relation {
+        match text {
+            "<" => Relation::Less,
+            "<=" => Relation::LessOrEqual,
+            ">" => Relation::Greater,
+            ">=" => Relation::GreaterOrEqual,
+            _ => Relation::Equal,
+        }
+    }
+
+    fn linear(&mut self, e: &Ast, equations: &[Equation]) -> Option<Linear> {
+        match &e.kind {
+            ExprKind::Group(x) => self.linear(x, equations),
+            ExprKind::Negate(x) => Some(self.linear(x, equations)?.scale(-1.0)),
+            ExprKind::Sum(parts) => {
+                let mut total = Some(Linear::default());
+                for (sign, part) in parts {
+                    let k = if *sign == Sign::Minus { -1.0 } else { 1.0 };
+                    let part = self.linear(part, equations);
+                    total = total.and_then(|t| Some(t.add(part?.scale(k))));
+                }
+                total
+            }
+            ExprKind::Product(parts) => self.linear_product(e, parts, equations),
+            ExprKind::Call(call) if is_coefficient(call) => self.coefficient(e, call, equations),
+            ExprKind::Power(..) | ExprKind::Call(_) if e.find_call(&is_coefficient).is_some() => {
+                self.fail(errors::constraint_not_linear(e.span))
+            }
+            _ => {
+                let constant = self.constant(e, "a constraint, outside `coef(…)`")?;
+                Some(Linear {
+                    coefficients: Vec::new(),
+                    constant,
+                })
+            }
+        }
+    }
+
+    fn linear_product(
+        &mut self,
+        e: &Ast,
+        parts: &[(Side, Ast)],
+        equations: &[Equation],
+    ) -> Option<Linear> {
+        let mut out = Linear {
+            coefficients: Vec::new(),
+            constant: 1.0,
+        };
+        for (side, part) in parts {
+            let factor = self.linear(part, equations)?;
+            let both = !out.coefficients.is_empty() && !factor.coefficients.is_empty();
+            let below = *side == Side::Below && !factor.coefficients.is_empty();
+            if both || below {
+                return self.fail(errors::constraint_not_linear(e.span));
+            }
+            out = match side {
+                Side::Below if factor.constant == 0.0 => {
+                    return self.fail(errors::division_by_zero(part.span));
+                }
+                Side::Below => out.scale(1.0 / factor.constant),
+                Side::Above if factor.coefficients.is_empty() => out.scale(factor.constant),
+                Side::Above => factor.scale(out.constant),
+            };
+        }
+        Some(out)
+    }
+
+    /// `coef(TARGET, TERM)`
+    fn coefficient(&mut self, e: &Ast, call: &Call, equations: &[Equation]) -> Option<Linear> {
+        let [target, term] = call.args.as_slice() else {
+            return self.fail(errors::form(e.span, "coef", "coef(dx, x)"));
+        };
+        let (signal, expr) = (self.arithmetic(target), self.arithmetic(term));
+        let (signal, expr) = (signal?, expr?);
+        let equation = equations
+            .iter()
+            .find(|q| signal == crate::term::Expr::signal(q.target));
+        let Some(equation) = equation else {
+            return self.fail(errors::coefficient_of_no_equation(
+                target.span,
+                &self.example_target(),
+            ));
+        };
+        if matches!(equation.right, RightSide::Known(_)) {
+            return self.fail(errors::coefficient_of_known(target.span, equation.span));
+        }
+        let (weight, normal) = expr.into_term();
+        if weight != 1.0 {
+            return self.fail(errors::coefficient_of_multiple(term.span, weight));
+        }
+        Some(Linear {
+            coefficients: vec![Coefficient {
+                weight: 1.0,
+                target: equation.target,
+                term: normal,
+                span: e.span,
+            }],
+            constant: 0.0,
+        })
+    }
+}

@@ -1,0 +1,215 @@
+//! `data { }`: which column, in which unit, is which signal.
+//!
+//! In: the entries of the block. Out: arithmetic on column headers. Never looks at a data file.
+
+use std::collections::BTreeMap;
+
+use crate::ast::{Call, Entry, EntryKind, Expr as Ast, ExprKind, Ident, Side, Sign};
+use crate::check::checker::{Checker, every};
+use crate::check::errors;
+use crate::model::{ColumnExpr, ColumnKind, DataBlock, DataEntry};
+use crate::source::Span;
+use crate::term::{Func, Signal};
+use crate::thresholds::MODEL;
+
+impl Checker<'_> {
+    pub fn data(&mut self, span: Span, entries: &[Entry]) -> DataBlock {
+        let mut block = DataBlock {
+            span: Some(span),
+            ..DataBlock::default()
+        };
+        let mut seen: BTreeMap<Signal, Span> = BTreeMap::new();
+        for entry in entries {
+            match &entry.kind {
+                EntryKind::Step(e) => self.step(entry.span, e, &mut block),
+                EntryKind::Source { name, value } => {
+                    if name.text == "run" && self.scope.signal("run").is_none() {
+                        self.run(entry.span, value, &mut block);
+                    } else if let Some(entry) = self.entry(name, value, &mut seen) {
+                        block.entries.push(entry);
+                    }
+                }
+            }
+        }
+        block
+    }
+
+    /// `step 0.01`
+    fn step(&mut self, span: Span, e: &Ast, block: &mut DataBlock) {
+        if let Some((_, first)) = block.step {
+            return self.say(errors::twice(span, first, "`step`"));
+        }
+        let Some(value) = self.constant(e, "`step`") else {
+            return;
+        };
+        if value > 0.0 {
+            block.step = Some((value, span));
+        } else {
+            self.say(errors::step(e.span, value));
+        }
+    }
+
+    /// `run = "exp_id"`
+    fn run(&mut self, span: Span, value: &Ast, block: &mut DataBlock) {
+        if let Some((_, first)) = &block.run {
+            return self.say(errors::twice(span, *first, "`run`"));
+        }
+        match &value.kind {
+            ExprKind::Text(text) => block.run = Some((text.trim().to_string(), span)),
+            _ => self.say(errors::run(value.span)),
+        }
+    }
+
+    /// `theta = "Angle" * 1e-3`, `dy = none`
+    fn entry(
+        &mut self,
+        name: &Ident,
+        value: &Ast,
+        seen: &mut BTreeMap<Signal, Span>,
+    ) -> Option<DataEntry> {
+        let Some(signal) = self.scope.signal(&name.text) else {
+            if let Some(l) = self.scope.lets.get(&name.text) {
+                let d = errors::data_for_let(name.span, &name.text, l.span);
+                return self.fail(d);
+            }
+            return self.unknown_name(name.span, &name.text);
+        };
+        if let Some(first) = seen.insert(signal, name.span) {
+            return self.fail(errors::twice(
+                name.span,
+                first,
+                &format!("entry for `{}`", name.text),
+            ));
+        }
+        let none = value.as_name() == Some("none");
+        let source = if none {
+            None
+        } else {
+            Some(self.column(value)?)
+        };
+        Some(DataEntry {
+            signal,
+            span: name.span,
+            source,
+        })
+    }
+
+    /// Arithmetic on columns.
+    fn column(&mut self, e: &Ast) -> Option<ColumnExpr> {
+        let kind = match &e.kind {
+            ExprKind::Number(x) => ColumnKind::Number(*x),
+            ExprKind::Text(text) => ColumnKind::Column(text.trim().to_string()),
+            ExprKind::Name(text) => ColumnKind::Number(self.number_in_data(e, text)?),
+            ExprKind::Group(x) => self.column(x)?.kind,
+            ExprKind::Negate(x) => ColumnKind::Negate(Box::new(self.column(x)?)),
+            ExprKind::Sum(parts) => {
+                self.within_limit(e, parts.len())?;
+                return self.fold(parts, |sign, a, b| match sign {
+                    Sign::Plus => ColumnKind::Add(a, b),
+                    Sign::Minus => ColumnKind::Subtract(a, b),
+                });
+            }
+            ExprKind::Product(parts) => {
+                self.within_limit(e, parts.len())?;
+                return self.fold(parts, |side, a, b| match side {
+                    Side::Above => ColumnKind::Multiply(a, b),
+                    Side::Below => ColumnKind::Divide(a, b),
+                });
+            }
+            ExprKind::Power(base, exponent) => {
+                let (base, p) = (self.column(base), self.constant(exponent, "an exponent"));
+                ColumnKind::Power(Box::new(base?), p?)
+            }
+            ExprKind::Call(call) => self.column_call(e, call)?,
+            ExprKind::List(_) | ExprKind::Range(..) => {
+                return self.fail(errors::library_in_data(e.span));
+            }
+        };
+        Some(ColumnExpr { span: e.span, kind })
+    }
+
+    fn within_limit(&mut self, e: &Ast, parts: usize) -> Option<()> {
+        if parts > MODEL.column_chain {
+            let help = "write such a column into the file";
+            return self.fail(errors::chain_too_long(e.span, MODEL.column_chain, help));
+        }
+        Some(())
+    }
+
+    fn fold<Op: Copy>(
+        &mut self,
+        parts: &[(Op, Ast)],
+        join: impl Fn(Op, Box<ColumnExpr>, Box<ColumnExpr>) -> ColumnKind,
+    ) -> Option<ColumnExpr> {
+        let mut out: Option<ColumnExpr> = None;
+        for (op, part) in parts {
+            let part = self.column(part)?;
+            out = Some(match out {
+                None => part,
+                Some(left) => ColumnExpr {
+                    span: left.span.to(part.span),
+                    kind: join(*op, Box::new(left), Box::new(part)),
+                },
+            });
+        }
+        out
+    }
+
+    /// A bare name stands for a number; a column is quoted.
+    fn number_in_data(&mut self, e: &Ast, text: &str) -> Option<f64> {
+        use crate::check::scope::Value;
+        if text == "pi" {
+            return Some(std::f64::consts::PI);
+        }
+        self.scope.used_lets.insert(text.to_string());
+        match self.scope.lets.get(text).map(|l| &l.value) {
+            Some(Value::Number(x)) => Some(*x),
+            Some(Value::Wrong) => None,
+            _ if self.scope.is_poisoned(text) => None,
+            _ => self.fail(errors::unquoted_column(e.span, text)),
+        }
+    }
+
+    fn column_call(&mut self, e: &Ast, call: &Call) -> Option<ColumnKind> {
+        let name = call.name.text.as_str();
+        if call.juxtaposed || call.power.is_some() || call.numbers.is_some() {
+            return self.fail(errors::form(e.span, name, &format!("{name}(\"Column\")")));
+        }
+        if name == "unwrap" {
+            return self.unwrap_call(e, call);
+        }
+        let Some(f) = Func::named(name) else {
+            return self.fail(errors::unknown_function(
+                call.name.span,
+                name,
+                crate::diagnostic::did_you_mean(
+                    name,
+                    crate::term::FUNCTIONS
+                        .iter()
+                        .map(|f| f.name)
+                        .chain(["unwrap"]),
+                )
+                .map(str::to_string),
+                &[],
+            ));
+        };
+        let args = every(call.args.iter().map(|a| self.column(a)))?;
+        if args.len() < f.arity.0 || args.len() > f.arity.1 {
+            return self.fail(errors::arity(e.span, f.name, args.len(), f.arity));
+        }
+        Some(ColumnKind::Call(f, args))
+    }
+
+    /// `unwrap("Angle", 2*pi)`
+    fn unwrap_call(&mut self, e: &Ast, call: &Call) -> Option<ColumnKind> {
+        let [column, period] = call.args.as_slice() else {
+            return self.fail(errors::form(e.span, "unwrap", "unwrap(\"Angle\", 2*pi)"));
+        };
+        let (column, p) = (self.column(column), self.constant(period, "the period"));
+        let (column, p) = (column?, p?);
+        if p > 0.0 {
+            return Some(ColumnKind::Unwrap(Box::new(column), p));
+        }
+        self.fail(errors::period(period.span, p))
+    }
+}

@@ -1,0 +1,298 @@
+//! `state`, `input`, `output`, `param`: the variables of a model and the names they make.
+//!
+//! In: declarations. Out: variables in order of declaration, and every name that they make. Name clashes are reported with both places.
+
+use crate::ast::{ATTRIBUTES, Attribute, Expr, ExprKind, Keyword, StatementKind};
+use crate::check::checker::Checker;
+use crate::check::errors;
+use crate::model::{Between, Var, VarKind};
+use crate::source::Span;
+use crate::term::{Signal, VarId};
+use crate::thresholds::MODEL;
+use crate::units;
+use crate::units::Unit;
+
+/// What the attributes of one statement say.
+struct Attributes {
+    order: u8,
+    noise: Option<f64>,
+    unit: Option<Unit>,
+    between: Option<Between>,
+}
+
+impl Checker<'_> {
+    pub fn declarations(&mut self) {
+        self.scope.vars.push(Var {
+            name: "t".to_string(),
+            kind: VarKind::Time,
+            order: 0,
+            noise: Default::default(),
+            unit: None,
+            between: None,
+            span: None,
+        });
+        self.scope.signals.insert("t".to_string(), Signal::TIME);
+        self.scope.poisoned = self
+            .file
+            .broken
+            .iter()
+            .flat_map(|b| b.names.iter().cloned())
+            .collect();
+        for s in self.statements() {
+            if let StatementKind::Declare {
+                keyword,
+                names,
+                attributes,
+            } = &s.kind
+            {
+                self.declare(*keyword, names, attributes);
+            }
+        }
+        // Time has a unit only in a model with units.
+        if self.scope.vars.iter().any(|v| v.unit.is_some())
+            && let Some(time) = self.scope.vars.first_mut()
+        {
+            time.unit.get_or_insert_with(Unit::second);
+        }
+    }
+
+    fn declare(&mut self, keyword: Keyword, names: &[Expr], attributes: &[Attribute]) {
+        let kind = match keyword {
+            Keyword::Input => VarKind::Input,
+            Keyword::Output => VarKind::Output,
+            Keyword::Param => VarKind::Param,
+            _ => VarKind::State,
+        };
+        let declared: Vec<(String, Span)> = names
+            .iter()
+            .filter_map(|n| self.declared_names(n, keyword))
+            .flatten()
+            .collect();
+        let a = self.attributes(keyword, attributes);
+        if let ([(name, span)], Some(unit), [_]) = (declared.as_slice(), &a.unit, attributes)
+            && (name == "t" && keyword == Keyword::Input)
+        {
+            return self.declare_time(*span, unit.clone());
+        }
+        for (name, span) in declared {
+            self.add_variable(Var {
+                name,
+                kind,
+                order: a.order,
+                noise: a.noise.map(|sigma| (0, sigma)).into_iter().collect(),
+                unit: a.unit.clone(),
+                between: a.between,
+                span: Some(span),
+            });
+        }
+    }
+
+    /// `input t : unit "year"`, the only declaration of time.
+    fn declare_time(&mut self, span: Span, unit: Unit) {
+        let Some(time) = self.scope.vars.first_mut() else {
+            return;
+        };
+        match time.span.replace(span) {
+            Some(first) => self.say(errors::twice(span, first, "unit of time")),
+            None => time.unit = Some(unit),
+        }
+    }
+
+    /// One name, or a range `x1..x12`.
+    fn declared_names(&mut self, e: &Expr, keyword: Keyword) -> Option<Vec<(String, Span)>> {
+        match &e.kind {
+            ExprKind::Name(text) if text.ends_with('\'') => {
+                let base = text.trim_end_matches('\'');
+                self.scope.poisoned.insert(base.to_string());
+                self.fail(errors::declared_derivative(e.span, text))
+            }
+            ExprKind::Name(text) => Some(vec![(text.clone(), e.span)]),
+            ExprKind::Range(from, to) => {
+                let names = self.expand_range(e.span, from, to)?;
+                Some(names.into_iter().map(|n| (n, e.span)).collect())
+            }
+            ExprKind::Call(call) if call.juxtaposed => {
+                let second = call.args.first().and_then(Expr::as_name).unwrap_or("");
+                let d = errors::two_names(e.span, keyword.text(), &call.name.text, second);
+                self.scope.poisoned.insert(call.name.text.clone());
+                self.scope.poisoned.insert(second.to_string());
+                self.fail(d)
+            }
+            // `y(2)`, perhaps its order.
+            ExprKind::Call(call) => {
+                self.scope.poisoned.insert(call.name.text.clone());
+                self.fail(errors::not_a_name(e.span, keyword.text(), &call.name.text))
+            }
+            _ => self.fail(errors::not_a_name(e.span, keyword.text(), "x")),
+        }
+    }
+
+    fn add_variable(&mut self, var: Var) {
+        let span = var.span;
+        let at = span.unwrap_or(Span::new(self.file.id, 0, 0));
+        if var.name == "t" || var.name == "pi" {
+            return self.say(errors::taken(at, &var.name));
+        }
+        if self.scope.vars.len() > MODEL.variables {
+            if self.reported.insert("\0variables".to_string()) {
+                self.say(errors::too_many_variables(at, MODEL.variables));
+            }
+            return;
+        }
+        let id = VarId(self.scope.vars.len() as u16);
+        for k in 0..=var.order {
+            let name = "d".repeat(usize::from(k)) + &var.name;
+            if let Some(other) = self.scope.signals.get(&name) {
+                let other = self.scope.var(other.var).cloned();
+                if let Some(other) = other {
+                    self.say(errors::clash(at, &var, k, &other));
+                }
+                if k == 0 {
+                    return;
+                }
+            }
+        }
+        for k in 0..=var.order {
+            let name = "d".repeat(usize::from(k)) + &var.name;
+            self.scope
+                .signals
+                .entry(name)
+                .or_insert(Signal::derivative(id, k));
+        }
+        self.scope.vars.push(var);
+    }
+
+    fn attributes(&mut self, keyword: Keyword, attributes: &[Attribute]) -> Attributes {
+        let discrete = self.scope.discrete;
+        let mut out = Attributes {
+            order: u8::from(keyword == Keyword::State && discrete.is_none()),
+            noise: None,
+            unit: None,
+            between: None,
+        };
+        for (i, a) in attributes.iter().enumerate() {
+            let before = attributes.iter().take(i).find(|b| b.key.text == a.key.text);
+            if let Some(first) = before {
+                self.say(errors::twice(
+                    a.key.span,
+                    first.key.span,
+                    &format!("`{}`", a.key.text),
+                ));
+                continue;
+            }
+            match a.key.text.as_str() {
+                "order" if matches!(keyword, Keyword::State | Keyword::Input) => {
+                    if let Some(order) = self.order(keyword, a) {
+                        out.order = order;
+                    }
+                }
+                "noise" if keyword != Keyword::Param => out.noise = self.noise(a),
+                "unit" => out.unit = self.unit(a),
+                "hold" | "linear" if keyword == Keyword::Input => self.between(a, &mut out.between),
+                key if ATTRIBUTES.contains(&key) => {
+                    self.say(errors::attribute_elsewhere(a.key.span, key, keyword.text()));
+                }
+                key => {
+                    let d = errors::unknown_attribute(a.key.span, key, &ATTRIBUTES);
+                    self.say(d);
+                }
+            }
+        }
+        out
+    }
+
+    /// `order 2`
+    fn order(&mut self, keyword: Keyword, a: &Attribute) -> Option<u8> {
+        let least = u8::from(keyword == Keyword::State);
+        let value = self.attribute_number(a, "order 2")?;
+        if value.fract() != 0.0 || value < f64::from(least) || value > f64::from(MODEL.order) {
+            let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
+            return self.fail(errors::order(at, value, least, MODEL.order));
+        }
+        match self.scope.discrete {
+            Some(place) if value > f64::from(least) => {
+                self.fail(errors::order_in_discrete(a.key.span, place))
+            }
+            Some(_) => Some(0),
+            None => Some(value as u8),
+        }
+    }
+
+    /// `noise 0.01`
+    fn noise(&mut self, a: &Attribute) -> Option<f64> {
+        let value = self.attribute_number(a, "noise 0.01")?;
+        if value > 0.0 && value.is_finite() {
+            return Some(value);
+        }
+        let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
+        self.fail(errors::noise(at, value))
+    }
+
+    /// `unit "m"`
+    fn unit(&mut self, a: &Attribute) -> Option<Unit> {
+        let Some((at, text)) = a.value.as_ref().and_then(|v| self.quoted(v)) else {
+            return self.fail(errors::attribute_value(
+                a.key.span,
+                "unit",
+                "a text in quotes",
+                "unit \"m\"",
+            ));
+        };
+        let place = |range: std::ops::Range<usize>| {
+            Span::new(at.file, at.start + range.start, at.start + range.end)
+        };
+        match units::parse(text) {
+            Ok((unit, suspects)) => {
+                for s in suspects {
+                    self.say(errors::unit_unknown(place(s.at.clone()), &s));
+                }
+                Some(unit)
+            }
+            Err(fault) => self.fail(errors::unit_text(place(fault.at.clone()), &fault)),
+        }
+    }
+
+    /// The text between quotes, and its place.
+    fn quoted(&self, e: &Expr) -> Option<(Span, &str)> {
+        let ExprKind::Text(_) = e.kind else {
+            return None;
+        };
+        let inner = Span::new(e.span.file, e.span.start + 1, e.span.end.checked_sub(1)?);
+        Some((inner, self.text(inner)))
+    }
+
+    /// `hold` or `linear`
+    fn between(&mut self, a: &Attribute, between: &mut Option<Between>) {
+        if let Some(value) = &a.value {
+            return self.say(errors::attribute_without_value(value.span, &a.key.text));
+        }
+        if between.is_some() {
+            return self.say(errors::hold_and_linear(a.key.span));
+        }
+        *between = Some(if a.key.text == "hold" {
+            Between::Hold
+        } else {
+            Between::Linear
+        });
+    }
+
+    fn attribute_number(&mut self, a: &Attribute, example: &str) -> Option<f64> {
+        match &a.value {
+            Some(value) => self.early_number(value, &a.key.text, example),
+            None => self.fail(errors::attribute_value(
+                a.key.span,
+                &a.key.text,
+                "a number",
+                example,
+            )),
+        }
+    }
+
+    /// A number from `let`s that are plain numbers: declarations are checked before all others, whatever the order of lines.
+    fn early_number(&mut self, e: &Expr, key: &str, example: &str) -> Option<f64> {
+        if matches!(e.kind, ExprKind::Text(_)) {
+            return self.fail(errors::attribute_value(e.span, key, "a number", example));
+        }
+        self.constant(e, &format!("`{key}`"))
+    }
+}

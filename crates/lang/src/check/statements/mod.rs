@@ -1,0 +1,8 @@
+//! What statements mean, one file for each kind.
+
+mod constraint;
+mod data_block;
+mod declaration;
+mod equation;
+mod let_binding;
+mod symmetry;

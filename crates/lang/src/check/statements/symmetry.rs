@@ -1,0 +1,143 @@
+//! `symmetry` and `limit`: what is known about every term without data.
+//!
+//! In: these statements. Out: the variables whose sign each symmetry changes, and the bound on the degree. Prunes no library.
+
+use std::collections::BTreeSet;
+
+use crate::ast::{Attribute, Expr as Ast, ExprKind, Image, StatementKind};
+use crate::check::checker::Checker;
+use crate::check::errors;
+use crate::model::Symmetry;
+use crate::source::Span;
+use crate::term::VarId;
+use crate::thresholds::MODEL;
+
+impl Checker<'_> {
+    pub fn symmetries(&mut self) -> Vec<Symmetry> {
+        let mut out = Vec::new();
+        for s in self.statements() {
+            if let StatementKind::Symmetry { names, image } = &s.kind
+                && let Some(flipped) = self.symmetry(names, image)
+            {
+                out.push(Symmetry {
+                    flipped,
+                    span: s.span,
+                });
+            }
+        }
+        if let Some(beyond) = out.get(MODEL.symmetries) {
+            self.say(errors::too_many_symmetries(beyond.span, MODEL.symmetries));
+        }
+        out
+    }
+
+    /// `x, y -> -(x, y)`; the signs one by one, `x, y -> -x, -y`, mean the same.
+    fn symmetry(&mut self, names: &[Ast], image: &Image) -> Option<Vec<VarId>> {
+        let left = self.flipped(names)?;
+        let negated = |e: &Ast| match &e.kind {
+            ExprKind::Negate(x) => Some(x.ungrouped().clone()),
+            _ => None,
+        };
+        let items = match image.flipped {
+            true => Some(image.items.clone()),
+            false => image.items.iter().map(negated).collect::<Option<Vec<_>>>(),
+        };
+        let whole = names.first()?.span.to(names.last()?.span);
+        let Some(items) = items else {
+            return self.fail(errors::not_a_flip(image.span, self.text(whole)));
+        };
+        let right = self.flipped(&items)?;
+        let set = |vars: &[VarId]| vars.iter().copied().collect::<BTreeSet<VarId>>();
+        if set(&left) != set(&right) {
+            return self.fail(errors::flips_other_names(
+                image.span,
+                whole,
+                self.text(whole),
+            ));
+        }
+        Some(left)
+    }
+
+    /// The variables of names and ranges, each once.
+    fn flipped(&mut self, names: &[Ast]) -> Option<Vec<VarId>> {
+        let mut out: Vec<VarId> = Vec::new();
+        let mut complete = true;
+        for e in names {
+            let texts = match &e.kind {
+                ExprKind::Name(text) => Some(vec![text.clone()]),
+                ExprKind::Range(from, to) => self.expand_range(e.span, from, to),
+                _ => self.fail(errors::not_a_flipped_name(e.span)),
+            };
+            complete &= texts.is_some();
+            for text in texts.unwrap_or_default() {
+                match self.flipped_name(e.span, &text) {
+                    Some(var) if out.contains(&var) => {}
+                    Some(var) => out.push(var),
+                    None => complete = false,
+                }
+            }
+        }
+        complete.then_some(out)
+    }
+
+    fn flipped_name(&mut self, span: Span, text: &str) -> Option<VarId> {
+        let Some(s) = self.scope.signal(text) else {
+            if text == "pi" || self.scope.lets.contains_key(text) {
+                return self.fail(errors::not_a_flipped_name(span));
+            }
+            return self.unknown_name(span, text);
+        };
+        if s.der > 0 {
+            let name = self.scope.var(s.var).map_or("", |v| v.name.as_str());
+            let d = errors::flipped_derivative(span, text, name);
+            return self.fail(d);
+        }
+        if s.var == VarId::TIME && self.scope.discrete.is_some() {
+            return self.fail(errors::flipped_samples(span));
+        }
+        Some(s.var)
+    }
+
+    /// The bound of `limit degree 4`.
+    pub fn degree_limit(&mut self) -> Option<f64> {
+        let mut found: Option<(f64, Span)> = None;
+        for s in self.statements() {
+            let StatementKind::Limit(keys) = &s.kind else {
+                continue;
+            };
+            for key in keys {
+                if key.key.text != "degree" {
+                    let d = errors::unknown_limit(key.key.span, &key.key.text);
+                    self.say(d);
+                    continue;
+                }
+                let Some(bound) = self.bound(key) else {
+                    continue;
+                };
+                match found {
+                    Some((_, first)) => {
+                        self.say(errors::twice(key.key.span, first, "limit on the degree"));
+                    }
+                    None => found = Some((bound, key.key.span)),
+                }
+            }
+        }
+        found.map(|(bound, _)| bound)
+    }
+
+    fn bound(&mut self, a: &Attribute) -> Option<f64> {
+        let Some(value) = &a.value else {
+            return self.fail(errors::attribute_value(
+                a.key.span,
+                "degree",
+                "a number",
+                "limit degree 4",
+            ));
+        };
+        let bound = self.constant(value, "`limit degree`")?;
+        if (0.0..=MODEL.degree).contains(&bound) {
+            return Some(bound);
+        }
+        self.fail(errors::degree_limit(value.span, bound))
+    }
+}

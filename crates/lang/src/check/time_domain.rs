@@ -1,0 +1,55 @@
+//! Whether a model is in discrete or in continuous time.
+//!
+//! In: the statements. Out: the place that makes the model discrete: its first `next`, `lag` or generator of lagged terms. An error
+//! for a derivative in such a model. Resolves no name.
+
+use crate::ast::{Call, Expr, StatementKind};
+use crate::check::checker::Checker;
+use crate::check::errors;
+use crate::source::Span;
+
+impl Checker<'_> {
+    /// Finds the place that makes the model discrete.
+    pub fn find_time_kind(&mut self) {
+        let mut place: Option<Span> = None;
+        for s in self.statements() {
+            let exprs: Vec<&Expr> = match &s.kind {
+                StatementKind::Equation { targets, right, .. } => {
+                    targets.iter().chain([right]).collect()
+                }
+                StatementKind::Let { body, .. } => vec![body],
+                _ => continue,
+            };
+            place = place.or_else(|| exprs.into_iter().find_map(|e| self.sample_word(e)));
+        }
+        self.scope.discrete = place;
+    }
+
+    /// The first `next(…)`, `lag(…)` or discrete generator in an expression.
+    fn sample_word(&self, e: &Expr) -> Option<Span> {
+        let generator = |name: &str| self.vocabulary.generator(name);
+        let sampled = |call: &Call| {
+            let name = call.name.text.as_str();
+            ["next", "lag"].contains(&name) || generator(name).is_some_and(|g| g.discrete_only)
+        };
+        e.find_call(&sampled).map(|found| found.span)
+    }
+
+    /// Reports `dx` in a discrete model, where the name does not exist, and is true; false for other names.
+    pub fn derivative_in_discrete(&mut self, at: Span, text: &str) -> bool {
+        let Some(place) = self.scope.discrete else {
+            return false;
+        };
+        let base = text.trim_end_matches('\'');
+        let undotted = base.trim_start_matches('d');
+        let is_derivative = base.len() < text.len() && self.scope.signal(base).is_some()
+            || (0..base.len() - undotted.len()).any(|k| {
+                base.get(k + 1..)
+                    .is_some_and(|rest| self.scope.signals.get(rest).is_some_and(|s| s.var.0 != 0))
+            });
+        if is_derivative {
+            self.say(errors::derivative_in_discrete(at, text, place));
+        }
+        is_derivative
+    }
+}

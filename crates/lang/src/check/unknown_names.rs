@@ -1,0 +1,239 @@
+//! Names that nothing declares, and what was probably meant.
+//!
+//! In: a name and its place. Out: one error for each name, with the nearest name in scope or the way to declare it.
+
+use crate::ast::{Call, Expr as Ast, Keyword, StatementKind};
+use crate::check::checker::Checker;
+use crate::check::errors;
+use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::parse::confusables;
+use crate::source::Span;
+use crate::term::{FUNCTIONS, Func};
+use crate::thresholds::MESSAGES;
+
+/// Words that have a meaning in one place only, and where.
+const PLACED: [(&str, &str); 5] = [
+    (
+        "known",
+        "`known(…)` is a summand of its own on the right of `~`: `dx ~ known(-9.8*x) + poly(x; 3)`",
+    ),
+    (
+        "coef",
+        "`coef(…)` stands in a constraint: `constrain coef(dx, x) < 0`",
+    ),
+    (
+        "unwrap",
+        "`unwrap(…)` stands in the data block: `theta = unwrap(\"Angle\", 2*pi)`",
+    ),
+    (
+        "delay",
+        "`delay` is reserved for a later version; `lag(u, k)` is k samples back in discrete time",
+    ),
+    ("next", "`next(x)` takes one state"),
+];
+
+impl Checker<'_> {
+    /// Reports an unknown name, once.
+    pub fn unknown_name<T>(&mut self, at: Span, text: &str) -> Option<T> {
+        if self.scope.is_poisoned(text) || !self.reported.insert(text.to_string()) {
+            return None;
+        }
+        if self.reported.len() > MESSAGES.unknown_names {
+            // The model fails anyway, and each report costs a search among all names.
+            return None;
+        }
+        if self.derivative_in_discrete(at, text) {
+            return None;
+        }
+        let d = self.describe_unknown(at, text);
+        self.fail(d)
+    }
+
+    fn describe_unknown(&self, at: Span, text: &str) -> Diagnostic {
+        if Func::named(text).is_some() {
+            return errors::function_without_argument(at, text, self.negated_name_after(at));
+        }
+        if let Some(generator) = self.vocabulary.generator(text) {
+            return errors::generator_without_arguments(at, generator.name, generator.usage);
+        }
+        if let Some(later) = self.later_let(text) {
+            return errors::let_used_before(at, text, later);
+        }
+        let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
+        let meant = self.meant(text);
+        let d = match &meant {
+            Some(name) => {
+                let d = d.at(at, format!("did you mean `{name}`?"));
+                self.point_to_declaration(d, name)
+            }
+            None => d.at(at, "not declared"),
+        };
+        let d = d.fact(format!("in scope: {}", self.scope.in_scope()));
+        let plain = plain(text);
+        let known = self.scope.signal(&plain).is_some();
+        match self.too_high_derivative(&plain).filter(|_| !known) {
+            Some(help) => d.help(help),
+            None if meant.is_some() => d,
+            None if Keyword::named(text).is_some() => d.help(format!(
+                "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`; as a name declare it: \
+                 `state {text}`"
+            )),
+            None => d.help(format!(
+                "declare it: `state {text}`, `input {text}` or `let {text} = …`"
+            )),
+        }
+    }
+
+    /// The `x` of `sin -x`.
+    fn negated_name_after(&self, at: Span) -> Option<&str> {
+        let rest = self
+            .file
+            .text
+            .get(at.end..)?
+            .trim_start()
+            .strip_prefix('-')?
+            .trim_start();
+        let end = rest
+            .find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '\''))
+            .unwrap_or(rest.len());
+        rest.get(..end).filter(|name| !name.is_empty())
+    }
+
+    /// The name in scope that was probably meant.
+    fn meant(&self, text: &str) -> Option<String> {
+        let names = || self.scope.signals.keys().chain(self.scope.lets.keys());
+        let plain = plain(text);
+        let spelt = confusables::spelt_out(&plain);
+        let same = names().find(|n| **n == plain || confusables::spelt_out(n) == spelt);
+        if let Some(name) = same {
+            return Some(name.clone());
+        }
+        if self.scope.signal(&plain).is_some() {
+            return Some(plain);
+        }
+        // Every letter is one edit from every other, so only the other case of one letter counts as near.
+        let short = text.chars().count() == 1;
+        let near = names()
+            .map(String::as_str)
+            .filter(|n| !short || n.to_lowercase() == text.to_lowercase())
+            .filter(|n| *n != "t" || text == "T");
+        did_you_mean(text, near).map(str::to_string)
+    }
+
+    fn point_to_declaration(&self, d: Diagnostic, name: &str) -> Diagnostic {
+        if let Some(s) = self.scope.signal(name) {
+            let span = self.scope.var(s.var).and_then(|v| v.span);
+            return match span {
+                Some(span) => d.also(span, format!("declares {}", self.scope.spellings(s.var))),
+                None => d,
+            };
+        }
+        match self.scope.lets.get(name) {
+            Some(l) => d.also(l.span, format!("defines {name}")),
+            None => d,
+        }
+    }
+
+    /// For `ddx` where `x` has order 1: the declaration that it needs.
+    fn too_high_derivative(&self, text: &str) -> Option<String> {
+        let primes = text.len() - text.trim_end_matches('\'').len();
+        let base = text.trim_end_matches('\'');
+        let cut = (1..=base.len() - base.trim_start_matches('d').len())
+            .rev()
+            .chain([0])
+            .find(|k| {
+                base.get(*k..)
+                    .is_some_and(|rest| self.scope.signals.contains_key(rest))
+            })?;
+        let rest = base.get(cut..)?;
+        let s = self.scope.signals.get(rest)?;
+        let var = self.scope.var(s.var).filter(|v| v.span.is_some())?;
+        let order = usize::from(s.der) + cut + primes;
+        match var.kind {
+            crate::model::VarKind::State => {
+                Some(format!("declare `state {} : order {order}`", var.name))
+            }
+            crate::model::VarKind::Input => {
+                Some(format!("declare `input {} : order {order}`", var.name))
+            }
+            _ => None,
+        }
+    }
+
+    fn later_let(&self, text: &str) -> Option<Span> {
+        self.statements().find_map(|s| match &s.kind {
+            StatementKind::Let { name, .. } if name.text == text => Some(name.span),
+            _ => None,
+        })
+    }
+
+    /// Reports a call of something that is not a function: `x(1 - x)`, `x y`, `sine(x)`.
+    pub fn not_a_function<T>(&mut self, e: &Ast, call: &Call) -> Option<T> {
+        let name = call.name.text.as_str();
+        let at = call.name.span;
+        if let Some((_, help)) = PLACED.iter().find(|(word, _)| *word == name) {
+            return self.fail(errors::word_elsewhere(at, name, help));
+        }
+        if self.vocabulary.generator(name).is_some() {
+            return self.fail(errors::library_inside(
+                e.span,
+                &format!("the library `{name}(…)`"),
+            ));
+        }
+        if self.scope.is_poisoned(name) {
+            return None;
+        }
+        let known =
+            self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi";
+        if known {
+            return self.product_without_sign(e, call);
+        }
+        let candidates = FUNCTIONS
+            .iter()
+            .map(|f| f.name)
+            .chain(self.vocabulary.generators.iter().map(|g| g.name))
+            .chain(["next", "lag", "known"]);
+        let near = did_you_mean(name, candidates).map(str::to_string);
+        if !self.reported.insert(name.to_string()) {
+            return None;
+        }
+        self.fail(errors::unknown_function(
+            at,
+            name,
+            near,
+            &self.vocabulary.generators,
+        ))
+    }
+
+    /// `x y`, `x(1 - y)`, or two lines of a list without a comma between them.
+    fn product_without_sign<T>(&mut self, e: &Ast, call: &Call) -> Option<T> {
+        let right = call.args.first().map_or(e.span, |a| a.span);
+        let between = Span::new(at_file(e), call.name.span.end, right.start);
+        if self.text(between).contains('\n') {
+            let (left, right) = (self.text(call.name.span), self.text(right));
+            return self.fail(errors::missing_comma(call.name.span, left, right));
+        }
+        let left = Span::new(at_file(e), e.span.start, call.name.span.end);
+        let left = match call.power {
+            Some((_, power)) => left.to(power),
+            None => left,
+        };
+        let tail = Span::new(at_file(e), left.end, e.span.end);
+        let fixed = format!("{}*{}", self.text(left), self.text(tail).trim());
+        self.fail(errors::product_without_sign(
+            e.span,
+            &call.name.text,
+            &fixed,
+        ))
+    }
+}
+
+fn at_file(e: &Ast) -> crate::source::FileId {
+    e.span.file
+}
+
+/// A name with its derivatives written as leading `d`s.
+fn plain(text: &str) -> String {
+    let other = confusables::dotted(text).or_else(|| confusables::spelt_elsewhere(text));
+    other.unwrap_or_else(|| text.to_string())
+}

@@ -1,0 +1,53 @@
+//! The `.sid` language: text → ast → checked model, with diagnostics that carry places.
+//!
+//! [`compile`] is the whole flow: `parse` builds the statements, `check` resolves names into a [`model::Model`]. `library` expands
+//! its sets of candidate terms, `term` holds the expressions themselves, `units` their units, `render` shows what went wrong.
+//! Knows nothing of data, numerical methods or solvers; opens no file.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod ast;
+mod check;
+pub mod diagnostic;
+mod format;
+pub mod library;
+pub mod model;
+pub mod number;
+pub mod parse;
+pub mod render;
+pub mod source;
+pub mod term;
+mod thresholds;
+pub mod units;
+
+pub use check::{GeneratorSignature, Vocabulary, check};
+pub use format::format;
+pub use parse::parse;
+pub use render::render;
+
+pub use thresholds::tables as thresholds;
+
+use diagnostic::Diagnostic;
+use model::Model;
+use source::{FileId, Sources};
+
+/// Parses and checks one model. The model is `None` exactly if a finding is an error. Findings are sorted by severity, then place.
+pub fn compile(
+    id: FileId,
+    sources: &Sources,
+    vocabulary: &Vocabulary,
+) -> (Option<Model>, Vec<Diagnostic>) {
+    let text = sources.get(id).map_or("", |s| s.text.as_str());
+    let (file, mut found) = parse(id, text);
+    let (model, more) = check(&file, vocabulary);
+    found.extend(more);
+    found.sort_by_key(|d| (d.severity, place(d)));
+    let failed = found.iter().any(Diagnostic::is_error);
+    (model.filter(|_| !failed), found)
+}
+
+/// The first primary place of a finding, in bytes; 0 if it has none.
+fn place(d: &Diagnostic) -> usize {
+    let primary = d.labels.iter().filter(|l| l.primary);
+    primary.map(|l| l.span.start).min().unwrap_or(0)
+}

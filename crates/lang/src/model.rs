@@ -1,0 +1,253 @@
+//! A checked model: every name resolved, every statement understood, every node with its span.
+//!
+//! Made by [`super::check`]; read by the library, the data reader and the emitters. Never holds data.
+
+use std::collections::BTreeMap;
+
+use crate::source::Span;
+use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
+use crate::units;
+use crate::units::Unit;
+
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Name of the `system` statement.
+    pub system: Option<String>,
+    /// Declared variables; index 0 is time `t`.
+    pub vars: Vec<Var>,
+    /// True if the model mentions `next` or lagged samples: times are sample numbers, derivatives do not exist.
+    pub discrete: bool,
+    pub equations: Vec<Equation>,
+    pub constraints: Vec<Constraint>,
+    pub symmetries: Vec<Symmetry>,
+    /// Largest sum of |exponents| of a term, if limited.
+    pub degree: Option<f64>,
+    pub data: DataBlock,
+}
+
+/// `symmetry y, theta -> -(y, theta)`: the equations hold as well with these variables' signs changed.
+#[derive(Clone, Debug)]
+pub struct Symmetry {
+    pub flipped: Vec<VarId>,
+    pub span: Span,
+}
+
+impl Symmetry {
+    /// True if the symmetry changes the sign of a signal. Derivatives and shifted samples change with their variable; a change of
+    /// the sign of time adds one change for each derivative.
+    pub fn flips(&self, s: Signal) -> bool {
+        let has = |var: VarId| self.flipped.contains(&var);
+        has(s.var) ^ (has(VarId::TIME) && s.der % 2 == 1)
+    }
+}
+
+#[derive(Clone, Debug)]
+pub struct Var {
+    pub name: String,
+    pub kind: VarKind,
+    /// Highest derivative that exists.
+    pub order: u8,
+    /// Standard deviation of the sensor's noise by order of derivative, each in model units.
+    pub noise: BTreeMap<u8, f64>,
+    /// Its unit. Time is in seconds in a model that declares any unit.
+    pub unit: Option<Unit>,
+    /// How an input moves between samples, if declared.
+    pub between: Option<Between>,
+    /// Where it was declared; `None` for time.
+    pub span: Option<Span>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VarKind {
+    Time,
+    State,
+    Input,
+    Output,
+    /// Constant along a trajectory.
+    Param,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// Zero-order hold: the value of a sample lasts until the next.
+    Hold,
+    Linear,
+}
+
+/// One equation: the target signal, and what is known or asked about it.
+#[derive(Clone, Debug)]
+pub struct Equation {
+    pub target: Signal,
+    pub target_span: Span,
+    /// The whole statement.
+    pub span: Span,
+    pub right: RightSide,
+}
+
+#[derive(Clone, Debug)]
+pub enum RightSide {
+    /// `TARGET = EXPR`
+    Known(Expr),
+    /// `TARGET ~ known(EXPR) + LIBRARY`; `library` is `None` if only known parts were written.
+    Search {
+        known: Vec<(Expr, Span)>,
+        library: Option<LibExpr>,
+    },
+}
+
+/// An expression over sets of terms, names resolved, not yet expanded.
+#[derive(Clone, Debug)]
+pub struct LibExpr {
+    pub span: Span,
+    pub kind: LibKind,
+}
+
+impl LibExpr {
+    pub fn new(span: Span, kind: LibKind) -> Self {
+        LibExpr { span, kind }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub enum LibKind {
+    /// A bare term: a set of one. The numeric factor is kept so that a note can name it.
+    Term(Expr),
+    /// `< a, b, trig >`: items are terms or whole libraries.
+    List(Vec<LibExpr>),
+    Union(Box<LibExpr>, Box<LibExpr>),
+    Difference(Box<LibExpr>, Box<LibExpr>),
+    Product(Box<LibExpr>, Box<LibExpr>),
+    /// The divisor must expand to exactly one term.
+    Quotient(Box<LibExpr>, Box<LibExpr>),
+    /// The base must expand to exactly one term.
+    Power(Box<LibExpr>, f64),
+    /// `name(args; numbers)`
+    Generate {
+        name: String,
+        name_span: Span,
+        args: Vec<LibExpr>,
+        numbers: Vec<NumberArg>,
+    },
+    /// A `let` library used by name: `span` is the use, `body.span` the definition.
+    Named {
+        name: String,
+        body: Box<LibExpr>,
+    },
+}
+
+/// A number after the `;` of a generator: `2` is `2..2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NumberArg {
+    pub from: f64,
+    pub to: f64,
+    /// True if written as a range `a..b`.
+    pub range: bool,
+    pub span: Span,
+}
+
+/// `Σ weight · coef(target, term) + constant  RELATION  0`
+#[derive(Clone, Debug)]
+pub struct Constraint {
+    pub coefficients: Vec<Coefficient>,
+    pub constant: f64,
+    pub relation: Relation,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub struct Coefficient {
+    pub weight: f64,
+    pub target: Signal,
+    pub term: Term,
+    pub span: Span,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    Less,
+    LessOrEqual,
+    Equal,
+    GreaterOrEqual,
+    Greater,
+}
+
+/// Where signals come from; without an entry, columns match by name.
+#[derive(Clone, Debug, Default)]
+pub struct DataBlock {
+    /// The whole block, if written.
+    pub span: Option<Span>,
+    pub entries: Vec<DataEntry>,
+    /// `step 0.01`: sampling interval in seconds where there is no time column.
+    pub step: Option<(f64, Span)>,
+    /// `run = "exp_id"`: the column that splits one file into trajectories.
+    pub run: Option<(String, Span)>,
+}
+
+#[derive(Clone, Debug)]
+pub struct DataEntry {
+    pub signal: Signal,
+    /// The name on the left.
+    pub span: Span,
+    /// `None` for `dy = none`.
+    pub source: Option<ColumnExpr>,
+}
+
+/// Arithmetic on the columns of a data file.
+#[derive(Clone, Debug)]
+pub struct ColumnExpr {
+    pub span: Span,
+    pub kind: ColumnKind,
+}
+
+#[derive(Clone, Debug)]
+pub enum ColumnKind {
+    Number(f64),
+    /// A header, trimmed.
+    Column(String),
+    Negate(Box<ColumnExpr>),
+    Add(Box<ColumnExpr>, Box<ColumnExpr>),
+    Subtract(Box<ColumnExpr>, Box<ColumnExpr>),
+    Multiply(Box<ColumnExpr>, Box<ColumnExpr>),
+    Divide(Box<ColumnExpr>, Box<ColumnExpr>),
+    Power(Box<ColumnExpr>, f64),
+    Call(Func, Vec<ColumnExpr>),
+    /// `unwrap(column, period)`: jumps of more than half a period are undone.
+    Unwrap(Box<ColumnExpr>, f64),
+}
+
+impl Model {
+    pub fn var(&self, id: VarId) -> Option<&Var> {
+        self.vars.get(id.0 as usize)
+    }
+
+    /// Standard deviation of a signal's measurement noise in model units, if declared.
+    pub fn noise(&self, s: Signal) -> Option<f64> {
+        self.var(s.var)?.noise.get(&s.der).copied()
+    }
+
+    /// The unit of a signal, if its variable declares one.
+    pub fn unit(&self, s: Signal) -> Option<Unit> {
+        let of = |id: VarId| self.var(id)?.unit.as_ref();
+        units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
+    }
+
+    /// True if a derivative or the next sample of a variable has an equation.
+    pub fn has_equation(&self, id: VarId) -> bool {
+        self.equations.iter().any(|e| e.target.var == id)
+    }
+
+    /// Declared variables of one kind, in order of declaration.
+    pub fn vars_of(&self, kind: VarKind) -> impl Iterator<Item = (VarId, &Var)> {
+        self.vars
+            .iter()
+            .enumerate()
+            .filter(move |(_, v)| v.kind == kind)
+            .map(|(i, v)| (VarId(i as u16), v))
+    }
+}
+
+impl SignalNames for Model {
+    fn variable(&self, var: VarId) -> &str {
+        self.var(var).map_or("?", |v| &v.name)
+    }
+}

@@ -1,0 +1,293 @@
+//! Explains where a statement does not match its grammar rule.
+//!
+//! In: the error of the grammar, and the tokens of the statement. Out: one diagnostic. The usual mistakes are named (a missing `*`,
+//! `sin 2*theta`, attributes without a colon); the rest reads "expected …, found …". Parses nothing.
+
+use std::collections::BTreeSet;
+
+use pest::error::{Error, ErrorVariant, InputLocation};
+
+use crate::ast::ATTRIBUTES;
+use crate::ast::{KEYWORDS, Keyword};
+use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::parse::grammar::Rule;
+use crate::parse::lexer::{Token, TokenKind};
+use crate::parse::syntax_errors;
+use crate::source::{FileId, Span};
+use crate::term::Func;
+
+/// The token at which a statement stops matching its rule.
+struct FailurePoint<'a, 't> {
+    file: FileId,
+    /// The code tokens of the statement.
+    tokens: Vec<&'a Token<'t>>,
+    /// Index of the token that was not expected; one past the end if the statement ends early.
+    at: usize,
+    keyword: Option<Keyword>,
+}
+
+pub fn explain(
+    file: FileId,
+    start: usize,
+    tokens: &[Token],
+    keyword: Option<Keyword>,
+    rule: Rule,
+    error: &Error<Rule>,
+) -> Diagnostic {
+    let offset = match error.location {
+        InputLocation::Pos(p) | InputLocation::Span((p, _)) => start + p,
+    };
+    let tokens: Vec<&Token> = tokens.iter().filter(|t| t.is_code()).collect();
+    let at = tokens
+        .iter()
+        .position(|t| t.end > offset)
+        .unwrap_or(tokens.len());
+    let stop = FailurePoint {
+        file,
+        tokens,
+        at,
+        keyword,
+    };
+    stop.misspelt_keyword(rule)
+        .or_else(|| stop.missing_colon(rule))
+        .or_else(|| stop.missing_arrow(rule))
+        .or_else(|| stop.juxtaposed())
+        .or_else(|| stop.missing_operator())
+        .unwrap_or_else(|| stop.generic(rule, error))
+}
+
+impl<'t> FailurePoint<'_, 't> {
+    fn get(&self, i: usize) -> Option<&Token<'t>> {
+        self.tokens.get(i).copied()
+    }
+
+    fn found(&self) -> Option<&Token<'t>> {
+        self.get(self.at)
+    }
+
+    /// The token `k` before the one that was not expected.
+    fn before(&self, k: usize) -> Option<&Token<'t>> {
+        self.at.checked_sub(k).and_then(|i| self.get(i))
+    }
+
+    fn span(&self, from: &Token, to: &Token) -> Span {
+        from.span(self.file).to(to.span(self.file))
+    }
+
+    /// `stat x, y`
+    fn misspelt_keyword(&self, rule: Rule) -> Option<Diagnostic> {
+        let first = self.get(0).filter(|t| t.kind == TokenKind::Name)?;
+        let relates = self.tokens.iter().any(|t| t.is("~") || t.is("="));
+        if rule != Rule::equation || relates {
+            return None;
+        }
+        let error = syntax_errors::not_a_statement(first.span(self.file), first.text);
+        Some(
+            match did_you_mean(first.text, KEYWORDS.iter().map(|(t, _)| *t)) {
+                Some(keyword) => error.help(format!("did you mean `{keyword}`?")),
+                None if self.tokens.len() > 1 => {
+                    error.help("an equation has a `~`: `dx ~ poly(x; 3)`")
+                }
+                None => error.help("delete the line, or complete it"),
+            },
+        )
+    }
+
+    /// `state x order 2`
+    fn missing_colon(&self, rule: Rule) -> Option<Diagnostic> {
+        if rule != Rule::declare || self.tokens.iter().any(|t| t.is(":")) {
+            return None;
+        }
+        let key = [self.at.checked_sub(1)?, self.at]
+            .into_iter()
+            .find(|&i| self.get(i).is_some_and(|t| ATTRIBUTES.contains(&t.text)))?;
+        let word = self.get(key)?;
+        let (names, rest) = (self.phrase(0, key), self.phrase(key, self.tokens.len()));
+        Some(
+            syntax_errors::unexpected(word.span(self.file), word.text, "`:` before the attributes")
+                .help(format!("write `{names} : {rest}`")),
+        )
+    }
+
+    /// `symmetry x = -x`
+    fn missing_arrow(&self, rule: Rule) -> Option<Diagnostic> {
+        if rule != Rule::symmetry || self.tokens.iter().any(|t| t.is("->")) {
+            return None;
+        }
+        let d = match self.found() {
+            Some(found) => syntax_errors::unexpected(found.span(self.file), found.text, "`->`"),
+            None => syntax_errors::ends_early(self.before(1)?.span(self.file), "`->`"),
+        };
+        Some(d.help(format!("the form is `{}`", example(rule))))
+    }
+
+    /// The text of the tokens from one to before another, with single spaces.
+    fn phrase(&self, from: usize, to: usize) -> String {
+        let mut out = String::new();
+        for token in (from..to).filter_map(|i| self.get(i)) {
+            if !out.is_empty() && !token.is(",") {
+                out.push(' ');
+            }
+            out.push_str(token.text);
+        }
+        out
+    }
+
+    /// `sin 2*theta`, `sin "Angle"`, `exp sin x`
+    fn juxtaposed(&self) -> Option<Diagnostic> {
+        let (found, last) = (self.found()?, self.before(1)?);
+        if is_function(last) && matches!(found.kind, TokenKind::Number | TokenKind::Text) {
+            let end = self.product_end(self.at);
+            let (whole, to) = (self.text(self.at, end), self.get(end)?);
+            let name = last.text;
+            let mut readings = vec![format!("{name}({whole})")];
+            if end > self.at {
+                let rest = self.text(self.at + 1, end);
+                readings.insert(0, format!("{name}({}){rest}", found.text));
+            }
+            return Some(syntax_errors::ambiguous_argument(
+                self.span(last, to),
+                name,
+                &readings,
+            ));
+        }
+        let outer = self.before(2).filter(|t| is_function(t))?;
+        if is_function(last) && found.kind == TokenKind::Name {
+            let (f, g, x) = (outer.text, last.text, found.text);
+            let readings = [format!("{f}({g}({x}))"), format!("{f}(…) * {g}({x})")];
+            return Some(syntax_errors::ambiguous_argument(
+                self.span(outer, found),
+                f,
+                &readings,
+            ));
+        }
+        None
+    }
+
+    /// The last token of the product that begins at `from`.
+    fn product_end(&self, from: usize) -> usize {
+        let mut end = from;
+        while let (Some(op), Some(next)) = (self.get(end + 1), self.get(end + 2)) {
+            let joins = ["*", "/", "^"].contains(&op.text);
+            if !joins || !matches!(next.kind, TokenKind::Name | TokenKind::Number) {
+                break;
+            }
+            end += 2;
+        }
+        end
+    }
+
+    fn text(&self, from: usize, to: usize) -> String {
+        (from..=to)
+            .filter_map(|i| self.get(i))
+            .map(|t| t.text)
+            .collect()
+    }
+
+    /// `2 x`, `(a)(b)`, a comma forgotten at the end of a line
+    fn missing_operator(&self) -> Option<Diagnostic> {
+        let (found, last) = (self.found()?, self.before(1)?);
+        let relation = self.keyword == Some(Keyword::Constrain);
+        let ends = last.is_operand() || last.is(")") || last.is(">") && !relation;
+        let begins = found.is_operand() || found.is("(") || found.is("<") && !relation;
+        let opens = self.keyword.is_some() && self.at == 1;
+        if !ends || !begins || opens {
+            return None;
+        }
+        let applied = self
+            .before(2)
+            .filter(|t| is_function(t) && last.kind == TokenKind::Name);
+        let first = match applied {
+            Some(f) => format!("{}({})", f.text, last.text),
+            None if last.kind == TokenKind::Symbol => "…".to_string() + last.text,
+            None => last.text.to_string(),
+        };
+        let second = match found.kind {
+            TokenKind::Symbol => format!("{}…", found.text),
+            _ => found.text.to_string(),
+        };
+        Some(syntax_errors::missing_operator(
+            last.span(self.file),
+            found.span(self.file),
+            &first,
+            &second,
+        ))
+    }
+
+    fn generic(&self, rule: Rule, error: &Error<Rule>) -> Diagnostic {
+        let expected = expected_words(error);
+        let diagnostic = match (self.found(), self.before(1)) {
+            (Some(found), _) => {
+                syntax_errors::unexpected(found.span(self.file), found.text, &expected)
+            }
+            (None, Some(last)) => syntax_errors::ends_early(last.span(self.file), &expected),
+            (None, None) => syntax_errors::ends_early(Span::new(self.file, 0, 0), &expected),
+        };
+        match example(rule) {
+            "" => diagnostic,
+            example => diagnostic.help(format!("the form is `{example}`")),
+        }
+    }
+}
+
+fn is_function(token: &Token) -> bool {
+    token.kind == TokenKind::Name && Func::named(token.text).is_some()
+}
+
+fn example(rule: Rule) -> &'static str {
+    match rule {
+        Rule::version => "sidc 1",
+        Rule::system => "system pendulum",
+        Rule::declare => "state x, y : order 2, noise 0.01",
+        Rule::constant => "let g = 9.81",
+        Rule::constrain => "constrain coef(dx, x) < 0",
+        Rule::symmetry => "symmetry x, y -> -(x, y)",
+        Rule::limit => "limit degree 4",
+        Rule::step => "step 0.01",
+        Rule::source => "x = \"Column\" * 1e-3",
+        Rule::equation => "dx ~ poly(x, y; 3)",
+        _ => "",
+    }
+}
+
+fn expected_words(error: &Error<Rule>) -> String {
+    let ErrorVariant::ParsingError { positives, .. } = &error.variant else {
+        return "something else".to_string();
+    };
+    let mut seen = BTreeSet::new();
+    let words = positives.iter().filter_map(|r| word(*r));
+    let mut words: Vec<&str> = words.filter(|w| seen.insert(*w)).collect();
+    if words.contains(&"an expression") {
+        words.retain(|w| !["a name", "a number"].contains(w));
+    }
+    match words.as_slice() {
+        [] => "an expression".to_string(),
+        [one] => (*one).to_string(),
+        [many @ .., last] => format!("{} or {last}", many.join(", ")),
+    }
+}
+
+fn word(rule: Rule) -> Option<&'static str> {
+    Some(match rule {
+        Rule::word | Rule::name => "a name",
+        Rule::names => "names",
+        Rule::image | Rule::flipped => "`-(…)`",
+        Rule::number => "a number",
+        Rule::text
+        | Rule::list
+        | Rule::group
+        | Rule::reference
+        | Rule::expr
+        | Rule::item
+        | Rule::items
+        | Rule::negate => "an expression",
+        Rule::add | Rule::subtract | Rule::multiply | Rule::divide => "an operator",
+        Rule::exponent => "an exponent",
+        Rule::relates => "`~` or `=`",
+        Rule::relation => "a relation",
+        Rule::attribute => "an attribute",
+        Rule::numbers => "a number",
+        Rule::EOI => "the end of the statement",
+        _ => return None,
+    })
+}

@@ -1,0 +1,291 @@
+//! Text → tokens with places, comments and line ends included.
+//!
+//! In: any text. Out: tokens that cover everything but blanks, and an error for each character or number that the language does
+//! not have. Its users are the cut into statements, the explanation of syntax errors, and the formatter. The grammar reads the
+//! text itself, where comments and line ends are white space.
+
+use unicode_normalization::UnicodeNormalization;
+
+use crate::diagnostic::Diagnostic;
+use crate::parse::confusables;
+use crate::parse::syntax_errors;
+use crate::source::{FileId, Span};
+use crate::thresholds::MESSAGES;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TokenKind {
+    /// Primes included: `x''`.
+    Name,
+    Number,
+    /// Quotes included.
+    Text,
+    Symbol,
+    Comment,
+    Newline,
+    /// Not of the language; an error was reported.
+    Bad,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Token<'t> {
+    pub kind: TokenKind,
+    pub start: usize,
+    pub end: usize,
+    pub text: &'t str,
+}
+
+impl Token<'_> {
+    pub fn is(&self, symbol: &str) -> bool {
+        self.kind == TokenKind::Symbol && self.text == symbol
+    }
+
+    /// Neither comment nor line end.
+    pub fn is_code(&self) -> bool {
+        !matches!(self.kind, TokenKind::Comment | TokenKind::Newline)
+    }
+
+    /// A name, a number or a quoted text.
+    pub fn is_operand(&self) -> bool {
+        use TokenKind::{Name, Number, Text};
+        matches!(self.kind, Name | Number | Text)
+    }
+
+    pub fn span(&self, file: FileId) -> Span {
+        Span::new(file, self.start, self.end)
+    }
+}
+
+/// A name in Unicode normalisation form C, as the checker compares names.
+pub fn normalise(name: &str) -> String {
+    if name.is_ascii() {
+        return name.to_string();
+    }
+    name.nfc().collect()
+}
+
+/// Splits a text into tokens.
+pub fn tokenize(file: FileId, text: &str) -> (Vec<Token<'_>>, Vec<Diagnostic>) {
+    let mut lexer = Lexer {
+        file,
+        text,
+        at: 0,
+        out: Vec::with_capacity(text.len() / 3),
+        errors: Vec::new(),
+    };
+    while let Some(c) = lexer.peek() {
+        lexer.step(c);
+    }
+    (lexer.out, lexer.errors)
+}
+
+pub fn is_blank(c: char) -> bool {
+    matches!(c, ' ' | '\t' | '\r' | '\u{A0}' | '\u{FEFF}')
+}
+
+/// True if a text can be a name.
+pub fn is_name(text: &str) -> bool {
+    text.starts_with(starts_name) && text.chars().all(continues_name)
+}
+
+fn starts_name(c: char) -> bool {
+    c.is_alphabetic() || c == '_'
+}
+
+fn continues_name(c: char) -> bool {
+    starts_name(c) || c.is_ascii_digit() || unicode_normalization::char::is_combining_mark(c)
+}
+
+struct Lexer<'t> {
+    file: FileId,
+    text: &'t str,
+    at: usize,
+    out: Vec<Token<'t>>,
+    errors: Vec<Diagnostic>,
+}
+
+const PAIRS: [&str; 5] = ["..", "<=", ">=", "==", "->"];
+const SINGLES: &str = "+-*/^~=:;,()<>{}";
+
+impl<'t> Lexer<'t> {
+    fn rest(&self) -> &'t str {
+        self.text.get(self.at..).unwrap_or("")
+    }
+
+    fn peek(&self) -> Option<char> {
+        self.rest().chars().next()
+    }
+
+    /// Moves past characters while they satisfy `wanted`.
+    fn skip(&mut self, wanted: impl Fn(char) -> bool) {
+        let rest = self.rest();
+        self.at += rest.find(|c| !wanted(c)).unwrap_or(rest.len());
+    }
+
+    fn push(&mut self, kind: TokenKind, start: usize) -> &'t str {
+        let text = self.text.get(start..self.at).unwrap_or("");
+        self.out.push(Token {
+            kind,
+            start,
+            end: self.at,
+            text,
+        });
+        text
+    }
+
+    fn span(&self, start: usize) -> Span {
+        Span::new(self.file, start, self.at)
+    }
+
+    fn step(&mut self, c: char) {
+        let start = self.at;
+        if is_blank(c) {
+            self.skip(is_blank);
+        } else if c == '\n' {
+            self.at += 1;
+            self.push(TokenKind::Newline, start);
+        } else if c == '#' {
+            self.skip(|c| c != '\n');
+            self.push(TokenKind::Comment, start);
+        } else if c == '"' {
+            self.quoted(start);
+        } else if c.is_ascii_digit() {
+            self.number(start);
+        } else if starts_name(c) {
+            self.name(start);
+        } else {
+            self.symbol(start, c);
+        }
+    }
+
+    fn quoted(&mut self, start: usize) {
+        self.at += 1;
+        self.skip(|c| c != '"' && c != '\n');
+        if self.peek() == Some('"') {
+            self.at += 1;
+            self.push(TokenKind::Text, start);
+        } else {
+            let text = self.push(TokenKind::Bad, start);
+            self.errors
+                .push(syntax_errors::unclosed_quote(self.span(start), text));
+        }
+    }
+
+    fn number(&mut self, start: usize) {
+        self.skip(|c| c.is_ascii_digit());
+        let mut dangling = false;
+        if self.rest().starts_with('.') && !self.rest().starts_with("..") {
+            self.at += 1;
+            let digits = self.at;
+            self.skip(|c| c.is_ascii_digit());
+            dangling = self.at == digits;
+        }
+        self.exponent();
+        let text = self.text.get(start..self.at).unwrap_or("");
+        if dangling {
+            self.bad(start, syntax_errors::dangling_dot(self.span(start), text));
+        } else if !in_range(text) {
+            self.bad(start, syntax_errors::number_range(self.span(start), text));
+        } else if self.peek().is_some_and(starts_name) {
+            let number = text;
+            let name = self.at;
+            self.skip(continues_name);
+            let name = self.text.get(name..self.at).unwrap_or("");
+            let span = self.span(start);
+            self.bad(start, syntax_errors::implicit_product(span, number, name));
+        } else {
+            self.push(TokenKind::Number, start);
+        }
+    }
+
+    /// `e-3`, if digits follow: `2e` is the number 2 and the name e.
+    fn exponent(&mut self) {
+        let rest = self.rest();
+        let Some(tail) = rest.strip_prefix(['e', 'E']) else {
+            return;
+        };
+        let digits = tail.strip_prefix(['+', '-']).unwrap_or(tail);
+        if digits.starts_with(|c: char| c.is_ascii_digit()) {
+            self.at += rest.len() - digits.len();
+            self.skip(|c| c.is_ascii_digit());
+        }
+    }
+
+    fn name(&mut self, start: usize) {
+        self.skip(continues_name);
+        let name = self.text.get(start..self.at).unwrap_or("");
+        if !name.is_ascii()
+            && let Some(ascii) = confusables::accented(&normalise(name))
+        {
+            let span = self.span(start);
+            return self.bad(start, syntax_errors::pasted(span, name, &ascii));
+        }
+        self.skip(|c| c == '\'');
+        self.push(TokenKind::Name, start);
+    }
+
+    fn symbol(&mut self, start: usize, c: char) {
+        let rest = self.rest();
+        if PAIRS.iter().any(|p| rest.starts_with(p)) {
+            self.at += 2;
+            let text = self.push(TokenKind::Symbol, start);
+            if text == "==" {
+                self.errors
+                    .push(syntax_errors::double_equals(self.span(start)));
+            }
+        } else if SINGLES.contains(c) {
+            self.at += 1;
+            self.push(TokenKind::Symbol, start);
+        } else if c == '.'
+            && rest
+                .get(1..)
+                .is_some_and(|r| r.starts_with(|c: char| c.is_ascii_digit()))
+        {
+            self.at += 1;
+            self.skip(|c| c.is_ascii_digit());
+            self.exponent();
+            let text = self.text.get(start..self.at).unwrap_or("");
+            self.bad(start, syntax_errors::dangling_dot(self.span(start), text));
+        } else if c == '[' && self.is_index() {
+            self.skip(|c| c != ']' && c != '\n');
+            self.skip(|c| c == ']');
+            self.bad(start, syntax_errors::index(self.span(start)));
+        } else {
+            self.strange(start, c);
+        }
+    }
+
+    /// True at the `[` of `x[k+1]`: directly behind a name, and closed within a few characters. The bound keeps the lexer linear.
+    fn is_index(&self) -> bool {
+        let beside = |t: &Token| t.kind == TokenKind::Name && t.end == self.at;
+        let mut inside = self.rest().chars().take(MESSAGES.index);
+        let closed = inside.find(|c| matches!(c, ']' | '\n')) == Some(']');
+        self.out.last().is_some_and(beside) && closed
+    }
+
+    /// A character that the language does not have, with the confusable characters that follow it (`²³`).
+    fn strange(&mut self, start: usize, c: char) {
+        self.at += c.len_utf8();
+        match confusables::ascii(c) {
+            Some(_) => {
+                self.skip(|c| confusables::ascii(c).is_some());
+                let run = self.text.get(start..self.at).unwrap_or("");
+                let ascii = confusables::ascii_run(run);
+                self.bad(start, syntax_errors::pasted(self.span(start), run, &ascii));
+            }
+            None => self.bad(start, syntax_errors::strange_character(self.span(start), c)),
+        }
+    }
+
+    fn bad(&mut self, start: usize, error: Diagnostic) {
+        self.push(TokenKind::Bad, start);
+        self.errors.push(error);
+    }
+}
+
+/// True if the number is finite and did not underflow to 0.
+fn in_range(text: &str) -> bool {
+    let mantissa = text.split(['e', 'E']).next().unwrap_or("");
+    text.parse::<f64>().is_ok_and(|x| {
+        x.is_finite() && (x != 0.0 || !mantissa.contains(|c: char| ('1'..='9').contains(&c)))
+    })
+}

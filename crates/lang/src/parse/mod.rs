@@ -1,0 +1,141 @@
+//! Text → ast. The only place that uses pest.
+//!
+//! In: the text of a file. Out: its statements, and an error for each that is wrong. The text is cut into statements first
+//! (`lexer`, `statements`) and each is parsed by its own rule (`grammar`, `ast_builder`), so that one run reports every mistake. A
+//! wrong statement is left out and listed in `broken`. Looks up no name.
+
+mod ast_builder;
+pub(crate) mod confusables;
+mod explain;
+mod grammar;
+pub(crate) mod lexer;
+pub(crate) mod statements;
+mod syntax_errors;
+
+use crate::ast::{Broken, Entry, File, Keyword, Statement, StatementKind};
+use crate::diagnostic::Diagnostic;
+use crate::source::{FileId, Span};
+use grammar::Rule;
+use lexer::{Token, TokenKind};
+use statements::StatementTokens;
+
+pub use lexer::{is_name, normalise};
+
+/// Parses one file: all statements that could be understood, and an error for each that could not.
+pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
+    let (tokens, mut errors) = lexer::tokenize(id, text);
+    let (pieces, bracket_errors) = statements::split_statements(id, &tokens);
+    errors.extend(bracket_errors);
+    let mut file = File {
+        id,
+        text: text.to_string(),
+        statements: Vec::with_capacity(pieces.len()),
+        broken: Vec::new(),
+    };
+    for piece in pieces {
+        let span = span_of(id, slice(&tokens, &piece.tokens));
+        match statement(id, text, &tokens, &piece, &mut errors) {
+            Some(kind) => file.statements.push(Statement { span, kind }),
+            None => file.broken.push(broken(id, &tokens, &piece)),
+        }
+    }
+    errors.sort_by_key(|e| e.labels.iter().filter(|l| l.primary).map(|l| l.span).min());
+    (file, errors)
+}
+
+/// A statement, if it could be understood; what is wrong with it is added to the errors.
+fn statement(
+    id: FileId,
+    text: &str,
+    tokens: &[Token],
+    piece: &StatementTokens,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<StatementKind> {
+    let own = slice(tokens, &piece.tokens);
+    if !piece.sound || piece.keyword != Some(Keyword::Data) && !is_clean(own) {
+        return None;
+    }
+    let rule = match piece.keyword {
+        Some(Keyword::Sidc) => Rule::version,
+        Some(Keyword::System) => Rule::system,
+        Some(Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param) => Rule::declare,
+        Some(Keyword::Let) => Rule::constant,
+        Some(Keyword::Constrain) => Rule::constrain,
+        Some(Keyword::Data) => return data(id, text, tokens, piece, errors),
+        Some(Keyword::Symmetry) => Rule::symmetry,
+        Some(Keyword::Limit) => Rule::limit,
+        None => Rule::equation,
+    };
+    let built = ast_builder::statement(id, text, own, rule, piece.keyword);
+    built.map_err(|e| errors.push(*e)).ok()
+}
+
+fn data(
+    id: FileId,
+    text: &str,
+    tokens: &[Token],
+    piece: &StatementTokens,
+    errors: &mut Vec<Diagnostic>,
+) -> Option<StatementKind> {
+    let own = slice(tokens, &piece.tokens);
+    let braceless = match (&piece.entries, own.get(1)) {
+        (None, _) => Some(span_of(id, own)),
+        (_, Some(second)) if !second.is("{") => Some(second.span(id)),
+        _ => None,
+    };
+    if let Some(at) = braceless {
+        errors.push(syntax_errors::data_without_brace(at));
+        return None;
+    }
+    let lines = piece.entries.iter().flatten();
+    let lines = lines.map(|line| slice(tokens, line));
+    let entries = lines.filter(|own| is_clean(own)).filter_map(|own| {
+        let built = ast_builder::entry(id, text, own);
+        let kind = built.map_err(|e| errors.push(*e)).ok()?;
+        let span = span_of(id, own);
+        Some(Entry { span, kind })
+    });
+    Some(StatementKind::Data(entries.collect()))
+}
+
+fn slice<'a, 't>(tokens: &'a [Token<'t>], range: &std::ops::Range<usize>) -> &'a [Token<'t>] {
+    tokens.get(range.clone()).unwrap_or(&[])
+}
+
+/// True if no token was reported by the lexer.
+fn is_clean(tokens: &[Token]) -> bool {
+    tokens
+        .iter()
+        .all(|t| t.kind != TokenKind::Bad && !t.is("=="))
+}
+
+fn span_of(id: FileId, tokens: &[Token]) -> Span {
+    let start = tokens.first().map_or(0, |t| t.start);
+    let end = tokens.last().map_or(0, |t| t.end);
+    Span::new(id, start, end)
+}
+
+/// What a broken statement would have declared.
+fn broken(id: FileId, tokens: &[Token], piece: &StatementTokens) -> Broken {
+    let own = slice(tokens, &piece.tokens);
+    let declares = match piece.keyword {
+        Some(k) => matches!(
+            k,
+            Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param | Keyword::Let
+        ),
+        // Without a relation it is no equation, so its keyword is misspelt.
+        None => !own.iter().any(|t| t.is("~") || t.is("=")),
+    };
+    let names = own
+        .iter()
+        .skip(1)
+        .take_while(|t| declares && !t.is(":") && !t.is("="))
+        .filter(|t| matches!(t.kind, TokenKind::Name | TokenKind::Bad))
+        .map(|t| lexer::normalise(t.text))
+        .collect();
+    Broken {
+        keyword: piece.keyword,
+        names,
+        span: span_of(id, own),
+    }
+}

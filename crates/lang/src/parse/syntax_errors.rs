@@ -1,0 +1,195 @@
+//! Errors of syntax, found before any name is looked up.
+//!
+//! Constructors only: places and parts of the user's text in, a [`Diagnostic`] with a fix to copy out.
+
+use crate::diagnostic::Diagnostic;
+use crate::source::{Span, is_unseen};
+
+pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error(
+        "unclosed-quote",
+        "a quote is opened and not closed on its line",
+    )
+    .at(at, "opened here")
+    .help(format!("close it: `{}\"`", text.trim_end()))
+}
+
+pub fn dangling_dot(at: Span, text: &str) -> Diagnostic {
+    let fixed = match text.strip_prefix('.') {
+        Some(rest) => format!("0.{rest}"),
+        None => text.replacen('.', ".0", 1),
+    };
+    Diagnostic::error("number-dot", "a number has digits on both sides of its dot")
+        .at(at, "digits missing on one side")
+        .help(format!("write `{fixed}`"))
+}
+
+pub fn number_range(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error(
+        "number-range",
+        format!("the number `{text}` cannot be held"),
+    )
+    .at(at, "too large or too small for 64 bits")
+    .fact("numbers lie between 5e-324 and 1.8e308 in size")
+    .help("measure the quantity in another unit")
+}
+
+pub fn implicit_product(at: Span, left: &str, right: &str) -> Diagnostic {
+    Diagnostic::error("implicit-product", "a product needs its `*`")
+        .at(at, "no operator between the two")
+        .help(format!("write `{left}*{right}`"))
+}
+
+pub fn missing_operator(left: Span, right: Span, first: &str, second: &str) -> Diagnostic {
+    let d = Diagnostic::error(
+        "implicit-product",
+        format!("no operator between `{first}` and `{second}`"),
+    )
+    .at(right, "an operator or a comma is missing before this")
+    .also(left, "after this");
+    let whole = !first.contains('…') && !second.contains('…');
+    if whole {
+        d.help(format!(
+            "for a product write `{first}*{second}`, for two items of a list `{first}, {second}`"
+        ))
+    } else {
+        d.help("put a `*` between them for a product, a comma for two items of a list")
+    }
+}
+
+pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
+    Diagnostic::error(
+        "pasted-character",
+        format!("`{text}` is not a character of the language"),
+    )
+    .at(at, format!("write `{ascii}`"))
+    .help(format!("replace `{text}` by `{ascii}`"))
+}
+
+pub fn index(at: Span) -> Diagnostic {
+    Diagnostic::error("pasted-character", "a signal has no index")
+        .at(at, "not a part of the language")
+        .help("the next sample of x is `next(x)`, the one k before `lag(x, k)`; several names are `x1..x12`")
+}
+
+pub fn strange_character(at: Span, c: char) -> Diagnostic {
+    let shown = if is_unseen(c) {
+        format!("U+{:04X}", c as u32)
+    } else {
+        c.to_string()
+    };
+    let d = Diagnostic::error(
+        "unexpected-character",
+        format!("`{shown}` has no meaning in a model"),
+    )
+    .at(at, "not expected here");
+    match c {
+        '%' | '!' | '?' | '\\' => d.help("a comment begins with `#`"),
+        '.' => d.help("a range is written with two dots: `0..3`"),
+        '$' | '@' | '&' | '|' => d.help("names have letters, digits and `_`"),
+        _ => d.help("delete it"),
+    }
+}
+
+pub fn double_equals(at: Span) -> Diagnostic {
+    Diagnostic::error("unexpected-character", "`==` has no meaning in a model")
+        .at(at, "equality is one sign")
+        .help("write `=`")
+}
+
+pub fn too_deep(at: Span, limit: usize) -> Diagnostic {
+    Diagnostic::error(
+        "too-deep",
+        format!("brackets are nested more than {limit} deep"),
+    )
+    .at(at, "one level too many")
+    .help("name an inner part with `let`")
+}
+
+pub fn unclosed_bracket(at: Span, open: &str, close: &str) -> Diagnostic {
+    Diagnostic::error("unclosed-bracket", format!("`{open}` is never closed"))
+        .at(at, "opened here")
+        .help(format!(
+            "add the missing `{close}` before the next statement"
+        ))
+}
+
+pub fn stray_bracket(at: Span, close: &str) -> Diagnostic {
+    Diagnostic::error("unclosed-bracket", format!("`{close}` closes nothing"))
+        .at(at, "no bracket is open here")
+        .help(format!("delete the `{close}`, or open it before"))
+}
+
+pub fn wrong_bracket(open: Span, close: Span, opening: &str, closing: &str) -> Diagnostic {
+    let wanted = closing_bracket(opening);
+    Diagnostic::error(
+        "unclosed-bracket",
+        format!("`{opening}` is closed by `{closing}`"),
+    )
+    .at(close, format!("expected `{wanted}`"))
+    .also(open, "opened here")
+    .help(format!(
+        "write `{wanted}` before the `{closing}`, or instead of it"
+    ))
+}
+
+/// The bracket that closes another.
+pub fn closing_bracket(open: &str) -> &'static str {
+    match open {
+        "(" => ")",
+        "<" => ">",
+        _ => "}",
+    }
+}
+
+pub fn data_without_brace(at: Span) -> Diagnostic {
+    Diagnostic::error("syntax", "a data block needs braces")
+        .at(at, "expected `{` right after `data`")
+        .help("write `data { x = \"Column\" }`")
+}
+
+/// `x^2^3`
+pub fn double_power(at: Span, base: &str, first: &str, second: &str) -> Diagnostic {
+    Diagnostic::error("double-power", "a power of a power needs parentheses")
+        .at(at, "two readings")
+        .help(format!(
+            "write `({base}^{first})^{second}` or `{base}^({first}^{second})`"
+        ))
+}
+
+/// `sin 2*theta`, `exp sin x`: `readings` are the ways to write what may be meant.
+pub fn ambiguous_argument(at: Span, function: &str, readings: &[String]) -> Diagnostic {
+    let readings: Vec<String> = readings.iter().map(|r| format!("`{r}`")).collect();
+    Diagnostic::error(
+        "ambiguous-argument",
+        format!("where does the argument of `{function}` end?"),
+    )
+    .at(at, "without parentheses a function takes one name")
+    .help(format!("write {}", readings.join(" or ")))
+}
+
+pub fn unexpected(at: Span, found: &str, expected: &str) -> Diagnostic {
+    Diagnostic::error("syntax", format!("expected {expected}, found `{found}`"))
+        .at(at, format!("expected {expected}"))
+}
+
+pub fn ends_early(at: Span, expected: &str) -> Diagnostic {
+    Diagnostic::error(
+        "syntax",
+        format!("the statement ends where {expected} is expected"),
+    )
+    .at(at, format!("expected {expected} after this"))
+}
+
+pub fn not_a_statement(at: Span, text: &str) -> Diagnostic {
+    Diagnostic::error("unknown-statement", format!("`{text}` opens no statement"))
+        .at(at, "not understood")
+        .fact("statements: state, input, output, param, system, let, data, constrain, symmetry, limit, and equations `TARGET ~ LIBRARY`")
+}
+
+/// Cannot happen unless the grammar and the builder of the ast disagree.
+pub fn internal(at: Span) -> Diagnostic {
+    Diagnostic::error("internal", "the parser contradicts its own grammar")
+        .at(at, "while reading this")
+        .help("please report this line as a bug")
+}

@@ -1,0 +1,101 @@
+//! How long work is watched, and ended early.
+//!
+//! Whoever works tells an [`Observer`] what is being done, often and cheaply. The observer may draw a progress line, and may ask
+//! for an early end. This crate knows no clocks, no signals of the operating system and no terminals; observers do.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Activity<'a> {
+    /// A signal is put together from the data, its derivatives estimated.
+    Preparing { signal: &'a str },
+    /// Work on the equation at this place in the model begins or goes on; counted from 0.
+    Equation { place: usize, stage: Stage },
+    /// Equations run along a record and have reached this time, in units of the model.
+    Running { time: f64 },
+}
+
+/// What is done for one equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stage {
+    /// Its library is evaluated on the data.
+    Evaluating,
+    /// The solver looks for the terms.
+    Solving(SolverProgress),
+    /// The criterion chooses among the terms proposed.
+    Choosing,
+    /// How many sets of terms were fitted with their trajectory.
+    Refitting(usize),
+    /// It is verified: columns done, and columns in all.
+    Verifying(usize, usize),
+    /// Its identifiability and uncertainty are computed.
+    Weighing,
+}
+
+/// How far a solver is; a figure of zero is one that it does not know.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolverProgress {
+    /// Rounds of a growing working set, from 1; 0 where every column is looked at from the start.
+    pub round: usize,
+    pub iteration: usize,
+    /// Relative duality gap on the columns looked at.
+    pub gap: f64,
+    /// ‖Φa − y‖₂/‖y‖
+    pub residual: f64,
+    /// How far the worst of all columns exceeds |φ_jᵀλ| ≤ ‖φ_j‖, when they were last priced; 0 before.
+    pub violation: f64,
+}
+
+/// Why work ends early.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// The user asked for it.
+    Interrupted,
+    /// The time limit was reached.
+    TimeLimit(Duration),
+}
+
+/// Is told what is being done, and may end it.
+///
+/// A closure is an observer:
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use sidc_progress::{Activity, Observer, Stop};
+///
+/// let mut signals = 0;
+/// let mut observer = |activity: Activity| {
+///     signals += usize::from(matches!(activity, Activity::Preparing { .. }));
+///     ControlFlow::<Stop>::Continue(())
+/// };
+/// assert!(observer.hear(Activity::Preparing { signal: "dx" }).is_continue());
+/// assert_eq!(signals, 1);
+/// ```
+pub trait Observer {
+    /// `Break` asks the work to end with what there is.
+    fn hear(&mut self, activity: Activity) -> ControlFlow<Stop>;
+}
+
+impl<F> Observer for F
+where
+    F: FnMut(Activity) -> ControlFlow<Stop>,
+{
+    fn hear(&mut self, activity: Activity) -> ControlFlow<Stop> {
+        self(activity)
+    }
+}
+
+/// Hears nothing and ends nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unwatched;
+
+impl Observer for Unwatched {
+    fn hear(&mut self, _: Activity) -> ControlFlow<Stop> {
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,119 @@
+//! Φ stored whole, column after column.
+
+use super::sums::{dot, is_safe, length, scaled_dot};
+use super::{Collector, Dictionary, Strongest};
+use crate::threads;
+
+/// A column-major M × N matrix with its column norms.
+#[derive(Clone, Debug)]
+pub struct Dense {
+    rows: usize,
+    values: Vec<f64>,
+    norms: Vec<f64>,
+}
+
+/// Columns that a thread prices before it asks for more hold about so many values.
+const TASK: usize = 128 * 1024;
+
+impl Dense {
+    /// `values` holds the columns one after another; its length is a multiple of `rows`.
+    pub fn new(rows: usize, values: Vec<f64>) -> Self {
+        debug_assert!(rows > 0 && values.len().is_multiple_of(rows));
+        let norms = values.chunks_exact(rows.max(1)).map(length).collect();
+        Dense {
+            rows,
+            values,
+            norms,
+        }
+    }
+
+    /// Takes columns over with the sums of their squares, one a column.
+    pub fn filled(rows: usize, values: Vec<f64>, squares: &[f64]) -> Self {
+        let columns = values.chunks_exact(rows.max(1));
+        let exact = |(squares, column): (&f64, &[f64])| {
+            if is_safe(*squares) {
+                squares.sqrt()
+            } else {
+                length(column)
+            }
+        };
+        let norms = squares.iter().zip(columns).map(exact).collect();
+        Dense {
+            rows,
+            values,
+            norms,
+        }
+    }
+
+    /// Column-major values, M · N of them.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    pub(super) fn strongest_on(
+        &self,
+        threads: usize,
+        lambda: &[f64],
+        most: usize,
+        least: f64,
+    ) -> Strongest {
+        let rows = self.rows.max(1);
+        let group = (TASK / rows).max(1);
+        let groups = self.values.chunks(group * rows).enumerate();
+        let collectors = threads::share(threads, groups, |tasks| {
+            let mut found = Collector::new(most, least);
+            for (i, values) in tasks {
+                for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
+                    let product = dot(column, lambda);
+                    if product.is_finite() {
+                        found.offer_all(j, &[product], &self.norms[j..=j]);
+                    } else {
+                        found.offer(j, scaled_dot(column, self.norms[j], lambda));
+                    }
+                }
+            }
+            found
+        });
+        Collector::finish_all(collectors)
+    }
+}
+
+impl Dictionary for Dense {
+    fn rows(&self) -> usize {
+        self.rows
+    }
+
+    fn cols(&self) -> usize {
+        self.norms.len()
+    }
+
+    fn norms(&self) -> &[f64] {
+        &self.norms
+    }
+
+    fn column(&self, j: usize, out: &mut [f64]) {
+        out.copy_from_slice(&self.values[j * self.rows..(j + 1) * self.rows]);
+    }
+
+    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
+        let threads = threads::threads_for(self.values.len());
+        self.strongest_on(threads, lambda, most, least)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_answer_does_not_depend_on_the_number_of_threads() {
+        let values: Vec<f64> = (0..300_000).map(|i| f64::from(i % 101 - 50)).collect();
+        let phi = Dense::new(30, values);
+        let lambda: Vec<f64> = (0..30).map(|i| f64::from(i % 7 - 3)).collect();
+        let one = phi.strongest_on(1, &lambda, 20, 0.5);
+        assert!(one.columns.len() == 20 && one.count > 20);
+        for threads in [2, 3, 8] {
+            assert_eq!(one, phi.strongest_on(threads, &lambda, 20, 0.5));
+        }
+    }
+}

@@ -1,0 +1,440 @@
+//! Φ kept as the factors of its columns: every left one times every right one, row by row, and never stored.
+//!
+//! In: columns of factors. Out: what a [`Dictionary`] is asked, in tiles of products that live in a core's cache. With L and R
+//! the factors of a block, Φᵀλ = vec(Rᵀ (diag(λ) L)) and the squared norms are (R∘R)ᵀ(L∘L): matrix products both.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrixView, DMatrixViewMut};
+
+use super::sums::{dot, is_safe, largest, length, scaled_dot};
+use super::{Collector, Dictionary, Strongest};
+use crate::linalg::{gemm, transposed};
+use crate::threads;
+
+/// The matrix of a library of products. Memory: its factors, and one number a slot.
+#[derive(Clone, Debug)]
+pub struct Factored {
+    rows: usize,
+    /// Left factors of all blocks, column after column, with the rows' weights.
+    left: Vec<f64>,
+    /// Right factors of all blocks.
+    right: Vec<f64>,
+    blocks: Vec<Block>,
+    /// Zero in empty slots.
+    norms: Vec<f64>,
+}
+
+/// Every product of some left columns with some right ones; the right one varies fastest.
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub first_slot: usize,
+    pub left: Range<usize>,
+    pub right: Range<usize>,
+}
+
+/// A column that is not finite: its factors, and its first row at fault.
+pub struct NotFinite {
+    pub factors: [usize; 2],
+    pub row: usize,
+}
+
+/// Right columns of a tile.
+const RIGHT: usize = 256;
+/// Most left columns of a tile: it has 128 KiB, its left factors 150 KiB at 300 rows.
+const LEFT: usize = 64;
+/// Fewest left columns of a tile, and how many numbers its left factors hold if more would be too many.
+const LEAST_LEFT: usize = 8;
+const LEFT_NUMBERS: usize = 1 << 20;
+/// A tile narrower than this is made of dot products: there is nothing for a matrix product to reuse.
+const NARROW: usize = 4;
+/// Multiplications that a thread does before it asks for more.
+const TASK: usize = 4_000_000;
+
+/// Left columns of one block with all its right ones: consecutive slots.
+struct Task<'a> {
+    block: &'a Block,
+    left: Range<usize>,
+}
+
+impl Factored {
+    /// Factors with their blocks, in slot order and none without slots; `empty` lists the slots that are none, rising.
+    ///
+    /// # Errors
+    /// The first column, not in an empty slot, that is not finite.
+    pub fn new(
+        rows: usize,
+        [left, right]: [Vec<f64>; 2],
+        blocks: Vec<Block>,
+        empty: &[usize],
+    ) -> Result<Factored, NotFinite> {
+        let slots = blocks.iter().map(Block::slots).sum();
+        let mut factored = Factored {
+            rows,
+            left,
+            right,
+            blocks,
+            norms: Vec::new(),
+        };
+        let mut norms = vec![0.0; slots];
+        let measured = factored.measure(factored.threads(), empty, &mut norms);
+        measured.map_err(|slot| factored.not_finite(slot))?;
+        for slot in empty {
+            norms[*slot] = 0.0;
+        }
+        factored.norms = norms;
+        Ok(factored)
+    }
+
+    /// ‖φ_j‖ of every slot; what stands in empty ones is undefined.
+    fn measure(&self, threads: usize, empty: &[usize], norms: &mut [f64]) -> Result<(), usize> {
+        let scales = [&self.left, &self.right].map(|f| self.scales(f));
+        let squares = self.scaled_squares(&scales[1]);
+        let mut rest = norms;
+        let tasks = self.tasks().map(|task| {
+            let norms = rest.split_off_mut(..task.slots().len()).unwrap_or_default();
+            (task, norms)
+        });
+        let worst = threads::share(threads, tasks, |mut tasks| {
+            let measure = |(task, norms)| self.measure_task(&task, &scales, &squares, empty, norms);
+            Iterator::find_map(&mut tasks, measure)
+        });
+        worst.into_iter().flatten().min().map_or(Ok(()), Err)
+    }
+
+    /// Norms of one task's slots, or the first slot that is not finite.
+    fn measure_task(
+        &self,
+        task: &Task,
+        [left_scales, right_scales]: &[Vec<f64>; 2],
+        right_squares: &[f64],
+        empty: &[usize],
+        norms: &mut [f64],
+    ) -> Option<usize> {
+        let square = |l: usize, column: &[f64], out: &mut [f64]| {
+            let scaled = column.iter().map(|x| x / left_scales[l]);
+            out.iter_mut().zip(scaled).for_each(|(o, x)| *o = x * x);
+        };
+        let mut bad = None;
+        self.products(task, right_squares, square, |l, right, squares| {
+            let slot = task.block.slot(l, right.start);
+            let norms = &mut norms[slot - task.slots().start..][..squares.len()];
+            let scales = &right_scales[right];
+            if !roots(squares, left_scales[l], scales, norms) {
+                let found = self.measure_exactly(slot, squares, empty, norms);
+                bad = bad.into_iter().chain(found).min();
+            }
+        });
+        bad
+    }
+
+    /// Lengths of those columns whose sum of squares says too little. The first slot that is not finite, if there is one.
+    fn measure_exactly(
+        &self,
+        first: usize,
+        squares: &[f64],
+        empty: &[usize],
+        norms: &mut [f64],
+    ) -> Option<usize> {
+        let mut column = vec![0.0; self.rows];
+        let mut bad = None;
+        for (slot, (square, norm)) in (first..).zip(squares.iter().zip(norms)) {
+            if is_safe(*square) && is_safe(*norm) || empty.binary_search(&slot).is_ok() {
+                continue;
+            }
+            self.product(slot, &mut column);
+            *norm = length(&column);
+            if bad.is_none() && column.iter().any(|x| !x.is_finite()) {
+                bad = Some(slot);
+            }
+        }
+        bad
+    }
+
+    /// A power of two near the largest entry of each column: no square of the column over it overflows.
+    fn scales(&self, factors: &[f64]) -> Vec<f64> {
+        // Exponent bits alone. Zero, denormal and non-finite columns get a scale that spoils the sum of squares.
+        let exponent = |x: f64| f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
+        let columns = factors.chunks_exact(self.rows.max(1));
+        columns.map(|c| exponent(largest(c))).collect()
+    }
+
+    /// The squares of the right factors over their scales.
+    fn scaled_squares(&self, scales: &[f64]) -> Vec<f64> {
+        let mut squares = self.right.clone();
+        let columns = squares.chunks_exact_mut(self.rows.max(1)).zip(scales);
+        for (column, scale) in columns {
+            column.iter_mut().for_each(|x| *x = (*x / scale).powi(2));
+        }
+        squares
+    }
+
+    pub(super) fn strongest_on(
+        &self,
+        threads: usize,
+        lambda: &[f64],
+        most: usize,
+        least: f64,
+    ) -> Strongest {
+        let price = |_: usize, column: &[f64], out: &mut [f64]| {
+            let priced = column.iter().zip(lambda).map(|(x, l)| x * l);
+            out.iter_mut().zip(priced).for_each(|(o, p)| *o = p);
+        };
+        let collectors = threads::share(threads, self.tasks(), |tasks| {
+            let mut found = Collector::new(most, least);
+            for task in tasks {
+                self.products(&task, &self.right, price, |l, right, products| {
+                    let slot = task.block.slot(l, right.start);
+                    let norms = &self.norms[slot..slot + products.len()];
+                    // Without an early end, so that many are looked at together.
+                    if products.iter().fold(true, |all, p| all & p.is_finite()) {
+                        found.offer_all(slot, products, norms);
+                    } else {
+                        self.offer_scaled(slot..slot + products.len(), lambda, &mut found);
+                    }
+                });
+            }
+            found
+        });
+        Collector::finish_all(collectors)
+    }
+
+    /// Columns of which some product overflowed, priced once more as columns of length one.
+    fn offer_scaled(&self, slots: Range<usize>, lambda: &[f64], found: &mut Collector) {
+        let mut column = vec![0.0; self.rows];
+        for slot in slots.filter(|slot| self.norms[*slot] > 0.0) {
+            self.product(slot, &mut column);
+            found.offer(slot, scaled_dot(&column, self.norms[slot], lambda));
+        }
+    }
+
+    /// `Rᵀ prepare(L)` for a task in tiles: `visit` gets a left column, some right ones and the products with those.
+    /// The tiles are the same whatever the number of threads, so the digits are too.
+    fn products(
+        &self,
+        task: &Task,
+        right: &[f64],
+        prepare: impl Fn(usize, &[f64], &mut [f64]),
+        mut visit: impl FnMut(usize, Range<usize>, &[f64]),
+    ) {
+        let rows = self.rows.max(1);
+        let (width, height) = (self.left_columns(), RIGHT.min(task.block.right.len()));
+        let mut prepared = vec![0.0; rows * width.min(task.left.len())];
+        let mut tile = vec![0.0; height * width.min(task.left.len())];
+        for lefts in pieces(task.left.clone(), width) {
+            let prepared = &mut prepared[..rows * lefts.len()];
+            for (l, out) in lefts.clone().zip(prepared.chunks_exact_mut(rows)) {
+                prepare(l, &self.left[l * rows..(l + 1) * rows], out);
+            }
+            for rights in pieces(task.block.right.clone(), RIGHT) {
+                let tile = &mut tile[..rights.len() * lefts.len()];
+                let right = &right[rights.start * rows..rights.end * rows];
+                multiply(right, prepared, rows, tile);
+                for (l, products) in lefts.clone().zip(tile.chunks_exact(rights.len())) {
+                    visit(l, rights.clone(), products);
+                }
+            }
+        }
+    }
+
+    fn tasks(&self) -> impl Iterator<Item = Task<'_>> {
+        self.blocks.iter().flat_map(|block| {
+            let width = self.left_columns();
+            let tiles = TASK / (width * block.right.len() * self.rows).max(1);
+            let lefts = pieces(block.left.clone(), width * tiles.max(1));
+            lefts.map(move |left| Task { block, left })
+        })
+    }
+
+    /// Left columns of a tile.
+    fn left_columns(&self) -> usize {
+        (LEFT_NUMBERS / self.rows.max(1)).clamp(LEAST_LEFT, LEFT)
+    }
+
+    fn not_finite(&self, slot: usize) -> NotFinite {
+        let mut column = vec![0.0; self.rows];
+        self.product(slot, &mut column);
+        NotFinite {
+            factors: self.factors(slot),
+            row: column.iter().position(|x| !x.is_finite()).unwrap_or(0),
+        }
+    }
+
+    fn threads(&self) -> usize {
+        let slots: usize = self.blocks.iter().map(Block::slots).sum();
+        // A matrix product multiplies several times faster than memory is read.
+        threads::threads_for(slots.saturating_mul(self.rows) / 4)
+    }
+
+    /// The left and the right column of a slot.
+    fn factors(&self, slot: usize) -> [usize; 2] {
+        let after = self.blocks.partition_point(|b| b.first_slot <= slot);
+        self.blocks[after - 1].factors(slot)
+    }
+
+    /// The column of a slot, empty or not.
+    fn product(&self, slot: usize, out: &mut [f64]) {
+        let [l, r] = self.factors(slot).map(|f| f * self.rows);
+        let factors = self.left[l..l + self.rows].iter().zip(&self.right[r..]);
+        out.iter_mut()
+            .zip(factors)
+            .for_each(|(o, (l, r))| *o = l * r);
+    }
+}
+
+impl Dictionary for Factored {
+    fn rows(&self) -> usize {
+        self.rows
+    }
+
+    fn cols(&self) -> usize {
+        self.norms.len()
+    }
+
+    fn norms(&self) -> &[f64] {
+        &self.norms
+    }
+
+    fn column(&self, j: usize, out: &mut [f64]) {
+        if self.norms[j] == 0.0 {
+            // What the factors of an empty slot give need not be finite.
+            return out.fill(0.0);
+        }
+        self.product(j, out);
+    }
+
+    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
+        self.strongest_on(self.threads(), lambda, most, least)
+    }
+}
+
+impl Block {
+    pub fn slots(&self) -> usize {
+        self.left.len() * self.right.len()
+    }
+
+    fn slot(&self, left: usize, right: usize) -> usize {
+        let (l, r) = (left - self.left.start, right - self.right.start);
+        self.first_slot + l * self.right.len() + r
+    }
+
+    /// First slot, left and right column of a block that follows.
+    pub fn ends(&self) -> (usize, usize, usize) {
+        (
+            self.first_slot + self.slots(),
+            self.left.end,
+            self.right.end,
+        )
+    }
+
+    fn factors(&self, slot: usize) -> [usize; 2] {
+        let (place, rights) = (slot - self.first_slot, self.right.len());
+        [
+            self.left.start + place / rights,
+            self.right.start + place % rights,
+        ]
+    }
+}
+
+impl Task<'_> {
+    fn slots(&self) -> Range<usize> {
+        let (first, end) = (self.left.start, self.left.end);
+        let start = self.block.slot(first, self.block.right.start);
+        start..start + (end - first) * self.block.right.len()
+    }
+}
+
+/// A range in pieces of `size`, the last one shorter.
+fn pieces(range: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>> {
+    let end = range.end;
+    range.step_by(size).map(move |s| s..end.min(s + size))
+}
+
+/// Lengths from sums of squares over scales; false if one of them cannot be relied on.
+fn roots(squares: &[f64], left_scale: f64, right_scales: &[f64], norms: &mut [f64]) -> bool {
+    let mut safe = true;
+    for ((norm, square), scale) in norms.iter_mut().zip(squares).zip(right_scales) {
+        *norm = square.sqrt() * (left_scale * scale);
+        safe &= is_safe(*square) & is_safe(*norm);
+    }
+    safe
+}
+
+/// Rᵀ L, both of `rows` rows, into `out`, whose columns are those of L.
+fn multiply(right: &[f64], left: &[f64], rows: usize, out: &mut [f64]) {
+    let (height, width) = (right.len() / rows, left.len() / rows);
+    if height.min(width) < NARROW {
+        let columns = out.chunks_exact_mut(height).zip(left.chunks_exact(rows));
+        for (out, left) in columns {
+            let products = right.chunks_exact(rows).map(|right| dot(left, right));
+            out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
+        }
+        return;
+    }
+    gemm(
+        1.0,
+        &transposed(right, rows, height),
+        &DMatrixView::from_slice(left, rows, width),
+        0.0,
+        DMatrixViewMut::from_slice(out, height, width),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two blocks of several tiles, with an empty slot.
+    fn factored() -> Factored {
+        let rows = 13;
+        let values = |count: usize, step: u32| -> Vec<f64> {
+            let value = |i: u32| f64::from(i * step % 101) / 50.0 - 1.0;
+            (0..(count * rows) as u32).map(value).collect()
+        };
+        let blocks = vec![
+            Block {
+                first_slot: 0,
+                left: 0..70,
+                right: 0..300,
+            },
+            Block {
+                first_slot: 21_000,
+                left: 70..200,
+                right: 300..301,
+            },
+        ];
+        let factors = [values(200, 37), values(301, 59)];
+        Factored::new(rows, factors, blocks, &[17]).ok().unwrap()
+    }
+
+    #[test]
+    fn answers_do_not_depend_on_the_number_of_threads() {
+        let phi = factored();
+        let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
+        let one = phi.strongest_on(1, &lambda, 50, 0.5);
+        assert!(one.columns.len() == 50 && one.count > 50);
+        for threads in [2, 3, 8] {
+            assert_eq!(one, phi.strongest_on(threads, &lambda, 50, 0.5));
+            let mut norms = vec![0.0; phi.cols()];
+            phi.measure(threads, &[17], &mut norms).unwrap();
+            norms[17] = 0.0;
+            assert_eq!(norms, phi.norms());
+        }
+    }
+
+    #[test]
+    fn every_slot_has_its_own_product() {
+        let phi = factored();
+        let mut column = vec![0.0; 13];
+        for j in [0, 299, 300, 20_999, 21_000, 21_129] {
+            let [l, r] = phi.factors(j);
+            phi.column(j, &mut column);
+            for (row, value) in column.iter().enumerate() {
+                assert_eq!(*value, phi.left[l * 13 + row] * phi.right[r * 13 + row]);
+            }
+            assert!((length(&column) / phi.norms()[j] - 1.0).abs() < 1e-14);
+        }
+        phi.column(17, &mut column);
+        assert!(column.iter().all(|x| *x == 0.0) && phi.norms()[17] == 0.0);
+    }
+}

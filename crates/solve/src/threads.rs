@@ -1,0 +1,86 @@
+//! Independent tasks on every core of the machine.
+//!
+//! In: tasks and what to do with them. Out: one answer a thread. Which thread meets which task is left to chance, so an answer
+//! must not depend on it.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::thread;
+
+/// Multiplications below which a second thread costs more than it saves: starting one takes some 30 µs.
+const WORTH_A_THREAD: usize = 2_000_000;
+
+/// Threads for so many multiplications (or memory accesses of like cost): one, or every core.
+pub fn threads_for(work: usize) -> usize {
+    match work < WORTH_A_THREAD {
+        true => 1,
+        false => available(),
+    }
+}
+
+/// Cores of the machine; one where that is not known, as in a browser, which starts no threads.
+pub fn available() -> usize {
+    static CORES: OnceLock<usize> = OnceLock::new();
+    *CORES.get_or_init(|| thread::available_parallelism().map_or(1, usize::from))
+}
+
+/// Both results; `b` is computed on another thread if there is more than one core.
+pub fn join<A, B: Send>(a: impl FnOnce() -> A, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if available() == 1 {
+        return (a(), b());
+    }
+    thread::scope(|scope| {
+        let other = scope.spawn(b);
+        let a = a();
+        match other.join() {
+            Ok(b) => (a, b),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+    })
+}
+
+/// Calls `work` once on each thread, with an iterator that hands out the tasks in order to whoever asks first.
+pub fn share<T, A>(
+    threads: usize,
+    tasks: impl Iterator<Item = T> + Send,
+    work: impl Fn(&mut dyn Iterator<Item = T>) -> A + Sync,
+) -> Vec<A>
+where
+    A: Send,
+{
+    if threads <= 1 {
+        let mut tasks = tasks;
+        return vec![work(&mut tasks)];
+    }
+    let queue = Mutex::new(tasks);
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || work(&mut std::iter::from_fn(next));
+    thread::scope(|scope| {
+        let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+        let mut answers = vec![work()];
+        for other in others {
+            match other.join() {
+                Ok(answer) => answers.push(answer),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        answers
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_task_is_done_once() {
+        for threads in [1, 2, 5] {
+            let sums = share(threads, 1..=1000_u64, |tasks| tasks.sum::<u64>());
+            assert_eq!((sums.len(), sums.iter().sum()), (threads, 500_500));
+        }
+    }
+
+    #[test]
+    fn little_work_stays_on_one_thread() {
+        assert_eq!(threads_for(1000), 1);
+    }
+}

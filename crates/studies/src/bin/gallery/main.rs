@@ -1,0 +1,95 @@
+//! Writes the tables that the models in `models/` are identified from.
+//!
+//! ```sh
+//! cargo run --release -p sidc-studies --bin gallery                  # all of them, into models/data
+//! cargo run --release -p sidc-studies --bin gallery -- lorenz sir    # these only
+//! cargo run --release -p sidc-studies --bin gallery -- --dir /tmp    # elsewhere
+//! ```
+//!
+//! The cart-pendulum's tables come from the example `plant`. A new system is one file and one line in SYSTEMS.
+
+mod brusselator;
+mod dc_motor;
+mod duffing;
+mod falling_ball;
+mod fitzhugh_nagumo;
+mod forced_pendulum;
+mod logistic_map;
+mod lorenz;
+mod lorenz96;
+mod lotka_volterra;
+mod michaelis_menten;
+mod narx;
+mod pendulum_lengths;
+mod rlc;
+mod sir;
+mod two_carts;
+mod two_mass;
+mod van_der_pol;
+
+use clap::Parser;
+use sidc_testing::plants::double_pendulum;
+use sidc_testing::table::Table;
+use std::error::Error;
+use std::path::PathBuf;
+
+/// File names and tables of one system.
+type Tables = fn() -> Vec<(&'static str, Table)>;
+
+#[rustfmt::skip]
+const SYSTEMS: &[(&str, Tables)] = &[
+    ("brusselator",      brusselator::tables),
+    ("dc_motor",         dc_motor::tables),
+    ("double_pendulum",  double_pendulum::tables),
+    ("duffing",          duffing::tables),
+    ("falling_ball",     falling_ball::tables),
+    ("fitzhugh_nagumo",  fitzhugh_nagumo::tables),
+    ("forced_pendulum",  forced_pendulum::tables),
+    ("logistic_map",     logistic_map::tables),
+    ("lorenz",           lorenz::tables),
+    ("lorenz96",         lorenz96::tables),
+    ("lotka_volterra",   lotka_volterra::tables),
+    ("michaelis_menten", michaelis_menten::tables),
+    ("narx",             narx::tables),
+    ("pendulum_lengths", pendulum_lengths::tables),
+    ("rlc",              rlc::tables),
+    ("sir",              sir::tables),
+    ("two_carts",        two_carts::tables),
+    ("two_mass",         two_mass::tables),
+    ("van_der_pol",      van_der_pol::tables),
+];
+
+/// Writes the tables of the model gallery.
+#[derive(Parser, Debug)]
+struct Options {
+    /// Systems to write; all if none is named
+    systems: Vec<String>,
+    /// Folder to write to
+    #[arg(long, default_value = "models/data")]
+    dir: PathBuf,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let options = Options::parse();
+    for name in &options.systems {
+        if !SYSTEMS.iter().any(|(known, _)| known == name) {
+            let known: Vec<&str> = SYSTEMS.iter().map(|(known, _)| *known).collect();
+            return Err(format!("no system {name}; there are {}", known.join(", ")).into());
+        }
+    }
+    for (name, tables) in SYSTEMS {
+        if !options.systems.is_empty() && !options.systems.iter().any(|wanted| wanted == name) {
+            continue;
+        }
+        for (file, mut table) in tables() {
+            let made_by =
+                format!("made by: cargo run --release -p sidc-studies --bin gallery -- {name}");
+            table.comments.insert(0, made_by);
+            let path = options.dir.join(file);
+            std::fs::write(&path, table.csv())
+                .map_err(|e| format!("cannot write {}: {e}", path.display()))?;
+            println!("{} ({} rows)", path.display(), table.rows.len());
+        }
+    }
+    Ok(())
+}

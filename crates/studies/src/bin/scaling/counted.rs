@@ -1,0 +1,63 @@
+//! A dictionary that counts what a solver asks of it: pricings with their time, and columns taken out.
+//!
+//! In: any dictionary. Out: the same answers. It changes nothing.
+
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+use sidc_solve::dictionary::{Dictionary, Strongest};
+
+pub struct Counted<'a> {
+    inner: &'a dyn Dictionary,
+    nanoseconds: AtomicU64,
+    pricings: AtomicUsize,
+    columns: AtomicUsize,
+}
+
+impl<'a> Counted<'a> {
+    pub fn new(inner: &'a dyn Dictionary) -> Counted<'a> {
+        Counted {
+            inner,
+            nanoseconds: AtomicU64::new(0),
+            pricings: AtomicUsize::new(0),
+            columns: AtomicUsize::new(0),
+        }
+    }
+
+    /// (time in pricings, pricings, columns) so far.
+    pub fn taken(&self) -> (Duration, usize, usize) {
+        (
+            Duration::from_nanos(self.nanoseconds.load(Relaxed)),
+            self.pricings.load(Relaxed),
+            self.columns.load(Relaxed),
+        )
+    }
+}
+
+impl Dictionary for Counted<'_> {
+    fn rows(&self) -> usize {
+        self.inner.rows()
+    }
+
+    fn cols(&self) -> usize {
+        self.inner.cols()
+    }
+
+    fn norms(&self) -> &[f64] {
+        self.inner.norms()
+    }
+
+    fn column(&self, j: usize, out: &mut [f64]) {
+        self.columns.fetch_add(1, Relaxed);
+        self.inner.column(j, out);
+    }
+
+    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
+        let start = Instant::now();
+        let found = self.inner.strongest(lambda, most, least);
+        let nanoseconds = start.elapsed().as_nanos() as u64;
+        self.nanoseconds.fetch_add(nanoseconds, Relaxed);
+        self.pricings.fetch_add(1, Relaxed);
+        found
+    }
+}

@@ -1,0 +1,86 @@
+//! What is studied: a model, the laws that are true of it, motions as perfect sensors would read them, and their noise.
+//!
+//! In: a level of noise and a seed. Out: tables as text. Knows nothing of what is found in them.
+
+use sidc_testing::random::Random;
+use sidc_testing::table::Table;
+
+/// A target and its terms, spelled as sidc prints them, each with its coefficient.
+pub type Law = (&'static str, Vec<(&'static str, f64)>);
+
+pub struct Case {
+    pub name: &'static str,
+    pub model: String,
+    pub laws: Vec<Law>,
+    pub tables: Vec<Table>,
+    pub sensors: Vec<Sensor>,
+}
+
+/// Noise of a column.
+pub struct Sensor {
+    pub column: &'static str,
+    /// Standard deviation at level 1.
+    pub size: f64,
+    /// Correlation of one sample's error with the next one's: 0 for white noise.
+    pub memory: f64,
+}
+
+impl Sensor {
+    pub fn white(column: &'static str, size: f64) -> Sensor {
+        Sensor {
+            column,
+            size,
+            memory: 0.0,
+        }
+    }
+}
+
+impl Case {
+    /// A start for the generator that no other draw of any case shares (FNV-1a).
+    fn seed(&self, level: f64, seed: u64) -> u64 {
+        let level = level.to_bits().to_le_bytes();
+        let draw = seed.to_le_bytes();
+        let all = self.name.bytes().chain(level).chain(draw);
+        all.fold(0xCBF2_9CE4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3)
+        })
+    }
+
+    /// The tables with noise of this level.
+    pub fn noisy(&self, level: f64, seed: u64) -> Vec<String> {
+        let mut random = Random::new(self.seed(level, seed));
+        let spoil = |clean: &Table| {
+            let mut table = Table {
+                comments: Vec::new(),
+                rows: clean.rows.clone(),
+                names: clean.names.clone(),
+                ..*clean
+            };
+            for sensor in &self.sensors {
+                let at = table.names.iter().position(|n| *n == sensor.column);
+                let fresh = (1.0 - sensor.memory.powi(2)).sqrt();
+                let mut error = random.normal();
+                for row in &mut table.rows {
+                    if let Some(x) = at.and_then(|at| row.get_mut(at)) {
+                        *x += level * sensor.size * error;
+                    }
+                    error = sensor.memory * error + fresh * random.normal();
+                }
+            }
+            table.csv()
+        };
+        self.tables.iter().map(spoil).collect()
+    }
+}
+
+/// Standard deviation of a column over all tables.
+pub fn deviation(tables: &[Table], column: usize) -> f64 {
+    let all = || {
+        tables
+            .iter()
+            .flat_map(|t| t.rows.iter().filter_map(|r| r.get(column)))
+    };
+    let count = all().count().max(1) as f64;
+    let mean = all().sum::<f64>() / count;
+    (all().map(|x| (x - mean).powi(2)).sum::<f64>() / count).sqrt()
+}

@@ -1,0 +1,8 @@
+//! How often intervals hold the truth: cases of known laws, draws of noise, and their figures.
+
+pub mod accelerometer;
+pub mod case;
+pub mod figures;
+pub mod odebench;
+pub mod pendulum;
+pub mod run;

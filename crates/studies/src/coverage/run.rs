@@ -1,0 +1,120 @@
+//! A case through the whole program, many draws of noise: what each true coefficient came out as, with its standard error.
+//!
+//! In: a case, a level, a number of draws. Out: a [`Draw`] each, in order of the seeds. What it calls is what `sidc identify` calls.
+
+use std::ops::ControlFlow;
+
+use sidc::pipeline;
+use sidc_data::{Limits, read};
+use sidc_discover::Options;
+use sidc_lang::render;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{Language, SignalNames};
+use sidc_system::discovery::Discovery;
+
+use super::case::Case;
+
+/// What one draw of noise came to.
+pub struct Draw {
+    /// Coefficient and standard error of every true term, law by law; `None` unless the supports are the true ones.
+    pub exact: Option<Vec<(f64, f64)>>,
+    pub marks: Marked,
+}
+
+/// Terms found: by mark (doubtful, likely, firm), those of the laws and others.
+pub type Marked = [[usize; 2]; 3];
+
+/// Draws that run at once.
+const THREADS: u64 = 2;
+
+/// # Errors
+/// What the program says of a model or a table that it refuses.
+pub fn draws(case: &Case, level: f64, count: u64) -> Result<Vec<Draw>, String> {
+    let share = |first: u64| {
+        let seeds = (first..count).step_by(THREADS as usize);
+        seeds
+            .map(|seed| draw(case, level, seed))
+            .collect::<Vec<_>>()
+    };
+    let mut shares: Vec<_> = std::thread::scope(|scope| {
+        let spawn = |first| scope.spawn(move || share(first));
+        let running: Vec<_> = (0..THREADS).map(spawn).collect();
+        running
+            .into_iter()
+            .filter_map(|r| r.join().ok())
+            .map(Vec::into_iter)
+            .collect()
+    });
+    let threads = shares.len().max(1) as u64;
+    (0..count)
+        .filter_map(|seed| shares.get_mut((seed % threads) as usize)?.next())
+        .collect()
+}
+
+fn draw(case: &Case, level: f64, seed: u64) -> Result<Draw, String> {
+    let found = identify(case, level, seed)?;
+    Ok(Draw {
+        exact: compared(case, &found),
+        marks: marked(case, &found),
+    })
+}
+
+fn identify(case: &Case, level: f64, seed: u64) -> Result<Discovery, String> {
+    let mut sources = Sources::default();
+    let file = sources.add("coverage.sid", case.model.as_str());
+    let (program, said) = pipeline::compile(file, &sources, pipeline::MEMORY);
+    let program = program.ok_or_else(|| render(&said, &sources, false))?;
+    let mut tables = Vec::new();
+    for (i, text) in case.noisy(level, seed).iter().enumerate() {
+        let table = read(
+            &format!("{i}.csv"),
+            text.as_bytes(),
+            &Limits::default(),
+            &mut sources,
+        );
+        tables.push(table.map_err(|d| render(&d, &sources, false))?);
+    }
+    let options = Options::default();
+    let rows = pipeline::Rows::default();
+    let on = &mut |_| ControlFlow::Continue(());
+    let staged = pipeline::measure(&program, &tables, &[], (&rows, &options), &mut sources, on);
+    let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
+    let on = &mut |_| ControlFlow::Continue(());
+    pipeline::identify(&program, &measured, &options, on).map_err(|d| render(&d, &sources, false))
+}
+
+fn marked(case: &Case, found: &Discovery) -> Marked {
+    let mut marks = Marked::default();
+    for e in &found.equations {
+        let target = found.name(e.target);
+        let law = case.laws.iter().find(|(t, _)| *t == target);
+        for t in &e.terms {
+            let name = Language(found).term(&t.term);
+            let own = law.is_some_and(|(_, terms)| terms.iter().any(|(n, _)| *n == name));
+            if let Some(trust) = &t.trust {
+                marks[trust.mark as usize][usize::from(!own)] += 1;
+            }
+        }
+    }
+    marks
+}
+
+fn compared(case: &Case, found: &Discovery) -> Option<Vec<(f64, f64)>> {
+    let mut all = Vec::new();
+    for (target, truth) in &case.laws {
+        let equation = found
+            .equations
+            .iter()
+            .find(|e| found.name(e.target) == *target)?;
+        if equation.terms.len() != truth.len() {
+            return None;
+        }
+        for (name, _) in truth {
+            let same =
+                |t: &&sidc_system::discovery::FoundTerm| Language(found).term(&t.term) == *name;
+            let term = equation.terms.iter().find(same)?;
+            all.push((term.coefficient, term.standard_error?));
+        }
+    }
+    Some(all)
+}

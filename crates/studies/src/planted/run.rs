@@ -1,0 +1,123 @@
+//! One planted case through the whole program: which cause is named, and whether a wrong answer passes.
+//!
+//! In: a case. Out: an [`Outcome`]. What it calls is what `sidc identify` calls.
+
+use sidc::pipeline;
+use sidc_data::{Limits, read};
+use sidc_discover::Options;
+use sidc_lang::render;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{Language, SignalNames};
+use sidc_system::discovery::{Cause, Discovery, FoundTerm, Mark, Status};
+use std::ops::ControlFlow;
+
+use super::cases::Case;
+
+pub struct Outcome {
+    /// Cause of the leading finding, as it is written; empty if there is none.
+    pub named: String,
+    pub right_cause: bool,
+    /// The equation has the true terms.
+    pub right_answer: bool,
+    pub passes: bool,
+    /// Terms marked firm that are none of the truth's.
+    pub firm: Vec<String>,
+    /// What the terminal shows.
+    pub shown: String,
+}
+
+impl Outcome {
+    pub fn firm_and_wrong(&self) -> bool {
+        (self.passes && !self.right_answer) || !self.firm.is_empty()
+    }
+}
+
+/// # Errors
+/// What the program said instead of an answer.
+pub fn run(case: &Case) -> Result<Outcome, String> {
+    let discovery = identify(case)?;
+    let found = discovery
+        .equations
+        .iter()
+        .find(|e| discovery.name(e.target) == case.target);
+    let Some(equation) = found else {
+        let shown = sidc_emit::answer(&discovery, true);
+        // An equation that could not be found at all is told what it lacks in its reason.
+        let lacks = shown.contains("which it lacks") && case.causes.contains(&Cause::MissingTerm);
+        return Ok(Outcome {
+            named: if lacks {
+                Cause::MissingTerm.name().into()
+            } else {
+                String::new()
+            },
+            right_cause: lacks,
+            right_answer: false,
+            passes: false,
+            firm: Vec::new(),
+            shown,
+        });
+    };
+    let language = Language(&discovery);
+    let mut terms: Vec<String> = equation
+        .terms
+        .iter()
+        .map(|t| language.term(&t.term))
+        .collect();
+    terms.sort();
+    let right_answer = case.truth.is_some_and(|truth| {
+        let mut truth: Vec<String> = truth.iter().map(|t| t.to_string()).collect();
+        truth.sort();
+        truth == terms
+    });
+    let firm = |t: &&FoundTerm| t.trust.as_ref().is_some_and(|t| t.mark == Mark::Firm);
+    let marked = equation.terms.iter().filter(firm);
+    let wrong = |name: &String| {
+        !case
+            .truth
+            .is_some_and(|truth| truth.contains(&name.as_str()))
+    };
+    let firm = marked
+        .map(|t| language.term(&t.term))
+        .filter(wrong)
+        .collect();
+    let evidence = equation.evidence.as_ref();
+    let judged = evidence.and_then(|e| e.identifiability.as_ref());
+    let leading = judged.and_then(|i| i.findings.first());
+    Ok(Outcome {
+        named: leading.map_or_else(String::new, |f| f.cause.name().into()),
+        right_cause: leading.is_some_and(|f| case.causes.contains(&f.cause)),
+        right_answer,
+        passes: equation.status != Status::Doubt,
+        firm,
+        shown: sidc_emit::answer(&discovery, true),
+    })
+}
+
+/// # Errors
+/// Diagnostics, as text.
+pub fn identify(case: &Case) -> Result<Discovery, String> {
+    let mut sources = Sources::default();
+    let file = sources.add("planted.sid", case.model.as_str());
+    let (program, said) = pipeline::compile(file, &sources, pipeline::MEMORY);
+    let program = program.ok_or_else(|| render(&said, &sources, false))?;
+    let mut tables = Vec::new();
+    for (i, text) in case.tables.iter().enumerate() {
+        let name = format!("{i}.csv");
+        let table = read(&name, text.as_bytes(), &Limits::default(), &mut sources);
+        tables.push(table.map_err(|d| render(&d, &sources, false))?);
+    }
+    let options = Options::default();
+    let staged = pipeline::measure(
+        &program,
+        &tables,
+        &[],
+        (&sidc::pipeline::Rows::default(), &options),
+        &mut sources,
+        &mut |_| ControlFlow::Continue(()),
+    );
+    let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
+    let found = pipeline::identify(&program, &measured, &options, &mut |_| {
+        ControlFlow::Continue(())
+    });
+    found.map_err(|d| render(&d, &sources, false))
+}

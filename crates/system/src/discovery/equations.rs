@@ -1,0 +1,338 @@
+//! The equations found, each with its evidence: the data that emitters, simulation and reports work on.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::discovery::{
+    Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Witness,
+};
+use sidc_lang::model::{Model, VarKind};
+use sidc_lang::term::{Signal, SignalNames, Term, VarId};
+use sidc_lang::units;
+use sidc_lang::units::Unit;
+
+/// The identified system.
+#[derive(Clone, Debug, Default)]
+pub struct Discovery {
+    pub system: Option<String>,
+    /// True if targets are next samples, not derivatives.
+    pub discrete: bool,
+    /// All declared variables; index 0 is time.
+    pub variables: Vec<Variable>,
+    pub equations: Vec<Equation>,
+    pub failed: Vec<Failed>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    pub name: String,
+    pub kind: VarKind,
+    /// Highest derivative that exists.
+    pub order: u8,
+    /// The unit, if declared.
+    pub unit: Option<Unit>,
+}
+
+/// target = Σ coefficient · term, in model units.
+#[derive(Clone, Debug)]
+pub struct Equation {
+    pub target: Signal,
+    pub terms: Vec<FoundTerm>,
+    pub status: Status,
+    /// Why it is doubted; empty for a pass.
+    pub reasons: Vec<Reason>,
+    /// `None` for an equation that the model states as known.
+    pub evidence: Option<Evidence>,
+    /// The solution path from the empty equation on; empty unless asked for.
+    pub path: Vec<PathKnot>,
+}
+
+/// A knot of the solution path of `min ½‖Φa − y‖² + τ‖Da‖₁`, where a term enters or leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathKnot {
+    /// Its index on the path, from 1. Where indices skip, knots were left out.
+    pub number: usize,
+    /// τ relative to the first knot.
+    pub penalty: f64,
+    /// ‖Φa − y‖/‖y‖, rows weighted.
+    pub residual: f64,
+    /// In the order of printing; coefficients in model units.
+    pub terms: Vec<FoundTerm>,
+    /// The term that enters here, its coefficient still zero.
+    pub enters: Option<Term>,
+    /// The term that leaves here.
+    pub leaves: Option<Term>,
+    /// Relative duality gap of the penalised form, over all candidates.
+    pub gap: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundTerm {
+    pub term: Term,
+    pub coefficient: f64,
+    /// True if the model states it, in `known(…)` or with `=`.
+    pub fixed: bool,
+    /// Standard error from the scatter of the residual; `None` for fixed terms.
+    pub standard_error: Option<f64>,
+    /// `None` for fixed terms, and where nothing was tested.
+    pub trust: Option<Box<Trust>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Stated by the model.
+    Known,
+    /// Found, and nothing speaks against it.
+    Pass,
+    /// Found, but with reasons to distrust it.
+    Doubt,
+}
+
+/// An equation that was asked for and not found.
+#[derive(Clone, Debug)]
+pub struct Failed {
+    pub target: Signal,
+    pub reasons: Vec<Reason>,
+}
+
+/// The figures behind one equation. Relative figures refer to the root mean square of the target, known part removed,
+/// rows weighted by their accuracy.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Rows M that the coefficients were found from.
+    pub rows: usize,
+    /// Candidate terms N.
+    pub candidates: usize,
+    /// How the rows were made, if they are not samples.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub method: String,
+    /// Solver that proposed the support.
+    pub solver: String,
+    pub iterations: usize,
+    /// Root mean square residual, relative.
+    pub residual: f64,
+    /// Root mean square of the target's estimated error, relative; 0 if it was measured.
+    pub target_error: f64,
+    /// Terms among which the support was chosen; the solver ruled out the others.
+    #[serde(default)]
+    pub searched: usize,
+    /// The residual on rows not used.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub held_out: Option<HeldOut>,
+    pub certificate: Proof,
+    /// Figures of the joint estimation with the trajectory, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub together: Option<Together>,
+    /// Whether the equation repeats other equations of its system.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub relation: Option<Rearranged>,
+    /// Other supports that fit these data as well.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub ties: Vec<Vec<String>>,
+    /// How stability was estimated.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub halves: Option<Halves>,
+    /// The term left out that comes nearest to being included.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub nearest: Option<Nearest>,
+    /// Which terms the rows can distinguish.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub identifiability: Option<Box<Identifiability>>,
+    /// The outcome of verification, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub verification: Option<Box<Verification>>,
+    /// What verification needs; not written.
+    #[serde(skip)]
+    pub witness: Option<Arc<Witness>>,
+}
+
+/// Two laws of one target, of which one follows from other equations of the system.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rearranged {
+    /// Targets of the equations that are repeated.
+    pub of: Vec<String>,
+    /// Part of the repeating law's gradient outside the span of theirs: 0 for the same relation.
+    pub apart: f64,
+    /// The uncertainty of that part, in the same units.
+    pub open: f64,
+    /// Median condition number of the mass matrix along the data, rows of unit length.
+    pub condition: f64,
+    /// True if the equation is the independent law and `other` the repeating one; false for the reverse.
+    pub independent: bool,
+    /// The other law; `None` where no independent law was sought or found.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub other: Option<OtherLaw>,
+}
+
+/// A law that was rejected.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct OtherLaw {
+    /// Terms with their coefficients.
+    pub terms: Vec<(String, f64)>,
+    /// Relative residual.
+    pub residual: f64,
+    /// Its criterion minus that of the equation.
+    pub criterion: f64,
+}
+
+/// Figures of a system estimated jointly with its trajectory, for one variable.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Together {
+    /// Every measured derivative of the variable.
+    pub channels: Vec<ChannelFit>,
+    /// The term whose loss costs least, and what the criterion loses with it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub weakest: Option<(String, f64)>,
+    /// Delays that were estimated.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub delays: Vec<InputDelay>,
+    /// Price of a term in the criterion.
+    pub price: f64,
+    /// Sets of terms that were fitted.
+    pub tried: usize,
+    /// The criterion of each tie minus the answer's, in the order of `ties`.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub ties: Vec<f64>,
+}
+
+/// The delay of an input against its record.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct InputDelay {
+    pub input: String,
+    /// Positive if later.
+    pub seconds: f64,
+    pub samples: f64,
+}
+
+/// Residuals of one measured channel.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChannelFit {
+    pub signal: String,
+    /// Root mean square residual, in the signal's units, and relative to its spread.
+    pub left: f64,
+    pub relative: f64,
+    /// The sensor's noise, declared or estimated by smoothing. Smoothing overestimates it where jumps of an input make
+    /// kinks.
+    pub noise: f64,
+    /// Whether the noise was declared.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub declared: bool,
+    /// Autocorrelation of the residuals over the first lags, and its bound for white noise.
+    pub memory: f64,
+    pub chance: f64,
+    /// The residual in each file, by name, where sensors differ.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub files: Vec<(String, f64)>,
+    /// Readings without weight.
+    #[serde(skip_serializing_if = "is_zero", default)]
+    pub left_out: usize,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HeldOut {
+    pub rows: usize,
+    pub residual: f64,
+}
+
+/// What the dual point proves about the ℓ1 problem that proposed the support.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Proof {
+    /// ε of ‖Φa − y‖₂ ≤ ε, relative to ‖y‖; 0 is basis pursuit with equality.
+    pub tolerance: f64,
+    /// (‖a‖₁ − dual value) / ‖a‖₁ on unit columns.
+    pub gap: f64,
+    /// max |φᵀλ| over all unit columns; 1 on the support of an optimal answer.
+    pub max_correlation: f64,
+    /// 1 − max |φᵀλ| off the support.
+    pub margin: f64,
+    /// Numerical rank of the support's columns, and how many there are.
+    pub rank: usize,
+    pub support: usize,
+    /// Condition number of the support's unit columns.
+    pub condition: f64,
+    /// No other combination that fits has a smaller ℓ1 norm.
+    pub optimal: bool,
+    /// No other combination has the same norm.
+    pub unique: bool,
+    /// True if the printed terms are the support of the ℓ1 answer, not a choice among its proposals.
+    pub of_answer: bool,
+    /// True if all equations tied by constraints were solved together.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub constrained: bool,
+}
+
+impl Discovery {
+    /// A discovery without equations, for the variables of a model.
+    pub fn of(model: &Model) -> Self {
+        Discovery {
+            system: model.system.clone(),
+            discrete: model.discrete,
+            variables: model
+                .vars
+                .iter()
+                .map(|v| Variable {
+                    name: v.name.clone(),
+                    kind: v.kind,
+                    order: v.order,
+                    unit: v.unit.clone(),
+                })
+                .collect(),
+            equations: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    /// True if every equation that was asked for passes.
+    pub fn passes(&self) -> bool {
+        self.failed.is_empty() && self.equations.iter().all(|e| e.status != Status::Doubt)
+    }
+
+    /// The unit of a signal, if declared.
+    pub fn unit(&self, s: Signal) -> Option<Unit> {
+        let of = |id: VarId| self.variable_of(id)?.unit.as_ref();
+        units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
+    }
+
+    /// The unit of a term's coefficient, and of its standard error; `None` where some signal has none.
+    pub fn coefficient_unit(&self, target: Signal, term: &Term) -> Option<Unit> {
+        let term = units::of_term(term, &|s| self.unit(s))?;
+        units::coefficient(&self.unit(target)?, &term)
+    }
+
+    pub fn variable_of(&self, id: VarId) -> Option<&Variable> {
+        self.variables.get(id.0 as usize)
+    }
+}
+
+impl Equation {
+    /// True if the search was ended early.
+    pub fn was_stopped(&self) -> bool {
+        self.reasons.iter().any(is_stop)
+    }
+}
+
+impl Discovery {
+    /// True if the search of any equation was ended early.
+    pub fn was_stopped(&self) -> bool {
+        let failed = self.failed.iter().flat_map(|f| &f.reasons);
+        failed
+            .chain(self.equations.iter().flat_map(|e| &e.reasons))
+            .any(is_stop)
+    }
+}
+
+fn is_stop(reason: &Reason) -> bool {
+    matches!(reason.code, ReasonCode::Interrupted | ReasonCode::TimeLimit)
+}
+
+impl SignalNames for Discovery {
+    fn variable(&self, var: VarId) -> &str {
+        self.variable_of(var).map_or("?", |v| &v.name)
+    }
+}

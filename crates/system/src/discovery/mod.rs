@@ -1,0 +1,22 @@
+//! Equations with evidence, statuses and doubts: plain data that everybody may read.
+
+mod coefficient_inference;
+mod equations;
+mod identifiability;
+mod mass_matrix_form;
+mod reason;
+pub mod thresholds;
+mod verification;
+
+pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
+pub use equations::{
+    ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, OtherLaw,
+    PathKnot, Proof, Rearranged, Status, Together, Variable,
+};
+pub use identifiability::{
+    Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
+};
+pub use mass_matrix_form::{Form, Rate, Row};
+pub use reason::{Notice, Reason, ReasonCode};
+pub use thresholds::{MARKS, Marks, NEWTON, Newton};
+pub use verification::{Verification, VerifiedProof, Witness};

@@ -1,0 +1,287 @@
+//! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
+
+use crate::discovery::{Discovery, Equation, Failed, FoundTerm, Trust};
+use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
+use sidc_lang as lang;
+use sidc_lang::Vocabulary;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::{LibKind, Model, RightSide};
+use sidc_lang::parse::is_name;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{SignalNames, Term};
+use sidc_lang::units;
+
+/// A result, and the model that reads other data as its own were read.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    pub discovery: Discovery,
+    /// Declares the discovery's variables, with data block, interpolation of inputs, noise and units.
+    pub model: Model,
+    pub document: Document,
+}
+
+/// Reads the discovery of a result document.
+///
+/// # Errors
+/// As [`open`].
+pub fn read(name: &str, text: &str) -> Result<Discovery, Diagnostic> {
+    open(name, text).map(|opened| opened.discovery)
+}
+
+/// Reads a result document.
+///
+/// # Errors
+/// One diagnostic for text that is no result document, for a newer version, or for terms that do not parse.
+pub fn open(name: &str, text: &str) -> Result<Opened, Diagnostic> {
+    let value: serde_json::Value =
+        serde_json::from_str(text).map_err(|e| not_json(name, &e.to_string()))?;
+    match value.get("sidc_result").and_then(serde_json::Value::as_u64) {
+        None => return Err(no_result(name)),
+        Some(v) if v > u64::from(VERSION) => return Err(newer(name, v)),
+        Some(_) => {}
+    }
+    let document: Document =
+        serde_json::from_value(value).map_err(|e| damaged(name, &e.to_string()))?;
+    open_document(name, document)
+}
+
+/// Reads a document that is in memory.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_document(name: &str, document: Document) -> Result<Opened, Diagnostic> {
+    if document.sidc_result > VERSION {
+        return Err(newer(name, document.sidc_result.into()));
+    }
+    let (discovery, model) = opened(name, &document)?;
+    Ok(Opened {
+        discovery,
+        model,
+        document,
+    })
+}
+
+fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> {
+    plain_words(name, doc)?;
+    let reading = &doc.settings.reading;
+    let block = reading.block().map_err(|why| damaged(name, &why))?;
+    let mut sources = Sources::default();
+    let file = sources.add(name, as_model(doc) + &block);
+    let vocabulary = Vocabulary { generators: vec![] };
+    let (model, found) = lang::compile(file, &sources, &vocabulary);
+    let Some(mut model) = model else {
+        let first = found.iter().find(|d| d.is_error());
+        let why = first.map_or_else(String::new, |d| d.message.clone());
+        return Err(damaged(name, &why));
+    };
+    let asked = doc.equations.len() + doc.failed.len();
+    if model.equations.len() != asked || model.vars.len() != doc.variables.len() + 1 {
+        return Err(damaged(
+            name,
+            "its names and terms are not one declaration and one equation each",
+        ));
+    }
+    let of_rate = model.equations.iter().any(|e| e.target.der > 0);
+    let contradiction = match doc.time {
+        TimeKind::Continuous if model.discrete => {
+            Some("continuous, and it has an equation for a next sample")
+        }
+        TimeKind::Discrete if of_rate => Some("discrete, and it has an equation for a derivative"),
+        _ => None,
+    };
+    if let Some(why) = contradiction {
+        return Err(damaged(name, &format!("its time is {why}")));
+    }
+    let mut d = Discovery::of(&model);
+    d.system = doc.system.clone();
+    d.discrete = doc.time == TimeKind::Discrete;
+    read_units(name, doc, &mut d)?;
+    for (entry, equation) in doc.equations.iter().zip(&model.equations) {
+        let terms = terms(&equation.right);
+        if terms.len() != entry.terms.len() {
+            return Err(damaged(
+                name,
+                &format!("the terms of {} do not parse one by one", entry.target),
+            ));
+        }
+        d.equations.push(equation_of(entry, equation.target, terms));
+    }
+    for entry in &doc.failed {
+        let target = model
+            .equations
+            .iter()
+            .map(|e| e.target)
+            .find(|t| model.name(*t) == entry.target);
+        if let Some(target) = target {
+            d.failed.push(Failed {
+                target,
+                reasons: entry.reasons.clone(),
+            });
+        }
+    }
+    if model.data.entries.len() != reading.columns.len() {
+        return Err(damaged(name, "its data block is not one entry a signal"));
+    }
+    model.discrete = d.discrete;
+    let applied = reading.apply(&mut model);
+    applied.map_err(|why| damaged(name, &why))?;
+    Ok((d, model))
+}
+
+/// The units of time and of the variables, in the order of the document.
+fn read_units(name: &str, doc: &Document, d: &mut Discovery) -> Result<(), Diagnostic> {
+    let written = doc.variables.iter().map(|v| v.unit.as_deref());
+    let all = std::iter::once(doc.time_unit.as_deref()).chain(written);
+    for (variable, text) in d.variables.iter_mut().zip(all) {
+        let Some(text) = text else { continue };
+        let (unit, _) = units::parse(text)
+            .map_err(|fault| damaged(name, &format!("{text:?} is no unit: {}", fault.cause)))?;
+        variable.unit = Some(unit);
+    }
+    Ok(())
+}
+
+/// Checks that text that becomes part of a model is what it claims to be: a name is a word, and no term or target can
+/// end its statement.
+fn plain_words(name: &str, doc: &Document) -> Result<(), Diagnostic> {
+    let names = doc.variables.iter().map(|v| &v.name).chain(&doc.system);
+    for text in names {
+        if !is_name(text) {
+            return Err(damaged(name, &format!("{text:?} is no name")));
+        }
+    }
+    const KINDS: [&str; 4] = ["state", "input", "output", "param"];
+    if let Some(v) = doc
+        .variables
+        .iter()
+        .find(|v| !KINDS.contains(&v.kind.as_str()))
+    {
+        let why = format!("{:?} is no kind of variable", v.kind);
+        return Err(damaged(name, &why));
+    }
+    let targets = doc.equations.iter().map(|e| &e.target);
+    let written = targets
+        .chain(doc.failed.iter().map(|f| &f.target))
+        .chain(doc.equations.iter().flat_map(|e| &e.terms).map(|t| &t.term));
+    for text in written {
+        if text
+            .chars()
+            .any(|c| c.is_control() || "#~=;{}\"".contains(c))
+        {
+            return Err(damaged(name, &format!("{text:?} is no term")));
+        }
+    }
+    Ok(())
+}
+
+/// A model that declares the document's variables and lists its terms, so that one parser reads both.
+fn as_model(doc: &Document) -> String {
+    let mut text = String::new();
+    for v in &doc.variables {
+        match (v.kind.as_str(), v.order) {
+            ("state", _) if doc.time == TimeKind::Discrete => {
+                text.push_str(&format!("state {}\n", v.name));
+            }
+            ("state" | "input", n) => {
+                text.push_str(&format!("{} {} : order {n}\n", v.kind, v.name));
+            }
+            (kind, _) => text.push_str(&format!("{kind} {}\n", v.name)),
+        }
+    }
+    for e in &doc.equations {
+        let terms: Vec<&str> = e.terms.iter().map(|t| t.term.as_str()).collect();
+        let right = if terms.is_empty() {
+            "= 0".to_string()
+        } else {
+            format!("~ <{}>", terms.join(", "))
+        };
+        text.push_str(&format!("{} {right}\n", e.target));
+    }
+    for f in &doc.failed {
+        text.push_str(&format!("{} = 0\n", f.target));
+    }
+    text
+}
+
+fn terms(right: &RightSide) -> Vec<Term> {
+    let RightSide::Search {
+        library: Some(library),
+        ..
+    } = right
+    else {
+        return Vec::new();
+    };
+    let LibKind::List(items) = &library.kind else {
+        return Vec::new();
+    };
+    items
+        .iter()
+        .filter_map(|i| match &i.kind {
+            LibKind::Term(e) => Some(e.clone().into_term().1),
+            _ => None,
+        })
+        .collect()
+}
+
+fn equation_of(
+    entry: &EquationEntry,
+    target: sidc_lang::term::Signal,
+    terms: Vec<Term>,
+) -> Equation {
+    Equation {
+        target,
+        terms: entry
+            .terms
+            .iter()
+            .zip(terms)
+            .map(|(t, term)| FoundTerm {
+                term,
+                coefficient: t.coefficient,
+                fixed: t.fixed,
+                standard_error: t.standard_error,
+                trust: trust(t),
+            })
+            .collect(),
+        status: entry.status,
+        reasons: entry.reasons.clone(),
+        evidence: entry.evidence.clone(),
+        // Readers do not need the solution path.
+        path: Vec::new(),
+    }
+}
+
+/// `None` for terms that were not judged.
+fn trust(t: &TermEntry) -> Option<Box<Trust>> {
+    Some(Box::new(Trust {
+        interval: t.interval,
+        stability: t.stability,
+        without: t.without.clone(),
+        mark: t.mark?,
+    }))
+}
+
+fn not_json(name: &str, why: &str) -> Diagnostic {
+    Diagnostic::error("result-not-json", format!("{name} is not JSON: {why}"))
+        .help("give the file that `sidc identify … -o R.json` wrote")
+}
+
+fn no_result(name: &str) -> Diagnostic {
+    Diagnostic::error(
+        "result-unknown",
+        format!("{name} is JSON, but not a result of sidc: it has no `sidc_result`"),
+    )
+    .help("give the file that `sidc identify … -o R.json` wrote")
+}
+
+fn newer(name: &str, version: u64) -> Diagnostic {
+    Diagnostic::error(
+        "result-newer",
+        format!("{name} is a result of version {version}; this program reads up to {VERSION}"),
+    )
+    .help("update sidc")
+}
+
+fn damaged(name: &str, why: &str) -> Diagnostic {
+    Diagnostic::error("result-damaged", format!("{name} is damaged: {why}"))
+        .help("write it again with `sidc identify … -o R.json`")
+}

@@ -1,0 +1,4 @@
+//! The found equations, compiled to be evaluated at one point at a time.
+
+mod gaussian_elimination;
+pub(crate) mod plant;

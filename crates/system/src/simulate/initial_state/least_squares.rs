@@ -1,0 +1,151 @@
+//! Initial states by least squares: the start from which a free run follows the first noisy readings best.
+//!
+//! In: readings with their noise, a first estimate, a function that simulates. Out: the estimate over the longest
+//! stretch that the equations follow, with standard errors. The equations stay as they are. A stretch that they do not
+//! follow is dropped; without any the first estimate stays.
+
+use crate::simulate::thresholds::INITIAL_STATE;
+use nalgebra::{DMatrix, DVector};
+
+use crate::simulate::integrate::trajectory::Rows;
+
+/// Simulates so many rows from an initial state; `None` if that fails.
+pub(crate) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Rows>;
+
+/// The readings to be followed.
+pub(crate) struct Readings {
+    /// Column in a simulated row, readings by row of the leg (NaN: none), standard deviation of the noise.
+    pub channels: Vec<(usize, Vec<f64>, f64)>,
+    pub rows: usize,
+}
+
+pub(crate) struct FittedStart {
+    pub start: Vec<f64>,
+    /// Standard errors of the free components; 0 for the others.
+    pub error: Vec<f64>,
+    /// Rows that were fitted.
+    pub rows: usize,
+}
+
+/// Root mean square of the residuals over the first stretch, in standard deviations of the noise; `None` if the run
+/// fails.
+pub(crate) fn rms_residual(readings: &Readings, start: &[f64], run: Trial) -> Option<f64> {
+    let rows = (2 * INITIAL_STATE.rows_a_component)
+        .max(INITIAL_STATE.rows_a_component * start.len())
+        .min(readings.rows);
+    let left = residuals(readings, &run(start, rows)?, rows);
+    (!left.is_empty()).then(|| left.norm() / (left.len() as f64).sqrt())
+}
+
+/// Fits over stretches that double in length. `free`: components to be estimated, each with its typical size.
+pub(crate) fn fit_initial_state(
+    readings: &Readings,
+    start: &[f64],
+    free: &[(usize, f64)],
+    run: Trial,
+) -> Option<FittedStart> {
+    let most = (readings.rows / INITIAL_STATE.record_part)
+        .max(readings.rows.min(2 * INITIAL_STATE.short_record) / 2)
+        .min(INITIAL_STATE.longest_stretch);
+    let mut rows =
+        (INITIAL_STATE.rows_a_component * free.len()).max(INITIAL_STATE.rows_a_component * 2);
+    let mut best: Option<FittedStart> = None;
+    while rows <= most {
+        let from = best.as_ref().map_or(start, |b| &b.start);
+        match fit(readings, from, free, rows, run) {
+            Some(found) => best = Some(found),
+            None => break,
+        }
+        rows *= 2;
+    }
+    best
+}
+
+/// Levenberg–Marquardt on one stretch; `None` if the equations do not follow it.
+fn fit(
+    readings: &Readings,
+    start: &[f64],
+    free: &[(usize, f64)],
+    rows: usize,
+    run: Trial,
+) -> Option<FittedStart> {
+    let mut x = start.to_vec();
+    let mut left = residuals(readings, &run(&x, rows)?, rows);
+    let mut damping = 1e-3;
+    let mut normal = DMatrix::zeros(free.len(), free.len());
+    for _ in 0..INITIAL_STATE.iterations {
+        let slopes = slopes(readings, &x, &left, free, rows, run)?;
+        normal = slopes.transpose() * &slopes;
+        let right = -(slopes.transpose() * &left);
+        let mut damped = normal.clone();
+        (0..free.len()).for_each(|i| damped[(i, i)] *= 1.0 + damping);
+        let step = damped.cholesky()?.solve(&right);
+        let mut trial = x.clone();
+        for ((place, size), s) in free.iter().zip(step.iter()) {
+            trial[*place] += size * s;
+        }
+        let after = run(&trial, rows).map(|path| residuals(readings, &path, rows));
+        match after.filter(|a| a.norm_squared() < left.norm_squared()) {
+            Some(after) => {
+                let gained = 1.0 - after.norm_squared() / left.norm_squared();
+                (x, left) = (trial, after);
+                damping *= 0.1;
+                if gained < 1e-4 {
+                    break;
+                }
+            }
+            None if damping > 1e6 || step.amax() < 1e-9 => break,
+            None => damping *= 10.0,
+        }
+    }
+    let count = left.len().checked_sub(free.len()).filter(|n| *n > 0)?;
+    let scatter = (left.norm_squared() / count as f64).sqrt();
+    if scatter.is_nan() || scatter > INITIAL_STATE.follows {
+        return None;
+    }
+    let covariance = normal.try_inverse()?;
+    let mut error = vec![0.0; x.len()];
+    for (i, (place, size)) in free.iter().enumerate() {
+        error[*place] = size * covariance[(i, i)].max(0.0).sqrt() * scatter.max(1.0);
+    }
+    Some(FittedStart {
+        start: x,
+        error,
+        rows,
+    })
+}
+
+/// Simulated minus measured, in standard deviations of the noise.
+fn residuals(readings: &Readings, path: &Rows, rows: usize) -> DVector<f64> {
+    let mut out = Vec::new();
+    for (place, values, sigma) in &readings.channels {
+        for (s, m) in path.column(*place).zip(values).take(rows) {
+            if m.is_finite() {
+                out.push((s - m) / sigma);
+            }
+        }
+    }
+    DVector::from_vec(out)
+}
+
+/// Jacobian of the residuals by difference quotients, components in units of their size.
+fn slopes(
+    readings: &Readings,
+    x: &[f64],
+    left: &DVector<f64>,
+    free: &[(usize, f64)],
+    rows: usize,
+    run: Trial,
+) -> Option<DMatrix<f64>> {
+    let mut columns = Vec::new();
+    for (place, size) in free {
+        let mut moved = x.to_vec();
+        moved[*place] += INITIAL_STATE.difference * size;
+        let there = residuals(readings, &run(&moved, rows)?, rows);
+        if there.len() != left.len() {
+            return None;
+        }
+        columns.push((there - left) / INITIAL_STATE.difference);
+    }
+    Some(DMatrix::from_columns(&columns))
+}

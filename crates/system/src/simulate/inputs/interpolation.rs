@@ -1,0 +1,203 @@
+//! Inputs between their samples: zero-order hold or linear interpolation.
+//!
+//! In: samples of one signal, how they are interpolated, a delay. Out: the straight segment that holds from any
+//! instant to the next knot. Missing samples are filled and counted.
+
+use sidc_lang::model::Between;
+
+/// One input along one record.
+#[derive(Clone, Debug)]
+pub(crate) struct SampledInput {
+    /// Finite, one for each row of the record.
+    values: Vec<f64>,
+    between: Between,
+    /// Delay in seconds.
+    pub late: f64,
+    /// How many samples were missing.
+    pub missing: usize,
+}
+
+/// Where the values of one input come from.
+#[derive(Clone, Debug)]
+pub(crate) enum InputSource {
+    SampledInput(SampledInput),
+    /// The derivative of a sampled input: the slope of its segment.
+    Slope(SampledInput),
+    /// Constantly zero.
+    Rest,
+}
+
+impl InputSource {
+    /// The segment that holds from `t` on.
+    pub fn line(&self, time: &[f64], t: f64) -> InputSegment {
+        match self {
+            InputSource::SampledInput(c) => c.line(time, t),
+            InputSource::Slope(c) => InputSegment::flat(t, c.line(time, t).slope),
+            InputSource::Rest => InputSegment::default(),
+        }
+    }
+
+    /// Delay in seconds.
+    pub fn late(&self) -> f64 {
+        match self {
+            InputSource::SampledInput(c) | InputSource::Slope(c) => c.late,
+            InputSource::Rest => 0.0,
+        }
+    }
+}
+
+/// A straight segment in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct InputSegment {
+    pub from: f64,
+    pub value: f64,
+    pub slope: f64,
+    /// The end of the segment and the value there, exact where extrapolation would round.
+    pub meets: (f64, f64),
+}
+
+impl InputSegment {
+    fn flat(from: f64, value: f64) -> InputSegment {
+        InputSegment {
+            from,
+            value,
+            slope: 0.0,
+            meets: (from, value),
+        }
+    }
+
+    #[inline]
+    pub fn at(&self, t: f64) -> f64 {
+        match self.meets {
+            (end, value) if t == end => value,
+            _ => self.value + self.slope * (t - self.from),
+        }
+    }
+
+    /// True if `next` continues this segment without a jump or a bend.
+    pub fn continues(&self, next: &InputSegment) -> bool {
+        self.slope == next.slope && (self.at(next.from) == next.value)
+    }
+}
+
+impl SampledInput {
+    /// `None` if no sample is finite.
+    pub fn new(time: &[f64], samples: &[f64], between: Between, late: f64) -> Option<SampledInput> {
+        let mut values = samples.to_vec();
+        let missing = values.iter().filter(|v| !v.is_finite()).count();
+        if missing > 0 {
+            bridge(time, &mut values, between)?;
+        }
+        (!values.is_empty()).then_some(SampledInput {
+            values,
+            between,
+            late,
+            missing,
+        })
+    }
+
+    /// The segment that holds from `t` on. At a jump the right side counts.
+    pub fn line(&self, time: &[f64], t: f64) -> InputSegment {
+        let own = t - self.late;
+        let row = after(time, own);
+        let value = |i: usize| self.values.get(i).copied().unwrap_or(0.0);
+        let last = self.values.len() - 1;
+        let flat = |value| InputSegment::flat(t, value);
+        match (row, self.between) {
+            (0, _) => flat(value(0)),
+            (i, _) if i > last => flat(value(last)),
+            (i, Between::Hold) => flat(value(i - 1)),
+            (i, Between::Linear) => {
+                let slope = (value(i) - value(i - 1)) / (time[i] - time[i - 1]);
+                if !slope.is_finite() {
+                    // A slope beyond all numbers is a jump at the next sample.
+                    return flat(value(i - 1));
+                }
+                InputSegment {
+                    from: time[i - 1] + self.late,
+                    value: value(i - 1),
+                    slope,
+                    meets: (time[i] + self.late, value(i)),
+                }
+            }
+        }
+    }
+
+    /// The sample of a row, for discrete time.
+    pub fn sample(&self, row: usize) -> f64 {
+        self.values.get(row).copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// How many instants are at or before `t`. Records are mostly evenly sampled, so the place is guessed first.
+fn after(time: &[f64], t: f64) -> usize {
+    let guess = || {
+        let (first, last) = time.first().zip(time.last())?;
+        let place = (t - first) / (last - first) * (time.len() - 1) as f64;
+        // Rounding may put the place one row off.
+        let near = (place + 0.5) as usize;
+        [near, near + 1].into_iter().find(|row| {
+            let before = row.checked_sub(1).and_then(|k| time.get(k));
+            before.is_some_and(|s| *s <= t) && time.get(*row).is_none_or(|s| *s > t)
+        })
+    };
+    guess().unwrap_or_else(|| time.partition_point(|s| *s <= t))
+}
+
+/// Fills missing samples: held, or interpolated linearly. Before the first sample, its value holds.
+fn bridge(time: &[f64], values: &mut [f64], between: Between) -> Option<()> {
+    let known: Vec<usize> = (0..values.len())
+        .filter(|i| values[*i].is_finite())
+        .collect();
+    let first = *known.first()?;
+    for i in (0..values.len()).filter(|i| known.binary_search(i).is_err()) {
+        let after = known.partition_point(|k| *k < i);
+        let (last, next) = (after.checked_sub(1).map(|k| known[k]), known.get(after));
+        values[i] = match (between, last, next) {
+            (_, None, _) => values[first],
+            (Between::Linear, Some(a), Some(b)) => {
+                let share = (time[i] - time[a]) / (time[*b] - time[a]);
+                let rise = values[*b] - values[a];
+                match rise.is_finite() {
+                    true => values[a] + share * rise,
+                    false => (1.0 - share) * values[a] + share * values[*b],
+                }
+            }
+            (_, Some(a), _) => values[a],
+        };
+    }
+    Some(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_hold_or_connect_and_start_late() {
+        let time = [0.0, 1.0, 2.0];
+        let held = SampledInput::new(&time, &[5.0, f64::NAN, 7.0], Between::Hold, 0.0).unwrap();
+        let linear = SampledInput::new(&time, &[5.0, f64::NAN, 7.0], Between::Linear, 0.0).unwrap();
+        assert_eq!((held.missing, held.line(&time, 1.5).at(1.9)), (1, 5.0));
+        assert_eq!(linear.line(&time, 1.5).at(1.75), 6.75);
+        // At a jump the right side counts; after the record the last value holds.
+        assert_eq!(held.line(&time, 2.0).at(9.0), 7.0);
+        let late = SampledInput::new(&time, &[5.0, 6.0, 7.0], Between::Hold, 0.25).unwrap();
+        assert_eq!(late.line(&time, 1.0).at(1.2), 5.0);
+        assert_eq!(late.line(&time, 1.25).at(1.3), 6.0);
+    }
+
+    #[test]
+    fn no_input_is_too_steep_or_too_large_for_a_value() {
+        let time = [0.0, 1e-6, 2e-6, 3e-6];
+        let samples = [1e305, -1e305, 1.0, 2.0];
+        let steep = SampledInput::new(&time, &samples, Between::Linear, 0.0).unwrap();
+        assert_eq!(steep.line(&time, 0.0).at(1e-6), 1e305);
+        assert_eq!(steep.line(&time, 1e-6).at(1.5e-6), -1e305);
+        assert!((steep.line(&time, 2e-6).at(2.5e-6) - 1.5).abs() < 1e-9);
+        let gap = [1.7e308, f64::NAN, -1.7e308, 0.0];
+        let bridged = SampledInput::new(&time, &gap, Between::Linear, 0.0).unwrap();
+        assert!(bridged.sample(1).abs() < 1e300);
+    }
+}

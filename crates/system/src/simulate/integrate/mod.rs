@@ -1,0 +1,6 @@
+//! Numerical integration from row to row of a record.
+
+pub(crate) mod continuous_time;
+pub(crate) mod discrete_time;
+mod runge_kutta;
+pub(crate) mod trajectory;

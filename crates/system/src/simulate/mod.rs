@@ -1,0 +1,38 @@
+//! Free runs of found equations: from a measured start, under the measured inputs, compared with the measurements.
+//!
+//! In: a [`Discovery`], a model that says how data were read, a [`Dataset`]. Out: a [`Run`] with its scores. Never
+//! estimates coefficients, reads no files, prints nothing.
+
+mod compiled;
+mod diagnostics;
+mod fault;
+mod flow;
+mod initial_state;
+mod inputs;
+mod integrate;
+mod legs;
+mod required_signals;
+mod run;
+mod scores;
+mod stiff;
+pub mod thresholds;
+mod whole_record;
+
+pub use fault::{Fault, FaultKind};
+pub use required_signals::reads;
+pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Work};
+pub use scores::document::{EXACT, Figures};
+pub use whole_record::simulate;
+
+use crate::discovery::Discovery;
+use sidc_data::Dataset;
+use sidc_lang::model::Model;
+
+/// The equations and the records to simulate.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    pub discovery: &'a Discovery,
+    /// Declares the variables of the discovery in the same order; its equations are ignored.
+    pub model: &'a Model,
+    pub dataset: &'a Dataset,
+}

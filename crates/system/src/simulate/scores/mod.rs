@@ -1,0 +1,4 @@
+//! How well a run follows its record.
+
+pub(crate) mod document;
+pub(crate) mod goodness_of_fit;

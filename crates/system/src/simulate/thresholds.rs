@@ -1,0 +1,102 @@
+//! Numbers that decide how a run is integrated, started, ended and scored.
+
+use sidc_thresholds::Table;
+
+sidc_thresholds::family! {
+    /// Steps of the explicit Runge–Kutta method.
+    pub EXPLICIT: Explicit {
+        /// Local error of a step.
+        tolerance: f64 = 1e-13, unit "of the state and its typical size", source "set by hand; not measured";
+        /// Part of the step that the error suggests.
+        safety: f64 = 0.9, unit "of the step", source "Hairer, Nørsett, Wanner, Solving ODEs I, II.4";
+        /// Least part of a rejected step that the next one keeps.
+        shrinks: f64 = 0.1, unit "of the step", source "set by hand; not measured";
+        /// Most that a step grows by.
+        grows: f64 = 8.0, unit "times the step", source "set by hand; not measured";
+        /// Product of step and eigenvalue from which the flow counts as stiff.
+        stability: f64 = 3.0, unit "h·|λ|", source "Hairer, Wanner, Solving ODEs II, IV.2: the limit on the negative real axis is 3.31; the margin is set by hand";
+        /// Steps at that limit before the implicit method takes over.
+        stiff_steps: usize = 15, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";
+        /// Steps away from the limit after which the count begins anew.
+        calm_steps: usize = 6, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";
+        /// Steps between two stops that are too many for an explicit method, whatever the reason.
+        steps_between_stops: usize = 20_000, unit "steps", source "set by hand; not measured";
+        /// Smallest step.
+        smallest_step: f64 = 1e-15, unit "of the time", source "a few times the unit roundoff of 1.1e-16";
+    }
+}
+
+sidc_thresholds::family! {
+    /// Work that a run may take, and where it ends.
+    pub BUDGET: Budget {
+        /// Evaluations of a run with error control.
+        evaluations: u64 = 10_000_000, unit "evaluations", source "set by hand; not measured";
+        /// More of them for each row.
+        evaluations_a_row: u64 = 2_000, unit "evaluations", source "set by hand; not measured";
+        /// Steps that `--step` may cut a record into.
+        fixed_steps: f64 = 1e9, unit "steps", source "set by hand; not measured";
+        /// Evaluations of one trial of an initial state.
+        trial_evaluations: u64 = 200_000, unit "evaluations", source "set by hand; not measured";
+        /// Size at which a state has left the world of its data.
+        blow_up: f64 = 1e6, unit "typical sizes of the state", source "set by hand; not measured";
+    }
+}
+
+sidc_thresholds::family! {
+    /// Initial states from noisy readings, by least squares over the first rows.
+    pub INITIAL_STATE: InitialState {
+        /// Rows at the beginning in which a start is looked for.
+        search_rows: usize = 1_000, unit "rows", source "set by hand; not measured";
+        /// Noise below which readings count as clean, as in `identify`.
+        clean: f64 = 1e-6, unit "of the signal's spread", source "set by hand; not measured";
+        /// Residual up to which readings are taken as they are: what smoothing called noise is motion.
+        as_read: f64 = 0.2, unit "standard deviations of the noise", source "set by hand; not measured";
+        /// Rows of the first stretch for each free component.
+        rows_a_component: usize = 6, unit "rows", source "set by hand; not measured";
+        /// Part of a long record that may go into its start.
+        record_part: usize = 10, unit "th part of the record", source "set by hand; not measured";
+        /// Rows up to which half of the record may.
+        short_record: usize = 100, unit "rows", source "set by hand; not measured";
+        /// Rows of the longest stretch.
+        longest_stretch: usize = 1_000, unit "rows", source "set by hand; not measured";
+        /// Root mean square of the residuals up to which the equations follow a stretch.
+        follows: f64 = 1.5, unit "standard deviations of the noise", source "set by hand; not measured";
+        /// Levenberg–Marquardt steps for one stretch.
+        iterations: usize = 12, unit "steps", source "set by hand; not measured";
+        /// Step of a difference quotient: far above the tolerance of integration.
+        difference: f64 = 1e-6, unit "of the size of a component", source "about the square root of the tolerance of 1e-13, the usual balance of truncation and rounding";
+    }
+}
+
+sidc_thresholds::family! {
+    /// Unknowns from the mass matrix, at one point of a run.
+    pub MASS_MATRIX: MassMatrix {
+        /// Size of the last step of Newton's method.
+        newton_step: f64 = 1e-13, unit "of the largest unknown", source "set by hand; not measured";
+        /// Step below which one that grows again is rounding, and ends the iteration.
+        newton_rounding: f64 = 1e-8, unit "of the largest unknown", source "set by hand; not measured";
+        /// Least singular value at which equations that a run cannot follow are called dependent.
+        dependent: f64 = 1e-4, unit "of the largest singular value", source "set by hand; not measured";
+        /// Pivot below which a matrix is singular.
+        pivot: f64 = 1e-12, unit "of the largest entry of a row", source "set by hand; not measured";
+    }
+}
+
+sidc_thresholds::family! {
+    /// Scores of a run.
+    pub SCORES: Scores {
+        /// Error up to which a run follows, where `--bound` does not say otherwise.
+        bound: f64 = 0.25, unit "standard deviations of the signal", source "set by hand; not measured";
+    }
+}
+
+/// Every family of this module.
+pub fn tables() -> Vec<Table> {
+    vec![
+        Explicit::table(),
+        Budget::table(),
+        InitialState::table(),
+        MassMatrix::table(),
+        Scores::table(),
+    ]
+}

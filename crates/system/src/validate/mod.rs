@@ -1,0 +1,141 @@
+//! Validation by free runs, on the data used and on data held out.
+//!
+//! In: a discovery, datasets. Out: a [`Validation`] for the result, doubts of equations whose runs go astray, and the
+//! [`Ranking`] of candidate models. Never finds equations, prints nothing.
+
+mod free_run_doubts;
+mod model_ranking;
+pub mod thresholds;
+
+use serde::{Deserialize, Serialize};
+
+use crate::discovery::{Discovery, Notice};
+use crate::simulate;
+use crate::simulate::{EXACT, Figures, Options, Run, Source};
+use sidc_data::{Dataset, Trajectory};
+use sidc_lang::model::Model;
+
+pub use free_run_doubts::doubt;
+pub use model_ranking::{FOLLOWED, Merit, Ranking, rank};
+
+/// Free runs from the measured start of each record or part of one.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Validation {
+    pub runs: Vec<FreeRun>,
+}
+
+/// A free run along one stretch of a record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FreeRun {
+    pub record: String,
+    /// First and last time in seconds; in discrete time the numbers of samples.
+    pub from: f64,
+    pub to: f64,
+    /// True if the equations were not found from this stretch.
+    pub held_out: bool,
+    pub scores: Vec<Figures>,
+    /// Why the run ended early.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub ended: Option<Notice>,
+}
+
+/// Runs the equations on the data used and on those held out; `None` where nothing was held out.
+///
+/// `go_on` is called with the time reached in a run; `false` ends it, and what was simulated by then counts.
+pub fn validate(
+    (d, model): (&Discovery, &Model),
+    (used, held): (&Dataset, &Dataset),
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Option<Validation> {
+    if held.trajectories.is_empty() {
+        return None;
+    }
+    let mut runs = run_all((d, model), used, false, go_on);
+    runs.extend(run_all((d, model), held, true, go_on));
+    Some(Validation { runs })
+}
+
+/// The same on the data held out alone, every record cut into so many parts with a start of their own.
+pub fn restarted(
+    (d, model): (&Discovery, &Model),
+    held: &Dataset,
+    parts: usize,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Validation {
+    let cut = |t: &Trajectory| -> Vec<Trajectory> {
+        let at = |k: usize| k * t.len() / parts.max(1);
+        (0..parts).map(|k| t.part(at(k)..at(k + 1))).collect()
+    };
+    let pieces = Dataset {
+        trajectories: held.trajectories.iter().flat_map(cut).collect(),
+        inputs: held.inputs.clone(),
+    };
+    Validation {
+        runs: run_all((d, model), &pieces, true, go_on),
+    }
+}
+
+fn run_all(
+    (d, model): (&Discovery, &Model),
+    dataset: &Dataset,
+    held_out: bool,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Vec<FreeRun> {
+    let source = Source {
+        discovery: d,
+        model,
+        dataset,
+    };
+    let mut one = |record| simulate::simulate(&source, record, &Options::default(), go_on).ok();
+    let all = (0..dataset.trajectories.len()).filter_map(&mut one);
+    all.map(|run| free_run(d, &run, held_out)).collect()
+}
+
+impl Validation {
+    /// Error to signal on the data held out in decibels: the mean over these states of the error's energy over the
+    /// signal's. Infinite if a run ended early or a state was not simulated.
+    pub fn error(&self, states: &[String]) -> f64 {
+        let held = || self.runs.iter().filter(|r| r.held_out);
+        if held().any(|r| r.ended.is_some()) {
+            return f64::INFINITY;
+        }
+        let of = |name: &str| -> Option<f64> {
+            let all = || held().flat_map(|r| &r.scores).filter(|s| s.signal == name);
+            let figures: Option<Vec<(f64, f64)>> = all().map(energies).collect();
+            let figures = figures?;
+            let error: f64 = figures.iter().map(|(error, _)| error).sum();
+            let signal: f64 = figures.iter().map(|(_, signal)| signal).sum();
+            (signal > 0.0).then(|| error / signal)
+        };
+        let ratios: Option<Vec<f64>> = states.iter().map(|s| of(s)).collect();
+        match ratios.as_deref() {
+            None | Some([]) => f64::INFINITY,
+            Some(all) => {
+                let mean = all.iter().sum::<f64>() / all.len() as f64;
+                (10.0 * mean.log10()).max(EXACT)
+            }
+        }
+    }
+}
+
+/// Energy of a run's error, and of its signal.
+fn energies(f: &Figures) -> Option<(f64, f64)> {
+    let error = f.mean_squared_error? * f.rows as f64;
+    let ratio = 10f64.powf(f.error_to_signal_db? / 10.0);
+    // The signal's energy is unknown in an exact run, and any positive number will do.
+    Some((error, if error > 0.0 { error / ratio } else { 1.0 }))
+}
+
+fn free_run(d: &Discovery, run: &Run, held_out: bool) -> FreeRun {
+    FreeRun {
+        record: run.name.clone(),
+        from: run.time.first().copied().unwrap_or(0.0),
+        to: run.time.last().copied().unwrap_or(0.0),
+        held_out,
+        scores: run.scores.iter().map(|s| Figures::of(d, s)).collect(),
+        ended: run.fault().map(|f| {
+            let text = format!("{} at t = {}", f.text(d), f.time);
+            Notice::new(f.kind.code(), text)
+        }),
+    }
+}

@@ -1,0 +1,28 @@
+//! A limit for work that must end, far above what it takes on any machine: it tells a hang, not a slow machine.
+
+use std::sync::mpsc::channel;
+use std::thread;
+use std::time::Duration;
+
+/// No work of a test takes this long, however busy the machine is.
+pub const HANGS: Duration = Duration::from_secs(300);
+
+/// What the work gives, which runs in a thread of its own.
+///
+/// # Panics
+/// If it has not ended after [`HANGS`], or panics.
+pub fn ends<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    let (done, ended) = channel();
+    let worker = thread::spawn(move || {
+        let result = work();
+        // Nobody listens any more if the limit has passed.
+        let _ = done.send(());
+        result
+    });
+    if let Err(std::sync::mpsc::RecvTimeoutError::Timeout) = ended.recv_timeout(HANGS) {
+        panic!("no end after {HANGS:?}");
+    }
+    worker
+        .join()
+        .unwrap_or_else(|fault| std::panic::resume_unwind(fault))
+}

@@ -1,0 +1,18 @@
+//! What tests, benchmarks, fuzzing and studies share; no part of the product.
+//!
+//! [`integrate`], [`random`], [`table`] and [`plants`] simulate known systems and write their records, and use nothing of the
+//! compiler: the data it is tested on must not come from its own code. [`program`] runs the built `sidc`, [`runtimes`] finds the
+//! languages and browsers that its output is run with, [`hang`] ends work that does not end, [`fuzzing`] says what must hold for any input
+//! at all.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+pub mod fuzzing;
+pub mod hang;
+pub mod integrate;
+pub mod pendulum_regression;
+pub mod plants;
+pub mod program;
+pub mod random;
+pub mod runtimes;
+pub mod table;

@@ -1,0 +1,12 @@
+//! Systems whose equations are known, and how to move them: what tests and studies take their records from.
+//!
+//! In: parameters, starts, forces. Out: rows of exact signals. Uses nothing of the compiler: the data it is tested on must not come
+//! from its own code.
+
+pub mod cart_pendulum;
+pub mod controller;
+pub mod double_pendulum;
+pub mod force;
+pub mod response;
+pub mod rigs;
+pub mod run;

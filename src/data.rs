@@ -1,0 +1,106 @@
+//! What was measured, as arrays.
+
+use sidc_data::{ArrayFault, Table};
+
+use crate::error::{Error, ErrorKind};
+
+/// Records of one system: each is a set of arrays with names, as the columns of a file would be. Lengths, steps and starts may
+/// differ between records.
+///
+/// Names are those of the model's signals, or the headers that its data block reads; `t` is time. NaN marks a missing value.
+///
+/// ```
+/// use sidc::Data;
+///
+/// let data = Data::new()
+///     .run([("t", vec![0.0, 0.1, 0.2]), ("x", vec![1.0, 0.9, f64::NAN])])?
+///     .run([("t", vec![0.0, 0.5]), ("x", vec![2.0, 1.2])])?;
+/// assert_eq!(data.runs(), 2);
+///
+/// let ragged = Data::new().run([("t", vec![0.0, 0.1]), ("x", vec![1.0])]);
+/// assert!(ragged.is_err_and(|e| e.to_string().contains("x has length 1")));
+/// # Ok::<(), sidc::Error>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Data {
+    pub(crate) tables: Vec<Table>,
+    pub(crate) params: Vec<(String, Vec<f64>)>,
+}
+
+impl Data {
+    pub fn new() -> Data {
+        Data::default()
+    }
+
+    /// Adds a record called `run 1`, `run 2`, …; `columns` are pairs of a name and M values.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Data`]: no values, arrays of different lengths, a name twice, an infinite value.
+    pub fn run<N, V>(self, columns: impl IntoIterator<Item = (N, V)>) -> Result<Data, Error>
+    where
+        N: Into<String>,
+        V: Into<Vec<f64>>,
+    {
+        let name = format!("run {}", self.tables.len() + 1);
+        self.named_run(&name, columns)
+    }
+
+    /// The same for a record with a name of its own, by which messages and results call it.
+    ///
+    /// # Errors
+    /// As [`Data::run`].
+    pub fn named_run<N, V>(
+        mut self,
+        name: &str,
+        columns: impl IntoIterator<Item = (N, V)>,
+    ) -> Result<Data, Error>
+    where
+        N: Into<String>,
+        V: Into<Vec<f64>>,
+    {
+        let columns = columns.into_iter();
+        let columns = columns.map(|(n, v)| (n.into(), v.into())).collect();
+        let table = Table::from_arrays(name, columns);
+        self.tables
+            .push(table.map_err(|fault| refused(name, fault))?);
+        Ok(self)
+    }
+
+    /// Sets a parameter that the model declares: one value for all records, or one for each in their order.
+    pub fn param(mut self, name: &str, values: impl Into<Vec<f64>>) -> Data {
+        self.params.push((name.into(), values.into()));
+        self
+    }
+
+    /// How many records there are.
+    pub fn runs(&self) -> usize {
+        self.tables.len()
+    }
+}
+
+fn refused(run: &str, fault: ArrayFault) -> Error {
+    let (code, text) = match fault {
+        ArrayFault::Empty => ("no-rows", format!("{run} has no values")),
+        ArrayFault::Twice(name) => (
+            "duplicate-header",
+            format!("{run} has two arrays called {name}"),
+        ),
+        ArrayFault::Ragged {
+            first,
+            name,
+            length,
+        } => (
+            "ragged-row",
+            format!(
+                "the array {name} of {run}: {name} has length {length}, the first array {first}"
+            ),
+        ),
+        ArrayFault::Infinite { name, row } => (
+            "out-of-range",
+            format!(
+                "the array {name} of {run} is infinite at place {row}, counted from 0\n  = help: mark missing values by NaN"
+            ),
+        ),
+    };
+    Error::new(ErrorKind::Data, code, text)
+}

@@ -1,0 +1,105 @@
+//! How to look for equations.
+
+use sidc_data::HoldOutRange;
+use sidc_discover::Method;
+use sidc_solve::solver;
+
+use crate::error::{Error, ErrorKind};
+use crate::pipeline::Rows;
+
+/// How to look for equations; the default suits most data. Each setter returns the options with one thing changed.
+///
+/// ```
+/// use sidc::{Method, Options, HoldOutRange};
+///
+/// let options = Options::default()
+///     .noise("theta", 0.01)
+///     .hold_out(HoldOutRange::Last(0.25))
+///     .method(Method::Regression)
+///     .solver("clarabel")?;
+/// assert!(Options::default().solver("magic").is_err());
+/// # Ok::<(), sidc::Error>(())
+/// ```
+#[derive(Clone, Default)]
+pub struct Options {
+    pub(crate) noise: Vec<(String, f64)>,
+    pub(crate) rows: Rows,
+    pub(crate) search: sidc_discover::Options,
+    pub(crate) verify: bool,
+}
+
+impl Options {
+    /// Standard deviation of a signal's measurement, in the model's units; holds over what the model declares.
+    pub fn noise(mut self, signal: &str, deviation: f64) -> Options {
+        self.noise.push((signal.into(), deviation));
+        self
+    }
+
+    /// Finds no equations from this part of every record, and runs them there. May be called several times.
+    pub fn hold_out(mut self, stretch: HoldOutRange) -> Options {
+        self.rows.held.stretches.push(stretch);
+        self
+    }
+
+    /// Finds no equations from the record at this place, counted from 0, and runs them there.
+    pub fn hold_out_run(mut self, place: usize) -> Options {
+        self.rows.held.files.push(place);
+        self
+    }
+
+    /// Uses only rows with from ≤ t ≤ to; an absent end is open.
+    pub fn window(mut self, from: Option<f64>, to: Option<f64>) -> Options {
+        self.rows.window = (from, to);
+        self
+    }
+
+    /// What equations are found from; [`Method::Auto`] leaves that to the program.
+    pub fn method(mut self, method: Method) -> Options {
+        self.search.method = method;
+        self
+    }
+
+    /// The sparse solver by the name that `sidc list` prints.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Options`]: no solver of this name.
+    pub fn solver(mut self, name: &str) -> Result<Options, Error> {
+        self.search.solver = solver(name).ok_or_else(|| {
+            let known: Vec<&str> = sidc_solve::SOLVERS.iter().map(|s| s.name()).collect();
+            let text = format!("no solver is called {name}; there are {}", known.join(", "));
+            Error::new(ErrorKind::Options, "unknown-solver", text)
+        })?;
+        Ok(self)
+    }
+
+    /// Uses so many random rows, drawn by `seed`; the others test the answer.
+    pub fn samples(mut self, rows: usize, seed: u64) -> Options {
+        self.search.samples = Some(rows);
+        self.search.seed = seed;
+        self
+    }
+
+    /// Most bytes that Φ of one equation may take. Default: 4 GB.
+    pub fn memory(mut self, bytes: u64) -> Options {
+        self.search.memory = bytes;
+        self
+    }
+
+    /// Gives readings more than five standard deviations from the trajectory no weight.
+    pub fn robust(mut self) -> Options {
+        self.search.robust = true;
+        self
+    }
+
+    /// Adds to each equation the answers for larger tolerances, from the first term on.
+    pub fn path(mut self) -> Options {
+        self.search.path = true;
+        self
+    }
+
+    /// Checks every equation and its proof once more, by separate code in 106 bits.
+    pub fn verify(mut self) -> Options {
+        self.verify = true;
+        self
+    }
+}

@@ -1,0 +1,50 @@
+//! What is said of the sensors beside the model.
+
+use sidc_lang::model::{Model, VarKind};
+use sidc_lang::term::{Signal, SignalNames, VarId};
+
+use super::Program;
+
+/// Why noise cannot be set.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoiseFault {
+    /// A name twice.
+    Twice(String),
+    /// The model measures no such signal; those that it does.
+    Unknown { name: String, measured: Vec<String> },
+}
+
+/// Standard deviations by the names of signals, in the model's units; they hold over what the model declares.
+///
+/// # Errors
+/// The first fault.
+pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), NoiseFault> {
+    let signals = sensors(&program.model);
+    for (place, (name, sigma)) in noise.iter().enumerate() {
+        if noise.iter().take(place).any(|(n, _)| n == name) {
+            return Err(NoiseFault::Twice(name.clone()));
+        }
+        let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) else {
+            let measured = signals.into_iter().map(|(n, _)| n).collect();
+            let name = name.clone();
+            return Err(NoiseFault::Unknown { name, measured });
+        };
+        if let Some(var) = program.model.vars.get_mut(signal.var.0 as usize) {
+            var.noise.insert(signal.der, *sigma);
+        }
+    }
+    Ok(())
+}
+
+/// Every signal that a table may hold, by name: variables, then their derivatives.
+fn sensors(model: &Model) -> Vec<(String, Signal)> {
+    let highest = model.vars.iter().map(|v| v.order).max().unwrap_or(0);
+    let orders = (0..=highest).flat_map(|der| {
+        let vars = (0..).zip(&model.vars);
+        let measured = vars.filter(move |(_, v)| {
+            der <= v.order && !matches!(v.kind, VarKind::Time | VarKind::Param)
+        });
+        measured.map(move |(id, _)| Signal::derivative(VarId(id), der))
+    });
+    orders.map(|s| (model.name(s), s)).collect()
+}

@@ -1,0 +1,56 @@
+//! Languages that a discovery is written in.
+
+use sidc_emit::TARGETS;
+
+/// A language to export to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Target {
+    /// As the terminal shows them.
+    Text,
+    Latex,
+    Rust,
+    C,
+    /// Functions for `scipy.integrate.solve_ivp`.
+    Python,
+    Sympy,
+    /// MATLAB and Octave.
+    Matlab,
+}
+
+impl Target {
+    /// Every target, in the order of `sidc list`.
+    pub const ALL: [Target; 7] = [
+        Target::Text,
+        Target::Latex,
+        Target::Rust,
+        Target::C,
+        Target::Python,
+        Target::Sympy,
+        Target::Matlab,
+    ];
+
+    /// What `sidc export --to` takes.
+    pub fn name(self) -> &'static str {
+        self.emitter().name()
+    }
+
+    pub(crate) fn emitter(self) -> &'static dyn sidc_emit::Target {
+        let place = Target::ALL.iter().position(|t| *t == self);
+        TARGETS[place.unwrap_or_default()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_target_is_its_own_emitter() {
+        let names: Vec<&str> = TARGETS.iter().map(|t| t.name()).collect();
+        for target in Target::ALL {
+            assert_eq!(format!("{target:?}").to_lowercase(), target.name());
+        }
+        assert_eq!(names, Target::ALL.map(Target::name));
+    }
+}
