@@ -4,6 +4,7 @@
 //! its term's factors, used, and forgotten: memory is a tile, and the values of the atoms where those are few. Sums are
 //! compensated (Ogita, Rump & Oishi 2005), as if made in twice the digits; errors of the entries are summed beside them.
 
+use sidc_progress::{Activity, Observer, Stage};
 use std::collections::BTreeMap;
 
 use super::double::{Double, ROUNDING, two_prod, two_sum};
@@ -46,13 +47,13 @@ pub fn work(library: &Library, rows: usize) -> u128 {
     library.slots() as u128 * rows as u128
 }
 
-/// Prices all columns; `None` if `go_on`, which hears how many slots are done, ended it. `support` rises.
+/// Prices all columns; `None` if the observer, which hears how many slots are done, ended it. `support` rises.
 pub fn price(
     library: &Library,
     rows: &Rows,
     dual: &[f64],
     support: &[usize],
-    go_on: &mut dyn FnMut(usize) -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<Priced> {
     let atoms = Atoms::new(library, rows);
     let length = dual.iter().map(|l| l * l).sum::<f64>().sqrt() * (1.0 + 1e-9);
@@ -67,7 +68,7 @@ pub fn price(
     };
     let mut first_slot = 0;
     for block in library.blocks() {
-        look.block(block, first_slot, go_on)?;
+        look.block(block, first_slot, observer)?;
         first_slot += block.slots();
     }
     Some(look.priced)
@@ -90,7 +91,7 @@ impl Look<'_> {
         &mut self,
         block: &Block,
         first_slot: usize,
-        go_on: &mut dyn FnMut(usize) -> bool,
+        observer: &mut dyn Observer,
     ) -> Option<()> {
         let across = block.right.len();
         let swapped = block.left.len() > across;
@@ -122,9 +123,8 @@ impl Look<'_> {
                     self.see(first_slot + slot, &sum);
                 }
                 done += terms.len();
-                if !go_on(done) {
-                    return None;
-                }
+                let verifying = Stage::Verifying(done, self.library.slots());
+                observer.hear(Activity::Stage(verifying)).continue_value()?;
             }
         }
         Some(())

@@ -17,6 +17,7 @@ mod words;
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::term::Term;
+use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, Equation, Evidence, Verification, Witness};
 
 use normal::Normal;
@@ -45,9 +46,6 @@ pub struct Case<'a> {
     pub dataset: &'a Dataset,
 }
 
-/// Told how many columns are done; says whether to go on.
-pub type Monitor<'a> = &'a mut dyn FnMut(usize) -> bool;
-
 /// Products of numbers of 106 bits that checking an equation takes.
 pub fn work(case: &Case) -> u128 {
     let witness = case.equation.evidence.as_ref();
@@ -56,12 +54,12 @@ pub fn work(case: &Case) -> u128 {
     proved.map_or(0, |w| columns::work(case.library, w.rows.len()))
 }
 
-/// Checks an equation; `None` where `monitor` ended it, or nothing was found.
+/// Checks an equation; `None` where the observer ended it, or nothing was found.
 ///
 /// ```
-/// use std::ops::ControlFlow;
 /// use sidc_data::Dataset;
 /// use sidc_discover::{Options, discover};
+/// use sidc_progress::Unwatched;
 /// use sidc::pipeline::Program;
 /// use sidc_discover::verify::{Case, verify};
 ///
@@ -71,8 +69,7 @@ pub fn work(case: &Case) -> u128 {
 /// let time: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
 /// let samples = program.samples(&time, &[("x", &x), ("dx", &dx)])?;
 /// let data = (&Dataset::default(), &samples);
-/// let go_on = &mut |_| ControlFlow::Continue(());
-/// let found = discover(&program.model, &program.libraries, data, &Options::default(), go_on);
+/// let found = discover(&program.model, &program.libraries, data, &Options::default(), &mut Unwatched);
 /// let found = found.map_err(|_| "a term has no value")?;
 ///
 /// let case = Case {
@@ -82,17 +79,17 @@ pub fn work(case: &Case) -> u128 {
 ///     samples: &samples,
 ///     dataset: &Dataset::default(),
 /// };
-/// let verified = verify(&case, &mut |_| true).ok_or("stopped")?;
+/// let verified = verify(&case, &mut Unwatched).ok_or("stopped")?;
 /// assert!(verified.holds && verified.digits.is_some_and(|d| d > 10.0));
 ///
 /// // A coefficient that is off in its fifth digit is told.
 /// let mut wrong = found.equations[0].clone();
 /// wrong.terms[0].coefficient *= 1.00001;
-/// let verified = verify(&Case { equation: &wrong, ..case }, &mut |_| true).ok_or("stopped")?;
+/// let verified = verify(&Case { equation: &wrong, ..case }, &mut Unwatched).ok_or("stopped")?;
 /// assert!(!verified.holds && verified.fails.iter().any(|f| f.contains("least squares")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
+pub fn verify(case: &Case, observer: &mut dyn Observer) -> Option<Verification> {
     let evidence = case.equation.evidence.as_ref()?;
     let mut out = Verification {
         rows: evidence.rows,
@@ -112,7 +109,7 @@ pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
             samples,
             dataset: case.dataset,
         };
-        path.check(&mut out, &mut || monitor(0))?;
+        path.check(&mut out, observer)?;
         out.holds = out.fails.is_empty();
         return Some(out);
     }
@@ -128,8 +125,8 @@ pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
         rows,
     };
     check.stated(&mut out);
-    let sums = check.fit(&mut out, &mut || monitor(0))?;
-    check.proof(&sums, &mut out, monitor)?;
+    let sums = check.fit(&mut out, observer)?;
+    check.proof(&sums, &mut out, observer)?;
     out.holds = out.fails.is_empty();
     Some(out)
 }
@@ -173,7 +170,7 @@ impl<'a> Check<'a> {
     }
 
     /// What the equation leaves, and whether its coefficients are the least-squares ones.
-    fn fit(&self, out: &mut Verification, go_on: &mut dyn FnMut() -> bool) -> Option<Sums> {
+    fn fit(&self, out: &mut Verification, observer: &mut dyn Observer) -> Option<Sums> {
         let (known, found) = (self.terms(true), self.terms(false));
         let asked = Asked {
             target: self.case.equation.target,
@@ -182,7 +179,7 @@ impl<'a> Check<'a> {
             dual: &self.witness.dual,
             gram: true,
         };
-        let sums = self.rows.sums(&asked, go_on)?;
+        let sums = self.rows.sums(&asked, observer)?;
         let size = sums.target.value.hi;
         let shares: Vec<f64> = (found.iter().zip(&sums.norms))
             .map(|((_, a), n)| a.abs() * n.size())

@@ -9,6 +9,7 @@ use super::value::{self, Bounded};
 use super::{within, words};
 use sidc_data::{Dataset, Samples};
 use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::Observer;
 use sidc_system::discovery::{ChannelFit, Discovery, Equation, Evidence, Together, Verification};
 
 /// Part of a target's size by which its equation may miss along the trajectory: rounding of a rate that was solved for.
@@ -27,14 +28,14 @@ pub struct Path<'a> {
 }
 
 impl Path<'_> {
-    /// `None` if `go_on` ended it.
-    pub fn check(&self, out: &mut Verification, go_on: &mut dyn FnMut() -> bool) -> Option<()> {
+    /// `None` if the observer ended it.
+    pub fn check(&self, out: &mut Verification, observer: &mut dyn Observer) -> Option<()> {
         out.open.push(words::likelihood());
         out.rows = self.samples.len();
         if out.rows != self.evidence.rows {
             out.fails.push(words::rows(out.rows, self.evidence.rows));
         }
-        let off = self.off(go_on)?;
+        let off = self.off(observer)?;
         out.along = Some(off);
         if !within(off, HOLDS) {
             let target = self.names.name(self.equation.target);
@@ -47,13 +48,13 @@ impl Path<'_> {
     }
 
     /// Root mean square of target less terms along the trajectory, over that of the larger of both.
-    fn off(&self, go_on: &mut dyn FnMut() -> bool) -> Option<f64> {
+    fn off(&self, observer: &mut dyn Observer) -> Option<f64> {
         let used: Vec<usize> = (0..self.samples.len()).collect();
         let weights = vec![1.0; used.len()];
         let rows = Rows::new(self.samples, &used, &weights)?;
         let (mut square, mut size) = (Double::ZERO, 0.0);
         for row in 0..rows.len() {
-            if !go_on() {
+            if !observer.go_on() {
                 return None;
             }
             let at = rows.at(row);

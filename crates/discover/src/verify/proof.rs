@@ -7,8 +7,9 @@ use super::columns::{self, Priced};
 use super::double::Double;
 use super::rows::{Asked, Sums};
 use super::value::Bounded;
-use super::{Check, Monitor, within, words};
+use super::{Check, within, words};
 use sidc_lang::term::Term;
+use sidc_progress::Observer;
 use sidc_system::discovery::{Verification, VerifiedProof};
 
 /// Gap, relative, up to which the 1-norm counts as the smallest.
@@ -21,8 +22,13 @@ const WITHIN: f64 = 1e-6;
 const STATED: f64 = 1e-6;
 
 impl Check<'_> {
-    /// The proof, if one is claimed; `None` if `monitor` ended it.
-    pub(super) fn proof(&self, own: &Sums, out: &mut Verification, monitor: Monitor) -> Option<()> {
+    /// The proof, if one is claimed; `None` if the observer ended it.
+    pub(super) fn proof(
+        &self,
+        own: &Sums,
+        out: &mut Verification,
+        observer: &mut dyn Observer,
+    ) -> Option<()> {
         let claimed = &self.evidence.certificate;
         if claimed.constrained {
             return Some(());
@@ -45,12 +51,12 @@ impl Check<'_> {
             Some(proposal) => {
                 out.open.push(words::chosen(self.evidence.searched));
                 let slots = proposal.iter().map(|(j, _)| *j).collect();
-                (slots, Some(self.proposed(proposal, &mut || monitor(0))?))
+                (slots, Some(self.proposed(proposal, observer)?))
             }
         };
         let mut support: Vec<usize> = slots;
         support.sort_unstable();
-        let priced = columns::price(library, &self.rows, &self.witness.dual, &support, monitor)?;
+        let priced = columns::price(library, &self.rows, &self.witness.dual, &support, observer)?;
         out.columns = priced.columns;
         let (coefficients, sums) = match &other {
             Some((coefficients, sums)) => (coefficients.clone(), sums),
@@ -66,7 +72,7 @@ impl Check<'_> {
     fn proposed(
         &self,
         proposal: &[(usize, f64)],
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Option<(Vec<f64>, Sums)> {
         let term =
             |(slot, a): &(usize, f64)| (self.case.library.term(*slot).unwrap_or_default(), *a);
@@ -79,7 +85,7 @@ impl Check<'_> {
             dual: &self.witness.dual,
             gram: false,
         };
-        let sums = self.rows.sums(&asked, go_on)?;
+        let sums = self.rows.sums(&asked, observer)?;
         Some((proposal.iter().map(|(_, a)| *a).collect(), sums))
     }
 

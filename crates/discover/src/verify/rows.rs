@@ -6,6 +6,7 @@ use super::double::{Double, ROUNDING};
 use super::value::{self, Bounded};
 use sidc_data::Samples;
 use sidc_lang::term::{Signal, Term};
+use sidc_progress::Observer;
 
 /// Rows of samples with their weights.
 pub struct Rows<'a> {
@@ -103,8 +104,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Goes through the rows; `None` if `go_on` ended it.
-    pub fn sums(&self, asked: &Asked, go_on: &mut dyn FnMut() -> bool) -> Option<Sums> {
+    /// Goes through the rows; `None` if the observer ended it.
+    pub fn sums(&self, asked: &Asked, observer: &mut dyn Observer) -> Option<Sums> {
         const BETWEEN: usize = 256;
         let k = asked.found.len();
         let (mut target, mut left, mut dual) =
@@ -115,7 +116,7 @@ impl<'a> Rows<'a> {
         let (mut price, mut price_error, mut price_size) = (Double::ZERO, 0.0, 0.0);
         let mut values = vec![Bounded::default(); k];
         for row in 0..self.len() {
-            if row % BETWEEN == 0 && !go_on() {
+            if row % BETWEEN == 0 && !observer.go_on() {
                 return None;
             }
             let (at, weight) = (self.at(row), self.weight(row));
