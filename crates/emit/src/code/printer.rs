@@ -3,11 +3,11 @@
 //! In: a discovery and the description of a language. Out: a source file: declarations, linear solves, Newton loops, results.
 //! What is computed, and when, was decided by [`super::program`]; expressions are written by [`super::infix`].
 
-use crate::Target;
 use crate::code::bracket_lists::{list, solver_call, wanted};
 use crate::code::identifiers::Identifiers;
 use crate::code::infix::{Infix, Syntax};
 use crate::code::program::{Function, Name, Newton, Program, Solve, Step};
+use crate::target::Target;
 use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
 
@@ -198,4 +198,10 @@ impl<L: Language> Printer<'_, L> {
 /// A line of comment for each line of text.
 pub(crate) fn commented(mark: &str, lines: impl Iterator<Item = String>) -> String {
     lines.map(|line| format!("{mark}{line}\n")).collect()
+}
+
+/// The helper functions whose condition holds.
+pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
+    let used = all.iter().filter(|(used, _)| *used);
+    used.map(|(_, text)| *text).collect()
 }

@@ -1,10 +1,10 @@
 //! Coupled equations as a matrix equation and solved, linear systems as A and B, in plain text.
 //!
-//! In: consequences of a discovery. Out: aligned lines; empty if there are no consequences. No term is dropped: an
+//! In: a discovery. Out: aligned lines; empty if there are no consequences. No term is dropped: an
 //! entry too wide for its cell is written below, by name.
 
 use crate::consequences::{Consequences, CoupledEquations, Solved, simplest_first};
-use crate::text::{LINE_WIDTH, in_one_line, layout, signed};
+use crate::text::layout::{LINE_WIDTH, one_line_sum, signed_term, sum_lines};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Expr, Language, SignalNames};
 use sidc_system::algebra::{Fraction, Linear};
@@ -15,8 +15,10 @@ const TABLE_WIDTH: usize = 120;
 /// Widest cell of a matrix that does not fit otherwise.
 const CELL_WIDTH: usize = 24;
 
-/// All consequences, each with a heading after a blank line.
-pub(crate) fn text(d: &Discovery, derived: &Consequences) -> String {
+/// What follows from the equations: coupled equations as a matrix equation and solved, linear systems as A and B, each with a
+/// heading after a blank line. Empty for a single or uncoupled nonlinear system.
+pub fn consequences(d: &Discovery) -> String {
+    let derived = Consequences::of(d);
     let mut out = String::new();
     for tie in &derived.ties {
         out.push_str(&mass(d, tie));
@@ -41,11 +43,11 @@ pub(crate) fn text(d: &Discovery, derived: &Consequences) -> String {
 
 fn signed_terms(d: &Discovery, e: &Expr) -> Vec<(bool, String)> {
     let terms = simplest_first(e).into_iter();
-    terms.map(|(w, t)| signed(d, w, t)).collect()
+    terms.map(|(w, t)| signed_term(d, w, t)).collect()
 }
 
 fn line(d: &Discovery, e: &Expr) -> String {
-    in_one_line(&signed_terms(d, e))
+    one_line_sum(&signed_terms(d, e))
 }
 
 /// [M] [q] = [f], for two equations or more.
@@ -84,7 +86,7 @@ fn name_forces(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>])
     let mut below = String::new();
     for (i, (e, cell)) in tie.force.iter().zip(cells).enumerate() {
         let name = format!("f[{}]", i + 1);
-        below.push_str(&layout(&format!("{name} = "), &signed_terms(d, e)));
+        below.push_str(&sum_lines(&format!("{name} = "), &signed_terms(d, e)));
         *cell = vec![name];
     }
     below
@@ -96,7 +98,7 @@ fn name_masses(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>])
         for (j, (e, cell)) in row.iter().zip(texts).enumerate() {
             if cell.chars().count() > CELL_WIDTH {
                 let name = format!("M[{},{}]", i + 1, j + 1);
-                below.push_str(&layout(&format!("{name} = "), &signed_terms(d, e)));
+                below.push_str(&sum_lines(&format!("{name} = "), &signed_terms(d, e)));
                 *cell = name;
             }
         }
@@ -139,7 +141,7 @@ fn solved(d: &Discovery, tie: &CoupledEquations) -> String {
 fn fraction(d: &Discovery, left: &str, f: &Fraction) -> String {
     let above = signed_terms(d, &f.sum);
     if f.below.as_number() == Some(1.0) && f.factor.is_one() {
-        return layout(left, &above);
+        return sum_lines(left, &above);
     }
     let below = divisor(d, &f.below);
     let factor = match f.factor.is_one() {
@@ -147,8 +149,8 @@ fn fraction(d: &Discovery, left: &str, f: &Fraction) -> String {
         false => format!("{}*", Language(d).term(&f.factor)),
     };
     let short = match above.len() {
-        0 | 1 => format!("{left}{}{below}\n", in_one_line(&above)),
-        _ => format!("{left}{factor}({}){below}\n", in_one_line(&above)),
+        0 | 1 => format!("{left}{}{below}\n", one_line_sum(&above)),
+        _ => format!("{left}{factor}({}){below}\n", one_line_sum(&above)),
     };
     if above.len() < 2 || short.chars().count() <= LINE_WIDTH {
         return short;

@@ -2,9 +2,9 @@
 //!
 //! In: axes, SVG elements, texts. Out: HTML. Strokes keep their width (`non-scaling-stroke`).
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH};
+use crate::typeset::mathml::escape;
 
 /// A plot with its texts.
 pub(crate) struct Plot<'a> {

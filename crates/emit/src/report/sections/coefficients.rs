@@ -3,7 +3,8 @@
 use crate::report::markup::{lead, number, section};
 use crate::report::sections::equations::reading;
 use crate::report::subject::Subject;
-use crate::{MathMl, escape, without};
+use crate::text::coefficient_inference::without;
+use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::number::digits_apart;
 use sidc_lang::term::Language;
 use sidc_system::discovery::{Equation, FoundTerm, Mark, Trust};

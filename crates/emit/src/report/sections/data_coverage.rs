@@ -1,12 +1,12 @@
 //! Coverage of the data: histograms of signals and of pairs, over all records. Outside, nothing is known.
 
-use crate::escape;
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::density_grid::DensityGrid;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH};
 use crate::report::figure::plot::path;
 use crate::report::markup::{lead, number, section};
 use crate::report::subject::{Along, Subject};
+use crate::typeset::mathml::escape;
 use sidc_data::Trajectory;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, SignalNames};

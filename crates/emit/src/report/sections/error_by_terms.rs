@@ -1,11 +1,11 @@
 //! Error against number of terms: of several models on data held out, and along the solution path of one.
 
-use crate::escape;
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, number, section};
 use crate::report::subject::Subject;
+use crate::typeset::mathml::escape;
 use sidc_system::result::{CandidateEntry, EquationEntry};
 
 pub(crate) fn html(s: &Subject) -> String {

@@ -1,11 +1,11 @@
 //! Autocorrelation of the residuals of free runs, with the band of white noise.
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH, height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{counted, lead, number, section};
 use crate::report::subject::{Record, Subject};
+use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
 const MAX_LAGS: usize = 40;

@@ -1,11 +1,11 @@
 //! Measured and simulated trajectories, record by record, with residuals; inputs below.
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{dots, is_sparse, line};
 use crate::report::figure::plot::{Plot, path, shade};
 use crate::report::markup::{counted, fixed, grouped, lead, number, section};
 use crate::report::subject::{Record, Role, Subject};
+use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
 /// Records with figures, and figures of one record.

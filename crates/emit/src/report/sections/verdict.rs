@@ -2,7 +2,7 @@
 
 use crate::report::markup::{counted, fixed, listed, section};
 use crate::report::subject::{Along, Role, Subject};
-use crate::{MathMl, escape};
+use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{Finding, Mark, Notice, Reason, Status};
 

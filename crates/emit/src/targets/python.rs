@@ -4,10 +4,9 @@
 //! derivatives.
 
 use crate::code::bracket_lists::{LINE_WIDTH, wanted};
-use crate::code::chosen;
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer};
+use crate::code::printer::{Dialect, Language, Printer, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
@@ -126,7 +125,7 @@ impl Language for Python {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
-        chosen(&[
+        used_helpers(&[
             (reads, NUMBERS),
             (program.solves(|_| true), SOLVE),
             (newton, NEWTON),

@@ -4,10 +4,9 @@
 //! the highest derivatives.
 
 use crate::code::bracket_lists::{LINE_WIDTH, list, wanted};
-use crate::code::chosen;
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, commented};
+use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Newton, Program, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -100,7 +99,7 @@ impl Language for Rust {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let sign = program.calls().iter().any(|f| f.spelling.rust == "sign");
-        chosen(&[
+        used_helpers(&[
             (program.solves(|n| n == 2), SOLVE_2),
             (program.solves(|n| n != 2), SOLVE),
             (newton, NEWTON),

@@ -3,10 +3,9 @@
 //! Coupled equations are solved by elimination in the emitted code, by Newton's method where they are not linear in
 //! the highest derivatives. Compiles without a warning under `-std=c99 -Wall -Wextra -pedantic`.
 
-use crate::code::chosen;
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::{Infix, Syntax};
-use crate::code::printer::{Dialect, Language, Printer, commented};
+use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Solve, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -124,7 +123,7 @@ impl Language for C {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let sign = program.calls().iter().any(|f| f.spelling.c == "sidc_sign");
-        chosen(&[
+        used_helpers(&[
             (program.computes(|n| matches!(n, Node::Root(_))), ROOT),
             (sign, SIGN),
             (program.solves(|n| n == 1), SOLVE_1),
