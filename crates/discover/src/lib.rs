@@ -63,6 +63,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         redundancy::thresholds::tables(),
         trajectory::tables(),
         weak_form::tables(),
+        verify::thresholds::tables(),
     ];
     families.into_iter().flatten().collect()
 }

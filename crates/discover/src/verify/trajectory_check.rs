@@ -1,78 +1,75 @@
-//! An equation that was estimated with its trajectory: does it hold along it, and does the trajectory leave of the readings what is stated?
+//! An equation that was estimated with its trajectory: does it hold along the trajectory, and are the residuals of the readings those stated?
 //!
-//! In: the trajectory with all signals, the readings, the equation. Out: figures in 106 bits, and what does not hold. Says nothing of how likely
-//! other trajectories or terms are.
+//! In: the trajectory with all signals, the readings, the equation. Out: figures in 106 bits, and claims that do not hold. Says nothing
+//! about how likely other trajectories or terms are.
 
-use super::double::Double;
-use super::rows::Rows;
-use super::value::{self, Bounded};
-use super::{within, words};
-use sidc_data::{Dataset, Samples};
+use super::ball::Ball;
+use super::double_double::DoubleDouble;
+use super::equation_check::Case;
+use super::messages;
+use super::term_evaluation;
+use super::thresholds::VERIFICATION;
+use super::tolerance::within;
+use super::weighted_sums::WeightedRows;
+use sidc_data::Samples;
 use sidc_lang::term::{Signal, SignalNames};
-use sidc_system::discovery::{ChannelFit, Discovery, Equation, Evidence, Together, Verification};
-
-/// Part of a target's size by which its equation may miss along the trajectory: rounding of a rate that was solved for.
-const HOLDS: f64 = 1e-9;
-/// Difference of what is left of the readings from what is stated, relative.
-const STATED: f64 = 1e-6;
+use sidc_system::discovery::{ChannelFit, Evidence, Together, Verification};
 
 /// An equation with its trajectory.
-pub struct Path<'a> {
-    pub names: &'a Discovery,
-    pub equation: &'a Equation,
+pub struct TrajectoryCheck<'a> {
+    pub case: &'a Case<'a>,
     pub evidence: &'a Evidence,
     pub together: &'a Together,
     pub samples: &'a Samples,
-    pub dataset: &'a Dataset,
 }
 
-impl Path<'_> {
+impl TrajectoryCheck<'_> {
     /// `None` if `go_on` ended it.
-    pub fn check(&self, out: &mut Verification, go_on: &mut dyn FnMut() -> bool) -> Option<()> {
-        out.open.push(words::likelihood());
+    pub fn run(&self, out: &mut Verification, go_on: &mut dyn FnMut() -> bool) -> Option<()> {
+        out.open.push(messages::likelihood());
         out.rows = self.samples.len();
         if out.rows != self.evidence.rows {
-            out.fails.push(words::rows(out.rows, self.evidence.rows));
+            out.fails.push(messages::rows(out.rows, self.evidence.rows));
         }
-        let off = self.off(go_on)?;
-        out.along = Some(off);
-        if !within(off, HOLDS) {
-            let target = self.names.name(self.equation.target);
-            out.fails.push(words::along(&target, off));
+        let miss = self.equation_residual(go_on)?;
+        out.along = Some(miss);
+        if !within(miss, VERIFICATION.trajectory) {
+            let target = self.case.names.name(self.case.equation.target);
+            out.fails.push(messages::along(&target, miss));
         }
         for channel in &self.together.channels {
-            self.readings(channel, out);
+            self.compare_channel(channel, out);
         }
         Some(())
     }
 
-    /// Root mean square of target less terms along the trajectory, over that of the larger of both.
-    fn off(&self, go_on: &mut dyn FnMut() -> bool) -> Option<f64> {
+    /// Root mean square of target minus terms along the trajectory, over that of the largest of them in each row.
+    fn equation_residual(&self, go_on: &mut dyn FnMut() -> bool) -> Option<f64> {
         let used: Vec<usize> = (0..self.samples.len()).collect();
         let weights = vec![1.0; used.len()];
-        let rows = Rows::new(self.samples, &used, &weights)?;
-        let (mut square, mut size) = (Double::ZERO, 0.0);
+        let rows = WeightedRows::new(self.samples, &used, &weights)?;
+        let (mut square, mut size) = (DoubleDouble::ZERO, 0.0);
         for row in 0..rows.len() {
             if !go_on() {
                 return None;
             }
             let at = rows.at(row);
-            let mut left = Bounded::exact(at(self.equation.target));
-            let mut largest = left.size();
-            for found in &self.equation.terms {
-                let part = value::term(&found.term, &at).scale(found.coefficient);
+            let mut residual = Ball::exact(at(self.case.equation.target));
+            let mut largest = residual.size();
+            for found in &self.case.equation.terms {
+                let part = term_evaluation::term(&found.term, &at).scale(found.coefficient);
                 largest = largest.max(part.size());
-                left = left.add(part.negative());
+                residual = residual.add(part.negative());
             }
-            square = square + left.value * left.value;
+            square = square + residual.value * residual.value;
             size += largest * largest;
         }
-        Some((square.value() / size).sqrt())
+        Some((square.to_f64() / size).sqrt())
     }
 
-    /// What the trajectory leaves of one channel.
-    fn readings(&self, channel: &ChannelFit, out: &mut Verification) {
-        // Readings without weight are not counted in what is stated, and are not listed.
+    /// Compares the residual of one channel with the one stated.
+    fn compare_channel(&self, channel: &ChannelFit, out: &mut Verification) {
+        // The stated residual leaves out readings without weight, and which these are is not stated.
         if channel.left_out > 0 {
             return;
         }
@@ -80,37 +77,40 @@ impl Path<'_> {
         let signal = found.map(|c| c.signal);
         let Some(signal) = signal
             .into_iter()
-            .find(|s| self.names.name(*s) == channel.signal)
+            .find(|s| self.case.names.name(*s) == channel.signal)
         else {
-            out.open.push(words::no_channel(&channel.signal));
+            out.open.push(messages::no_channel(&channel.signal));
             return;
         };
-        let left = self.left(signal);
-        if !within((left - channel.left).abs(), STATED * left) {
+        let residual = self.reading_residual(signal);
+        if !within(
+            (residual - channel.left).abs(),
+            VERIFICATION.readings * residual,
+        ) {
             out.fails
-                .push(words::channel(&channel.signal, left, channel.left));
+                .push(messages::channel(&channel.signal, residual, channel.left));
         }
     }
 
-    /// Root mean square of readings less trajectory.
-    fn left(&self, signal: Signal) -> f64 {
-        let Some(path) = self.samples.column(signal) else {
+    /// Root mean square of readings minus trajectory.
+    fn reading_residual(&self, signal: Signal) -> f64 {
+        let Some(trajectory) = self.samples.column(signal) else {
             return f64::NAN;
         };
-        let (mut square, mut count) = (Double::ZERO, 0_usize);
+        let (mut square, mut count) = (DoubleDouble::ZERO, 0_usize);
         let rows = self.samples.trajectory.iter().zip(&self.samples.time);
-        for ((trajectory, time), x) in rows.zip(&path.values) {
-            let Some(record) = self.dataset.trajectories.get(*trajectory as usize) else {
+        for ((record, time), x) in rows.zip(&trajectory.values) {
+            let Some(readings) = self.case.dataset.trajectories.get(*record as usize) else {
                 continue;
             };
-            let at = record.time.binary_search_by(|t| t.total_cmp(time)).ok();
-            let read = at.zip(record.column(signal)).and_then(|(k, c)| c.get(k));
+            let at = readings.time.binary_search_by(|t| t.total_cmp(time)).ok();
+            let read = at.zip(readings.column(signal)).and_then(|(k, c)| c.get(k));
             if let Some(read) = read.filter(|y| y.is_finite()) {
-                let off = Double::sum(*read, -x);
-                square = square + off * off;
+                let residual = DoubleDouble::sum(*read, -x);
+                square = square + residual * residual;
                 count += 1;
             }
         }
-        (square.value() / count as f64).sqrt()
+        (square.to_f64() / count as f64).sqrt()
     }
 }

@@ -1,70 +1,74 @@
-//! The rows of one equation, and sums over them in 106 bits: what it leaves, how long its columns are, how they stand to each other.
+//! Sums over the weighted rows of one equation in 106 bits: its residual, the lengths of its columns, their products.
 //!
-//! In: samples, which rows, their weights; terms with coefficients. Out: [`Sums`]. Goes through the rows once and keeps none.
+//! In: samples, which rows, their weights; terms with coefficients. Out: [`WeightedSums`]. One pass over the rows, of which none is kept.
 
-use super::double::{Double, ROUNDING};
-use super::value::{self, Bounded};
+use super::ball::Ball;
+use super::double_double::{DoubleDouble, ROUNDING};
+use super::term_evaluation;
+use super::thresholds::TILES;
 use sidc_data::Samples;
 use sidc_lang::term::{Signal, Term};
 
+/// Squares of smaller numbers may fall below the range of f64, which ends at 4.9e-324 = (2.2e-162)².
+const UNDERFLOWING: f64 = 1e-161;
+
 /// Rows of samples with their weights.
-pub struct Rows<'a> {
+pub struct WeightedRows<'a> {
     samples: &'a Samples,
     used: &'a [usize],
     weights: &'a [f64],
 }
 
 /// What is summed: y is the target less the known terms, r = y − Σ a φ.
-pub struct Asked<'a> {
+pub struct SumRequest<'a> {
     pub target: Signal,
     pub known: &'a [(&'a Term, f64)],
     pub found: &'a [(&'a Term, f64)],
-    /// One number a row; none if nothing is asked of it.
+    /// One number for each row; empty if no sums with it are needed.
     pub dual: &'a [f64],
-    /// Whether products of the columns with each other are wanted.
+    /// Whether products of the columns with each other are needed.
     pub gram: bool,
 }
 
 /// Sums over weighted rows.
-pub struct Sums {
+pub struct WeightedSums {
     /// ‖y‖
-    pub target: Bounded,
+    pub target: Ball,
     /// ‖r‖
-    pub left: Bounded,
+    pub residual: Ball,
     /// ‖φ_j‖ of each term found.
-    pub norms: Vec<Bounded>,
+    pub norms: Vec<Ball>,
     /// φ_jᵀr
-    pub slopes: Vec<Double>,
-    /// φ_jᵀφ_l for l ≤ j, row after row; empty if not asked for.
-    pub gram: Vec<Double>,
+    pub gradient: Vec<DoubleDouble>,
+    /// φ_jᵀφ_l for l ≤ j, row after row; empty if not requested.
+    pub gram: Vec<DoubleDouble>,
     /// yᵀλ and ‖λ‖
-    pub price: Bounded,
-    pub dual: Bounded,
+    pub target_dual: Ball,
+    pub dual_norm: Ball,
 }
 
-/// A sum of squares or products with the squares of its summands' errors.
+/// A sum of squares, and the sum of the squares of the errors.
 #[derive(Clone, Copy, Default)]
-struct Running {
-    sum: Double,
+struct SquareSum {
+    sum: DoubleDouble,
     error_square: f64,
 }
 
-impl Running {
-    fn add_square(&mut self, x: Bounded) {
+impl SquareSum {
+    fn add_square(&mut self, x: Ball) {
         self.sum = self.sum + x.value * x.value;
         self.error_square += x.error * x.error;
     }
 
-    /// The root of a sum of squares: a length.
-    fn length(self, rows: usize) -> Bounded {
+    /// The root of the sum: a length.
+    fn length(self, rows: usize) -> Ball {
         let value = self.sum.sqrt();
         let rounding = (rows as f64 + 4.0) * ROUNDING * value.hi;
-        // Squares under the range of f64.
-        let lost = (rows as f64).sqrt() * 1e-161;
+        let lost = (rows as f64).sqrt() * UNDERFLOWING;
         let error = self.error_square.sqrt() * (1.0 + 1e-9) + rounding + lost;
         match value.is_finite() && error.is_finite() {
-            true => Bounded { value, error },
-            false => Bounded {
+            true => Ball { value, error },
+            false => Ball {
                 value,
                 error: f64::INFINITY,
             },
@@ -72,13 +76,17 @@ impl Running {
     }
 }
 
-impl<'a> Rows<'a> {
-    /// `None` if a row is not there, or has no weight of its own.
-    pub fn new(samples: &'a Samples, used: &'a [usize], weights: &'a [f64]) -> Option<Rows<'a>> {
+impl<'a> WeightedRows<'a> {
+    /// `None` if a row is not among the samples, or lacks a weight.
+    pub fn new(
+        samples: &'a Samples,
+        used: &'a [usize],
+        weights: &'a [f64],
+    ) -> Option<WeightedRows<'a>> {
         let there = used.iter().all(|r| *r < samples.len()) && used.is_sorted_by(|a, b| a < b);
         let weighted =
             weights.len() == used.len() && weights.iter().all(|w| *w >= 0.0 && w.is_finite());
-        (there && weighted).then_some(Rows {
+        (there && weighted).then_some(WeightedRows {
             samples,
             used,
             weights,
@@ -103,65 +111,71 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Goes through the rows; `None` if `go_on` ended it.
-    pub fn sums(&self, asked: &Asked, go_on: &mut dyn FnMut() -> bool) -> Option<Sums> {
-        const BETWEEN: usize = 256;
-        let k = asked.found.len();
-        let (mut target, mut left, mut dual) =
-            (Running::default(), Running::default(), Running::default());
-        let mut norms = vec![Running::default(); k];
-        let mut slopes = vec![Double::ZERO; k];
-        let mut gram = vec![Double::ZERO; if asked.gram { k * (k + 1) / 2 } else { 0 }];
-        let (mut price, mut price_error, mut price_size) = (Double::ZERO, 0.0, 0.0);
-        let mut values = vec![Bounded::default(); k];
+    /// Sums over all rows; `None` if `go_on` ended it.
+    pub fn sums(
+        &self,
+        request: &SumRequest,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Option<WeightedSums> {
+        let k = request.found.len();
+        let (mut target, mut residual, mut dual) = (
+            SquareSum::default(),
+            SquareSum::default(),
+            SquareSum::default(),
+        );
+        let mut norms = vec![SquareSum::default(); k];
+        let mut gradient = vec![DoubleDouble::ZERO; k];
+        let mut gram = vec![DoubleDouble::ZERO; if request.gram { k * (k + 1) / 2 } else { 0 }];
+        let (mut product, mut product_error, mut product_size) = (DoubleDouble::ZERO, 0.0, 0.0);
+        let mut values = vec![Ball::default(); k];
         for row in 0..self.len() {
-            if row % BETWEEN == 0 && !go_on() {
+            if row % TILES.monitored_rows == 0 && !go_on() {
                 return None;
             }
             let (at, weight) = (self.at(row), self.weight(row));
-            let mut y = Bounded::exact(at(asked.target));
-            for (term, a) in asked.known {
-                y = y.add(value::term(term, &at).scale(*a).negative());
+            let mut y = Ball::exact(at(request.target));
+            for (term, a) in request.known {
+                y = y.add(term_evaluation::term(term, &at).scale(*a).negative());
             }
             let y = y.scale(weight);
             let mut r = y;
-            for ((term, a), v) in asked.found.iter().zip(&mut values) {
-                *v = value::term(term, &at).scale(weight);
+            for ((term, a), v) in request.found.iter().zip(&mut values) {
+                *v = term_evaluation::term(term, &at).scale(weight);
                 r = r.add(v.scale(*a).negative());
             }
             target.add_square(y);
-            left.add_square(r);
+            residual.add_square(r);
             for (j, v) in values.iter().enumerate() {
                 norms[j].add_square(*v);
-                slopes[j] = slopes[j] + v.value * r.value;
+                gradient[j] = gradient[j] + v.value * r.value;
             }
-            if asked.gram {
+            if request.gram {
                 let pairs = (0..k).flat_map(|j| (0..=j).map(move |l| (j, l)));
                 for (sum, (j, l)) in gram.iter_mut().zip(pairs) {
                     *sum = *sum + values[j].value * values[l].value;
                 }
             }
-            if let Some(lambda) = asked.dual.get(row) {
-                dual.add_square(Bounded::exact(*lambda));
+            if let Some(lambda) = request.dual.get(row) {
+                dual.add_square(Ball::exact(*lambda));
                 let part = y.value * *lambda;
-                price = price + part;
-                price_error += y.error * lambda.abs();
-                price_size += part.hi.abs();
+                product = product + part;
+                product_error += y.error * lambda.abs();
+                product_size += part.hi.abs();
             }
         }
         let rows = self.len();
-        let rounding = 2.0 * (rows as f64 + 4.0) * ROUNDING * price_size;
-        Some(Sums {
+        let rounding = 2.0 * (rows as f64 + 4.0) * ROUNDING * product_size;
+        Some(WeightedSums {
             target: target.length(rows),
-            left: left.length(rows),
+            residual: residual.length(rows),
             norms: norms.into_iter().map(|n| n.length(rows)).collect(),
-            slopes,
+            gradient,
             gram,
-            price: Bounded {
-                value: price,
-                error: (price_error + rounding) * (1.0 + 1e-9),
+            target_dual: Ball {
+                value: product,
+                error: (product_error + rounding) * (1.0 + 1e-9),
             },
-            dual: dual.length(rows),
+            dual_norm: dual.length(rows),
         })
     }
 }
