@@ -11,6 +11,7 @@ pub mod report;
 mod target;
 mod targets;
 mod text;
+mod thresholds;
 mod typeset;
 
 pub use target::Target;
@@ -21,4 +22,5 @@ pub use text::evidence::{answer, remarks};
 pub use text::free_runs::validation;
 pub use text::linearization::{kink_warnings, linearization};
 pub use text::matrices::consequences;
+pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};

@@ -21,7 +21,7 @@ const CRATES: &[(&str, &[&str])] = &[
         "discover",
         &["thresholds", "progress", "lang", "data", "solve", "system"],
     ),
-    ("emit", &["lang", "data", "system"]),
+    ("emit", &["thresholds", "lang", "data", "system"]),
     (
         "",
         &[

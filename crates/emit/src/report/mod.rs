@@ -8,7 +8,7 @@ mod markup;
 mod sections;
 mod subject;
 
-pub use subject::{Along, Subject, stretches};
+pub use subject::{RecordRun, Subject, run_windows};
 
 use crate::report::sections::{
     coefficients, collinearity, data_coverage, equations, error_by_terms, phase_portraits,

@@ -69,12 +69,12 @@ impl Language for C {
 
     /// The matrices get a block of their own, so that the next solve can use the same names.
     fn solve(&self, p: &Printer<Self>, s: &Solve) -> String {
-        let asked = s.signals.concat();
-        let names = asked.iter().flatten().map(|s| p.infix.signal(*s));
+        let used = s.signals.concat();
+        let names = used.iter().flatten().map(|s| p.infix.signal(*s));
         let names: Vec<String> = names.collect();
         let mut out = format!("    double {};\n    {{\n", names.join(", "));
         out.push_str(&system(&p.infix, &s.mass, &s.right));
-        for (place, s) in asked.iter().enumerate() {
+        for (place, s) in used.iter().enumerate() {
             if let Some(s) = s {
                 out.push_str(&p.assign(2, &p.infix.signal(*s), &p.element("right", place)));
             }
@@ -90,10 +90,10 @@ impl Language for C {
             "    double unknown[] = {{{zeros}}};\n    int settled = 0;\n    \
              for (int step = 1; step <= 50 && !settled; step++) {{\n{}{}{}        \
              settled = sidc_settled({size}, unknown, right, step == 50);\n    }}\n{}",
-            p.unpack(2, "unknown", &n.moving),
-            p.inside(n),
+            p.unpack(2, "unknown", &n.used_inside),
+            p.named_inside(n),
             system(&p.infix, &n.mass, &n.right),
-            p.unpack(1, "unknown", &n.asked)
+            p.unpack(1, "unknown", &n.used_after)
         )
     }
 

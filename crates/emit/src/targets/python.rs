@@ -3,7 +3,7 @@
 //! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
 //! derivatives.
 
-use crate::code::bracket_lists::{LINE_WIDTH, wanted};
+use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
 use crate::code::printer::{Dialect, Language, Printer, used_helpers};
@@ -91,10 +91,10 @@ impl Language for Python {
     fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
         format!(
             "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",
-            wanted(&p.infix, &n.moving),
-            p.inside(n),
+            unpacked_names(&p.infix, &n.used_inside),
+            p.named_inside(n),
             p.solver_call(&n.mass, &n.right, 2),
-            wanted(&p.infix, &n.asked),
+            unpacked_names(&p.infix, &n.used_after),
             n.signals.len()
         )
     }

@@ -3,7 +3,7 @@
 //! Coupled equations are solved by elimination in the emitted code, by Newton's method where they are not linear in
 //! the highest derivatives.
 
-use crate::code::bracket_lists::{LINE_WIDTH, list, wanted};
+use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
@@ -66,9 +66,9 @@ impl Language for Rust {
     fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
         format!(
             "    let {} = newton(|{}| {{\n{}        {}\n    }});\n",
-            wanted(&p.infix, &n.asked),
-            wanted(&p.infix, &n.moving),
-            p.inside(n),
+            unpacked_names(&p.infix, &n.used_after),
+            unpacked_names(&p.infix, &n.used_inside),
+            p.named_inside(n),
             p.solver_call(&n.mass, &n.right, 2)
         )
     }

@@ -20,9 +20,9 @@ const CELL_WIDTH: usize = 24;
 pub fn consequences(d: &Discovery) -> String {
     let derived = Consequences::of(d);
     let mut out = String::new();
-    for tie in &derived.ties {
-        out.push_str(&mass(d, tie));
-        out.push_str(&solved(d, tie));
+    for coupled in &derived.coupled {
+        out.push_str(&mass(d, coupled));
+        out.push_str(&solved(d, coupled));
     }
     if let Some(linear) = &derived.linear {
         let (x, u) = match linear.discrete {
@@ -33,7 +33,7 @@ pub fn consequences(d: &Discovery) -> String {
         out.push_str(&format!("\nlinear system, {law}:\n"));
         out.push_str(&state_space(d, linear));
     }
-    if let Some(n) = derived.too_wide {
+    if let Some(n) = derived.unprinted_states {
         out.push_str(&format!(
             "\nlinear system of {n} states: sidc linearize prints A and B\n"
         ));
@@ -51,21 +51,21 @@ fn line(d: &Discovery, e: &Expr) -> String {
 }
 
 /// [M] [q] = [f], for two equations or more.
-fn mass(d: &Discovery, tie: &CoupledEquations) -> String {
-    if tie.mass.len() < 2 {
+fn mass(d: &Discovery, coupled: &CoupledEquations) -> String {
+    if coupled.mass.len() < 2 {
         return String::new();
     }
-    let mut cells: Vec<Vec<String>> = (tie.mass.iter())
+    let mut cells: Vec<Vec<String>> = (coupled.mass.iter())
         .map(|row| row.iter().map(|e| line(d, e)).collect())
         .collect();
-    let mut force: Vec<Vec<String>> = tie.force.iter().map(|e| vec![line(d, e)]).collect();
-    let names: Vec<Vec<String>> = tie.unknowns.iter().map(|q| vec![d.name(*q)]).collect();
+    let mut force: Vec<Vec<String>> = coupled.force.iter().map(|e| vec![line(d, e)]).collect();
+    let names: Vec<Vec<String>> = coupled.unknowns.iter().map(|q| vec![d.name(*q)]).collect();
     let mut below = String::new();
     if total(&[&cells, &names, &force]) > TABLE_WIDTH {
-        below.push_str(&name_forces(d, tie, &mut force));
+        below.push_str(&name_forces(d, coupled, &mut force));
     }
     if total(&[&cells, &names, &force]) > TABLE_WIDTH {
-        below = name_masses(d, tie, &mut cells) + &below;
+        below = name_masses(d, coupled, &mut cells) + &below;
     }
     let (cells, names, force) = (boxed(&cells), boxed(&names), boxed(&force));
     let mut out = String::from("\nmass-matrix form:\n");
@@ -82,9 +82,9 @@ fn total(parts: &[&Vec<Vec<String>>]) -> usize {
     parts.iter().map(|p| width(p) + 2).sum()
 }
 
-fn name_forces(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
+fn name_forces(d: &Discovery, coupled: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
     let mut below = String::new();
-    for (i, (e, cell)) in tie.force.iter().zip(cells).enumerate() {
+    for (i, (e, cell)) in coupled.force.iter().zip(cells).enumerate() {
         let name = format!("f[{}]", i + 1);
         below.push_str(&sum_lines(&format!("{name} = "), &signed_terms(d, e)));
         *cell = vec![name];
@@ -92,9 +92,9 @@ fn name_forces(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>])
     below
 }
 
-fn name_masses(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
+fn name_masses(d: &Discovery, coupled: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
     let mut below = String::new();
-    for (i, (row, texts)) in tie.mass.iter().zip(cells).enumerate() {
+    for (i, (row, texts)) in coupled.mass.iter().zip(cells).enumerate() {
         for (j, (e, cell)) in row.iter().zip(texts).enumerate() {
             if cell.chars().count() > CELL_WIDTH {
                 let name = format!("M[{},{}]", i + 1, j + 1);
@@ -125,13 +125,13 @@ fn widths(cells: &[Vec<String>]) -> Vec<usize> {
     (0..columns).map(width).collect()
 }
 
-fn solved(d: &Discovery, tie: &CoupledEquations) -> String {
-    let all = match &tie.solved {
+fn solved(d: &Discovery, coupled: &CoupledEquations) -> String {
+    let all = match &coupled.solved {
         Solved::Matrices => return String::new(),
         Solved::Not(why) => return format!("\nno solved form: {why}\n"),
         Solved::Form(all) => all,
     };
-    let names: Vec<String> = tie.unknowns.iter().map(|q| d.name(*q)).collect();
+    let names: Vec<String> = coupled.unknowns.iter().map(|q| d.name(*q)).collect();
     let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
     let lines = names.iter().zip(all);
     let lines = lines.map(|(name, f)| fraction(d, &format!("{name:<width$} = "), f));

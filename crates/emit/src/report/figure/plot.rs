@@ -18,7 +18,7 @@ pub(crate) struct Plot<'a> {
     pub x_name: String,
     pub y_name: String,
     /// Elements of SVG.
-    pub ink: String,
+    pub elements: String,
 }
 
 /// A path of a CSS class.
@@ -82,7 +82,7 @@ impl Plot<'_> {
             self.y.low,
             self.y.high,
             path("grid", &grid),
-            self.ink,
+            self.elements,
             self.x_name
         )
     }
