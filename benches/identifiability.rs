@@ -8,8 +8,8 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use sidc::pipeline;
 use sidc_data::{Column, Origin, Samples};
 use sidc_discover::Options;
-use sidc_discover::frame::Frame;
 use sidc_discover::identifiability::{Rows, judge};
+use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, Term, VarId};
@@ -98,7 +98,8 @@ fn whole(c: &mut Criterion) {
         let name = format!("{} terms", library.len());
         group.bench_function(BenchmarkId::new(name, rows), |b| {
             b.iter(|| {
-                let frame = Frame::new(&program.model, &library, &samples, &equation, &options)?;
+                let frame =
+                    ScaledDesign::new(&program.model, &library, &samples, &equation, &options)?;
                 let told = judge(&frame, &library, given);
                 let mut found = discovery.clone();
                 if let Some(stretches) = uncertainty::stretches(&frame) {

@@ -8,9 +8,9 @@ use std::ops::ControlFlow;
 use super::{Measured, Program, needed};
 use sidc_data as data;
 use sidc_discover as discover;
-use sidc_discover::frame::Frame;
 use sidc_discover::identifiability;
 use sidc_discover::identifiability::Rows;
+use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
 use sidc_discover::{Fitted, Options};
 use sidc_lang::term::Signal;
@@ -116,7 +116,7 @@ fn one(program: &Program, rows: Rows, options: &Options, equation: &Equation) ->
         return None;
     }
     let (_, library) = program.sought(equation.target)?;
-    let frame = Frame::new(&program.model, library, rows.samples, equation, options)?;
+    let frame = ScaledDesign::new(&program.model, library, rows.samples, equation, options)?;
     Some(Judged {
         told: Some(identifiability::judge(&frame, library, rows)),
         stretches: uncertainty::stretches(&frame),

@@ -19,6 +19,7 @@ fn tables() -> Vec<(&'static str, Vec<sidc_thresholds::Table>)> {
         ("Data", sidc_data::thresholds()),
         ("System", sidc_system::thresholds()),
         ("Discovery", sidc_discover::thresholds()),
+        ("Output", sidc_emit::thresholds()),
     ]
 }
 

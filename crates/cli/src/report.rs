@@ -8,7 +8,7 @@ use super::narrate::{Narrator, Watch};
 use super::progress::{Line, Work};
 use super::{Failure, output, status};
 use sidc_emit::report;
-use sidc_emit::report::{Along, Subject};
+use sidc_emit::report::{RecordRun, Subject};
 use sidc_system::result::Document;
 use sidc_system::simulate;
 use sidc_system::simulate::{Options, Source};
@@ -55,16 +55,16 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     Ok(status::PASS)
 }
 
-/// Along every record, until time is up; stretches held out by themselves. A record that cannot be run is told in the page.
+/// Runs along every record, until time is up; stretches held out are run by themselves. The page names records that cannot be run.
 fn runs(
     source: &Source,
     document: &Document,
     line: &Line,
     (limits, narrator): (&Limits, &Narrator),
-) -> Vec<Along> {
+) -> Vec<RecordRun> {
     let mut runs = Vec::new();
     for (trajectory, record) in source.dataset.trajectories.iter().enumerate() {
-        for (held, window) in report::stretches(document, record) {
+        for (held, window) in report::run_windows(document, record) {
             if !runs.is_empty() && limits.go_on().is_break() {
                 return runs;
             }
@@ -80,9 +80,9 @@ fn runs(
                 ..Options::default()
             };
             let run = simulate::simulate(source, trajectory, &options, &mut watch);
-            runs.push(Along {
+            runs.push(RecordRun {
                 trajectory,
-                held,
+                held_out: held,
                 run: run.map_err(|d| d.message),
             });
             narrator.done(&format!("run along {}", record.name));

@@ -7,8 +7,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod dictionary;
-pub mod frame;
 pub mod identifiability;
+pub mod scaled_design;
 pub mod trajectory;
 pub mod uncertainty;
 pub mod verify;
@@ -63,6 +63,8 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         redundancy::thresholds::tables(),
         trajectory::tables(),
         weak_form::tables(),
+        scaled_design::thresholds::tables(),
+        verify::thresholds::tables(),
     ];
     families.into_iter().flatten().collect()
 }

@@ -3,21 +3,19 @@
 //!
 //! In: a discovery. Out: expressions and matrices. Layout is left to text and LaTeX.
 
+use crate::thresholds::PRINTED;
 use sidc_lang::term::{Expr, Signal, Term};
 use sidc_system::algebra;
 use sidc_system::algebra::{Fraction, LARGEST_TIE, LONGEST, Linear, Point, Unsolved};
 use sidc_system::discovery::{Discovery, Form};
 
-/// The largest system whose A is printed unasked.
-const MAX_PRINTED_STATES: usize = 12;
-
 /// What follows from the equations.
 pub(crate) struct Consequences {
-    pub ties: Vec<CoupledEquations>,
+    pub coupled: Vec<CoupledEquations>,
     /// A, B of a linear system with two states or more.
     pub linear: Option<Linear>,
     /// The number of states of a linear system too large to be printed.
-    pub too_wide: Option<usize>,
+    pub unprinted_states: Option<usize>,
 }
 
 /// Equations that are solved together: mass · unknowns = force.
@@ -43,36 +41,38 @@ impl Consequences {
             true => Linear::without_matrices(&form).states.len(),
             false => 0,
         };
-        let linear = match (2..=MAX_PRINTED_STATES).contains(&states) {
+        let linear = match (2..=PRINTED.printed_states).contains(&states) {
             true => algebra::linear(&form, &Point::default()).ok(),
             false => None,
         };
-        let ties = algebra::blocks(&form).into_iter();
-        let ties = ties.filter(|b| b.linear || b.rows.len() > 1).map(|block| {
-            let rows = || block.rows.iter().filter_map(|i| form.rows.get(*i));
-            let cells = |masses: &[Expr]| -> Vec<Expr> {
-                let cell = |j: &usize| masses.get(*j).cloned().unwrap_or_default();
-                block.rows.iter().map(cell).collect()
-            };
-            let unknowns = block.rows.iter().filter_map(|i| form.unknowns.get(*i));
-            CoupledEquations {
-                unknowns: unknowns.copied().collect(),
-                mass: match block.linear {
-                    true => rows().map(|r| cells(&r.mass)).collect(),
-                    false => Vec::new(),
-                },
-                force: rows().map(|r| r.force.clone()).collect(),
-                solved: match (&linear, algebra::solved(&form, &block)) {
-                    (Some(_), Ok(_)) => Solved::Matrices,
-                    (_, Ok(all)) => Solved::Form(all),
-                    (_, Err(why)) => Solved::Not(reason(why)),
-                },
-            }
-        });
+        let coupled = algebra::blocks(&form).into_iter();
+        let coupled = coupled
+            .filter(|b| b.linear || b.rows.len() > 1)
+            .map(|block| {
+                let rows = || block.rows.iter().filter_map(|i| form.rows.get(*i));
+                let cells = |masses: &[Expr]| -> Vec<Expr> {
+                    let cell = |j: &usize| masses.get(*j).cloned().unwrap_or_default();
+                    block.rows.iter().map(cell).collect()
+                };
+                let unknowns = block.rows.iter().filter_map(|i| form.unknowns.get(*i));
+                CoupledEquations {
+                    unknowns: unknowns.copied().collect(),
+                    mass: match block.linear {
+                        true => rows().map(|r| cells(&r.mass)).collect(),
+                        false => Vec::new(),
+                    },
+                    force: rows().map(|r| r.force.clone()).collect(),
+                    solved: match (&linear, algebra::solved(&form, &block)) {
+                        (Some(_), Ok(_)) => Solved::Matrices,
+                        (_, Ok(all)) => Solved::Form(all),
+                        (_, Err(why)) => Solved::Not(reason(why)),
+                    },
+                }
+            });
         Consequences {
-            ties: ties.collect(),
+            coupled: coupled.collect(),
             linear,
-            too_wide: Some(states).filter(|n| *n > MAX_PRINTED_STATES),
+            unprinted_states: Some(states).filter(|n| *n > PRINTED.printed_states),
         }
     }
 }

@@ -8,8 +8,9 @@ use super::cause::{Reason, range};
 use super::tell::{figure, order};
 use crate::SplitMix;
 use crate::dictionary::evaluate;
-use crate::frame::Frame;
-use crate::frame::{Basis, norm};
+use crate::scaled_design::OrthonormalBasis;
+use crate::scaled_design::ScaledDesign;
+use crate::statistics::norm;
 use sidc_data::Samples;
 use sidc_lang::term::{Expr, Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::Cause;
@@ -48,7 +49,7 @@ impl Advice {
 }
 
 /// What would tell the two terms of an exchange apart.
-pub(super) fn advice(frame: &Frame, reason: &Reason, exchange: Option<&Exchange>) -> Advice {
+pub(super) fn advice(frame: &ScaledDesign, reason: &Reason, exchange: Option<&Exchange>) -> Advice {
     let language = Language(frame.model);
     let Some((about, least, most)) = &reason.about else {
         return without_figure(frame, reason);
@@ -167,7 +168,7 @@ pub(super) fn advice(frame: &Frame, reason: &Reason, exchange: Option<&Exchange>
     }
 }
 
-fn without_figure(frame: &Frame, reason: &Reason) -> Advice {
+fn without_figure(frame: &ScaledDesign, reason: &Reason) -> Advice {
     Advice::plain(match reason.cause {
         Cause::Identity => "no data can tell them apart: leave one out of the library",
         Cause::Conserved => {
@@ -217,7 +218,7 @@ impl Row<'_> {
 
 /// The first step of the ladder at which the exchange would be seen, and the rows there.
 fn ladder(
-    frame: &Frame,
+    frame: &ScaledDesign,
     exchange: &Exchange,
     from: f64,
     change: &dyn Fn(&mut Row, f64),
@@ -262,7 +263,7 @@ fn changed(samples: &Samples, factor: f64, change: &dyn Fn(&mut Row, f64)) -> Sa
 }
 
 /// What the exchange leaves of the term that went, over the target as the equation has it.
-fn separation(frame: &Frame, exchange: &Exchange, samples: &Samples) -> Option<f64> {
+fn separation(frame: &ScaledDesign, exchange: &Exchange, samples: &Samples) -> Option<f64> {
     let mut target = vec![0.0; samples.len()];
     let mut gone = Vec::new();
     for (place, a) in frame.support.iter().zip(&frame.coefficients) {
@@ -284,6 +285,6 @@ fn separation(frame: &Frame, exchange: &Exchange, samples: &Samples) -> Option<f
     if gone.is_empty() || !finite {
         return None;
     }
-    let basis = Basis::of(columns.iter().map(|c| &c[..]));
-    Some(norm(&basis.outside(&gone)) / norm(&target).max(f64::MIN_POSITIVE))
+    let basis = OrthonormalBasis::of(columns.iter().map(|c| &c[..]));
+    Some(norm(&basis.residual(&gone)) / norm(&target).max(f64::MIN_POSITIVE))
 }

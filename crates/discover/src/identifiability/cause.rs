@@ -6,7 +6,7 @@
 use super::relations::{EXACT, Null};
 use crate::SplitMix;
 use crate::dictionary::evaluate;
-use crate::frame::Frame;
+use crate::scaled_design::ScaledDesign;
 use sidc_data::{Column, Origin, Samples};
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Atom, Expr, Signal, Term};
@@ -41,7 +41,7 @@ pub(super) struct Reason {
 }
 
 impl Reduced {
-    pub fn new(frame: &Frame, null: &Null) -> Reduced {
+    pub fn new(frame: &ScaledDesign, null: &Null) -> Reduced {
         let places = null.places.iter().zip(&null.weights);
         let terms: Vec<(f64, Term)> = places
             .map(|(p, w)| (w / frame.columns[*p].length, frame.term(*p).clone()))
@@ -95,7 +95,7 @@ fn common(terms: &[(f64, Term)]) -> Term {
 }
 
 /// The cause of a relation.
-pub(super) fn cause(frame: &Frame, reduced: &Reduced) -> Reason {
+pub(super) fn cause(frame: &ScaledDesign, reduced: &Reduced) -> Reason {
     let plain = |cause| Reason { cause, about: None };
     let signals = reduced.signals();
     if let Some(still) = signals.iter().find_map(|s| still(frame, *s)) {
@@ -202,12 +202,12 @@ pub(super) fn is_bare(t: &Term) -> bool {
     }
 }
 
-fn is_input(frame: &Frame, s: Signal) -> bool {
+fn is_input(frame: &ScaledDesign, s: Signal) -> bool {
     let kind = frame.model.var(s.var).map(|v| v.kind);
     matches!(kind, Some(VarKind::Input | VarKind::Param))
 }
 
-fn still(frame: &Frame, s: Signal) -> Option<(Expr, f64, f64)> {
+fn still(frame: &ScaledDesign, s: Signal) -> Option<(Expr, f64, f64)> {
     let e = Expr::signal(s);
     let (least, most) = range(&e, &frame.samples);
     let size = least.abs().max(most.abs());
@@ -223,7 +223,7 @@ enum Elsewhere {
 }
 
 /// Tries a relation at random values of its signals: far beyond their ranges, then with the signs they have.
-fn elsewhere(frame: &Frame, reduced: &Reduced, signals: &[Signal]) -> Elsewhere {
+fn elsewhere(frame: &ScaledDesign, reduced: &Reduced, signals: &[Signal]) -> Elsewhere {
     for far in [3.0, 0.3] {
         match holds(reduced, &anywhere(frame, signals, far, false)) {
             Some(true) => return Elsewhere::Always,
@@ -258,7 +258,7 @@ fn holds(reduced: &Reduced, samples: &Samples) -> Option<bool> {
     Some(worst.fold(0.0, f64::max) < 10.0 * SHARP)
 }
 
-fn anywhere(frame: &Frame, signals: &[Signal], far: f64, keep_signs: bool) -> Samples {
+fn anywhere(frame: &ScaledDesign, signals: &[Signal], far: f64, keep_signs: bool) -> Samples {
     let mut random = SplitMix::new(5);
     let columns = signals.iter().map(|s| {
         let (least, most) = range(&Expr::signal(*s), &frame.samples);
@@ -282,7 +282,7 @@ fn anywhere(frame: &Frame, signals: &[Signal], far: f64, keep_signs: bool) -> Sa
 }
 
 /// Whether two terms are one column at random values with the signs that the signals mostly have.
-fn same_with_one_sign(frame: &Frame, reduced: &Reduced, signals: &[Signal]) -> bool {
+fn same_with_one_sign(frame: &ScaledDesign, reduced: &Reduced, signals: &[Signal]) -> bool {
     let [(_, a), (_, b)] = reduced.terms.as_slice() else {
         return false;
     };
@@ -302,7 +302,7 @@ fn same_with_one_sign(frame: &Frame, reduced: &Reduced, signals: &[Signal]) -> b
 }
 
 /// The first signal that keeps its sign, or the first at all.
-fn one_sign(frame: &Frame, signals: &[Signal]) -> Option<(Expr, f64, f64)> {
+fn one_sign(frame: &ScaledDesign, signals: &[Signal]) -> Option<(Expr, f64, f64)> {
     let ranged = signals.iter().map(|s| {
         let e = Expr::signal(*s);
         let (least, most) = range(&e, &frame.samples);
@@ -344,7 +344,7 @@ fn argument(reduced: &Reduced, signals: &[Signal]) -> Option<Expr> {
 }
 
 /// A derivative of the target's own variable that the lower ones and other signals give: a law of that order.
-fn lower_order(frame: &Frame, reduced: &Reduced) -> Option<Reason> {
+fn lower_order(frame: &ScaledDesign, reduced: &Reduced) -> Option<Reason> {
     let target = frame.equation.target;
     let own = |s: &Signal| s.var == target.var && s.shift == 0;
     let signals = reduced.signals();
@@ -368,7 +368,7 @@ fn lower_order(frame: &Frame, reduced: &Reduced) -> Option<Reason> {
 }
 
 /// Whether a highest derivative of some variable stands in it, or derivatives of one variable alone: a law of motion.
-fn law(frame: &Frame, reduced: &Reduced, signals: &[Signal]) -> bool {
+fn law(frame: &ScaledDesign, reduced: &Reduced, signals: &[Signal]) -> bool {
     let targets = frame.model.equations.iter().map(|e| e.target);
     let targets: Vec<Signal> = targets.filter(|t| t.der > 0 || t.shift > 0).collect();
     let of_one = |s: &Signal| signals.iter().all(|t| t.var == s.var) && s.der > 0;

@@ -6,7 +6,7 @@
 use std::collections::{BTreeSet, VecDeque};
 
 use super::gram::Gram;
-use crate::frame::Frame;
+use crate::scaled_design::ScaledDesign;
 use sidc_lang::term::Language;
 use sidc_solve::lanes::dot;
 
@@ -28,7 +28,7 @@ pub(super) struct Equivalent {
 }
 
 /// Best fits first among those one exchange away; then those further away.
-pub(super) fn equivalents(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
+pub(super) fn equivalents(frame: &ScaledDesign, gram: &Gram) -> Vec<Equivalent> {
     let own = sorted(frame.support.clone());
     let constraints = frame.model.constraints.iter();
     let mut tied = constraints.flat_map(|c| &c.coefficients).map(|c| c.target);
@@ -38,7 +38,7 @@ pub(super) fn equivalents(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
         return Vec::new();
     }
     let rows = frame.rows();
-    let bound = frame.noise.value(frame.left(&own), rows) + TIE;
+    let bound = frame.noise.criterion(frame.residual_square(&own), rows) + TIE;
     let products = Products::new(frame, gram);
     let mut seen = BTreeSet::from([own.clone()]);
     let mut found: Vec<Equivalent> = Vec::new();
@@ -52,7 +52,7 @@ pub(super) fn equivalents(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
                 if !seen.insert(next.clone()) {
                     continue;
                 }
-                let value = frame.noise.value(frame.left(&next), rows);
+                let value = frame.noise.criterion(frame.residual_square(&next), rows);
                 if value < bound {
                     near.push((value, next, into));
                 }
@@ -75,7 +75,7 @@ pub(super) fn equivalents(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
 }
 
 /// Supports that refits with the trajectory found to be ties, of the same size: each exchange of one term, the most alike first.
-pub(super) fn refitted(frame: &Frame, gram: &Gram) -> Vec<Equivalent> {
+pub(super) fn refitted(frame: &ScaledDesign, gram: &Gram) -> Vec<Equivalent> {
     let language = Language(frame.model);
     let names: Vec<String> = frame
         .columns
@@ -125,9 +125,9 @@ struct Products<'a> {
 }
 
 impl<'a> Products<'a> {
-    fn new(frame: &Frame, gram: &'a Gram) -> Self {
+    fn new(frame: &ScaledDesign, gram: &'a Gram) -> Self {
         let target = &frame.target;
-        let with = |c: &crate::frame::Column| dot(&c.unit, target);
+        let with = |c: &crate::scaled_design::ScaledColumn| dot(&c.unit, target);
         Products {
             gram,
             target: frame.columns.iter().map(with).collect(),
@@ -136,7 +136,7 @@ impl<'a> Products<'a> {
     }
 
     /// Columns that may stand for `out` beside `kept`, most promising first.
-    fn near(&self, frame: &Frame, kept: &[usize], out: usize, bound: f64) -> Vec<usize> {
+    fn near(&self, frame: &ScaledDesign, kept: &[usize], out: usize, bound: f64) -> Vec<usize> {
         let mut lower: Vec<Vec<f64>> = Vec::new();
         let mut along: Vec<f64> = Vec::new();
         let forward = |lower: &[Vec<f64>], j: usize| -> Vec<f64> {
@@ -163,7 +163,7 @@ impl<'a> Products<'a> {
             }
             let gain = (self.target[j] - dot(&row, &along)).powi(2) / room;
             let rss = (left - gain - DIGITS * self.square / room).max(0.0);
-            if frame.noise.value(rss, frame.rows()) < bound {
+            if frame.noise.criterion(rss, frame.rows()) < bound {
                 near.push((left - gain, j));
             }
         }

@@ -3,8 +3,9 @@
 //! In: a frame. Out: figures by signal and by term. Judges nothing.
 
 use super::spectrum::spectrum;
-use crate::frame::Frame;
-use crate::frame::{Basis, norm};
+use crate::scaled_design::OrthonormalBasis;
+use crate::scaled_design::ScaledDesign;
+use crate::statistics::norm;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Language, Signal, SignalNames};
@@ -19,14 +20,14 @@ const STILL: f64 = 1e-9;
 const TOP: f64 = 0.01;
 
 /// Every signal of the library and the target, in order.
-pub(super) fn excitation(frame: &Frame, library: &Library) -> Vec<Excitation> {
+pub(super) fn excitation(frame: &ScaledDesign, library: &Library) -> Vec<Excitation> {
     let mut signals = library.signals();
     signals.push(frame.equation.target);
     signals.sort_unstable();
     signals.dedup();
-    let stretch = stretch(frame.all);
+    let stretch = stretch(frame.all_samples);
     let of = |s: &Signal| {
-        let values = &frame.all.column(*s)?.values;
+        let values = &frame.all_samples.column(*s)?.values;
         let count = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / count;
         let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / count;
@@ -70,11 +71,11 @@ fn stretch(samples: &Samples) -> Option<(std::ops::Range<usize>, f64)> {
 }
 
 /// From which rows each coefficient is known: the squares of its column beside the others are what measures it.
-pub(super) fn leverage(frame: &Frame) -> Vec<Leverage> {
+pub(super) fn leverage(frame: &ScaledDesign) -> Vec<Leverage> {
     let of = |at: usize, place: &usize| {
         let others = frame.support.iter().enumerate().filter(|(k, _)| *k != at);
-        let basis = Basis::of(others.map(|(_, p)| frame.unit(*p)));
-        let own = basis.outside(frame.unit(*place));
+        let basis = OrthonormalBasis::of(others.map(|(_, p)| frame.unit(*p)));
+        let own = basis.residual(frame.unit(*place));
         let total = dot(&own, &own);
         if norm(&own) < 1e-12 {
             return None;

@@ -7,7 +7,7 @@ use super::advice::{Exchange, advice};
 use super::cause::{Reason, Reduced};
 use super::shortfall::{Asked, Shortfall, shortfall};
 use super::tell::{figure, percent, sentence, why};
-use crate::frame::Frame;
+use crate::scaled_design::ScaledDesign;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -58,7 +58,7 @@ impl Told {
 
 /// `read` are rows with the target as it was read, where the frame's are those of a fit.
 pub(super) fn findings(
-    frame: &Frame,
+    frame: &ScaledDesign,
     library: &Library,
     read: &Samples,
     told: &[Told],
@@ -80,12 +80,12 @@ pub(super) fn findings(
 }
 
 /// Whether a relation holds as far as the data can tell.
-fn holds(frame: &Frame, t: &Told) -> bool {
+fn holds(frame: &ScaledDesign, t: &Told) -> bool {
     t.reduced.size < frame.noise.relative.max(EXACT)
 }
 
 /// Whether a relation bears on the equation that was found.
-fn matters(frame: &Frame, t: &Told) -> bool {
+fn matters(frame: &ScaledDesign, t: &Told) -> bool {
     let doubted = frame.equation.status == Status::Doubt;
     match t.reason.cause {
         // Where refits decided, an exchange on the fitted trajectory alone is no more than a hint.
@@ -97,9 +97,9 @@ fn matters(frame: &Frame, t: &Told) -> bool {
 }
 
 /// Signals without which columns of the library are zero.
-fn idle(frame: &Frame, known: &[Finding]) -> Option<Finding> {
+fn idle(frame: &ScaledDesign, known: &[Finding]) -> Option<Finding> {
     let mut still: Vec<Signal> = Vec::new();
-    for term in &frame.idle {
+    for term in &frame.zero_columns {
         term.for_each_signal(&mut |s| {
             let zero = |c: &sidc_data::Column| c.values.iter().all(|v| *v == 0.0);
             if frame.samples.column(s).is_some_and(zero) && !still.contains(&s) {
@@ -111,7 +111,7 @@ fn idle(frame: &Frame, known: &[Finding]) -> Option<Finding> {
         return None;
     }
     let names: Vec<String> = still.iter().map(|s| frame.model.name(*s)).collect();
-    let count = frame.idle.len();
+    let count = frame.zero_columns.len();
     Some(Finding {
         cause: Cause::ConstantSignal,
         text: format!(
@@ -125,7 +125,7 @@ fn idle(frame: &Frame, known: &[Finding]) -> Option<Finding> {
     })
 }
 
-fn of_relation(frame: &Frame, t: &Told) -> Finding {
+fn of_relation(frame: &ScaledDesign, t: &Told) -> Finding {
     let lead = t.lead();
     let advice = match (&t.exchange, matters(frame, t)) {
         (Some((out, into)), _) => {
@@ -155,7 +155,7 @@ fn of_relation(frame: &Frame, t: &Told) -> Finding {
 }
 
 /// Fewer rows than terms, and fewer than a choice among so many takes.
-fn few_rows(frame: &Frame) -> Option<Finding> {
+fn few_rows(frame: &ScaledDesign) -> Option<Finding> {
     let (m, n, k) = (frame.rows(), frame.candidates, frame.support.len().max(1));
     let wanted = (ROWS_A_CHOICE * k as f64 * (n.max(2) as f64).ln()).ceil() as usize;
     if m >= n || m >= wanted {
@@ -174,8 +174,8 @@ fn few_rows(frame: &Frame) -> Option<Finding> {
 }
 
 /// Typical time between rows of the record.
-fn step(frame: &Frame) -> Option<f64> {
-    let time = &frame.all.time;
+fn step(frame: &ScaledDesign) -> Option<f64> {
+    let time = &frame.all_samples.time;
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     steps.retain(|s| *s > 0.0);
     steps.sort_by(f64::total_cmp);
@@ -183,7 +183,7 @@ fn step(frame: &Frame) -> Option<f64> {
 }
 
 /// What the library lacks, as far as a doubt asks for it.
-fn lacking(frame: &Frame, library: &Library, read: &Samples) -> Option<Finding> {
+fn lacking(frame: &ScaledDesign, library: &Library, read: &Samples) -> Option<Finding> {
     let unexplained = |r: &Doubt| UNEXPLAINED.contains(&r.code);
     let asked = Asked {
         library,
@@ -257,8 +257,8 @@ pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Find
 }
 
 /// Terms whose coefficients could as well be zero.
-fn weak(frame: &Frame) -> Vec<Finding> {
-    let seconds = frame.all.time.len() as f64 * step(frame).unwrap_or(0.0);
+fn weak(frame: &ScaledDesign) -> Vec<Finding> {
+    let seconds = frame.all_samples.time.len() as f64 * step(frame).unwrap_or(0.0);
     let free = frame.equation.terms.iter().filter(|t| !t.fixed);
     free.filter_map(|t| {
         let part = t.standard_error? / t.coefficient.abs();

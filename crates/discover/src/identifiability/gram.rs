@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DMatrixView};
 
-use crate::frame::Frame;
+use crate::scaled_design::ScaledDesign;
 use sidc_solve::linalg::{self, Qr, add_products, transposed};
 use sidc_solve::threads;
 
@@ -49,7 +49,7 @@ impl Gram {
         Gram { values }
     }
 
-    pub fn of(frame: &Frame) -> Gram {
+    pub fn of(frame: &ScaledDesign) -> Gram {
         let columns: Vec<&[f64]> = frame.columns.iter().map(|c| &c.unit[..]).collect();
         Gram::new(&columns)
     }
@@ -114,7 +114,7 @@ impl Gram {
 
 /// Numerical rank of a frame's columns, and the part of the largest singular value under which one is zero: by the columns
 /// themselves where that is quick, else by their products.
-pub(super) fn rank(frame: &Frame, gram: &Gram) -> (usize, f64) {
+pub(super) fn rank(frame: &ScaledDesign, gram: &Gram) -> (usize, f64) {
     let (m, n) = (frame.rows(), frame.columns.len());
     if m * n * n > DIRECT {
         return (gram.rank(), TOLERANCE);

@@ -1,6 +1,6 @@
 //! What the data can tell apart, equation by equation: rank, relations, equivalent models, excitation, and what to record next.
 //!
-//! In: the [`Frame`] of an equation, its library, the rows. Out: an [`Identifiability`] for its evidence, and the
+//! In: the [`ScaledDesign`] of an equation, its library, the rows. Out: an [`Identifiability`] for its evidence, and the
 //! doubt `tie` where another support of equal size does as well. Never changes an equation, never reads or prints.
 
 mod advice;
@@ -24,7 +24,7 @@ use findings::Told;
 use gram::Gram;
 use relations::{Null, OF_TERMS, Search};
 
-use crate::frame::Frame;
+use crate::scaled_design::ScaledDesign;
 use crate::tie;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
@@ -87,7 +87,7 @@ pub fn lacking(model: &Model, library: &Library, rows: Rows, failed: &Failed) ->
 }
 
 /// What the rows tell apart for one equation.
-pub fn judge(frame: &Frame, library: &Library, rows: Rows) -> Identifiability {
+pub fn judge(frame: &ScaledDesign, library: &Library, rows: Rows) -> Identifiability {
     let model = frame.model;
     let gram = Gram::of(frame);
     let language = Language(model);
@@ -133,12 +133,12 @@ pub fn judge(frame: &Frame, library: &Library, rows: Rows) -> Identifiability {
             .collect(),
         isometry: isometry::isometry(&gram, frame.support.len()),
         idle: frame
-            .idle
+            .zero_columns
             .iter()
             .take(IDLE)
             .map(|t| language.term(t))
             .collect(),
-        idle_more: frame.idle.len().saturating_sub(IDLE),
+        idle_more: frame.zero_columns.len().saturating_sub(IDLE),
         relations: told
             .iter()
             .take(RELATIONS)
@@ -153,7 +153,7 @@ pub fn judge(frame: &Frame, library: &Library, rows: Rows) -> Identifiability {
 }
 
 /// The cosines of the support with each other and with the columns nearest to one of its terms.
-fn alike(frame: &Frame, gram: &Gram) -> Option<Alike> {
+fn alike(frame: &ScaledDesign, gram: &Gram) -> Option<Alike> {
     let support: Vec<usize> = frame.support.iter().copied().take(ALIKE_MOST).collect();
     let nearness = |p: usize| {
         let cosines = support.iter().map(|s| gram.at(*s, p).abs());
@@ -200,7 +200,7 @@ pub fn attach(equation: &mut Equation, judged: Identifiability) {
 }
 
 /// The column that, beside the support, makes the largest condition number.
-fn neighbour(frame: &Frame, gram: &Gram) -> Option<(usize, f64)> {
+fn neighbour(frame: &ScaledDesign, gram: &Gram) -> Option<(usize, f64)> {
     let none = frame.support.is_empty();
     let others = (0..gram.len()).filter(|p| !none && !frame.support.contains(p));
     let with = |p: usize| gram.condition(&[frame.support.as_slice(), &[p]].concat());
@@ -215,7 +215,12 @@ fn neighbour(frame: &Frame, gram: &Gram) -> Option<(usize, f64)> {
 }
 
 /// Every relation that is worth telling, those that allow an exchange first.
-fn told(frame: &Frame, gram: &Gram, library: &Library, equivalent: &[Equivalent]) -> Vec<Told> {
+fn told(
+    frame: &ScaledDesign,
+    gram: &Gram,
+    library: &Library,
+    equivalent: &[Equivalent],
+) -> Vec<Told> {
     let search = Search {
         gram,
         columns: frame.columns.iter().map(|c| &c.unit[..]).collect(),
@@ -261,7 +266,7 @@ fn told(frame: &Frame, gram: &Gram, library: &Library, equivalent: &[Equivalent]
 
 /// The relation behind an exchange: of the two terms if they are alike, else of the whole support and what comes. There is none
 /// where noise alone makes both fit as badly.
-fn exchange(frame: &Frame, search: &Search, e: &Equivalent) -> Option<Null> {
+fn exchange(frame: &ScaledDesign, search: &Search, e: &Equivalent) -> Option<Null> {
     if !frame.support.contains(&e.out) || frame.support.contains(&e.into) {
         return None;
     }
@@ -277,7 +282,7 @@ fn exchange(frame: &Frame, search: &Search, e: &Equivalent) -> Option<Null> {
 }
 
 /// The support, then bare signals and the constant.
-fn seeds(frame: &Frame) -> Vec<usize> {
+fn seeds(frame: &ScaledDesign) -> Vec<usize> {
     let mut seeds = frame.support.clone();
     let bare = |t: &Term| t.is_one() || is_bare(t);
     let places = 0..frame.columns.len();
@@ -286,7 +291,7 @@ fn seeds(frame: &Frame) -> Vec<usize> {
     seeds
 }
 
-fn tell(frame: &Frame, null: &Null) -> Told {
+fn tell(frame: &ScaledDesign, null: &Null) -> Told {
     let reduced = Reduced::new(frame, null);
     let touched = null.places.iter().filter(|p| frame.support.contains(p));
     Told {
@@ -298,7 +303,7 @@ fn tell(frame: &Frame, null: &Null) -> Told {
     }
 }
 
-fn written(frame: &Frame, t: &Told) -> Relation {
+fn written(frame: &ScaledDesign, t: &Told) -> Relation {
     let language = Language(frame.model);
     let whole = |(w, r): &(f64, Term)| (language.term(&r.mul(&t.reduced.common)), *w);
     Relation {

@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::gram::Gram;
-use crate::frame::Basis;
+use crate::scaled_design::OrthonormalBasis;
 
 /// Columns of a relation, rising, their weights of unit columns (largest 1), and the length of what they leave.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,8 +85,8 @@ impl Search<'_> {
             if places.len() < 2 {
                 return None;
             }
-            let basis = Basis::of(places.iter().map(|p| self.columns[*p]));
-            let (weights, size) = basis.least()?;
+            let basis = OrthonormalBasis::of(places.iter().map(|p| self.columns[*p]));
+            let (weights, size) = basis.near_dependency()?;
             let least = weights.iter().map(|w| w.abs()).fold(1.0, f64::min);
             if least >= (CLEAR * size).clamp(EXACT, 0.5) || places.len() == 2 {
                 let size = size.max(f64::EPSILON);

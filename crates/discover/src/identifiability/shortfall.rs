@@ -5,7 +5,8 @@
 
 use crate::Weights;
 use crate::dictionary::{evaluate, subtract};
-use crate::frame::{Basis, norm};
+use crate::scaled_design::OrthonormalBasis;
+use crate::statistics::norm;
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
@@ -54,7 +55,7 @@ struct Left {
     samples: Samples,
     terms: Vec<Term>,
     weights: Vec<f64>,
-    basis: Basis,
+    basis: OrthonormalBasis,
     /// What the span leaves of the target, weighted.
     left: Vec<f64>,
     /// Length of what noise makes of that.
@@ -110,8 +111,8 @@ impl Left {
         if columns.iter().flatten().chain(&y).any(|v| !v.is_finite()) {
             return None;
         }
-        let basis = Basis::of(columns.iter().map(|c| &c[..]));
-        let left = basis.outside(&y);
+        let basis = OrthonormalBasis::of(columns.iter().map(|c| &c[..]));
+        let left = basis.residual(&y);
         Some(Left {
             part: norm(&left) / norm(&y).max(f64::MIN_POSITIVE),
             noise: weights.target_error * (rows.len() as f64).sqrt(),
@@ -138,7 +139,7 @@ fn missing(asked: &Asked, l: &Left) -> Option<(Term, f64)> {
         if !length.is_finite() || length == 0.0 {
             continue;
         }
-        let own = l.basis.outside(&weighted);
+        let own = l.basis.residual(&weighted);
         let room = dot(&own, &own);
         if room < 1e-16 * length * length {
             continue;
@@ -222,8 +223,8 @@ fn lower(l: &Left, target: Signal) -> Option<f64> {
     if columns.is_empty() || 10 * columns.len() > values.len() {
         return None;
     }
-    let basis = Basis::of(columns.iter().map(|c| &c[..]));
-    let rest = norm(&basis.outside(values)) / norm(values).max(f64::MIN_POSITIVE);
+    let basis = OrthonormalBasis::of(columns.iter().map(|c| &c[..]));
+    let rest = norm(&basis.residual(values)) / norm(values).max(f64::MIN_POSITIVE);
     let allowed = GIVEN.max(3.0 * error(&l.samples, under)).min(GIVEN_AT_MOST);
     (rest < allowed).then_some(rest)
 }
@@ -258,8 +259,8 @@ fn higher(l: &Left, all: &Samples, own: Signal) -> Option<f64> {
     {
         return None;
     }
-    let basis = Basis::of(columns.iter().map(|c| &c[..]));
-    let rest = norm(&basis.outside(&slopes)) / norm(&slopes).max(f64::MIN_POSITIVE);
+    let basis = OrthonormalBasis::of(columns.iter().map(|c| &c[..]));
+    let rest = norm(&basis.residual(&slopes)) / norm(&slopes).max(f64::MIN_POSITIVE);
     let allowed = FOLLOWS
         .max(2.0 * error(&samples, above))
         .min(FOLLOWS_AT_MOST);

@@ -6,8 +6,8 @@ use super::cause::{Reduced, cause};
 use super::findings::Told;
 use super::gram::Gram;
 use super::relations::{Limits, Null, Search};
-use crate::frame::Frame;
-use crate::frame::norm;
+use crate::scaled_design::ScaledDesign;
+use crate::statistics::norm;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Signal, Term};
 use sidc_solve::lanes::axpy;
@@ -22,7 +22,7 @@ const ROUND: f64 = 3e-3;
 /// Spread over size under which a signal is constant, and in no relation.
 const STILL: f64 = 1e-9;
 
-pub(super) fn relations(frame: &Frame, library: &Library) -> Vec<Told> {
+pub(super) fn relations(frame: &ScaledDesign, library: &Library) -> Vec<Told> {
     let mut means = Vec::new();
     let mut columns: Vec<(Signal, Vec<f64>, f64)> = Vec::new();
     let moving = library.signals().into_iter().filter(|s| *s != Signal::TIME);

@@ -4,7 +4,7 @@
 //! nothing but the digits it prints.
 
 use super::cause::{Reason, Reduced};
-use crate::frame::Frame;
+use crate::scaled_design::ScaledDesign;
 use sidc_lang::term::{Expr, Language, SignalNames, Term};
 use sidc_system::discovery::Cause;
 
@@ -27,7 +27,7 @@ fn rounded(x: f64, digits: usize) -> f64 {
 }
 
 /// The relation as an equation: a constant on the right, or the term that stands for the others on the left.
-pub(super) fn equation(frame: &Frame, reduced: &Reduced, lead: Option<&Term>) -> String {
+pub(super) fn equation(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Term>) -> String {
     let language = Language(frame.model);
     let mut terms = reduced.terms.clone();
     terms.sort_by(|a, b| {
@@ -55,7 +55,7 @@ pub(super) fn equation(frame: &Frame, reduced: &Reduced, lead: Option<&Term>) ->
 }
 
 /// How near the relation is, as a clause: two terms are compared, more are an equation.
-pub(super) fn sentence(frame: &Frame, reduced: &Reduced, lead: Option<&Term>) -> String {
+pub(super) fn sentence(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Term>) -> String {
     let language = Language(frame.model);
     let equation = equation(frame, reduced, lead);
     let names: Vec<String> = (reduced.terms.iter())
@@ -80,7 +80,7 @@ pub(super) fn percent(x: f64) -> String {
 }
 
 /// Why, in a few words with their figures.
-pub(super) fn why(frame: &Frame, reason: &Reason) -> String {
+pub(super) fn why(frame: &ScaledDesign, reason: &Reason) -> String {
     let language = Language(frame.model);
     let about = reason.about.as_ref();
     let name = about.map_or_else(String::new, |(e, _, _)| language.expr(e));

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::sum;
-use crate::frame::{Basis, Frame};
+use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
 use sidc_solve::lanes::dot;
 use sidc_system::discovery::Stretches;
 
@@ -22,7 +22,7 @@ const DIGITS: f64 = 1e-9;
 
 /// One stretch where the rows do not show what the equation leaves of them. `None` where a trajectory was fitted, whose own stretches
 /// tell more, and where coefficients obey constraints, which single changes of terms would break.
-pub fn stretches(frame: &Frame) -> Option<Stretches> {
+pub fn stretches(frame: &ScaledDesign) -> Option<Stretches> {
     let evidence = frame.evidence;
     let otherwise = evidence.together.is_some() || evidence.certificate.constrained;
     if otherwise || frame.support.is_empty() {
@@ -36,7 +36,7 @@ pub fn stretches(frame: &Frame) -> Option<Stretches> {
         false => 1,
     };
     let square = dot(&frame.target, &frame.target) / rows as f64;
-    let left = frame.left(&frame.support) / rows as f64;
+    let left = frame.residual_square(&frame.support) / rows as f64;
     let variance = left.max(frame.noise.floor).max(DIGITS * square);
     let scale = frame.noise.rows / rows as f64 / variance.max(f64::MIN_POSITIVE);
     let mut columns: Vec<&[f64]> = pool.iter().map(|p| frame.unit(*p)).collect();
@@ -60,16 +60,16 @@ pub fn stretches(frame: &Frame) -> Option<Stretches> {
 }
 
 /// Columns found, and for each of them those that follow best what it alone explains; and those that follow the residual.
-fn pool(frame: &Frame) -> Vec<usize> {
+fn pool(frame: &ScaledDesign) -> Vec<usize> {
     let all = || frame.support.iter();
     let mut directions: Vec<Vec<f64>> = all()
         .map(|p| {
             let others = all().filter(|q| *q != p).map(|q| frame.unit(*q));
-            Basis::of(others).outside(frame.unit(*p))
+            OrthonormalBasis::of(others).residual(frame.unit(*p))
         })
         .collect();
-    let found = Basis::of(all().map(|p| frame.unit(*p)));
-    directions.push(found.outside(&frame.target));
+    let found = OrthonormalBasis::of(all().map(|p| frame.unit(*p)));
+    directions.push(found.residual(&frame.target));
     let each = RIVALS.div_ceil(directions.len());
     let mut pool = frame.support.clone();
     for direction in directions {

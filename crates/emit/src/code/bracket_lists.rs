@@ -13,7 +13,7 @@ pub(crate) fn list(all: &[String]) -> String {
 }
 
 /// Names to unpack a list into; `_` for values that nothing uses.
-pub(crate) fn wanted<S: Syntax>(infix: &Infix<S>, all: &[Option<Signal>]) -> String {
+pub(crate) fn unpacked_names<S: Syntax>(infix: &Infix<S>, all: &[Option<Signal>]) -> String {
     let name = |s: &Option<Signal>| s.map_or_else(|| "_".to_string(), |s| infix.signal(s));
     list(&all.iter().map(name).collect::<Vec<_>>())
 }

@@ -32,8 +32,8 @@ impl<'a, S: Syntax> Infix<'a, S> {
     /// `identifiers` holds arguments and unknowns; other names of the body get free identifiers.
     pub fn new(syntax: &'a S, body: &'a Body, identifiers: &Identifiers) -> Self {
         let mut identifiers = identifiers.clone();
-        let fresh = |(name, wish): &(Name, String)| (*name, identifiers.fresh(wish));
-        let names = body.wishes.iter().map(fresh).collect();
+        let fresh = |(name, preferred): &(Name, String)| (*name, identifiers.fresh(preferred));
+        let names = body.preferred_names.iter().map(fresh).collect();
         Infix {
             syntax,
             body,

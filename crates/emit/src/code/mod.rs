@@ -1,21 +1,10 @@
-//! Targets that are programs: Rust, C, Python, MATLAB, and SymPy expressions.
+//! What the targets that are programs share. A language's own file is in [`crate::targets`].
 //!
 //! In: a discovery. Out: source text. [`program`] decides what is computed and when, [`infix`] writes expressions,
-//! [`printer`] writes statements; the file of a language holds what is particular to it.
+//! [`printer`] writes statements.
 
-mod bracket_lists;
-pub(crate) mod c;
+pub(crate) mod bracket_lists;
 pub(crate) mod identifiers;
-mod infix;
-pub(crate) mod matlab;
-mod printer;
-mod program;
-pub(crate) mod python;
-pub(crate) mod rust;
-pub(crate) mod sympy;
-
-/// The helpers whose condition holds.
-fn chosen(all: &[(bool, &str)]) -> String {
-    let used = all.iter().filter(|(used, _)| *used);
-    used.map(|(_, text)| *text).collect()
-}
+pub(crate) mod infix;
+pub(crate) mod printer;
+pub(crate) mod program;

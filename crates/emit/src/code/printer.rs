@@ -3,11 +3,11 @@
 //! In: a discovery and the description of a language. Out: a source file: declarations, linear solves, Newton loops, results.
 //! What is computed, and when, was decided by [`super::program`]; expressions are written by [`super::infix`].
 
-use crate::Target;
-use crate::code::bracket_lists::{list, solver_call, wanted};
+use crate::code::bracket_lists::{list, solver_call, unpacked_names};
 use crate::code::identifiers::Identifiers;
 use crate::code::infix::{Infix, Syntax};
 use crate::code::program::{Function, Name, Newton, Program, Solve, Step};
+use crate::target::Target;
 use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
 
@@ -59,7 +59,11 @@ pub(crate) trait Language: Syntax + Sized + Sync {
 
     /// A linear solve. The default unpacks what [`Language::solver`] returns.
     fn solve(&self, p: &Printer<Self>, s: &Solve) -> String {
-        let names: Vec<String> = s.signals.iter().map(|row| wanted(&p.infix, row)).collect();
+        let names: Vec<String> = s
+            .signals
+            .iter()
+            .map(|row| unpacked_names(&p.infix, row))
+            .collect();
         p.declare(1, &list(&names), &p.solver_call(&s.mass, &s.right, 1))
     }
 
@@ -171,8 +175,8 @@ impl<L: Language> Printer<'_, L> {
     }
 
     /// The nodes that a Newton loop names.
-    pub fn inside(&self, n: &Newton) -> String {
-        let each = n.inside.iter().map(|node| {
+    pub fn named_inside(&self, n: &Newton) -> String {
+        let each = n.named_inside.iter().map(|node| {
             let name = self.infix.name(Name::Node(*node));
             self.declare(2, &name, &self.infix.value(*node))
         });
@@ -198,4 +202,10 @@ impl<L: Language> Printer<'_, L> {
 /// A line of comment for each line of text.
 pub(crate) fn commented(mark: &str, lines: impl Iterator<Item = String>) -> String {
     lines.map(|line| format!("{mark}{line}\n")).collect()
+}
+
+/// The helper functions whose condition holds.
+pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
+    let used = all.iter().filter(|(used, _)| *used);
+    used.map(|(_, text)| *text).collect()
 }

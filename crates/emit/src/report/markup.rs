@@ -1,6 +1,6 @@
 //! HTML: escaped text, and numbers with the typography of print.
 
-use crate::escape;
+use crate::typeset::mathml::escape;
 use sidc_lang::number::significant;
 
 /// A number with so many significant digits, a true minus sign and raised exponents.

@@ -8,13 +8,13 @@ mod markup;
 mod sections;
 mod subject;
 
-pub use subject::{Along, Subject, stretches};
+pub use subject::{RecordRun, Subject, run_windows};
 
-use crate::escape;
 use crate::report::sections::{
     coefficients, collinearity, data_coverage, equations, error_by_terms, phase_portraits,
     reproduction, residual_autocorrelation, trajectories, verdict,
 };
+use crate::typeset::mathml::escape;
 use markup::counted;
 
 const STYLE: &str = include_str!("page.css");

@@ -17,18 +17,18 @@ pub struct Subject<'a> {
     pub name: &'a str,
     pub dataset: &'a Dataset,
     /// Runs in the order of trajectories and their stretches; fewer if they were stopped.
-    pub runs: &'a [Along],
+    pub runs: &'a [RecordRun],
     /// The data files as they are now, in the order of [`Trajectory::file`].
     pub files: &'a [FileEntry],
 }
 
 /// A run along a record or a stretch of it.
 #[derive(Clone, Debug)]
-pub struct Along {
+pub struct RecordRun {
     /// Index of the trajectory.
     pub trajectory: usize,
     /// True for a stretch held out of a record that the equations were found from.
-    pub held: bool,
+    pub held_out: bool,
     /// `Err` says why there is none.
     pub run: Result<Run, String>,
 }
@@ -47,7 +47,7 @@ pub(crate) enum Role {
 }
 
 impl Role {
-    pub fn words(&self) -> &'static str {
+    pub fn description(&self) -> &'static str {
         match self {
             Role::Used(held) if held.is_empty() => "the equations were found from it",
             Role::Used(_) => {
@@ -66,12 +66,12 @@ impl Role {
 #[derive(Clone)]
 pub(crate) struct Record<'a> {
     pub trajectory: &'a Trajectory,
-    pub pieces: Vec<(bool, &'a Run)>,
+    pub runs: Vec<(bool, &'a Run)>,
 }
 
 /// The stretches of a record that are simulated by themselves: those held out, and those between. One unbounded
 /// stretch where nothing was held out.
-pub fn stretches(document: &Document, trajectory: &Trajectory) -> Vec<(bool, Window)> {
+pub fn run_windows(document: &Document, trajectory: &Trajectory) -> Vec<(bool, Window)> {
     let runs = document.validation.iter().flat_map(|v| &v.runs);
     let own = runs.filter(|r| r.record == trajectory.name);
     let mut all: Vec<(bool, Window)> = own
@@ -95,10 +95,10 @@ impl<'a> Subject<'a> {
         let all = self.dataset.trajectories.iter().enumerate();
         all.filter_map(|(i, trajectory)| {
             let own = self.runs.iter().filter(|a| a.trajectory == i);
-            let pieces: Vec<_> = own
-                .filter_map(|a| Some((a.held, a.run.as_ref().ok()?)))
+            let runs: Vec<_> = own
+                .filter_map(|a| Some((a.held_out, a.run.as_ref().ok()?)))
                 .collect();
-            (!pieces.is_empty()).then_some(Record { trajectory, pieces })
+            (!runs.is_empty()).then_some(Record { trajectory, runs })
         })
         .collect()
     }
@@ -126,7 +126,7 @@ impl<'a> Subject<'a> {
     }
 
     /// Name and unit of a signal, as on an axis: `theta (rad)`.
-    pub(crate) fn labelled(&self, s: Signal) -> String {
+    pub(crate) fn axis_label(&self, s: Signal) -> String {
         let unit = self.discovery.unit(s).map(|u| u.to_string());
         let name = self.discovery.name(s);
         match unit.filter(|u| !u.is_empty() && u != "1") {
@@ -136,7 +136,7 @@ impl<'a> Subject<'a> {
     }
 
     /// The unit of time.
-    pub(crate) fn clock(&self) -> String {
+    pub(crate) fn time_label(&self) -> String {
         match self.discovery.unit(Signal::TIME) {
             _ if self.discovery.discrete => "sample".into(),
             Some(unit) => format!("t ({unit})"),
@@ -145,7 +145,7 @@ impl<'a> Subject<'a> {
     }
 
     /// A time as text.
-    pub(crate) fn instant(&self, t: f64) -> String {
+    pub(crate) fn time_text(&self, t: f64) -> String {
         let value = crate::report::markup::number(t, 6);
         match (self.discovery.discrete, self.discovery.unit(Signal::TIME)) {
             (true, _) => format!("sample {value}"),
@@ -155,7 +155,7 @@ impl<'a> Subject<'a> {
     }
 
     /// A duration as text.
-    pub(crate) fn lasting(&self, t: f64) -> String {
+    pub(crate) fn duration_text(&self, t: f64) -> String {
         let unit = match self.discovery.unit(Signal::TIME) {
             _ if self.discovery.discrete => "samples".into(),
             Some(unit) => unit.to_string(),
@@ -174,18 +174,18 @@ impl<'a> Record<'a> {
 
     /// Signals that are simulated.
     pub fn simulated(&self) -> Vec<Signal> {
-        let first = self.pieces.first().map(|(_, run)| &run.simulated);
+        let first = self.runs.first().map(|(_, run)| &run.simulated);
         first.into_iter().flatten().map(|(s, _)| *s).collect()
     }
 
     /// Inputs that were applied.
     pub fn inputs(&self) -> Vec<Signal> {
-        let first = self.pieces.first().map(|(_, run)| &run.inputs);
+        let first = self.runs.first().map(|(_, run)| &run.inputs);
         first.into_iter().flatten().map(|(s, _)| *s).collect()
     }
 
     pub fn scores(&self, s: Signal) -> impl Iterator<Item = (bool, &'a Run, &'a Score)> {
-        self.pieces.iter().flat_map(move |(held, run)| {
+        self.runs.iter().flat_map(move |(held, run)| {
             let own = run.scores.iter().filter(move |score| score.signal == s);
             own.map(|score| (*held, *run, score))
         })
@@ -197,7 +197,7 @@ impl<'a> Record<'a> {
         column: impl Fn(&Run) -> Option<Cow<'_, [f64]>>,
     ) -> Option<(Vec<f64>, Vec<f64>)> {
         let (mut time, mut values) = (Vec::new(), Vec::new());
-        for (_, run) in &self.pieces {
+        for (_, run) in &self.runs {
             let Some(own) = column(run) else { continue };
             if let Some(last) = time.last().copied() {
                 time.push(last);

@@ -1,24 +1,19 @@
-//! Inference on coefficients in words: intervals, marks, alternatives to a term, and the rule of the marks.
+//! Inference on coefficients as text: intervals, marks, alternatives to a term, and the rule of the marks.
 //!
 //! In: an equation whose terms are marked. Out: lines. Judges nothing.
 
+use crate::thresholds::PRINTED;
 use sidc_lang::number::{digits_apart, significant};
 use sidc_lang::term::Language;
 use sidc_system::discovery::{
     Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Status, Trust, Without,
 };
 
-/// Half width of an interval, relative to the coefficient, from which it is printed.
-const VISIBLE_INTERVAL: f64 = 1e-6;
-/// A term left out is mentioned unasked if its gain falls short of its price by less than this: odds of e^1½ to 1.
-const NEAR_MISS: f64 = 3.0;
-/// Terms of one mark whose reasons are printed unasked, and intervals that are.
+/// Terms of one mark whose reasons are printed unless all evidence is asked for, and intervals.
 const MAX_REASONED_TERMS: usize = 8;
 const MAX_LISTED_INTERVALS: usize = 16;
 /// Names in a list before `and 4 more`.
 const MAX_NAMED_TERMS: usize = 3;
-/// Losses from which the figure is not printed.
-const LARGEST_LOSS_SHOWN: f64 = 1000.0;
 
 /// Visible intervals, then terms by their marks; with `whole` a line for each term.
 pub(crate) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
@@ -31,7 +26,14 @@ pub(crate) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
     let drawn = drawn(e);
     let nearest = e.evidence.as_ref().and_then(|e| e.nearest.as_ref());
     let nearest = nearest
-        .filter(|n| n.earns > if whole { 1.0 } else { n.costs - NEAR_MISS })
+        .filter(|n| {
+            n.earns
+                > if whole {
+                    1.0
+                } else {
+                    n.costs - PRINTED.near_miss
+                }
+        })
         .map(missing);
     if whole {
         let line = |(t, trust): &(&FoundTerm, &Trust)| {
@@ -134,7 +136,7 @@ fn width(d: &Discovery, (t, trust): &(&FoundTerm, &Trust)) -> Option<String> {
     let (low, high) = trust.interval?;
     let half = 0.5 * (high - low);
     let part = half / t.coefficient.abs();
-    (part > VISIBLE_INTERVAL).then(|| {
+    (part > PRINTED.visible_interval).then(|| {
         format!(
             "{} ±{} ({} %)",
             Language(d).term(&t.term),
@@ -191,7 +193,7 @@ pub fn without(w: &Without) -> String {
     }
     parts.push(match w.cost {
         _ if w.same => "which is the same".into(),
-        cost if cost >= LARGEST_LOSS_SHOWN => "over 1000 lost".into(),
+        cost if cost >= PRINTED.large_loss => "over 1000 lost".into(),
         cost if cost < 0.0 => format!("{} won", significant(-cost, 2)),
         cost => format!("{} lost", significant(cost, 2)),
     });

@@ -1,6 +1,6 @@
 //! Units of the coefficients, under their equation.
 
-use crate::text::LINE_WIDTH;
+use crate::text::layout::LINE_WIDTH;
 use sidc_lang::term::{Language, Precedence, write_term};
 use sidc_system::discovery::{Discovery, Equation};
 

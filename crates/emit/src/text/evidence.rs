@@ -6,9 +6,9 @@ use sidc_system::discovery::{
     Together,
 };
 
+use crate::text::equations::equations;
 use crate::text::{
-    self, coefficient_inference as trust, coefficient_units as units, identifiability,
-    solution_path as path, verification,
+    coefficient_inference, coefficient_units, identifiability, solution_path, verification,
 };
 use sidc_lang::number::{percent, significant};
 
@@ -16,13 +16,13 @@ use sidc_lang::number::{percent, significant};
 /// evidence.
 pub fn answer(d: &Discovery, whole: bool) -> String {
     let mut out = String::new();
-    for (e, lines) in d.equations.iter().zip(text::equations(d)) {
+    for (e, lines) in d.equations.iter().zip(equations(d)) {
         out.push_str(&lines);
-        out.push_str(&units::lines(d, e));
+        out.push_str(&coefficient_units::lines(d, e));
         for line in said(d, e, whole) {
             out.push_str(&format!("    {line}\n"));
         }
-        out.push_str(&path::table(d, e));
+        out.push_str(&solution_path::table(d, e));
     }
     if whole {
         let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
@@ -31,7 +31,7 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
             out.push_str(&format!("{line}\n"));
         }
     }
-    out.extend(trust::rule(d, whole).map(|line| format!("{line}\n")));
+    out.extend(coefficient_inference::rule(d, whole).map(|line| format!("{line}\n")));
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
         out.push_str(&reasons("failed", &f.reasons));
@@ -67,7 +67,7 @@ fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
                 .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
         );
     }
-    lines.extend(trust::lines(d, e, whole));
+    lines.extend(coefficient_inference::lines(d, e, whole));
     lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
         true => identifiability::whole(i),
         false => identifiability::brief(i, &e.reasons),

@@ -1,10 +1,10 @@
 //! Coupled equations as a matrix equation and solved, linear systems as A and B, in plain text.
 //!
-//! In: consequences of a discovery. Out: aligned lines; empty if there are no consequences. No term is dropped: an
+//! In: a discovery. Out: aligned lines; empty if there are no consequences. No term is dropped: an
 //! entry too wide for its cell is written below, by name.
 
 use crate::consequences::{Consequences, CoupledEquations, Solved, simplest_first};
-use crate::text::{LINE_WIDTH, in_one_line, layout, signed};
+use crate::text::layout::{LINE_WIDTH, one_line_sum, signed_term, sum_lines};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Expr, Language, SignalNames};
 use sidc_system::algebra::{Fraction, Linear};
@@ -15,12 +15,14 @@ const TABLE_WIDTH: usize = 120;
 /// Widest cell of a matrix that does not fit otherwise.
 const CELL_WIDTH: usize = 24;
 
-/// All consequences, each with a heading after a blank line.
-pub(crate) fn text(d: &Discovery, derived: &Consequences) -> String {
+/// What follows from the equations: coupled equations as a matrix equation and solved, linear systems as A and B, each with a
+/// heading after a blank line. Empty for a single or uncoupled nonlinear system.
+pub fn consequences(d: &Discovery) -> String {
+    let derived = Consequences::of(d);
     let mut out = String::new();
-    for tie in &derived.ties {
-        out.push_str(&mass(d, tie));
-        out.push_str(&solved(d, tie));
+    for coupled in &derived.coupled {
+        out.push_str(&mass(d, coupled));
+        out.push_str(&solved(d, coupled));
     }
     if let Some(linear) = &derived.linear {
         let (x, u) = match linear.discrete {
@@ -31,7 +33,7 @@ pub(crate) fn text(d: &Discovery, derived: &Consequences) -> String {
         out.push_str(&format!("\nlinear system, {law}:\n"));
         out.push_str(&state_space(d, linear));
     }
-    if let Some(n) = derived.too_wide {
+    if let Some(n) = derived.unprinted_states {
         out.push_str(&format!(
             "\nlinear system of {n} states: sidc linearize prints A and B\n"
         ));
@@ -41,29 +43,29 @@ pub(crate) fn text(d: &Discovery, derived: &Consequences) -> String {
 
 fn signed_terms(d: &Discovery, e: &Expr) -> Vec<(bool, String)> {
     let terms = simplest_first(e).into_iter();
-    terms.map(|(w, t)| signed(d, w, t)).collect()
+    terms.map(|(w, t)| signed_term(d, w, t)).collect()
 }
 
 fn line(d: &Discovery, e: &Expr) -> String {
-    in_one_line(&signed_terms(d, e))
+    one_line_sum(&signed_terms(d, e))
 }
 
 /// [M] [q] = [f], for two equations or more.
-fn mass(d: &Discovery, tie: &CoupledEquations) -> String {
-    if tie.mass.len() < 2 {
+fn mass(d: &Discovery, coupled: &CoupledEquations) -> String {
+    if coupled.mass.len() < 2 {
         return String::new();
     }
-    let mut cells: Vec<Vec<String>> = (tie.mass.iter())
+    let mut cells: Vec<Vec<String>> = (coupled.mass.iter())
         .map(|row| row.iter().map(|e| line(d, e)).collect())
         .collect();
-    let mut force: Vec<Vec<String>> = tie.force.iter().map(|e| vec![line(d, e)]).collect();
-    let names: Vec<Vec<String>> = tie.unknowns.iter().map(|q| vec![d.name(*q)]).collect();
+    let mut force: Vec<Vec<String>> = coupled.force.iter().map(|e| vec![line(d, e)]).collect();
+    let names: Vec<Vec<String>> = coupled.unknowns.iter().map(|q| vec![d.name(*q)]).collect();
     let mut below = String::new();
     if total(&[&cells, &names, &force]) > TABLE_WIDTH {
-        below.push_str(&name_forces(d, tie, &mut force));
+        below.push_str(&name_forces(d, coupled, &mut force));
     }
     if total(&[&cells, &names, &force]) > TABLE_WIDTH {
-        below = name_masses(d, tie, &mut cells) + &below;
+        below = name_masses(d, coupled, &mut cells) + &below;
     }
     let (cells, names, force) = (boxed(&cells), boxed(&names), boxed(&force));
     let mut out = String::from("\nmass-matrix form:\n");
@@ -80,23 +82,23 @@ fn total(parts: &[&Vec<Vec<String>>]) -> usize {
     parts.iter().map(|p| width(p) + 2).sum()
 }
 
-fn name_forces(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
+fn name_forces(d: &Discovery, coupled: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
     let mut below = String::new();
-    for (i, (e, cell)) in tie.force.iter().zip(cells).enumerate() {
+    for (i, (e, cell)) in coupled.force.iter().zip(cells).enumerate() {
         let name = format!("f[{}]", i + 1);
-        below.push_str(&layout(&format!("{name} = "), &signed_terms(d, e)));
+        below.push_str(&sum_lines(&format!("{name} = "), &signed_terms(d, e)));
         *cell = vec![name];
     }
     below
 }
 
-fn name_masses(d: &Discovery, tie: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
+fn name_masses(d: &Discovery, coupled: &CoupledEquations, cells: &mut [Vec<String>]) -> String {
     let mut below = String::new();
-    for (i, (row, texts)) in tie.mass.iter().zip(cells).enumerate() {
+    for (i, (row, texts)) in coupled.mass.iter().zip(cells).enumerate() {
         for (j, (e, cell)) in row.iter().zip(texts).enumerate() {
             if cell.chars().count() > CELL_WIDTH {
                 let name = format!("M[{},{}]", i + 1, j + 1);
-                below.push_str(&layout(&format!("{name} = "), &signed_terms(d, e)));
+                below.push_str(&sum_lines(&format!("{name} = "), &signed_terms(d, e)));
                 *cell = name;
             }
         }
@@ -123,13 +125,13 @@ fn widths(cells: &[Vec<String>]) -> Vec<usize> {
     (0..columns).map(width).collect()
 }
 
-fn solved(d: &Discovery, tie: &CoupledEquations) -> String {
-    let all = match &tie.solved {
+fn solved(d: &Discovery, coupled: &CoupledEquations) -> String {
+    let all = match &coupled.solved {
         Solved::Matrices => return String::new(),
         Solved::Not(why) => return format!("\nno solved form: {why}\n"),
         Solved::Form(all) => all,
     };
-    let names: Vec<String> = tie.unknowns.iter().map(|q| d.name(*q)).collect();
+    let names: Vec<String> = coupled.unknowns.iter().map(|q| d.name(*q)).collect();
     let width = names.iter().map(|n| n.chars().count()).max().unwrap_or(0);
     let lines = names.iter().zip(all);
     let lines = lines.map(|(name, f)| fraction(d, &format!("{name:<width$} = "), f));
@@ -139,7 +141,7 @@ fn solved(d: &Discovery, tie: &CoupledEquations) -> String {
 fn fraction(d: &Discovery, left: &str, f: &Fraction) -> String {
     let above = signed_terms(d, &f.sum);
     if f.below.as_number() == Some(1.0) && f.factor.is_one() {
-        return layout(left, &above);
+        return sum_lines(left, &above);
     }
     let below = divisor(d, &f.below);
     let factor = match f.factor.is_one() {
@@ -147,8 +149,8 @@ fn fraction(d: &Discovery, left: &str, f: &Fraction) -> String {
         false => format!("{}*", Language(d).term(&f.factor)),
     };
     let short = match above.len() {
-        0 | 1 => format!("{left}{}{below}\n", in_one_line(&above)),
-        _ => format!("{left}{factor}({}){below}\n", in_one_line(&above)),
+        0 | 1 => format!("{left}{}{below}\n", one_line_sum(&above)),
+        _ => format!("{left}{factor}({}){below}\n", one_line_sum(&above)),
     };
     if above.len() < 2 || short.chars().count() <= LINE_WIDTH {
         return short;

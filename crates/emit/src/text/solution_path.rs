@@ -1,16 +1,14 @@
 //! The solution path of an equation as a table: how it grows term by term as the tolerance falls.
 
+use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
 use sidc_lang::term::Language;
 use sidc_system::discovery::{Discovery, Equation, PathKnot};
 
 const HEAD: [&str; 5] = ["", "penalty", "residual", "terms", "gap"];
 const DIGITS: usize = 3;
-/// A gap is an order of magnitude.
+/// Only the order of magnitude of a gap matters.
 const GAP_DIGITS: usize = 1;
-/// Residual above the tolerance that still meets it: relative to the tolerance, and to the target.
-const TOLERANCE_SLACK: f64 = 1e-6;
-const ROUNDING_SLACK: f64 = 1e-9;
 
 /// A line for each knot, with the terms that enter (+) and leave (-); empty without a path.
 pub(crate) fn table(d: &Discovery, e: &Equation) -> String {
@@ -23,7 +21,7 @@ pub(crate) fn table(d: &Discovery, e: &Equation) -> String {
     let widths: [usize; 5] =
         std::array::from_fn(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0));
     let tolerance = evidence.certificate.tolerance;
-    let met = last.residual <= tolerance * (1.0 + TOLERANCE_SLACK) + ROUNDING_SLACK;
+    let met = last.residual <= tolerance * (1.0 + PRINTED.path_tolerance) + PRINTED.path_rounding;
     let mut changes = vec!["change".to_string()];
     changes.extend(e.path.iter().map(|k| change(d, k)));
     if let Some(end) = changes.last_mut().filter(|_| met) {

@@ -18,10 +18,10 @@ const MAX_COLUMNS: usize = 10;
 /// All consequences, as display equations.
 pub(crate) fn matrices(d: &Discovery, notation: &impl Notation) -> String {
     let derived = Consequences::of(d);
-    let ties = derived.ties.iter();
-    let ties = ties.map(|t| mass(notation, t) + &solved(notation, t));
+    let coupled = derived.coupled.iter();
+    let coupled = coupled.map(|t| mass(notation, t) + &solved(notation, t));
     let linear = derived.linear.iter().map(|l| state_space(notation, l));
-    ties.chain(linear).collect()
+    coupled.chain(linear).collect()
 }
 
 /// Terms with their signs, `a + b - c`, in lines of about that many characters.
@@ -106,11 +106,11 @@ fn display(inside: &str, columns: usize) -> String {
     format!("{wide}\\[\n{inside}\\]\n")
 }
 
-fn mass(n: &impl Notation, tie: &CoupledEquations) -> String {
-    if tie.mass.len() < 2 {
+fn mass(n: &impl Notation, coupled: &CoupledEquations) -> String {
+    if coupled.mass.len() < 2 {
         return String::new();
     }
-    let rows = tie.mass.iter();
+    let rows = coupled.mass.iter();
     let rows: Vec<Vec<String>> = rows
         .map(|row| row.iter().map(|e| piece(n, e, MIN_PIECE)).collect())
         .collect();
@@ -118,21 +118,21 @@ fn mass(n: &impl Notation, tie: &CoupledEquations) -> String {
     let left = LINE_WIDTH
         .saturating_sub(taken.max().unwrap_or(0))
         .max(MIN_PIECE);
-    let unknowns = column(tie.unknowns.iter().map(|q| n.signal(*q)));
-    let force = column(tie.force.iter().map(|e| piece(n, e, left)));
+    let unknowns = column(coupled.unknowns.iter().map(|q| n.signal(*q)));
+    let force = column(coupled.force.iter().map(|e| piece(n, e, left)));
     display(
         &format!("{}{unknowns}  =\n{force}", pmatrix(&rows)),
         rows.len(),
     )
 }
 
-fn solved(n: &impl Notation, tie: &CoupledEquations) -> String {
-    let all = match &tie.solved {
+fn solved(n: &impl Notation, coupled: &CoupledEquations) -> String {
+    let all = match &coupled.solved {
         Solved::Form(all) => all,
         Solved::Not(why) => return format!("% no solved form: {why}\n"),
         Solved::Matrices => return String::new(),
     };
-    let lines = tie.unknowns.iter().zip(all);
+    let lines = coupled.unknowns.iter().zip(all);
     let lines = lines.map(|(q, f)| format!("  {} &= {}", n.signal(*q), fraction(n, f)));
     format!(
         "\\begin{{align*}}\n{}\n\\end{{align*}}\n",

@@ -6,12 +6,12 @@ use crate::code::program::strong_components::blocks;
 use sidc_lang::term::{Expr, Signal};
 use sidc_system::discovery::Form;
 
-/// Definitions in an order in which they can be computed.
+/// Definitions of unknowns, each using only those before it.
 #[derive(Default)]
 pub(crate) struct Definitions {
-    pub definitions: Vec<Definition>,
+    pub in_order: Vec<Definition>,
     /// Signals that stand for a derivative: (itself, ∂ of, by).
-    pub slopes: Vec<(Signal, Signal, Signal)>,
+    pub derivatives: Vec<(Signal, Signal, Signal)>,
 }
 
 /// What defines one signal or several.
@@ -61,8 +61,8 @@ impl Definitions {
                 signals: form.unknowns.iter().map(|s| vec![*s]).collect(),
             });
             return Definitions {
-                definitions: vec![whole],
-                slopes: Vec::new(),
+                in_order: vec![whole],
+                derivatives: Vec::new(),
             };
         }
         let mut known = vec![false; form.rows.len()];
@@ -74,8 +74,8 @@ impl Definitions {
             }
         }
         Definitions {
-            definitions: all,
-            slopes: Vec::new(),
+            in_order: all,
+            derivatives: Vec::new(),
         }
     }
 }

@@ -10,12 +10,12 @@ use sidc_system::discovery::{Form, Rate};
 
 /// Derivatives of the rates (rows) by signals (columns), and the definitions they need: the unknowns, then their
 /// derivatives.
-pub(crate) fn by(form: &Form, signals: &[Signal]) -> (Definitions, Vec<Vec<Expr>>) {
-    let mut found = Slopes {
+pub(crate) fn rate_derivatives(form: &Form, signals: &[Signal]) -> (Definitions, Vec<Vec<Expr>>) {
+    let mut found = Differentiation {
         form,
         signals,
         of_unknown: vec![vec![Expr::zero(); signals.len()]; form.rows.len()],
-        motion: Definitions::new(form),
+        definitions: Definitions::new(form),
     };
     blocks(form).iter().for_each(|block| found.add(block));
     let row = |rate: &Rate| match rate {
@@ -26,22 +26,22 @@ pub(crate) fn by(form: &Form, signals: &[Signal]) -> (Definitions, Vec<Vec<Expr>
         Rate::Unknown(i) => found.of_unknown.get(*i).cloned().unwrap_or_default(),
     };
     let rows = form.rates.iter().map(row).collect();
-    (found.motion, rows)
+    (found.definitions, rows)
 }
 
 fn same(a: Option<&Signal>, b: &Signal) -> Expr {
     Expr::number(if a == Some(b) { 1.0 } else { 0.0 })
 }
 
-struct Slopes<'a> {
+struct Differentiation<'a> {
     form: &'a Form,
     signals: &'a [Signal],
     /// ∂q/∂s: unknowns × signals.
     of_unknown: Vec<Vec<Expr>>,
-    motion: Definitions,
+    definitions: Definitions,
 }
 
-impl Slopes<'_> {
+impl Differentiation<'_> {
     fn add(&mut self, block: &[usize]) {
         let right: Vec<Vec<Expr>> = block.iter().map(|i| self.right(*i, block)).collect();
         if let ([i], [row]) = (block, right.as_slice())
@@ -76,7 +76,7 @@ impl Slopes<'_> {
             self.set(*i, row);
         }
         let kept = |row: &Vec<Expr>| alive.iter().filter_map(|k| row.get(*k)).cloned().collect();
-        self.motion.definitions.push(Definition::Linear(System {
+        self.definitions.in_order.push(Definition::Linear(System {
             mass: mass(self.form, block),
             right: right.iter().map(kept).collect(),
             signals: names,
@@ -88,20 +88,20 @@ impl Slopes<'_> {
         let Some(row) = self.form.rows.get(i) else {
             return Vec::new();
         };
-        let slope = |(k, s): (usize, &Signal)| {
+        let derivative = |(k, s): (usize, &Signal)| {
             let others = row.mass.iter().zip(&self.of_unknown).enumerate();
             let through =
                 others
                     .filter(|(j, _)| !block.contains(j))
-                    .filter_map(|(_, (m, slopes))| {
-                        let slope = slopes.get(k).filter(|e| **e != Expr::zero())?;
-                        Some((m.clone() * slope.clone()).scale(-1.0))
+                    .filter_map(|(_, (m, derivatives))| {
+                        let derivative = derivatives.get(k).filter(|e| **e != Expr::zero())?;
+                        Some((m.clone() * derivative.clone()).scale(-1.0))
                     });
             std::iter::once(row.right.derivative(*s))
                 .chain(through)
                 .sum()
         };
-        self.signals.iter().enumerate().map(slope).collect()
+        self.signals.iter().enumerate().map(derivative).collect()
     }
 
     fn set(&mut self, i: usize, row: Vec<Expr>) {
@@ -115,9 +115,9 @@ impl Slopes<'_> {
     /// A new signal for ∂q_i/∂s_k. Its variable is beyond the last of any model, its shift is a counter.
     fn fresh(&mut self, i: usize, k: usize) -> Option<Signal> {
         let (of, by) = (self.form.unknowns.get(i)?, self.signals.get(k)?);
-        let count = self.motion.slopes.len() as i32;
+        let count = self.definitions.derivatives.len() as i32;
         let signal = Signal::shifted(VarId(u16::MAX), count + 1);
-        self.motion.slopes.push((signal, *of, *by));
+        self.definitions.derivatives.push((signal, *of, *by));
         Some(signal)
     }
 }

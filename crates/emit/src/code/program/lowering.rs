@@ -20,13 +20,13 @@ pub(crate) struct Scope<'a> {
 impl Scope<'_> {
     /// # Errors
     /// A signal that the expressions mention and nobody gives.
-    pub fn lower(&self, motion: Definitions, results: Vec<Vec<Expr>>) -> Result<Body, Signal> {
+    pub fn lower(&self, definitions: Definitions, results: Vec<Vec<Expr>>) -> Result<Body, Signal> {
         let mut inputs = vec![Signal::TIME];
         inputs.extend(self.names.iter().map(|(s, _)| *s));
-        inputs.extend(motion.slopes.iter().map(|(s, ..)| *s));
-        let mut body = schedule(motion.definitions, &results, inputs)?;
+        inputs.extend(definitions.derivatives.iter().map(|(s, ..)| *s));
+        let mut body = schedule(definitions.in_order, &results, inputs)?;
         body.reads = self.reads(&body);
-        body.wishes = self.wishes(&body, &motion.slopes);
+        body.preferred_names = self.preferred_names(&body, &definitions.derivatives);
         Ok(body)
     }
 
@@ -50,28 +50,32 @@ impl Scope<'_> {
     }
 
     /// `sin_theta` for a function of one signal, `ddx_by_x` for a derivative, else a number.
-    fn wishes(&self, body: &Body, slopes: &[(Signal, Signal, Signal)]) -> Vec<(Name, String)> {
+    fn preferred_names(
+        &self,
+        body: &Body,
+        derivatives: &[(Signal, Signal, Signal)],
+    ) -> Vec<(Name, String)> {
         let name = |s: Signal| {
             let found = self.names.iter().find(|(known, _)| *known == s);
             found.map_or_else(|| "t".to_string(), |(_, n)| n.clone())
         };
-        let slopes = slopes
+        let derivatives = derivatives
             .iter()
             .map(|(s, of, by)| (Name::Signal(*s), format!("{}_by_{}", name(*of), name(*by))));
-        let mut wishes: Vec<(Name, String)> = slopes.collect();
+        let mut preferred_names: Vec<(Name, String)> = derivatives.collect();
         let mut count = 0;
         let mut named = BTreeSet::new();
         for node in body.steps.iter().flat_map(Step::named) {
             if !named.insert(node) {
                 continue;
             }
-            let wish = word(body, node, &name).unwrap_or_else(|| {
+            let preferred = word(body, node, &name).unwrap_or_else(|| {
                 count += 1;
                 format!("w{count}")
             });
-            wishes.push((Name::Node(node), wish));
+            preferred_names.push((Name::Node(node), preferred));
         }
-        wishes
+        preferred_names
     }
 }
 

@@ -143,13 +143,19 @@ impl Program {
         let form = self.form.clone();
         let mut all = Vec::new();
         if !form.rows.is_empty() {
-            let rates = form.rates.iter().map(|r| vec![moves(&form, *r)]).collect();
+            let rates = form
+                .rates
+                .iter()
+                .map(|r| vec![rate_signal(&form, *r)])
+                .collect();
             all.push(self.function(Kind::Rates, Definitions::new(&form), rates)?);
-            let (motion, slopes) = implicit_differentiation::by(&form, &form.state);
-            all.push(self.function(Kind::Jacobian, motion, slopes)?);
+            let (definitions, derivatives) =
+                implicit_differentiation::rate_derivatives(&form, &form.state);
+            all.push(self.function(Kind::Jacobian, definitions, derivatives)?);
             if !form.inputs.is_empty() {
-                let (motion, slopes) = implicit_differentiation::by(&form, &form.inputs);
-                all.push(self.function(Kind::InputJacobian, motion, slopes)?);
+                let (definitions, derivatives) =
+                    implicit_differentiation::rate_derivatives(&form, &form.inputs);
+                all.push(self.function(Kind::InputJacobian, definitions, derivatives)?);
             }
         }
         if !form.outputs.is_empty() {
@@ -162,11 +168,11 @@ impl Program {
     fn function(
         &self,
         kind: Kind,
-        motion: Definitions,
+        definitions: Definitions,
         results: Vec<Vec<Expr>>,
     ) -> Result<Function, Signal> {
         let size = (results.len(), results.first().map_or(0, Vec::len));
-        let body = self.scope().lower(motion, results)?;
+        let body = self.scope().lower(definitions, results)?;
         Ok(Function { kind, body, size })
     }
 
@@ -259,7 +265,7 @@ impl Program {
     }
 }
 
-fn moves(form: &Form, rate: Rate) -> Expr {
+fn rate_signal(form: &Form, rate: Rate) -> Expr {
     let signal = match rate {
         Rate::State(i) => form.state.get(i),
         Rate::Unknown(i) => form.unknowns.get(i),

@@ -122,7 +122,7 @@ impl Schedule {
             reads: Vec::new(),
             steps: Vec::new(),
             results: Vec::new(),
-            wishes: Vec::new(),
+            preferred_names: Vec::new(),
         };
         Schedule {
             body,
@@ -155,11 +155,11 @@ impl Schedule {
                 }
                 Planned::Linear(s) => {
                     self.prepare(&s.roots());
-                    let asked = |s: &Signal| Some(*s).filter(|s| self.body.mentions(*s));
+                    let used = |s: &Signal| Some(*s).filter(|s| self.body.mentions(*s));
                     let signals = s
                         .signals
                         .iter()
-                        .map(|row| row.iter().map(asked).collect())
+                        .map(|row| row.iter().map(used).collect())
                         .collect();
                     self.body.steps.push(Step::Solve(Solve {
                         mass: s.mass.clone(),
@@ -232,28 +232,28 @@ impl Schedule {
                 .map(|s| Some(*s).filter(|s| below.contains(s)))
                 .collect()
         };
-        let (asked, inner) = (among(later), among(&s.roots()));
-        let moving = self.moving(&signals);
+        let (used_after, used_inside) = (among(later), among(&s.roots()));
+        let dependent = self.dependent(&signals);
         let roots = s.roots();
         let mut before = Vec::new();
         let mut seen = BTreeSet::new();
         roots
             .iter()
-            .for_each(|r| self.hoist(*r, &moving, &mut seen, &mut before));
+            .for_each(|r| self.hoist(*r, &dependent, &mut seen, &mut before));
         self.body
             .steps
             .extend(before.into_iter().map(|n| Step::Let(Name::Node(n), n)));
-        let mut inside = Vec::new();
-        roots.iter().for_each(|r| self.name(*r, &mut inside));
+        let mut named_inside = Vec::new();
+        roots.iter().for_each(|r| self.name(*r, &mut named_inside));
         // Names within the loop end with it, and hold values of the step before the last.
-        inside.iter().for_each(|n| {
+        named_inside.iter().for_each(|n| {
             self.named.remove(n);
         });
         self.body.steps.push(Step::Newton(Newton {
             signals,
-            asked,
-            moving: inner,
-            inside,
+            used_after,
+            used_inside,
+            named_inside,
             mass: s.mass.clone(),
             right: s.right.clone(),
         }));
@@ -273,15 +273,15 @@ impl Schedule {
     }
 
     /// Which nodes depend on the signals.
-    fn moving(&self, signals: &[Signal]) -> Vec<bool> {
-        let mut moving: Vec<bool> = Vec::with_capacity(self.uses.len());
+    fn dependent(&self, signals: &[Signal]) -> Vec<bool> {
+        let mut dependent: Vec<bool> = Vec::with_capacity(self.uses.len());
         for node in self.body.graph.nodes() {
             let mut moves =
                 matches!(node, Node::Input(row) if signals.contains(&self.body.input(*row)));
-            node.for_each_use(|a| moves |= moving.get(a) == Some(&true));
-            moving.push(moves);
+            node.for_each_use(|a| moves |= dependent.get(a) == Some(&true));
+            dependent.push(moves);
         }
-        moving
+        dependent
     }
 
     /// Names the largest parts below `node` that do not depend on the signals, so that they are computed before the
@@ -289,17 +289,17 @@ impl Schedule {
     fn hoist(
         &mut self,
         node: usize,
-        moving: &[bool],
+        dependent: &[bool],
         seen: &mut BTreeSet<usize>,
         lets: &mut Vec<usize>,
     ) {
         if self.is_given(node) || self.named.contains(&node) || !seen.insert(node) {
             return;
         }
-        if moving.get(node) == Some(&true) {
+        if dependent.get(node) == Some(&true) {
             self.operands(node)
                 .into_iter()
-                .for_each(|a| self.hoist(a, moving, seen, lets));
+                .for_each(|a| self.hoist(a, dependent, seen, lets));
             return;
         }
         self.operands(node)

@@ -23,7 +23,7 @@ pub(crate) struct Body {
     /// Rows × columns.
     pub results: Vec<Vec<usize>>,
     /// Preferred names of nodes and signals that are neither argument nor unknown.
-    pub wishes: Vec<(Name, String)>,
+    pub preferred_names: Vec<(Name, String)>,
 }
 
 /// `signal` is entry `place` of the argument of that name.
@@ -58,11 +58,11 @@ pub(crate) struct Solve {
 pub(crate) struct Newton {
     pub signals: Vec<Signal>,
     /// The same; `None` for values that nothing after the loop uses.
-    pub asked: Vec<Option<Signal>>,
+    pub used_after: Vec<Option<Signal>>,
     /// The same; `None` for values that the loop itself does not use.
-    pub moving: Vec<Option<Signal>>,
+    pub used_inside: Vec<Option<Signal>>,
     /// Nodes named within the loop, in order.
-    pub inside: Vec<usize>,
+    pub named_inside: Vec<usize>,
     pub mass: Vec<Vec<usize>>,
     /// One column.
     pub right: Vec<Vec<usize>>,
@@ -98,7 +98,7 @@ impl Step {
     pub fn named(&self) -> Vec<usize> {
         match self {
             Step::Let(Name::Node(node), _) => vec![*node],
-            Step::Newton(newton) => newton.inside.clone(),
+            Step::Newton(newton) => newton.named_inside.clone(),
             Step::Let(..) | Step::Solve(_) => Vec::new(),
         }
     }

@@ -5,6 +5,7 @@
 //! looks as if all samples were drawn and single outliers stay visible (Jugel et al., M4, PVLDB 7, 2014).
 
 use crate::report::figure::axis::Axis;
+use crate::thresholds::FIGURES;
 
 /// The box of all paths.
 pub(crate) const BOX_WIDTH: i32 = 4000;
@@ -146,7 +147,7 @@ pub(crate) fn dots(time: &[f64], values: &[f64], (x, y): (&Axis, &Axis)) -> Stri
 
 /// True if samples are few enough to be drawn as dots.
 pub(crate) fn is_sparse(values: &[f64]) -> bool {
-    values.len() <= 120
+    values.len() <= FIGURES.dots
 }
 
 #[cfg(test)]

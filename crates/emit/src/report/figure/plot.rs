@@ -2,9 +2,9 @@
 //!
 //! In: axes, SVG elements, texts. Out: HTML. Strokes keep their width (`non-scaling-stroke`).
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH};
+use crate::typeset::mathml::escape;
 
 /// A plot with its texts.
 pub(crate) struct Plot<'a> {
@@ -18,7 +18,7 @@ pub(crate) struct Plot<'a> {
     pub x_name: String,
     pub y_name: String,
     /// Elements of SVG.
-    pub ink: String,
+    pub elements: String,
 }
 
 /// A path of a CSS class.
@@ -82,7 +82,7 @@ impl Plot<'_> {
             self.y.low,
             self.y.high,
             path("grid", &grid),
-            self.ink,
+            self.elements,
             self.x_name
         )
     }

@@ -3,17 +3,15 @@
 use crate::report::markup::{lead, number, section};
 use crate::report::sections::equations::reading;
 use crate::report::subject::Subject;
-use crate::{MathMl, escape, without};
+use crate::text::coefficient_inference::without;
+use crate::thresholds::FIGURES;
+use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::number::digits_apart;
 use sidc_lang::term::Language;
 use sidc_system::discovery::{Equation, FoundTerm, Mark, Trust};
 
 /// Width of a row's box.
 const ROW_WIDTH: f64 = 1000.0;
-/// Largest deviation that is drawn, relative to the coefficient.
-const LARGEST_DEVIATION: f64 = 1.5;
-/// Deviations that are rounding.
-const ROUNDING: f64 = 1e-12;
 
 pub(crate) fn html(s: &Subject) -> String {
     let mut body = String::new();
@@ -37,8 +35,8 @@ fn table(s: &Subject, e: &Equation) -> String {
     let widest = widest
         .flat_map(|(a, b)| [a.abs(), b.abs()])
         .fold(0.0, f64::max);
-    let scale = if widest > ROUNDING {
-        widest.min(LARGEST_DEVIATION)
+    let scale = if widest > FIGURES.interval_rounding {
+        widest.min(FIGURES.deviation)
     } else {
         0.0
     };
@@ -125,7 +123,7 @@ fn interval(d: &sidc_system::discovery::Discovery, t: &FoundTerm, scale: f64) ->
         false => String::new(),
     };
     let digits = digits_apart(low, high);
-    let words = match high - low > 2.0 * ROUNDING * t.coefficient.abs() {
+    let words = match high - low > 2.0 * FIGURES.interval_rounding * t.coefficient.abs() {
         true => format!("{} to {}", number(low, digits), number(high, digits)),
         false => "no wider than rounding".into(),
     };

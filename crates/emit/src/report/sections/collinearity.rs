@@ -2,7 +2,7 @@
 
 use crate::report::markup::{lead, number, section};
 use crate::report::subject::Subject;
-use crate::{MathMl, escape};
+use crate::typeset::mathml::{MathMl, escape};
 use sidc_system::discovery::{Alike, Equation, Identifiability};
 
 /// Relations of one equation that are printed.

@@ -1,12 +1,12 @@
 //! Coverage of the data: histograms of signals and of pairs, over all records. Outside, nothing is known.
 
-use crate::escape;
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::density_grid::DensityGrid;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH};
 use crate::report::figure::plot::path;
 use crate::report::markup::{lead, number, section};
-use crate::report::subject::{Along, Subject};
+use crate::report::subject::{RecordRun, Subject};
+use crate::typeset::mathml::escape;
 use sidc_data::Trajectory;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, SignalNames};
@@ -77,7 +77,9 @@ fn series(s: &Subject, x: Signal) -> Option<Series> {
     if simulated {
         let rows = |t: &Trajectory| vec![f64::NAN; t.len()];
         values = s.dataset.trajectories.iter().map(rows).collect();
-        s.runs.iter().for_each(|a| lay(s, a, x, &mut values));
+        s.runs
+            .iter()
+            .for_each(|a| copy_to_rows(s, a, x, &mut values));
     }
     let axis = Axis::over(values.iter().flatten())?;
     Some(Series {
@@ -89,7 +91,7 @@ fn series(s: &Subject, x: Signal) -> Option<Series> {
 }
 
 /// Copies a simulated signal to the rows of its record.
-fn lay(s: &Subject, a: &Along, x: Signal, values: &mut [Vec<f64>]) {
+fn copy_to_rows(s: &Subject, a: &RecordRun, x: Signal, values: &mut [Vec<f64>]) {
     let all = (s.dataset.trajectories.get(a.trajectory)).zip(values.get_mut(a.trajectory));
     let (Some((trajectory, row)), Ok(run)) = (all, &a.run) else {
         return;
@@ -133,9 +135,9 @@ fn pairs(all: &[&Series]) -> String {
     out + "</div>\n"
 }
 
-fn svg(at: &str, alt: &str, ink: &str) -> String {
+fn svg(at: &str, alt: &str, elements: &str) -> String {
     format!(
-        "<svg role=\"img\" aria-label=\"{}\" style=\"{at}\" viewBox=\"0 0 {BOX_WIDTH} {BOX_HEIGHT}\" preserveAspectRatio=\"none\">{ink}</svg>\n",
+        "<svg role=\"img\" aria-label=\"{}\" style=\"{at}\" viewBox=\"0 0 {BOX_WIDTH} {BOX_HEIGHT}\" preserveAspectRatio=\"none\">{elements}</svg>\n",
         escape(alt)
     )
 }
@@ -173,13 +175,13 @@ fn pair(x: &Series, y: &Series, at: &str) -> String {
         }
     }
     let levels = [1, plane.quantile(0.5).max(2), plane.quantile(0.9).max(3)];
-    let ink: String = (levels.iter())
+    let elements: String = (levels.iter())
         .map(|least| path("cells", &plane.path(*least)))
         .collect();
     svg(
         at,
         &format!("where {} and {} were together", y.name, x.name),
-        &ink,
+        &elements,
     )
 }
 

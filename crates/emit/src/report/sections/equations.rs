@@ -1,10 +1,11 @@
 //! The equations, typeset, each with its proof and fit.
 
-use crate as emit;
 use crate::report::markup::{lead, section};
 use crate::report::sections::verdict::badge;
 use crate::report::subject::Subject;
-use crate::{MathMl, escape};
+use crate::text::evidence;
+use crate::text::matrices::consequences;
+use crate::typeset::mathml::{MathMl, escape};
 use sidc_system::discovery::Equation;
 
 pub(crate) fn html(s: &Subject) -> String {
@@ -25,7 +26,7 @@ pub(crate) fn html(s: &Subject) -> String {
             notation.symbol(f.target)
         ));
     }
-    let follows = emit::consequences(d);
+    let follows = consequences(d);
     if !follows.trim().is_empty() {
         body.push_str(&format!(
             "<h3>What follows from them</h3>\n<pre tabindex=\"0\">{}</pre>\n",
@@ -37,7 +38,7 @@ pub(crate) fn html(s: &Subject) -> String {
 
 /// Fit, proof and units as the terminal prints them; reasons and marks have sections of their own.
 fn remarks(s: &Subject, e: &Equation) -> String {
-    let mut lines = emit::remarks(s.discovery, e);
+    let mut lines = evidence::remarks(s.discovery, e);
     let elsewhere = ["doubt[", "data[", "95 %:", "firm:", "likely:", "doubtful:"];
     lines.retain(|l| !elsewhere.iter().any(|head| l.starts_with(head)));
     let lines: String = (lines.iter())

@@ -1,11 +1,12 @@
 //! Error against number of terms: of several models on data held out, and along the solution path of one.
 
-use crate::escape;
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, number, section};
 use crate::report::subject::Subject;
+use crate::thresholds::FIGURES;
+use crate::typeset::mathml::escape;
 use sidc_system::result::{CandidateEntry, EquationEntry};
 
 pub(crate) fn html(s: &Subject) -> String {
@@ -25,9 +26,6 @@ pub(crate) fn html(s: &Subject) -> String {
     section("growth", "Error against number of terms", &body)
 }
 
-/// Smallest span of the error axis in decibels.
-const MIN_DECIBEL_SPAN: f64 = 20.0;
-
 fn candidates(all: &[CandidateEntry]) -> String {
     let errors: Vec<f64> = all.iter().filter_map(|c| c.error_db).collect();
     let most = all.iter().map(|c| c.terms).max();
@@ -35,7 +33,7 @@ fn candidates(all: &[CandidateEntry]) -> String {
         return String::new();
     };
     // A difference of a decibel must not look large.
-    let room = (0.04 * (high - low)).max(0.5 * (MIN_DECIBEL_SPAN - (high - low)));
+    let room = (0.04 * (high - low)).max(0.5 * (FIGURES.error_span - (high - low)));
     let y = Axis::new(low - room, high + room);
     let x = Axis::new(0.0, most as f64 * 1.1 + 1.0);
     let dot = |c: &CandidateEntry| -> Option<String> {
@@ -54,7 +52,7 @@ fn candidates(all: &[CandidateEntry]) -> String {
         alt: "error on data held out against number of terms, a dot for each model".into(),
         x_name: "terms in all equations".into(),
         y_name: "error/signal (dB)".into(),
-        ink: all.iter().filter_map(dot).collect(),
+        elements: all.iter().filter_map(dot).collect(),
     };
     let rows: String = all.iter().map(row).collect();
     format!(
@@ -121,7 +119,7 @@ fn knots(e: &EquationEntry) -> Option<String> {
         ),
         x_name: "terms".into(),
         y_name: "log₁₀ residual".into(),
-        ink: path("measured dots", &d),
+        elements: path("measured dots", &d),
     };
     Some(format!(
         "<figure>\n<figcaption><b>{}</b> residual, parts of the target</figcaption>\n{}</figure>\n",

@@ -1,12 +1,12 @@
 //! Phase portraits: each state against its rate, or states of first order against each other.
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::density_grid::{CurvePath, curve};
 use crate::report::figure::downsampling::{dots, is_sparse};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, section};
 use crate::report::subject::{Record, Subject};
+use crate::typeset::mathml::escape;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, SignalNames, VarId};
 
@@ -69,17 +69,17 @@ fn portrait(s: &Subject, r: &Record, (x, y): (Signal, Signal)) -> Option<String>
     let run = simulated.as_ref().map(|(xs, ys)| (&xs[..], &ys[..]));
     let (xs, ys) = measured.or(run)?;
     let (ax, ay) = (Axis::over(xs.iter())?, Axis::over(ys.iter())?);
-    let mut ink = String::new();
+    let mut elements = String::new();
     if let Some((xs, ys)) = measured {
-        ink.push_str(&match is_sparse(xs) {
+        elements.push_str(&match is_sparse(xs) {
             true => path("measured dots", &dots(xs, ys, (&ax, &ay))),
             false => drawn("measured", curve(xs, ys, (&ax, &ay))),
         });
     }
     if let Some((xs, ys)) = run {
-        ink.push_str(&drawn("simulated", curve(xs, ys, (&ax, &ay))));
+        elements.push_str(&drawn("simulated", curve(xs, ys, (&ax, &ay))));
     }
-    let (a, b) = (s.labelled(x), s.labelled(y));
+    let (a, b) = (s.axis_label(x), s.axis_label(y));
     let plot = Plot {
         x: &ax,
         y: &ay,
@@ -87,7 +87,7 @@ fn portrait(s: &Subject, r: &Record, (x, y): (Signal, Signal)) -> Option<String>
         alt: format!("phase portrait of {b} against {a}"),
         x_name: escape(&a),
         y_name: escape(&b),
-        ink,
+        elements,
     };
     let names = (s.discovery.name(x), s.discovery.name(y));
     Some(format!(

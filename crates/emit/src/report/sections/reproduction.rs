@@ -1,8 +1,8 @@
 //! How to reproduce the result: files by content, settings, the command, the model.
 
-use crate::escape;
 use crate::report::markup::{lead, number, paragraph, section};
 use crate::report::subject::Subject;
+use crate::typeset::mathml::escape;
 use sidc_system::result::{EquationEntry, FileEntry, Settings};
 
 /// Longest text of a model that is printed, in bytes.

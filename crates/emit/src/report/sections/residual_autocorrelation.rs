@@ -1,18 +1,18 @@
 //! Autocorrelation of the residuals of free runs, with the band of white noise.
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH, height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{counted, lead, number, section};
 use crate::report::subject::{Record, Subject};
+use crate::thresholds::FIGURES;
+use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
-const MAX_LAGS: usize = 40;
+/// 97.5 % quantile of the normal distribution.
+const NORMAL_97_5: f64 = 1.96;
 /// Signals that are plotted.
 const MAX_FIGURES: usize = 6;
-/// Residuals, relative to the signal's spread, that are rounding or the error of the start.
-const EXACT_RUN_ERROR: f64 = 1e-6;
 
 /// Autocorrelation at lags 0 to `lags` of the finite values about their mean, and their number; `None` if they do not
 /// vary. Pairs with a missing value are left out; sums are divided by the number of values (the biased estimate; Box
@@ -67,8 +67,8 @@ pub(crate) fn html(s: &Subject) -> String {
 
 fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
     let (_, left) = r.residual(x)?;
-    let (correlations, n) = autocorrelation(&left, MAX_LAGS)?;
-    let band = 1.96 / (n as f64).sqrt();
+    let (correlations, n) = autocorrelation(&left, FIGURES.lags)?;
+    let band = NORMAL_97_5 / (n as f64).sqrt();
     let axis = Axis::new(0.0, (correlations.len() - 1) as f64 + 0.5);
     let y = Axis::new(-1.0, 1.0);
     let outside = correlations
@@ -99,7 +99,7 @@ fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
         alt: format!("autocorrelation of the errors of {name}: {words}"),
         x_name: "lag (samples)".into(),
         y_name: String::new(),
-        ink: format!(
+        elements: format!(
             "<rect class=\"band\" x=\"0\" y=\"{top}\" width=\"{BOX_WIDTH}\" height=\"{}\"/>{}",
             (bottom - top).clamp(4, BOX_HEIGHT),
             path("stems", &d)
@@ -116,7 +116,7 @@ fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
 /// True if the residuals are too small to be noise of a sensor.
 fn exactness(r: &Record, x: Signal) -> bool {
     r.scores(x)
-        .all(|(_, _, c)| 1.0 - c.fit / 100.0 < EXACT_RUN_ERROR)
+        .all(|(_, _, c)| 1.0 - c.fit / 100.0 < FIGURES.exact_run)
 }
 
 #[cfg(test)]
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn memory_of_noise_and_of_a_wave_are_told_apart() {
+    fn noise_and_a_wave_have_different_autocorrelations() {
         let mut state = 1u64;
         let noise: Vec<f64> = (0..4000)
             .map(|_| {
@@ -136,7 +136,7 @@ mod tests {
             })
             .collect();
         let (white, n) = autocorrelation(&noise, 40).unwrap();
-        let outside = |c: &&f64| c.abs() > 1.96 / (n as f64).sqrt();
+        let outside = |c: &&f64| c.abs() > NORMAL_97_5 / (n as f64).sqrt();
         assert!(white.iter().skip(1).filter(outside).count() <= 6);
         let wave: Vec<f64> = (0..4000).map(|k| (f64::from(k) / 50.0).sin()).collect();
         let (slow, _) = autocorrelation(&wave, 40).unwrap();

@@ -1,18 +1,17 @@
 //! Measured and simulated trajectories, record by record, with residuals; inputs below.
 
-use crate::escape;
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{dots, is_sparse, line};
 use crate::report::figure::plot::{Plot, path, shade};
 use crate::report::markup::{counted, fixed, grouped, lead, number, section};
 use crate::report::subject::{Record, Role, Subject};
+use crate::thresholds::FIGURES;
+use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
 /// Records with figures, and figures of one record.
 const MAX_RECORDS: usize = 4;
 const MAX_FIGURES: usize = 10;
-/// How far the vertical axis follows a simulation beyond the measured range, relative to it.
-const OVERSHOOT: f64 = 0.35;
 
 pub(crate) fn html(s: &Subject) -> String {
     let records = s.records();
@@ -22,7 +21,7 @@ pub(crate) fn html(s: &Subject) -> String {
     let how = "Each record is run freely: the equations start at its first row and are driven by its inputs; no other reading corrects them. \
          Of long records every pixel column shows the least and the greatest value in it, so that a single stray sample is seen. Rows that a noisy start was fitted to have no error.";
     let mut body = lead(how);
-    let is_held = |r: &Record| r.pieces.iter().any(|(held, _)| *held);
+    let is_held = |r: &Record| r.runs.iter().any(|(held, _)| *held);
     let held = match records.iter().any(is_held) {
         true => "<span class=\"held\">held out</span>",
         false => "",
@@ -50,12 +49,12 @@ fn pictures(s: &Subject, r: &Record) -> String {
         "<h3>{}</h3>\n<p class=\"lead\">{}; {}.</p>\n",
         escape(&r.trajectory.name),
         counted(r.trajectory.len(), "row"),
-        role.words()
+        role.description()
     );
-    for fault in r.pieces.iter().filter_map(|(_, run)| run.fault()) {
+    for fault in r.runs.iter().filter_map(|(_, run)| run.fault()) {
         out.push_str(&format!(
             "<p class=\"verdict doubt\"><span class=\"badge doubt\">ended early</span> at {}: {}. What was run up to there is shown.</p>\n",
-            escape(&s.instant(fault.time)),
+            escape(&s.time_text(fault.time)),
             escape(&fault.text(s.discovery))
         ));
     }
@@ -99,17 +98,17 @@ fn picture(s: &Subject, r: &Record, x: Signal, (time, role): (&Axis, &Role)) -> 
     let (instants, simulated) = r.column(x)?;
     let measured = r.measured(x);
     let y = range(measured, &simulated)?;
-    let mut ink = shades(role, time);
+    let mut elements = shades(role, time);
     if let Some(values) = measured {
         let axes = (time, &y);
-        ink.push_str(&match is_sparse(values) {
+        elements.push_str(&match is_sparse(values) {
             true => path("measured dots", &dots(&r.trajectory.time, values, axes)),
             false => path("measured", &line(&r.trajectory.time, values, axes)),
         });
     }
-    ink.push_str(&path("simulated", &line(&instants, &simulated, (time, &y))));
+    elements.push_str(&path("simulated", &line(&instants, &simulated, (time, &y))));
     let name = s.discovery.name(x);
-    let words = words(s, r, x);
+    let words = description(s, r, x);
     let main = Plot {
         x: time,
         y: &y,
@@ -118,10 +117,10 @@ fn picture(s: &Subject, r: &Record, x: Signal, (time, role): (&Axis, &Role)) -> 
         x_name: if measured.is_some() {
             String::new()
         } else {
-            escape(&s.clock())
+            escape(&s.time_label())
         },
-        y_name: escape(&s.labelled(x)),
-        ink,
+        y_name: escape(&s.axis_label(x)),
+        elements,
     };
     let mut out = format!(
         "<figure>\n<figcaption><b>{}</b> {}</figcaption>\n{}",
@@ -143,9 +142,9 @@ fn picture(s: &Subject, r: &Record, x: Signal, (time, role): (&Axis, &Role)) -> 
                 "simulated less measured {name}, at most {}",
                 number(most, 2)
             ),
-            x_name: escape(&s.clock()),
+            x_name: escape(&s.time_label()),
             y_name: "error".into(),
-            ink: shades(role, time) + &path("residual", &line(&instants, &left, (time, &y))),
+            elements: shades(role, time) + &path("residual", &line(&instants, &left, (time, &y))),
         };
         out.push_str(&low.html());
     }
@@ -161,7 +160,7 @@ fn range(measured: Option<&[f64]>, simulated: &[f64]) -> Option<Axis> {
     let Some(simulated) = simulated else {
         return Some(own);
     };
-    let room = OVERSHOOT * (own.high - own.low);
+    let room = FIGURES.overshoot * (own.high - own.low);
     let near = Axis {
         low: simulated.low.max(own.low - room),
         high: simulated.high.min(own.high + room),
@@ -173,13 +172,13 @@ fn range(measured: Option<&[f64]>, simulated: &[f64]) -> Option<Axis> {
 }
 
 /// `fit 99.95 %, error/signal −65.5 dB, followed to the end`, then the same of data held out.
-fn words(s: &Subject, r: &Record, x: Signal) -> String {
+fn description(s: &Subject, r: &Record, x: Signal) -> String {
     let said: Vec<String> = r
         .scores(x)
         .map(|(held, _, score)| {
             let follows = match score.follows {
                 None => "followed to the end".into(),
-                Some(t) => format!("followed for {}", s.lasting(t)),
+                Some(t) => format!("followed for {}", s.duration_text(t)),
             };
             format!(
                 "{}fit {} %, error/signal {} dB, {follows}",
@@ -204,9 +203,9 @@ fn input(s: &Subject, r: &Record, u: Signal, (time, role): (&Axis, &Role)) -> Op
         y: &y,
         shape: "low",
         alt: format!("input {name} along {}", r.trajectory.name),
-        x_name: escape(&s.clock()),
-        y_name: escape(&s.labelled(u)),
-        ink: shades(role, time) + &path("input", &line(&instants, &values, (time, &y))),
+        x_name: escape(&s.time_label()),
+        y_name: escape(&s.axis_label(u)),
+        elements: shades(role, time) + &path("input", &line(&instants, &values, (time, &y))),
     };
     Some(format!(
         "<figure>\n<figcaption><b>{}</b> input, as it was applied</figcaption>\n{}</figure>\n",
@@ -219,12 +218,12 @@ fn input(s: &Subject, r: &Record, u: Signal, (time, role): (&Axis, &Role)) -> Op
 fn scores(s: &Subject, records: &[Record]) -> String {
     const MAX_ROWS: usize = 200;
     let all = records.iter().flat_map(|r| {
-        let pieces = r.pieces.iter();
-        pieces.flat_map(move |(held, run)| run.scores.iter().map(move |c| (r, *held, run, c)))
+        let runs = r.runs.iter();
+        runs.flat_map(move |(held, run)| run.scores.iter().map(move |c| (r, *held, run, c)))
     });
     let rows: String = (all.clone().take(MAX_ROWS))
         .map(|(r, held, run, c)| {
-            let follows = c.follows.map_or("to the end".to_string(), |t| s.lasting(t));
+            let follows = c.follows.map_or("to the end".to_string(), |t| s.duration_text(t));
             let end = |t: Option<&f64>| number(t.copied().unwrap_or(f64::NAN), 6);
             format!(
                 "<tr><th scope=\"row\">{}</th><td>{}</td><td>{} to {}{}</td><td>{}</td><td>{} %</td><td>{} dB</td><td>{}</td><td>{}</td></tr>\n",

@@ -1,8 +1,8 @@
 //! The verdict with its reasons, in words.
 
 use crate::report::markup::{counted, fixed, listed, section};
-use crate::report::subject::{Along, Role, Subject};
-use crate::{MathMl, escape};
+use crate::report::subject::{RecordRun, Role, Subject};
+use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{Finding, Mark, Notice, Reason, Status};
 
@@ -189,22 +189,22 @@ fn runs(s: &Subject) -> Vec<String> {
     out
 }
 
-fn along(s: &Subject, a: &Along) -> Option<String> {
+fn along(s: &Subject, a: &RecordRun) -> Option<String> {
     let trajectory = s.dataset.trajectories.get(a.trajectory)?;
     let name = &trajectory.name;
     let run = match &a.run {
         Ok(run) => run,
         Err(why) => return Some(format!("No run along {name}: {why}.")),
     };
-    let unseen = a.held || matches!(s.role(trajectory), Role::Held | Role::Other);
+    let unseen = a.held_out || matches!(s.role(trajectory), Role::Held | Role::Other);
     let begin = run.time.first().copied().unwrap_or(0.0);
-    let place = match (unseen, a.held) {
+    let place = match (unseen, a.held_out) {
         (true, true) => format!(
             "On what was held out of {name}, run freely from {}",
-            s.instant(begin)
+            s.time_text(begin)
         ),
         (true, false) => format!("Run freely along {name}, which they were not found from"),
-        _ => format!("Run freely along {name} from {}", s.instant(begin)),
+        _ => format!("Run freely along {name} from {}", s.time_text(begin)),
     };
     let worst = run.scores.iter().min_by(|a, b| a.fit.total_cmp(&b.fit));
     let fit = worst.map_or_else(String::new, |w| {
@@ -222,13 +222,13 @@ fn along(s: &Subject, a: &Along) -> Option<String> {
     Some(match (run.fault(), least) {
         (Some(fault), _) => format!(
             "{place}, the equations end early, at {}: {}{fit}.",
-            s.instant(fault.time),
+            s.time_text(fault.time),
             fault.text(s.discovery)
         ),
         (None, Some((t, signal))) => format!(
             "{place}, the equations follow {} for {}{fit}.",
             s.discovery.name(signal),
-            s.lasting(t)
+            s.duration_text(t)
         ),
         (None, None) if run.scores.is_empty() => format!(
             "Along {name} nothing that is simulated was measured after the start: there is nothing to compare."
@@ -244,7 +244,7 @@ fn changed(s: &Subject) -> Vec<String> {
     let all = s.dataset.trajectories.iter();
     let other = all.filter(|t| s.role(t) == Role::Changed);
     other
-        .map(|t| format!("{} is {}.", t.name, Role::Changed.words()))
+        .map(|t| format!("{} is {}.", t.name, Role::Changed.description()))
         .collect()
 }
 

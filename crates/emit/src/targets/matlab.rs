@@ -62,10 +62,10 @@ impl Language for Matlab {
             "  unknown = zeros({size}, 1);\n  settled = false;\n  step = 0;\n  while ~settled && step < 50\n{}{}{}    \
              settled = max(abs(solved - unknown)) <= 1e-12 * max(abs(solved));\n    unknown = solved;\n    step = step + 1;\n  end\n  \
              if ~settled\n    unknown = NaN({size}, 1);\n  end\n{}",
-            p.unpack(2, "unknown", &n.moving),
-            p.inside(n),
+            p.unpack(2, "unknown", &n.used_inside),
+            p.named_inside(n),
             system(&p.infix, &n.mass, &n.right, "    "),
-            p.unpack(1, "unknown", &n.asked)
+            p.unpack(1, "unknown", &n.used_after)
         )
     }
 

@@ -1,4 +1,6 @@
-//! What a verification says, in sentences.
+//! The sentences of a verification.
+//!
+//! In: figures and names. Out: text for the user.
 
 use sidc_lang::term::{Language, Term};
 use sidc_system::discovery::{Discovery, Evidence, Proof, VerifiedProof};
@@ -125,7 +127,7 @@ pub fn outside(found: f64, allowed: f64) -> String {
 
 pub fn gap(found: f64, allowed: f64) -> String {
     format!(
-        "the dual point bounds the 1-norm only to within {} of it, {} is asked: that none is smaller is not shown",
+        "the dual point bounds the 1-norm only to within {} of it, {} is request: that none is smaller is not shown",
         short(found),
         short(allowed)
     )

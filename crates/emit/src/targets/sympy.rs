@@ -3,10 +3,10 @@
 //! Numbers are the doubles of the result; whole ones are integers. Equations that are not linear in the highest
 //! derivatives are not solved.
 
-use crate::Target;
 use crate::code::identifiers::{Identifiers, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::program::{Body, Name, Program, Step};
+use crate::target::Target;
 use sidc_lang::term::{Func, Signal};
 use sidc_system::discovery::{Discovery, Rate};
 

@@ -1,92 +1,87 @@
-//! Every column of a library priced once more with a dual point, in 106 bits, a tile at a time.
+//! All columns of a library priced with a dual point, in 106 bits.
 //!
-//! In: a library, rows, λ. Out: the largest |φ_jᵀλ|/‖φ_j‖ over all columns and over those off a support, with bounds. A column is evaluated from
-//! its term's factors, used, and forgotten: memory is a tile, and the values of the atoms where those are few. Sums are
-//! compensated (Ogita, Rump & Oishi 2005), as if made in twice the digits; errors of the entries are summed beside them.
+//! In: a library, rows, λ. Out: the largest |φ_jᵀλ|/‖φ_j‖ over all columns and over those off a support, with bounds. Columns are evaluated
+//! from the factors of their terms, a tile at a time; only the values of the atoms are kept, where they are few. Sums are compensated
+//! (Ogita, Rump & Oishi 2005), as if made in twice the digits; bounds on the errors of the entries are summed beside them.
 
 use sidc_progress::{Activity, Observer, Stage};
 use std::collections::BTreeMap;
 
-use super::double::{Double, ROUNDING, two_prod, two_sum};
-use super::rows::Rows;
-use super::value::{self, Bounded};
+use super::ball::Ball;
+use super::double_double::{DoubleDouble, ROUNDING, two_prod, two_sum};
+use super::term_evaluation;
+use super::thresholds::{ARITHMETIC, TILES};
+use super::weighted_sums::WeightedRows;
 use sidc_lang::library::{Block, Library};
 use sidc_lang::term::{Atom, Term};
 use sidc_solve::lanes::wide;
 
-/// Numbers that a tile holds for each entry: value, square, error.
-const NUMBERS: usize = 5;
-/// Most numbers of a tile: 1 MB, which a core's cache holds.
-const TILE: usize = 130_000;
-/// Most columns of a tile.
-const WIDEST: usize = 256;
-/// Most bytes of atoms that are kept.
-const KEPT: usize = 64_000_000;
-/// Columns shorter than this are zero: squares of their entries fall out of the range of f64.
-const SHORT: f64 = 1e-140;
-/// 2⁻¹⁰⁴
+/// Numbers that a tile holds for each entry: two each for value and square, and the error.
+const NUMBERS_PER_ENTRY: usize = 5;
+/// 2⁻¹⁰⁴ = 4 u² for the rounding u = 2⁻⁵³ of f64. The rounding of a compensated sum of n products is about n² u² of Σ |products|, to second
+/// order (Ogita, Rump & Oishi 2005).
 const SUM_ROUNDING: f64 = 1.0 / (1_u128 << 104) as f64;
 
-/// What a look at all columns showed.
+/// Prices of all columns.
 #[derive(Clone, Debug, Default)]
-pub struct Priced {
+pub struct Pricing {
     /// Columns that are candidates.
     pub columns: usize,
     /// max |φ_jᵀλ|/‖φ_j‖, and its slot.
-    pub largest: Bounded,
+    pub largest: Ball,
     pub largest_slot: usize,
     /// The same off the support.
-    pub off: Bounded,
-    pub off_slot: usize,
+    pub other: Ball,
+    pub other_slot: usize,
     /// A column whose values are not finite or not known.
     pub unknown: Option<usize>,
 }
 
-/// Entries multiplied, in numbers: rows × slots of the library.
+/// Products that pricing takes: rows × slots of the library.
 pub fn work(library: &Library, rows: usize) -> u128 {
     library.slots() as u128 * rows as u128
 }
 
-/// Prices all columns; `None` if the observer, which hears how many slots are done, ended it. `support` rises.
+/// Prices all columns. The observer hears how many slots are done; `None` if it ended the work. `support` is in rising order.
 pub fn price(
     library: &Library,
-    rows: &Rows,
+    rows: &WeightedRows,
     dual: &[f64],
     support: &[usize],
     observer: &mut dyn Observer,
-) -> Option<Priced> {
+) -> Option<Pricing> {
     let atoms = Atoms::new(library, rows);
     let length = dual.iter().map(|l| l * l).sum::<f64>().sqrt() * (1.0 + 1e-9);
-    let mut look = Look {
+    let mut pricer = Pricer {
         library,
         rows,
         dual,
         length,
         support,
         atoms,
-        priced: Priced::default(),
+        pricing: Pricing::default(),
     };
     let mut first_slot = 0;
     for block in library.blocks() {
-        look.block(block, first_slot, observer)?;
+        pricer.block(block, first_slot, observer)?;
         first_slot += block.slots();
     }
-    Some(look.priced)
+    Some(pricer.pricing)
 }
 
-struct Look<'a> {
+struct Pricer<'a> {
     library: &'a Library,
-    rows: &'a Rows<'a>,
+    rows: &'a WeightedRows<'a>,
     dual: &'a [f64],
     /// ‖λ‖, rounded up.
     length: f64,
     support: &'a [usize],
     atoms: Atoms<'a>,
-    priced: Priced,
+    pricing: Pricing,
 }
 
-impl Look<'_> {
-    /// The longer list of factors goes into tiles, those of the other are taken one by one.
+impl Pricer<'_> {
+    /// Fills tiles with the factors of the longer list, and multiplies them with those of the other one by one.
     fn block(
         &mut self,
         block: &Block,
@@ -100,9 +95,9 @@ impl Look<'_> {
             false => (&block.left, &block.right),
         };
         let rows = self.rows.len();
-        let width = (TILE / (NUMBERS * rows.max(1))).clamp(1, WIDEST);
+        let width = (TILES.numbers / (NUMBERS_PER_ENTRY * rows.max(1))).clamp(1, TILES.columns);
         let mut tile = Tile::default();
-        let mut column = vec![Bounded::default(); rows];
+        let mut column = vec![Ball::default(); rows];
         let mut done = first_slot;
         for (t, terms) in many.chunks(width).enumerate() {
             tile.fill(terms, rows, |term, row| {
@@ -120,7 +115,7 @@ impl Look<'_> {
                         true => place * across + s,
                         false => s * across + place,
                     };
-                    self.see(first_slot + slot, &sum);
+                    self.add_column(first_slot + slot, &sum);
                 }
                 done += terms.len();
                 let verifying = Stage::Verifying(done, self.library.slots());
@@ -130,59 +125,59 @@ impl Look<'_> {
         Some(())
     }
 
-    /// A column's sums.
-    fn see(&mut self, slot: usize, sum: &Sum) {
+    /// Takes in the sums of one column.
+    fn add_column(&mut self, slot: usize, sum: &Sum) {
         if self.library.is_empty_slot(slot) {
             return;
         }
         let rows = self.rows.len() as f64;
-        self.priced.columns += 1;
-        let square = sum.square.value();
+        self.pricing.columns += 1;
+        let square = sum.square.to_f64();
         let norm = square.sqrt();
         let known = sum.product.is_finite() && sum.square.is_finite();
         if !known || !sum.error.is_finite() || !sum.error_square.is_finite() {
-            self.priced.unknown.get_or_insert(slot);
+            self.pricing.unknown.get_or_insert(slot);
             return;
         }
-        if norm < SHORT {
+        if norm < ARITHMETIC.shortest_column {
             return;
         }
         let summing = 2.0 * (rows + 4.0).powi(2) * SUM_ROUNDING;
         let product_error = sum.error + summing * norm * self.length;
         let norm_part = summing + sum.error_square.sqrt() / norm;
         if norm_part >= 0.5 {
-            self.priced.unknown.get_or_insert(slot);
+            self.pricing.unknown.get_or_insert(slot);
             return;
         }
-        // In 106 bits, since columns on the support are at 1 to the last digit.
+        // In 106 bits, since columns of the support are at 1 up to rounding.
         let value = sum.product.abs() / sum.square.sqrt();
-        let own = 4.0 * ROUNDING * value.hi;
-        let error = (product_error / norm + value.hi * norm_part) / (1.0 - norm_part) + own;
-        let found = Bounded {
+        let rounding = 4.0 * ROUNDING * value.hi;
+        let error = (product_error / norm + value.hi * norm_part) / (1.0 - norm_part) + rounding;
+        let found = Ball {
             value,
             error: error * (1.0 + 1e-9),
         };
-        if exceeds(found, self.priced.largest) {
-            self.priced.largest = found;
-            self.priced.largest_slot = slot;
+        if exceeds(found, self.pricing.largest) {
+            self.pricing.largest = found;
+            self.pricing.largest_slot = slot;
         }
-        if exceeds(found, self.priced.off) && self.support.binary_search(&slot).is_err() {
-            self.priced.off = found;
-            self.priced.off_slot = slot;
+        if exceeds(found, self.pricing.other) && self.support.binary_search(&slot).is_err() {
+            self.pricing.other = found;
+            self.pricing.other_slot = slot;
         }
     }
 }
 
 /// Whether the upper bound of one is above that of the other.
-fn exceeds(a: Bounded, b: Bounded) -> bool {
-    (a.value - b.value).value() + a.error > b.error
+fn exceeds(a: Ball, b: Ball) -> bool {
+    (a.value - b.value).to_f64() + a.error > b.error
 }
 
 /// φᵀλ and ‖φ‖² of one column, and bounds of what errors of its entries change: Σ |λ| e and Σ e².
 #[derive(Clone, Copy, Default)]
 struct Sum {
-    product: Double,
-    square: Double,
+    product: DoubleDouble,
+    square: DoubleDouble,
     error: f64,
     error_square: f64,
 }
@@ -199,7 +194,7 @@ struct Tile {
 }
 
 impl Tile {
-    fn fill(&mut self, terms: &[Term], rows: usize, value: impl Fn(&Term, usize) -> Bounded) {
+    fn fill(&mut self, terms: &[Term], rows: usize, value: impl Fn(&Term, usize) -> Ball) {
         self.width = terms.len();
         let all = rows * self.width;
         for numbers in [
@@ -227,7 +222,7 @@ impl Tile {
     }
 
     /// The sums of every product of a column of the tile with `single`, rows weighted already.
-    fn multiply(&self, single: &[Bounded], dual: &[f64]) -> Vec<Sum> {
+    fn multiply(&self, single: &[Ball], dual: &[f64]) -> Vec<Sum> {
         let width = self.width;
         let mut sums = Accumulators::new(width);
         wide(
@@ -235,7 +230,7 @@ impl Tile {
             || {
                 for (row, (v, lambda)) in single.iter().zip(dual).enumerate() {
                     let factor = Row {
-                        price: v.value * *lambda,
+                        dual: v.value * *lambda,
                         square: v.value * v.value,
                         size: (v.size() + v.error) * (1.0 + 1e-12),
                         error: v.error,
@@ -267,14 +262,14 @@ fn part(numbers: &[f64], row: usize, width: usize) -> &[f64] {
 /// One row's factor of a whole tile.
 struct Row {
     /// Factor · weight · λ, and its weighted square.
-    price: Double,
-    square: Double,
+    dual: DoubleDouble,
+    square: DoubleDouble,
     size: f64,
     error: f64,
     lambda: f64,
 }
 
-/// Running sums of a tile's columns: leading parts, and all that was rounded off.
+/// Running sums of a tile's columns: leading parts, and the sums of what was rounded off.
 struct Accumulators {
     product: [Vec<f64>; 2],
     square: [Vec<f64>; 2],
@@ -296,7 +291,7 @@ impl Accumulators {
     #[inline(always)]
     fn add(&mut self, row: &Row, [hi, lo]: [&[f64]; 2], squares: [&[f64]; 2], error: &[f64]) {
         let [sum, rest] = &mut self.product;
-        add_products(row.price, hi, lo, sum, rest);
+        add_products(row.dual, hi, lo, sum, rest);
         let [sum, rest] = &mut self.square;
         add_products(row.square, squares[0], squares[1], sum, rest);
         let sums = self.error.iter_mut().zip(&mut self.error_square);
@@ -308,7 +303,7 @@ impl Accumulators {
     }
 
     fn finish(self) -> Vec<Sum> {
-        let double = |hi: &f64, lo: &f64| Double::sum(*hi, *lo);
+        let double = |hi: &f64, lo: &f64| DoubleDouble::sum(*hi, *lo);
         let [product, product_rest] = &self.product;
         let [square, square_rest] = &self.square;
         let products = product.iter().zip(product_rest);
@@ -329,7 +324,7 @@ impl Accumulators {
 
 /// sum + rest += by · (hi + lo)
 #[inline(always)]
-fn add_products(by: Double, hi: &[f64], lo: &[f64], sum: &mut [f64], rest: &mut [f64]) {
+fn add_products(by: DoubleDouble, hi: &[f64], lo: &[f64], sum: &mut [f64], rest: &mut [f64]) {
     for (((sum, rest), hi), lo) in sum.iter_mut().zip(rest).zip(hi).zip(lo) {
         let (product, left) = two_prod(by.hi, *hi);
         let left = by.hi.mul_add(*lo, left);
@@ -340,41 +335,41 @@ fn add_products(by: Double, hi: &[f64], lo: &[f64], sum: &mut [f64], rest: &mut 
     }
 }
 
-/// The atoms of a library at every row, where they are few enough to be kept.
+/// The atoms of a library at every row, if these fit in memory.
 struct Atoms<'a> {
     places: BTreeMap<&'a Atom, usize>,
     /// Atom after atom, length rows each; empty if they are not kept.
-    values: Vec<Bounded>,
+    values: Vec<Ball>,
 }
 
 impl<'a> Atoms<'a> {
-    fn new(library: &'a Library, rows: &Rows) -> Atoms<'a> {
+    fn new(library: &'a Library, rows: &WeightedRows) -> Atoms<'a> {
         let mut places = BTreeMap::new();
         for (atom, _) in library.factors().flat_map(Term::factors) {
             let next = places.len();
             places.entry(atom).or_insert(next);
         }
-        let bytes = places.len() * rows.len() * size_of::<Bounded>();
+        let bytes = places.len() * rows.len() * size_of::<Ball>();
         let mut values = Vec::new();
-        if bytes <= KEPT {
-            values = vec![Bounded::default(); places.len() * rows.len()];
+        if bytes <= TILES.atom_bytes {
+            values = vec![Ball::default(); places.len() * rows.len()];
             for (atom, place) in &places {
                 let own = values.iter_mut().skip(place * rows.len());
                 for (row, out) in own.take(rows.len()).enumerate() {
-                    *out = value::atom(atom, &rows.at(row));
+                    *out = term_evaluation::atom(atom, &rows.at(row));
                 }
             }
         }
         Atoms { places, values }
     }
 
-    fn term(&self, term: &Term, rows: &Rows, row: usize) -> Bounded {
+    fn term(&self, term: &Term, rows: &WeightedRows, row: usize) -> Ball {
         let value = |atom: &Atom| {
             let place = self.places.get(atom).map(|p| p * rows.len() + row);
             let kept = place.and_then(|at| self.values.get(at));
             kept.copied()
-                .unwrap_or_else(|| value::atom(atom, &rows.at(row)))
+                .unwrap_or_else(|| term_evaluation::atom(atom, &rows.at(row)))
         };
-        value::product(term.factors().map(|(atom, p)| (value(atom), p)))
+        term_evaluation::product(term.factors().map(|(atom, p)| (value(atom), p)))
     }
 }

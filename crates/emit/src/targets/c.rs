@@ -3,10 +3,9 @@
 //! Coupled equations are solved by elimination in the emitted code, by Newton's method where they are not linear in
 //! the highest derivatives. Compiles without a warning under `-std=c99 -Wall -Wextra -pedantic`.
 
-use crate::code::chosen;
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::{Infix, Syntax};
-use crate::code::printer::{Dialect, Language, Printer, commented};
+use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Solve, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -70,12 +69,12 @@ impl Language for C {
 
     /// The matrices get a block of their own, so that the next solve can use the same names.
     fn solve(&self, p: &Printer<Self>, s: &Solve) -> String {
-        let asked = s.signals.concat();
-        let names = asked.iter().flatten().map(|s| p.infix.signal(*s));
+        let used = s.signals.concat();
+        let names = used.iter().flatten().map(|s| p.infix.signal(*s));
         let names: Vec<String> = names.collect();
         let mut out = format!("    double {};\n    {{\n", names.join(", "));
         out.push_str(&system(&p.infix, &s.mass, &s.right));
-        for (place, s) in asked.iter().enumerate() {
+        for (place, s) in used.iter().enumerate() {
             if let Some(s) = s {
                 out.push_str(&p.assign(2, &p.infix.signal(*s), &p.element("right", place)));
             }
@@ -91,10 +90,10 @@ impl Language for C {
             "    double unknown[] = {{{zeros}}};\n    int settled = 0;\n    \
              for (int step = 1; step <= 50 && !settled; step++) {{\n{}{}{}        \
              settled = sidc_settled({size}, unknown, right, step == 50);\n    }}\n{}",
-            p.unpack(2, "unknown", &n.moving),
-            p.inside(n),
+            p.unpack(2, "unknown", &n.used_inside),
+            p.named_inside(n),
             system(&p.infix, &n.mass, &n.right),
-            p.unpack(1, "unknown", &n.asked)
+            p.unpack(1, "unknown", &n.used_after)
         )
     }
 
@@ -124,7 +123,7 @@ impl Language for C {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let sign = program.calls().iter().any(|f| f.spelling.c == "sidc_sign");
-        chosen(&[
+        used_helpers(&[
             (program.computes(|n| matches!(n, Node::Root(_))), ROOT),
             (sign, SIGN),
             (program.solves(|n| n == 1), SOLVE_1),

@@ -1,84 +1,82 @@
 //! Elementary functions to some 28 digits.
 //!
-//! In: a [`Double`]. Out: a [`Double`] that is off by at most [`ACCURACY`] times what the function's note says. By reduction and Taylor
-//! series, inverses by a step of Newton's method from the machine's own value (after Hida, Li & Bailey 2001). Nothing here is fast.
+//! In: a [`DoubleDouble`]. Out: a [`DoubleDouble`] with an error of at most [`ACCURACY`], times the size that the function's comment names.
+//! Functions are computed by range reduction and Taylor series, inverse functions by one step of Newton's method from the value in f64
+//! (after Hida, Li & Bailey 2001). Made for accuracy, not for speed.
 
-use super::double::{Double, two_prod};
+use super::double_double::{DoubleDouble, two_prod};
+use super::thresholds::ARITHMETIC;
 
-/// 2⁻⁹⁰: rounding of some twenty operations after each other, generously.
+/// 2⁻⁹⁰: some twenty operations after each other, each with a rounding of 2⁻¹⁰², lose less than 5 bits; 12 are allowed.
 pub const ACCURACY: f64 = 1.0 / (1_u128 << 90) as f64;
-/// Angles beyond which quarter turns can no longer be taken off.
-pub const LARGEST_ANGLE: f64 = 1e15;
 
-/// π/2 and ln 2 in three parts.
-const QUARTER: [f64; 3] = [
+/// π/2 as a sum of three f64.
+const QUARTER_TURN: [f64; 3] = [
     std::f64::consts::FRAC_PI_2,
     6.123233995736766e-17,
     -1.4973849048591698e-33,
 ];
+/// ln 2 as a sum of three f64.
 const LN_2: [f64; 3] = [
     std::f64::consts::LN_2,
     2.3190468138462996e-17,
     5.707_708_438_416_212e-34,
 ];
 
-/// Terms of a series are added until they are smaller than this part of the first.
-const NOTHING: f64 = 1e-36;
-
-/// x − k · (a + b + c)
-fn less(x: Double, k: f64, parts: [f64; 3]) -> Double {
+/// x − k (a + b + c)
+fn subtract_multiple(x: DoubleDouble, k: f64, parts: [f64; 3]) -> DoubleDouble {
     parts.iter().fold(x, |left, part| {
         let (hi, lo) = two_prod(k, *part);
-        left - Double { hi, lo }
+        left - DoubleDouble { hi, lo }
     })
 }
 
 /// eˣ, relative to itself.
-pub fn exp(x: Double) -> Double {
+pub fn exp(x: DoubleDouble) -> DoubleDouble {
     if x.hi < -760.0 {
-        return Double::ZERO;
+        return DoubleDouble::ZERO;
     }
     if x.hi >= 710.0 || x.hi.is_nan() {
-        return Double::from(x.hi.exp());
+        return DoubleDouble::from(x.hi.exp());
     }
     let k = (x.hi / LN_2[0]).round();
-    // 256ths, so that few terms do; then eʸ − 1 is doubled in its argument eight times.
-    let y = less(x, k, LN_2).scaled(-8);
+    // A 256th of the rest needs few terms; eʸ − 1 then gets twice the argument, eight times over.
+    let y = subtract_multiple(x, k, LN_2).scaled(-8);
     let (mut sum, mut term, mut n) = (y, y, 1.0);
-    while term.hi.abs() > NOTHING * y.hi.abs() {
+    while term.hi.abs() > ARITHMETIC.series_end * y.hi.abs() {
         n += 1.0;
-        term = term * y / Double::from(n);
+        term = term * y / DoubleDouble::from(n);
         sum = sum + term;
     }
     for _ in 0..8 {
         sum = sum.scaled(1) + sum * sum;
     }
-    (sum + Double::ONE).scaled(k as i32)
+    (sum + DoubleDouble::ONE).scaled(k as i32)
 }
 
 /// ln x for x > 0, absolute where it is below one, else relative.
-pub fn log(x: Double) -> Double {
-    let near = x.hi.ln();
-    if !near.is_finite() {
-        return Double::from(near);
+pub fn log(x: DoubleDouble) -> DoubleDouble {
+    let start = x.hi.ln();
+    if !start.is_finite() {
+        return DoubleDouble::from(start);
     }
-    let near = Double::from(near);
+    let start = DoubleDouble::from(start);
     // One step of Halley's method.
-    let e = exp(near);
-    near + ((x - e) / (x + e)).scaled(1)
+    let e = exp(start);
+    start + ((x - e) / (x + e)).scaled(1)
 }
 
-/// (sin x, cos x), absolute; |x| up to [`LARGEST_ANGLE`].
-pub fn sin_cos(x: Double) -> (Double, Double) {
-    let turns = (x.hi / QUARTER[0]).round();
-    let r = less(x, turns, QUARTER);
+/// (sin x, cos x), absolute; |x| up to `ARITHMETIC.angle`.
+pub fn sin_cos(x: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
+    let turns = (x.hi / QUARTER_TURN[0]).round();
+    let r = subtract_multiple(x, turns, QUARTER_TURN);
     let square = r * r;
-    let (mut sin, mut cos) = (r, Double::ONE);
-    let (mut odd, mut even, mut n) = (r, Double::ONE, 0.0);
-    while even.hi.abs() > NOTHING {
+    let (mut sin, mut cos) = (r, DoubleDouble::ONE);
+    let (mut odd, mut even, mut n) = (r, DoubleDouble::ONE, 0.0);
+    while even.hi.abs() > ARITHMETIC.series_end {
         n += 2.0;
-        even = -(even * square) / Double::from(n * (n - 1.0));
-        odd = -(odd * square) / Double::from(n * (n + 1.0));
+        even = -(even * square) / DoubleDouble::from(n * (n - 1.0));
+        odd = -(odd * square) / DoubleDouble::from(n * (n + 1.0));
         cos = cos + even;
         sin = sin + odd;
     }
@@ -91,62 +89,62 @@ pub fn sin_cos(x: Double) -> (Double, Double) {
 }
 
 /// The angle of the direction (c, s) of length one, absolute.
-fn angle(s: Double, c: Double) -> Double {
-    let near = Double::from(s.hi.atan2(c.hi));
-    let (sin, cos) = sin_cos(near);
-    // The sine of what is missing, which is that itself.
-    near + (s * cos - c * sin)
+fn angle(s: DoubleDouble, c: DoubleDouble) -> DoubleDouble {
+    let start = DoubleDouble::from(s.hi.atan2(c.hi));
+    let (sin, cos) = sin_cos(start);
+    // The sine of the missing angle, which is so small that it equals the angle.
+    start + (s * cos - c * sin)
 }
 
 /// arcsin x, absolute; NaN outside [−1, 1].
-pub fn asin(x: Double) -> Double {
-    angle(x, beside(x))
+pub fn asin(x: DoubleDouble) -> DoubleDouble {
+    angle(x, cosine_of_arcsine(x))
 }
 
 /// arccos x, absolute; NaN outside [−1, 1].
-pub fn acos(x: Double) -> Double {
-    angle(beside(x), x)
+pub fn acos(x: DoubleDouble) -> DoubleDouble {
+    angle(cosine_of_arcsine(x), x)
 }
 
 /// √(1 − x²)
-fn beside(x: Double) -> Double {
-    ((Double::ONE - x) * (Double::ONE + x)).sqrt()
+fn cosine_of_arcsine(x: DoubleDouble) -> DoubleDouble {
+    ((DoubleDouble::ONE - x) * (DoubleDouble::ONE + x)).sqrt()
 }
 
 /// arctan x, absolute.
-pub fn atan(x: Double) -> Double {
+pub fn atan(x: DoubleDouble) -> DoubleDouble {
     if x.hi.abs() > 1.0 {
-        let turned = angle_of_slope(Double::ONE / x);
-        let quarter = Double {
-            hi: QUARTER[0],
-            lo: QUARTER[1],
+        let complement = angle_of_slope(DoubleDouble::ONE / x);
+        let quarter = DoubleDouble {
+            hi: QUARTER_TURN[0],
+            lo: QUARTER_TURN[1],
         };
         return if x.hi > 0.0 {
-            quarter - turned
+            quarter - complement
         } else {
-            -quarter - turned
+            -quarter - complement
         };
     }
     angle_of_slope(x)
 }
 
-fn angle_of_slope(x: Double) -> Double {
-    let length = (Double::ONE + x * x).sqrt();
-    angle(x / length, Double::ONE / length)
+fn angle_of_slope(x: DoubleDouble) -> DoubleDouble {
+    let length = (DoubleDouble::ONE + x * x).sqrt();
+    angle(x / length, DoubleDouble::ONE / length)
 }
 
 /// (sinh x, cosh x), relative to cosh x.
-pub fn sinh_cosh(x: Double) -> (Double, Double) {
+pub fn sinh_cosh(x: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     let (up, down) = (exp(x.scaled(-1)), exp(-x.scaled(-1)));
-    // Halves of squares: eˣ alone overflows a little earlier.
+    // Half the square of e^(x/2), since eˣ alone overflows a little earlier.
     let (up, down) = (up.scaled(-1) * up, down.scaled(-1) * down);
     (up - down, up + down)
 }
 
 /// tanh x, absolute.
-pub fn tanh(x: Double) -> Double {
+pub fn tanh(x: DoubleDouble) -> DoubleDouble {
     if x.hi.abs() > 40.0 {
-        return Double::from(x.hi.signum());
+        return DoubleDouble::from(x.hi.signum());
     }
     let (sinh, cosh) = sinh_cosh(x);
     sinh / cosh
@@ -156,14 +154,14 @@ pub fn tanh(x: Double) -> Double {
 mod tests {
     use super::*;
 
-    fn close(found: Double, wanted: (f64, f64), what: &str) {
+    fn close(found: DoubleDouble, wanted: (f64, f64), what: &str) {
         let off = (found
-            - Double {
+            - DoubleDouble {
                 hi: wanted.0,
                 lo: wanted.1,
             })
         .abs()
-        .value();
+        .to_f64();
         let size = wanted.0.abs().max(1.0);
         assert!(off <= 1e-29 * size, "{what}: off by {off:e}");
     }
@@ -216,7 +214,7 @@ mod tests {
     #[test]
     fn values_are_right_to_29_digits() {
         for (name, x, wanted) in KNOWN {
-            let x = Double::from(*x);
+            let x = DoubleDouble::from(*x);
             let found = match *name {
                 "sin" => sin_cos(x).0,
                 "cos" => sin_cos(x).1,
@@ -236,33 +234,33 @@ mod tests {
     #[test]
     fn identities_hold_everywhere() {
         for i in -400..400 {
-            let x = Double::from(0.0371 * f64::from(i)) * Double::sum(1.0, 1e-20);
+            let x = DoubleDouble::from(0.0371 * f64::from(i)) * DoubleDouble::sum(1.0, 1e-20);
             let (s, c) = sin_cos(x);
             close(s * s + c * c, (1.0, 0.0), "sin² + cos²");
             let (sh, ch) = sinh_cosh(x);
-            let rest = (ch * ch - sh * sh - Double::ONE).abs().value();
+            let rest = (ch * ch - sh * sh - DoubleDouble::ONE).abs().to_f64();
             assert!(rest <= ACCURACY * ch.hi * ch.hi, "cosh² − sinh²: {rest:e}");
             let e = exp(x);
-            let back = (log(e) - x).abs().value();
+            let back = (log(e) - x).abs().to_f64();
             assert!(
                 back <= ACCURACY * x.hi.abs().max(1.0),
                 "log exp {}: {back:e}",
                 x.hi
             );
-            let off = (e * exp(-x) - Double::ONE).abs().value();
+            let off = (e * exp(-x) - DoubleDouble::ONE).abs().to_f64();
             assert!(off <= 2.0 * ACCURACY, "exp: {off:e}");
             let t = atan(x);
             let (s, c) = sin_cos(t);
-            let off = (s - c * x).abs().value();
+            let off = (s - c * x).abs().to_f64();
             assert!(
                 off <= ACCURACY * (1.0 + x.hi.abs()),
                 "tan atan {}: {off:e}",
                 x.hi
             );
             if s.hi.abs() < 1.0 {
-                let off = (asin(s) - t).abs().value();
+                let off = (asin(s) - t).abs().to_f64();
                 assert!(off * c.hi <= 4.0 * ACCURACY, "asin sin {}: {off:e}", x.hi);
-                let off = (acos(c) - t.abs()).abs().value();
+                let off = (acos(c) - t.abs()).abs().to_f64();
                 assert!(
                     off * s.hi.abs() <= 4.0 * ACCURACY,
                     "acos cos {}: {off:e}",
@@ -276,8 +274,8 @@ mod tests {
     fn large_angles_keep_their_digits() {
         // sin² + cos² does not see a wrong angle; the sum of two angles does.
         for x in [1e3, 1e6, 1e10, 7.3e14] {
-            let (s, c) = sin_cos(Double::from(x));
-            let (s1, c1) = sin_cos(Double::from(0.5 * x));
+            let (s, c) = sin_cos(DoubleDouble::from(x));
+            let (s1, c1) = sin_cos(DoubleDouble::from(0.5 * x));
             close(s1 * c1 * 2.0, (s.hi, s.lo), "sin 2x");
             close(c1 * c1 - s1 * s1, (c.hi, c.lo), "cos 2x");
             assert!((s.hi - x.sin()).abs() < 1e-15 && (c.hi - x.cos()).abs() < 1e-15);
@@ -285,15 +283,18 @@ mod tests {
     }
 
     #[test]
-    fn borders_are_what_the_machine_says() {
-        assert_eq!(exp(Double::from(-1000.0)), Double::ZERO);
-        assert!(!exp(Double::from(1000.0)).is_finite());
-        assert!(!exp(Double::from(f64::NAN)).is_finite());
-        assert!(!log(Double::ZERO).is_finite() && !log(Double::from(-1.0)).is_finite());
-        assert!(!asin(Double::from(1.5)).is_finite());
-        assert_eq!(exp(Double::ZERO), Double::ONE);
-        assert_eq!(sin_cos(Double::ZERO), (Double::ZERO, Double::ONE));
-        assert_eq!(tanh(Double::from(-100.0)).value(), -1.0);
-        assert!((asin(Double::ONE).value() - std::f64::consts::FRAC_PI_2).abs() < 1e-30);
+    fn limits_are_those_of_f64() {
+        assert_eq!(exp(DoubleDouble::from(-1000.0)), DoubleDouble::ZERO);
+        assert!(!exp(DoubleDouble::from(1000.0)).is_finite());
+        assert!(!exp(DoubleDouble::from(f64::NAN)).is_finite());
+        assert!(!log(DoubleDouble::ZERO).is_finite() && !log(DoubleDouble::from(-1.0)).is_finite());
+        assert!(!asin(DoubleDouble::from(1.5)).is_finite());
+        assert_eq!(exp(DoubleDouble::ZERO), DoubleDouble::ONE);
+        assert_eq!(
+            sin_cos(DoubleDouble::ZERO),
+            (DoubleDouble::ZERO, DoubleDouble::ONE)
+        );
+        assert_eq!(tanh(DoubleDouble::from(-100.0)).to_f64(), -1.0);
+        assert!((asin(DoubleDouble::ONE).to_f64() - std::f64::consts::FRAC_PI_2).abs() < 1e-30);
     }
 }

@@ -3,11 +3,10 @@
 //! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
 //! derivatives.
 
-use crate::code::bracket_lists::{LINE_WIDTH, wanted};
-use crate::code::chosen;
+use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer};
+use crate::code::printer::{Dialect, Language, Printer, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
@@ -92,10 +91,10 @@ impl Language for Python {
     fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
         format!(
             "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",
-            wanted(&p.infix, &n.moving),
-            p.inside(n),
+            unpacked_names(&p.infix, &n.used_inside),
+            p.named_inside(n),
             p.solver_call(&n.mass, &n.right, 2),
-            wanted(&p.infix, &n.asked),
+            unpacked_names(&p.infix, &n.used_after),
             n.signals.len()
         )
     }
@@ -126,7 +125,7 @@ impl Language for Python {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
-        chosen(&[
+        used_helpers(&[
             (reads, NUMBERS),
             (program.solves(|_| true), SOLVE),
             (newton, NEWTON),

@@ -3,11 +3,10 @@
 //! Coupled equations are solved by elimination in the emitted code, by Newton's method where they are not linear in
 //! the highest derivatives.
 
-use crate::code::bracket_lists::{LINE_WIDTH, list, wanted};
-use crate::code::chosen;
+use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, commented};
+use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Newton, Program, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -67,9 +66,9 @@ impl Language for Rust {
     fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
         format!(
             "    let {} = newton(|{}| {{\n{}        {}\n    }});\n",
-            wanted(&p.infix, &n.asked),
-            wanted(&p.infix, &n.moving),
-            p.inside(n),
+            unpacked_names(&p.infix, &n.used_after),
+            unpacked_names(&p.infix, &n.used_inside),
+            p.named_inside(n),
             p.solver_call(&n.mass, &n.right, 2)
         )
     }
@@ -100,7 +99,7 @@ impl Language for Rust {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let sign = program.calls().iter().any(|f| f.spelling.rust == "sign");
-        chosen(&[
+        used_helpers(&[
             (program.solves(|n| n == 2), SOLVE_2),
             (program.solves(|n| n != 2), SOLVE),
             (newton, NEWTON),

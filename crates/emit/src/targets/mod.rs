@@ -1,0 +1,27 @@
+//! The export targets, one file each, and their registry. Targets are alternatives: none imports another.
+
+mod c;
+mod latex;
+mod matlab;
+mod python;
+mod rust;
+mod sympy;
+mod text;
+
+use crate::target::Target;
+
+/// Every target, for the command line and its suggestions.
+pub static TARGETS: &[&dyn Target] = &[
+    &text::Text,
+    &latex::Latex,
+    &rust::Rust,
+    &c::C,
+    &python::Python,
+    &sympy::Sympy,
+    &matlab::Matlab,
+];
+
+/// Looks a target up by name.
+pub fn target(name: &str) -> Option<&'static dyn Target> {
+    TARGETS.iter().copied().find(|t| t.name() == name)
+}

@@ -1,0 +1,22 @@
+//! Plain text: the equations and what follows from them, as the terminal shows them.
+
+use crate::target::Target;
+use crate::text::equations::equations;
+use crate::text::matrices::consequences;
+use sidc_system::discovery::Discovery;
+
+pub(crate) struct Text;
+
+impl Target for Text {
+    fn name(&self) -> &'static str {
+        "text"
+    }
+
+    fn about(&self) -> &'static str {
+        "equations and their matrices as the terminal shows them, six significant digits"
+    }
+
+    fn emit(&self, d: &Discovery) -> Result<String, String> {
+        Ok(equations(d).concat() + &consequences(d))
+    }
+}
