@@ -18,7 +18,7 @@ pub struct Simulation {
     pub runs: Vec<SimulatedRun>,
 }
 
-/// One record, simulated from its first row under its inputs.
+/// One record, simulated from its first row under its measured inputs.
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedRun {
     pub name: String,
@@ -64,7 +64,8 @@ impl Discovery {
         self.simulate_watched(data, &mut Unwatched)
     }
 
-    /// The same while an observer hears the time reached. Ended early, it returns the rows simulated by then.
+    /// The same while an observer hears the time reached. If it ends the work, the rows simulated by then are returned, and no
+    /// further record is begun.
     ///
     /// # Errors
     /// As [`Discovery::simulate`].
@@ -76,7 +77,7 @@ impl Discovery {
         let discovery = &self.opened.discovery;
         let model = simulate::reads(discovery, &self.opened.model, &[]);
         let mut sources = Sources::default();
-        // Places in a model that nobody wrote are those of the first text.
+        // The model was read back from the document, so its places lead into an empty text.
         sources.add("result", "");
         let (dataset, found) = data::bind(&model, &data.tables, &data.params, &mut sources);
         if found.iter().any(Diagnostic::is_error) {
@@ -87,12 +88,19 @@ impl Discovery {
             model: &model,
             dataset: &dataset,
         };
-        let mut go_on = |time| observer.hear(Activity::Running { time }).is_continue();
+        let mut ended = false;
         let mut runs = Vec::new();
         for record in 0..dataset.trajectories.len() {
+            let mut go_on = |time| {
+                ended |= observer.hear(Activity::Running { time }).is_break();
+                !ended
+            };
             let run = simulate::simulate(&source, record, &Options::default(), &mut go_on);
             let run = run.map_err(|d| Error::of(ErrorKind::Data, &[d], &sources))?;
             runs.push(named(discovery, run));
+            if ended {
+                break;
+            }
         }
         Ok(Simulation { runs })
     }

@@ -1,18 +1,24 @@
 //! Equations checked once more, after they were found.
 //!
-//! In: a program, the samples, the [`Discovery`]. Out: a verification with each equation's evidence, and a doubt where something does not hold.
+//! In: a program, the samples, the [`Discovery`]. Out: with each equation's evidence whether it holds, and a doubt where it does not.
 //! Never changes a term or a coefficient.
 
-use super::{Measured, Program};
+use super::measure::Measured;
+use super::program::Program;
+use sidc_discover::unverified;
 use sidc_discover::verify;
 use sidc_discover::verify::Case;
-use sidc_discover::{Step, Watch, unverified};
-use sidc_progress::{Stage, Stop};
+use sidc_progress::{Activity, Observer, Stage, Stop};
 use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status, Verification};
 
-/// Checks every equation that was found, by other code and in other arithmetic. Where `watch` ends the work, equations that
-/// were not come to are doubted for it.
-pub fn verify(program: &Program, measured: &Measured, discovery: &mut Discovery, watch: Watch) {
+/// Checks every equation that was found, by other code and in other arithmetic. Where `observer` ends the work, the equations that
+/// are left get a doubt that says so.
+pub fn verify(
+    program: &Program,
+    measured: &Measured,
+    discovery: &mut Discovery,
+    observer: &mut dyn Observer,
+) {
     let mut stopped = None;
     for at in 0..discovery.equations.len() {
         let Some((place, case)) = case(program, measured, discovery, at) else {
@@ -22,11 +28,9 @@ pub fn verify(program: &Program, measured: &Measured, discovery: &mut Discovery,
             Some(stop) => Err(stop),
             None => one(&case, &mut |columns| {
                 let stage = Stage::Verifying(columns, case.library.slots());
-                let step = Step {
-                    equation: place,
-                    stage,
-                };
-                watch(step).break_value()
+                observer
+                    .hear(Activity::Equation { place, stage })
+                    .break_value()
             }),
         };
         stopped = checked.as_ref().err().copied();
@@ -87,7 +91,7 @@ fn attach(equation: &mut Equation, checked: Result<Option<Verification>, Stop>) 
         Ok(_) => None,
     };
     if let Some(reason) = reason {
-        // Who was stopped before is not told twice.
+        // The search may have been stopped before: one such reason is enough.
         if equation.reasons.iter().all(|r| r.code != reason.code) {
             equation.reasons.push(reason);
         }

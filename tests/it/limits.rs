@@ -4,13 +4,11 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use sidc::pipeline;
-use sidc::pipeline::{MEMORY, Measured, Program, Rows};
+use sidc::pipeline::{MEMORY, Measured, Program};
+use sidc::{Activity, Options, Stage, Stop};
 use sidc_data as data;
 use sidc_data::Limits;
-use sidc_discover::{Options, Step};
 use sidc_lang::source::Sources;
-use sidc_progress::{Stage, Stop};
-use sidc_solve::SOLVERS;
 use sidc_system::discovery::{Discovery, Reason, Status};
 use sidc_system::result::{Document, FailedEntry};
 
@@ -160,41 +158,43 @@ fn lorenz() -> (Program, Measured) {
 fn measure(
     program: &Program,
     sources: &mut Sources,
-    mut monitor: impl FnMut(usize) -> ControlFlow<()>,
+    mut monitor: impl FnMut(usize) -> ControlFlow<Stop>,
 ) -> Measured {
     let text = file(LORENZ[1]);
     let table = data::read("lorenz.csv", text.as_bytes(), &Limits::default(), sources).unwrap();
     let mut told = 0;
-    let rows = Rows::default();
-    let how = (&rows, &Options::default());
-    let staged = pipeline::measure(program, &[table], &[], how, sources, &mut |_| {
+    let data = pipeline::from_tables(vec![table], Vec::new());
+    let mut observer = |_: Activity| {
         told += 1;
         monitor(told)
-    });
+    };
+    let staged = pipeline::measure(program, &data, &Options::default(), sources, &mut observer);
     staged.0.unwrap()
+}
+
+/// Work on one equation, as an observer hears of it.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    place: usize,
+    stage: Stage,
 }
 
 /// Identifies the Lorenz system until `ends` says stop; the steps told until then.
 fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
     let (program, measured) = lorenz();
-    let options = Options {
-        method: Default::default(),
-        solver: SOLVERS[0],
-        samples: None,
-        seed: 0,
-        memory: MEMORY,
-        path: false,
-        robust: false,
-    };
     let mut told = Vec::new();
-    let found = pipeline::identify(&program, &measured, &options, &mut |step| {
-        told.push(step);
-        if ends(&step) {
-            ControlFlow::Break(why)
-        } else {
-            ControlFlow::Continue(())
+    let mut observer = |activity: Activity| {
+        let Activity::Equation { place, stage } = activity else {
+            return ControlFlow::Continue(());
+        };
+        told.push(Step { place, stage });
+        match told.last().is_some_and(&ends) {
+            true => ControlFlow::Break(why),
+            false => ControlFlow::Continue(()),
         }
-    });
+    };
+    let options = Options::default();
+    let found = pipeline::identify(&program, &measured, &options, &mut observer);
     (found.unwrap(), told)
 }
 
@@ -216,7 +216,7 @@ fn solving(step: &Step, iteration: usize) -> bool {
 fn every_stage_of_every_equation_is_told_in_order() {
     let (d, told) = until(|_| false, Stop::Interrupted);
     assert!(d.passes());
-    let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.equation, stage(s.stage))).collect();
+    let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.place, stage(s.stage))).collect();
     // The evidence of all equations is weighed when all are found.
     let weighed = stages.split_off(stages.partition_point(|s| s.1 < 3));
     assert_eq!(weighed, [(0, 3), (1, 3), (2, 3)]);
@@ -237,11 +237,11 @@ fn stage(s: Stage) -> u8 {
 
 #[test]
 fn a_stop_between_equations_keeps_those_found() {
-    let (d, told) = until(|s| s.equation == 1, Stop::Interrupted);
+    let (d, told) = until(|s| s.place == 1, Stop::Interrupted);
     assert_eq!(d.equations[0].status, Status::Pass);
     assert_eq!((d.equations.len(), missing(&d, "interrupted")), (1, 2));
     assert_eq!(
-        told.iter().filter(|s| s.equation > 0).count(),
+        told.iter().filter(|s| s.place > 0).count(),
         1,
         "asked again after its stop"
     );
@@ -286,7 +286,7 @@ fn a_stop_while_choosing_is_a_doubt_too() {
 
 #[test]
 fn a_stop_while_evidence_is_weighed_doubts_what_was_not_weighed() {
-    let weighing = |s: &Step| s.equation == 1 && matches!(s.stage, Stage::Weighing);
+    let weighing = |s: &Step| s.place == 1 && matches!(s.stage, Stage::Weighing);
     let (d, told) = until(weighing, Stop::Interrupted);
     assert!(
         weighing(told.last().unwrap()),
@@ -322,7 +322,7 @@ fn a_stop_while_signals_are_prepared_leaves_no_rows() {
     let measured = measure(&program, &mut sources, |n| {
         told = n;
         if n == 2 {
-            ControlFlow::Break(())
+            ControlFlow::Break(Stop::Interrupted)
         } else {
             ControlFlow::Continue(())
         }
