@@ -18,7 +18,7 @@ use crate::error::{Error, ErrorKind};
 /// assert_eq!(data.runs(), 2);
 ///
 /// let ragged = Data::new().run([("t", vec![0.0, 0.1]), ("x", vec![1.0])]);
-/// assert!(ragged.is_err_and(|e| e.to_string().contains("x has length 1")));
+/// assert!(ragged.is_err_and(|e| e.to_string().contains("the array x has 1 value, but the first array has 2")));
 /// # Ok::<(), sidc::Error>(())
 /// ```
 #[derive(Clone, Debug, Default)]
@@ -92,7 +92,11 @@ fn refused(run: &str, fault: ArrayFault) -> Error {
         } => (
             "ragged-row",
             format!(
-                "the array {name} of {run}: {name} has length {length}, the first array {first}"
+                "{run}: the array {name} has {}, but the first array has {first}\n  = help: give one value for each row, NaN where it is missing",
+                match length {
+                    1 => "1 value".into(),
+                    n => format!("{n} values"),
+                }
             ),
         ),
         ArrayFault::Infinite { name, row } => (

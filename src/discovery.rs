@@ -65,7 +65,7 @@ impl Discovery {
         &self.opened.document.failed
     }
 
-    /// True if every equation was found and nothing speaks against any of them.
+    /// True if every equation was found and none has a doubt.
     pub fn passes(&self) -> bool {
         self.opened.discovery.passes()
     }

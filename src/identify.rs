@@ -1,16 +1,14 @@
 //! Model + data → discovery: the stages of the pipeline, one after another.
 
-use sidc_lang::diagnostic::Severity;
 use sidc_progress::{Observer, Unwatched};
-use sidc_system::discovery::Notice;
-use sidc_system::result::{self, Beside, Settings};
+use sidc_system::result::{self, Beside};
 
 use crate::data::Data;
 use crate::discovery::Discovery;
 use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::options::Options;
-use crate::pipeline::{self, Measured, NoiseFault, Program};
+use crate::pipeline::{self, ModelSource, NoiseFault, Program};
 
 impl Model {
     /// Finds the equations. Noisy records are estimated together with their trajectory, clean ones by regression with a proof;
@@ -38,33 +36,27 @@ impl Model {
     ) -> Result<Discovery, Error> {
         let program = &self.with_noise(&options.noise)?;
         let mut sources = self.sources.clone();
-        let asked = (&options.rows, &options.search);
-        let (measured, found) = pipeline::measure(
-            program,
-            &data.tables,
-            &data.params,
-            asked,
-            &mut sources,
-            observer,
-        );
+        let (measured, found) = pipeline::measure(program, data, options, &mut sources, observer);
         let Some(measured) = measured else {
             return Err(Error::of(ErrorKind::Data, &found, &sources));
         };
-        let discovery = pipeline::identify(program, &measured, &options.search, observer);
-        let mut discovery =
-            discovery.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
+        let mut discovery = pipeline::identify(program, &measured, options, observer)
+            .map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
         if options.verify {
             pipeline::verify(program, &measured, &mut discovery, observer);
         }
         let validation = pipeline::validate(program, &measured, &mut discovery, observer);
-        let said = self.findings().iter().chain(&found);
-        let warnings = said.filter(|d| d.severity == Severity::Warning);
+        let source = ModelSource {
+            name: self.name.clone(),
+            text: self.text.clone(),
+            files: Vec::new(),
+        };
         let document = result::document(
             &discovery,
             Beside {
-                settings: self.settings(program, &measured, data, options),
+                settings: pipeline::settings(&source, program, &measured, data, options),
                 signals: pipeline::signal_entries(program, &measured),
-                warnings: warnings.map(|d| Notice::new(d.code, &d.message)).collect(),
+                warnings: pipeline::warnings(self.findings().iter().chain(&found)),
                 validation,
                 candidates: Vec::new(),
             },
@@ -72,7 +64,7 @@ impl Model {
         Discovery::from_document(document)
     }
 
-    /// What the options say of the sensors holds over the model.
+    /// The program, with the noise that the options give in place of what the model declares.
     fn with_noise(&self, noise: &[(String, f64)]) -> Result<Program, Error> {
         let mut program = self.program.clone();
         pipeline::set_noise(&mut program, noise).map_err(|fault| {
@@ -89,34 +81,5 @@ impl Model {
             Error::new(ErrorKind::Options, code, text)
         })?;
         Ok(program)
-    }
-
-    fn settings(
-        &self,
-        program: &Program,
-        measured: &Measured,
-        data: &Data,
-        options: &Options,
-    ) -> Settings {
-        let (search, rows) = (&options.search, &options.rows);
-        let records = &measured.dataset.trajectories;
-        let run = |place: &usize| data.tables.get(*place).map(|t| t.name.clone());
-        let stretches = rows.held.stretches.iter().map(ToString::to_string);
-        let runs = rows.held.files.iter().filter_map(run);
-        Settings {
-            model: self.name.clone(),
-            data: records.iter().map(|t| t.name.clone()).collect(),
-            method: search.method.chosen().into(),
-            solver: search.solver.name().into(),
-            samples: search.samples,
-            seed: search.seed,
-            window: (rows.window != (None, None)).then_some(rows.window),
-            holdout: stretches.chain(runs).collect(),
-            params: data.params.clone(),
-            robust: search.robust,
-            files: Vec::new(),
-            source: self.text.clone(),
-            reading: pipeline::reading(program, measured),
-        }
     }
 }

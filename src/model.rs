@@ -69,7 +69,7 @@ impl Model {
         self.program.library(target).map(|library| library.len())
     }
 
-    /// What is strange about the model though no error, as the command line prints it; empty if nothing is.
+    /// The warnings about the model, as the command line prints them; empty if there are none.
     pub fn warnings(&self) -> String {
         let mut found = self.warnings.clone();
         found.retain(|d| d.severity == Severity::Warning);

@@ -1,11 +1,10 @@
 //! How to look for equations.
 
-use sidc_data::HoldOutRange;
+use sidc_data::{HoldOut, HoldOutRange, Window};
 use sidc_discover::Method;
 use sidc_solve::solver;
 
 use crate::error::{Error, ErrorKind};
-use crate::pipeline::Rows;
 
 /// How to look for equations; the default suits most data. Each setter returns the options with one thing changed.
 ///
@@ -23,7 +22,8 @@ use crate::pipeline::Rows;
 #[derive(Clone, Default)]
 pub struct Options {
     pub(crate) noise: Vec<(String, f64)>,
-    pub(crate) rows: Rows,
+    pub(crate) window: Window,
+    pub(crate) held_out: HoldOut,
     pub(crate) search: sidc_discover::Options,
     pub(crate) verify: bool,
 }
@@ -37,19 +37,19 @@ impl Options {
 
     /// Finds no equations from this part of every record, and runs them there. May be called several times.
     pub fn hold_out(mut self, stretch: HoldOutRange) -> Options {
-        self.rows.held.stretches.push(stretch);
+        self.held_out.stretches.push(stretch);
         self
     }
 
     /// Finds no equations from the record at this place, counted from 0, and runs them there.
     pub fn hold_out_run(mut self, place: usize) -> Options {
-        self.rows.held.files.push(place);
+        self.held_out.files.push(place);
         self
     }
 
     /// Uses only rows with from ≤ t ≤ to; an absent end is open.
     pub fn window(mut self, from: Option<f64>, to: Option<f64>) -> Options {
-        self.rows.window = (from, to);
+        self.window = (from, to);
         self
     }
 
@@ -75,6 +75,11 @@ impl Options {
     /// Uses so many random rows, drawn by `seed`; the others test the answer.
     pub fn samples(mut self, rows: usize, seed: u64) -> Options {
         self.search.samples = Some(rows);
+        self.seed(seed)
+    }
+
+    /// Seed of every random choice. Default: 0.
+    pub fn seed(mut self, seed: u64) -> Options {
         self.search.seed = seed;
         self
     }

@@ -4,7 +4,7 @@ use sidc_data as data;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
-use sidc_progress::{Observer, Unwatched};
+use sidc_progress::{Activity, Observer, Unwatched};
 use sidc_system::discovery::Discovery as FoundSystem;
 use sidc_system::simulate::{self, Options, Run, Source};
 
@@ -18,7 +18,7 @@ pub struct Simulation {
     pub runs: Vec<SimulatedRun>,
 }
 
-/// One record, simulated from its first row under its inputs.
+/// One record, simulated from its first row under its measured inputs.
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedRun {
     pub name: String,
@@ -64,7 +64,8 @@ impl Discovery {
         self.simulate_watched(data, &mut Unwatched)
     }
 
-    /// The same while an observer hears the time reached. Ended early, it returns the rows simulated by then.
+    /// The same while an observer hears the time reached. If it ends the work, the rows simulated by then are returned, and no
+    /// further record is begun.
     ///
     /// # Errors
     /// As [`Discovery::simulate`].
@@ -76,7 +77,7 @@ impl Discovery {
         let discovery = &self.opened.discovery;
         let model = simulate::reads(discovery, &self.opened.model, &[]);
         let mut sources = Sources::default();
-        // Places in a model that nobody wrote are those of the first text.
+        // The model was read back from the document, so its places lead into an empty text.
         sources.add("result", "");
         let (dataset, found) = data::bind(&model, &data.tables, &data.params, &mut sources);
         if found.iter().any(Diagnostic::is_error) {
@@ -87,11 +88,20 @@ impl Discovery {
             model: &model,
             dataset: &dataset,
         };
+        let mut ended = false;
         let mut runs = Vec::new();
         for record in 0..dataset.trajectories.len() {
-            let run = simulate::simulate(&source, record, &Options::default(), observer);
+            let mut observer = |activity: Activity| {
+                let answer = observer.hear(activity);
+                ended |= answer.is_break();
+                answer
+            };
+            let run = simulate::simulate(&source, record, &Options::default(), &mut observer);
             let run = run.map_err(|d| Error::of(ErrorKind::Data, &[d], &sources))?;
             runs.push(named(discovery, run));
+            if ended {
+                break;
+            }
         }
         Ok(Simulation { runs })
     }

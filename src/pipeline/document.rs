@@ -1,9 +1,64 @@
-//! What a result document says of its data, beside the equations.
+//! What a result document says of model, data and options, beside the equations.
+//!
+//! In: a program, what was measured, how equations were looked for. Out: entries of the document. Computes nothing.
 
+use sidc_lang::diagnostic::{Diagnostic, Severity};
 use sidc_lang::term::SignalNames;
-use sidc_system::result::{Reading, SignalEntry};
+use sidc_system::discovery::Notice;
+use sidc_system::result::{FileEntry, Reading, Settings, SignalEntry};
 
-use super::{Measured, Program};
+use super::measure::Measured;
+use super::program::Program;
+use crate::data::Data;
+use crate::options::Options;
+
+/// A model as it was given.
+#[derive(Clone, Debug)]
+pub struct ModelSource {
+    /// What stands for its file in messages and results.
+    pub name: String,
+    pub text: String,
+    /// The model's file and behind it those of the data; none if nothing was read from files.
+    pub files: Vec<FileEntry>,
+}
+
+/// What repeats a run: model, data, options.
+pub fn settings(
+    source: &ModelSource,
+    program: &Program,
+    measured: &Measured,
+    data: &Data,
+    options: &Options,
+) -> Settings {
+    let records = &measured.dataset.trajectories;
+    let run = |place: &usize| data.tables.get(*place).map(|t| t.name.clone());
+    let stretches = options.held_out.stretches.iter().map(ToString::to_string);
+    let runs = options.held_out.files.iter().filter_map(run);
+    let search = &options.search;
+    Settings {
+        model: source.name.clone(),
+        data: records.iter().map(|t| t.name.clone()).collect(),
+        method: search.method.chosen().into(),
+        solver: search.solver.name().into(),
+        samples: search.samples,
+        seed: search.seed,
+        window: (options.window != (None, None)).then_some(options.window),
+        holdout: stretches.chain(runs).collect(),
+        params: data.params.clone(),
+        robust: search.robust,
+        files: source.files.clone(),
+        source: source.text.clone(),
+        reading: reading(program, measured),
+    }
+}
+
+/// The warnings among diagnostics: they travel with the result.
+pub fn warnings<'a>(diagnostics: impl IntoIterator<Item = &'a Diagnostic>) -> Vec<Notice> {
+    let all = diagnostics.into_iter();
+    all.filter(|d| d.severity == Severity::Warning)
+        .map(|d| Notice::new(d.code, &d.message))
+        .collect()
+}
 
 /// What was measured and what was estimated, and how.
 pub fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry> {
@@ -15,8 +70,8 @@ pub fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry
     entries.collect()
 }
 
-/// How the data were read, courses of inputs as they were decided.
-pub fn reading(program: &Program, measured: &Measured) -> Reading {
+/// How the data were read, with the course of each input between its samples as it was decided.
+fn reading(program: &Program, measured: &Measured) -> Reading {
     let mut as_read = program.model.clone();
     for input in &measured.dataset.inputs {
         if let Some(var) = as_read.vars.get_mut(usize::from(input.var.0)) {

@@ -1,16 +1,18 @@
-//! What is said of the sensors beside the model.
+//! Noise of sensors that is given beside the model.
+//!
+//! In: a program, standard deviations by name. Out: the program with these in place of what its model declares, or the first fault.
 
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, VarId};
 
-use super::Program;
+use super::program::Program;
 
 /// Why noise cannot be set.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoiseFault {
-    /// A name twice.
+    /// This name is given twice.
     Twice(String),
-    /// The model measures no such signal; those that it does.
+    /// The model measures no signal of this name; `measured` are those that it does.
     Unknown { name: String, measured: Vec<String> },
 }
 

@@ -1,14 +1,15 @@
-//! The steps of the flow taken by hand: a model's text and columns of numbers → Φ and y of one equation, for a solver.
+//! One equation as a regression problem: a model's text and columns of numbers → Φ and y, for a solver.
 //!
-//! For sweeps and studies, which have their data in memory and look at solutions before any criterion does. Estimates nothing, weighs no
-//! rows, reads no files.
+//! For sweeps and studies, which have their data in memory and look at solutions before a criterion selects terms. Estimates nothing,
+//! weighs no rows, reads no files.
 
-use super::{MEMORY, Program, Sources, needed};
+use super::program::{self, Program, needed};
 use sidc_data::{Column, Origin, Samples};
 use sidc_discover::dictionary::{BadValue, compile, subtract};
-use sidc_lang::library::{Library, known_terms};
+use sidc_lang::library::{Library, MEMORY, known_terms};
 use sidc_lang::model::RightSide;
 use sidc_lang::render;
+use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_solve::Problem;
 use sidc_solve::dictionary::Dictionary;
@@ -51,7 +52,7 @@ impl Program {
     pub fn compile(name: &str, text: &str) -> Result<Program, String> {
         let mut sources = Sources::default();
         let file = sources.add(name, text);
-        let (program, found) = super::compile(file, &sources, MEMORY);
+        let (program, found) = program::compile(file, &sources, MEMORY);
         program.ok_or_else(|| render(&found, &sources, false))
     }
 

@@ -1,6 +1,7 @@
 //! A term that has no finite value on the data: the term, the row, the value.
 
-use super::{Measured, Program};
+use super::measure::Measured;
+use super::program::Program;
 use sidc_discover::dictionary::BadValue;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::RightSide;

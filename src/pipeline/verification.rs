@@ -1,17 +1,18 @@
 //! Equations checked once more, after they were found.
 //!
-//! In: a program, the samples, the [`Discovery`]. Out: a verification with each equation's evidence, and a doubt where something does not hold.
+//! In: a program, the samples, the [`Discovery`]. Out: with each equation's evidence whether it holds, and a doubt where it does not.
 //! Never changes a term or a coefficient.
 
-use super::{Measured, Program};
+use super::measure::Measured;
+use super::program::Program;
 use sidc_discover::unverified;
 use sidc_discover::verify;
 use sidc_discover::verify::Case;
 use sidc_progress::{EquationObserver, Observer, Stage, Stop};
 use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status, Verification};
 
-/// Checks every equation that was found, by other code and in other arithmetic. Where the observer ends the work, equations
-/// that were not reached are doubted for it.
+/// Checks every equation that was found, by other code and in other arithmetic. Where `observer` ends the work, the equations that
+/// are left get a doubt that says so.
 pub fn verify(
     program: &Program,
     measured: &Measured,
@@ -68,7 +69,7 @@ fn attach(equation: &mut Equation, checked: Result<Option<Verification>, Stop>) 
         Ok(_) => None,
     };
     if let Some(reason) = reason {
-        // Who was stopped before is not told twice.
+        // The search may have been stopped before: one such reason is enough.
         if equation.reasons.iter().all(|r| r.code != reason.code) {
             equation.reasons.push(reason);
         }

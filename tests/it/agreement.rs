@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use sidc_progress::Unwatched;
+use sidc::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status};
 

@@ -1,7 +1,7 @@
 //! The heuristics behind `trait Solver`: right where theory says so, honest elsewhere, and never a proof.
 
 use proptest::prelude::*;
-use sidc_progress::Unwatched;
+use sidc::Unwatched;
 use sidc_solve::dictionary::{Collector, Dense, Dictionary, Strongest};
 use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status, certify, least_squares};
 use sidc_testing::observers::{interrupting, solver_progress};

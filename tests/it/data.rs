@@ -2,6 +2,7 @@
 
 #![allow(clippy::expect_used, clippy::panic)]
 
+use sidc::Unwatched;
 use sidc_data as data;
 use sidc_data::{Dataset, Limits, Origin, Samples, Table};
 use sidc_lang::diagnostic::{Diagnostic, Severity};
@@ -11,7 +12,6 @@ use sidc_lang::model::{
 };
 use sidc_lang::source::{Sources, Span};
 use sidc_lang::term::{Expr, Signal, VarId};
-use sidc_progress::Unwatched;
 
 // ---- Models, built by hand: this stage does not know the parser. ----
 

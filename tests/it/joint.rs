@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use sidc_progress::Unwatched;
+use sidc::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{
     FitBlock, Joint, JointSolution, Outcome, Problem, Row, Sense, certify_joint, fit, nearest,

@@ -1,7 +1,7 @@
 //! The Lasso path: every knot against conditions and bounds that are computed here, from columns alone.
 
 use proptest::prelude::*;
-use sidc_progress::Unwatched;
+use sidc::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{Knot, Problem, certify, certify_lasso, lasso, lasso_path};
 use sidc_testing::observers::interrupting;

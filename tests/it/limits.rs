@@ -4,13 +4,12 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use sidc::pipeline;
-use sidc::pipeline::{MEMORY, Measured, Program, Rows};
+use sidc::pipeline::{MEMORY, Measured, Program};
+use sidc::{Activity, Options, Stage, Stop};
+use sidc::{Observer, Unwatched};
 use sidc_data as data;
 use sidc_data::Limits;
-use sidc_discover::Options;
 use sidc_lang::source::Sources;
-use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
-use sidc_solve::SOLVERS;
 use sidc_system::discovery::{Discovery, Reason, Status};
 use sidc_system::result::{Document, FailedEntry};
 use sidc_testing::observers::interrupting;
@@ -161,13 +160,13 @@ fn lorenz() -> (Program, Measured) {
 fn measure(program: &Program, sources: &mut Sources, observer: &mut dyn Observer) -> Measured {
     let text = file(LORENZ[1]);
     let table = data::read("lorenz.csv", text.as_bytes(), &Limits::default(), sources).unwrap();
-    let rows = Rows::default();
-    let how = (&rows, &Options::default());
-    let staged = pipeline::measure(program, &[table], &[], how, sources, observer);
+    let data = pipeline::from_tables(vec![table], Vec::new());
+    let staged = pipeline::measure(program, &data, &Options::default(), sources, observer);
     staged.0.unwrap()
 }
 
-/// A stage of the equation at a place.
+/// Work on one equation, as an observer hears of it.
+#[derive(Clone, Copy, Debug)]
 struct Step {
     place: usize,
     stage: Stage,
@@ -176,29 +175,19 @@ struct Step {
 /// Identifies the Lorenz system until `ends` says stop; the steps told until then.
 fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
     let (program, measured) = lorenz();
-    let options = Options {
-        method: Default::default(),
-        solver: SOLVERS[0],
-        samples: None,
-        seed: 0,
-        memory: MEMORY,
-        path: false,
-        robust: false,
-    };
     let mut told = Vec::new();
-    let found = pipeline::identify(&program, &measured, &options, &mut |activity: Activity| {
+    let mut observer = |activity: Activity| {
         let Activity::Equation { place, stage } = activity else {
-            panic!("{activity:?}");
+            return ControlFlow::Continue(());
         };
-        let step = Step { place, stage };
-        let end = ends(&step);
-        told.push(step);
-        if end {
-            ControlFlow::Break(why)
-        } else {
-            ControlFlow::Continue(())
+        told.push(Step { place, stage });
+        match told.last().is_some_and(&ends) {
+            true => ControlFlow::Break(why),
+            false => ControlFlow::Continue(()),
         }
-    });
+    };
+    let options = Options::default();
+    let found = pipeline::identify(&program, &measured, &options, &mut observer);
     (found.unwrap(), told)
 }
 

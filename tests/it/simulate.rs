@@ -1,11 +1,11 @@
 //! Free runs: equations of known solutions against those solutions, and the ways to end early.
 
+use sidc::{Observer, Unwatched};
 use sidc_data as data;
 use sidc_data::Limits;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
-use sidc_progress::{Observer, Unwatched};
 use sidc_system::result;
 use sidc_system::result::Opened;
 use sidc_system::simulate;

@@ -1,7 +1,7 @@
 //! Solvers on problems with a known answer.
 
 use proptest::prelude::*;
-use sidc_progress::Unwatched;
+use sidc::Unwatched;
 use sidc_solve::dictionary::{Dense, Dictionary};
 use sidc_solve::{
     Certificate, Problem, SOLVERS, Solution, Status, certify, least_squares, polish, refine_dual,

@@ -4,6 +4,10 @@ use std::collections::BTreeSet;
 
 use sidc_testing::program::{file, root};
 
+/// A program has no library that a test could ask.
+#[path = "../../crates/cli/src/thresholds.rs"]
+mod command_line;
+
 const PAGE: &str = "docs/thresholds.md";
 
 const OPENING: &str = "# Numbers that decide
@@ -20,6 +24,8 @@ fn tables() -> Vec<(&'static str, Vec<sidc_thresholds::Table>)> {
         ("System", sidc_system::thresholds()),
         ("Discovery", sidc_discover::thresholds()),
         ("Output", sidc_emit::thresholds()),
+        ("Library", sidc::pipeline::thresholds()),
+        ("Command line", command_line::thresholds()),
     ]
 }
 

@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use serde_json::Value;
 use sidc::pipeline;
-use sidc::pipeline::{MEMORY, Measured, Program, Rows};
+use sidc::pipeline::{MEMORY, Measured, Program};
+use sidc::{Activity, Stage, Stop, Unwatched};
 use sidc_data as data;
 use sidc_data::{Dataset, Samples};
 use sidc_discover::verify::{Case, verify};
 use sidc_discover::{Options, discover};
 use sidc_lang::source::Sources;
 use sidc_lang::term::Signal;
-use sidc_progress::{Activity, Stage, Stop, Unwatched};
 use sidc_system::discovery::{Discovery, Equation, Evidence, ReasonCode, Verification, Witness};
 use sidc_testing::observers::interrupting;
 
@@ -293,16 +293,18 @@ fn measured(name: &str) -> (Program, Measured) {
     let text = file(&format!("models/data/{name}.csv"));
     let limits = data::Limits::default();
     let table = data::read("data.csv", text.as_bytes(), &limits, &mut sources).unwrap();
-    let how = (&Rows::default(), &Options::default());
-    let staged = pipeline::measure(&program, &[table], &[], how, &mut sources, &mut Unwatched);
+    let data = pipeline::from_tables(vec![table], Vec::new());
+    let options = sidc::Options::default();
+    let staged = pipeline::measure(&program, &data, &options, &mut sources, &mut Unwatched);
     (program, staged.0.unwrap())
 }
 
 /// What is found in it, verified after `change`.
 fn verified(name: &str, change: impl FnOnce(&mut Discovery), stop: Option<Stop>) -> Discovery {
     let (program, measured) = measured(name);
-    let mut found =
-        pipeline::identify(&program, &measured, &Options::default(), &mut Unwatched).unwrap();
+    let options = sidc::Options::default();
+    let found = pipeline::identify(&program, &measured, &options, &mut Unwatched);
+    let mut found = found.unwrap();
     change(&mut found);
     let mut observer = |activity: Activity| match (stop, activity) {
         (Some(stop), Activity::Equation { place: 1.., .. }) => ControlFlow::Break(stop),

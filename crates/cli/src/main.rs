@@ -1,46 +1,26 @@
-//! The command line: one file a subcommand; the only place that touches files and terminals.
+//! The command line: parses the arguments, runs one command, and ends with its exit status.
+//!
+//! Imports lead one way: here → `commands`, one file or folder a command → what commands share: `arguments` (values of options),
+//! `inputs` and `outputs` (files, standard output, diagnostics), `monitoring` (progress, limits, Ctrl-C). No command uses another.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
-mod against;
-mod answer;
-mod candidates;
-mod check;
-mod completions;
-mod examples;
-mod export;
-mod fmt;
-mod identify;
+mod arguments;
+mod commands;
+mod exit_status;
+mod failure;
 mod inputs;
-mod limits;
-mod linearize;
-mod list;
-mod narrate;
-mod new;
-mod output;
-mod point;
-mod progress;
-mod report;
-mod simulate;
-mod smooth;
-mod values;
+mod monitoring;
+mod outputs;
+mod thresholds;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
-use sidc_lang::diagnostic::did_you_mean;
-
-/// Exit statuses, as docs/command-line.md promises them. 2 (usage) is clap's own.
-pub(crate) mod status {
-    pub const PASS: u8 = 0;
-    /// The model, the data or a file is at fault.
-    pub const INPUT: u8 = 1;
-    /// A doubt, a failure, an interrupt or a limit: equations are still printed.
-    pub const DOUBT: u8 = 3;
-    /// Ctrl-C a second time: nothing is printed. What shells say of a program that Ctrl-C ended.
-    pub const KILLED: u8 = 130;
-}
+use commands::{
+    check, completions, export, fmt, identify, linearize, list, new, report, simulate, smooth,
+};
 
 /// A compiler for equation discovery: from measured time series to differential equations, with evidence.
 #[derive(Parser)]
@@ -76,7 +56,6 @@ enum Command {
     Completions(completions::Args),
 }
 
-/// Parses the command line, runs the subcommand, and turns what happened into an exit status.
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::New(args) => new::run(&args),
@@ -89,46 +68,10 @@ fn main() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Linearize(args) => linearize::run(&args),
         Command::List(args) => list::run(&args),
-        Command::Completions(args) => completions::run(&args),
+        Command::Completions(args) => completions::run(&args, Cli::command()),
     };
-    ExitCode::from(result.unwrap_or_else(|said| said.print()))
-}
-
-/// What to add to the message about an unknown name, if one of the known names may be meant.
-pub(crate) fn hint<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> String {
-    did_you_mean(wrong, known).map_or_else(String::new, |n| format!("; did you mean `{n}`?"))
-}
-
-/// A failure of the whole command, with everything to say about it.
-#[derive(Default)]
-pub(crate) struct Failure(Vec<String>);
-
-impl Failure {
-    pub fn new(text: impl Into<String>) -> Self {
-        Failure(vec![text.into()])
-    }
-
-    /// What another failure has to say as well.
-    pub fn add(&mut self, other: Failure) {
-        self.0.extend(other.0);
-    }
-
-    /// The value, unless there is something to say.
-    pub fn or<T>(self, value: T) -> Result<T, Failure> {
-        if self.0.is_empty() {
-            Ok(value)
-        } else {
-            Err(self)
-        }
-    }
-
-    fn print(&self) -> u8 {
-        for text in &self.0 {
-            eprint!("{text}");
-            if !text.ends_with('\n') {
-                eprintln!();
-            }
-        }
-        status::INPUT
-    }
+    ExitCode::from(result.unwrap_or_else(|failure| {
+        failure.print();
+        exit_status::INPUT
+    }))
 }

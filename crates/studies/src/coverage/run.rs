@@ -3,12 +3,11 @@
 //! In: a case, a level, a number of draws. Out: a [`Draw`] each, in order of the seeds. What it calls is what `sidc identify` calls.
 
 use sidc::pipeline;
+use sidc::{Options, Unwatched};
 use sidc_data::{Limits, read};
-use sidc_discover::Options;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, SignalNames};
-use sidc_progress::Unwatched;
 use sidc_system::discovery::Discovery;
 
 use super::case::Case;
@@ -73,19 +72,14 @@ fn identify(case: &Case, level: f64, seed: u64) -> Result<Discovery, String> {
         );
         tables.push(table.map_err(|d| render(&d, &sources, false))?);
     }
-    let options = Options::default();
-    let rows = pipeline::Rows::default();
-    let staged = pipeline::measure(
-        &program,
-        &tables,
-        &[],
-        (&rows, &options),
-        &mut sources,
-        &mut Unwatched,
+    let (data, options) = (
+        pipeline::from_tables(tables, Vec::new()),
+        Options::default(),
     );
+    let staged = pipeline::measure(&program, &data, &options, &mut sources, &mut Unwatched);
     let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
-    pipeline::identify(&program, &measured, &options, &mut Unwatched)
-        .map_err(|d| render(&d, &sources, false))
+    let found = pipeline::identify(&program, &measured, &options, &mut Unwatched);
+    found.map_err(|d| render(&d, &sources, false))
 }
 
 fn marked(case: &Case, found: &Discovery) -> Marked {

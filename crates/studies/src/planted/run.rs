@@ -3,12 +3,11 @@
 //! In: a case. Out: an [`Outcome`]. What it calls is what `sidc identify` calls.
 
 use sidc::pipeline;
+use sidc::{Options, Unwatched};
 use sidc_data::{Limits, read};
-use sidc_discover::Options;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, SignalNames};
-use sidc_progress::Unwatched;
 use sidc_system::discovery::{Cause, Discovery, FoundTerm, Mark, Status};
 
 use super::cases::Case;
@@ -106,15 +105,11 @@ pub fn identify(case: &Case) -> Result<Discovery, String> {
         let table = read(&name, text.as_bytes(), &Limits::default(), &mut sources);
         tables.push(table.map_err(|d| render(&d, &sources, false))?);
     }
-    let options = Options::default();
-    let staged = pipeline::measure(
-        &program,
-        &tables,
-        &[],
-        (&sidc::pipeline::Rows::default(), &options),
-        &mut sources,
-        &mut Unwatched,
+    let (data, options) = (
+        pipeline::from_tables(tables, Vec::new()),
+        Options::default(),
     );
+    let staged = pipeline::measure(&program, &data, &options, &mut sources, &mut Unwatched);
     let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
     let found = pipeline::identify(&program, &measured, &options, &mut Unwatched);
     found.map_err(|d| render(&d, &sources, false))

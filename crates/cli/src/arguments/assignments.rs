@@ -1,0 +1,68 @@
+//! Options of the form name=value: parameters, noises, starts; and noises set in a compiled model.
+
+use super::names::hint;
+use crate::failure::Failure;
+use sidc::pipeline::{self, NoiseFault, Program};
+
+/// `m=0.3,0.5`
+pub fn parameter(text: &str) -> Result<(String, Vec<f64>), String> {
+    let (name, values) = text
+        .split_once('=')
+        .ok_or("write a parameter as name=value")?;
+    let values: Result<Vec<f64>, String> = values
+        .split(',')
+        .map(|v| match v.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok(x),
+            _ => Err(format!("`{v}` is not a number")),
+        })
+        .collect();
+    Ok((name.trim().to_string(), values?))
+}
+
+/// `theta=0.01`
+pub fn noise(text: &str) -> Result<(String, f64), String> {
+    match parameter(text)? {
+        (name, values) if values.len() == 1 && values.iter().all(|x| *x > 0.0) => {
+            Ok((name, values.iter().sum()))
+        }
+        _ => Err("a noise is one number above 0, a standard deviation".into()),
+    }
+}
+
+/// `theta=0.1,dtheta=0`
+pub fn start(text: &str) -> Result<Vec<(String, f64)>, String> {
+    let one = |part: &str| {
+        let (name, value) = part
+            .split_once('=')
+            .ok_or("write a start as name=value,name=value")?;
+        match value.trim().parse::<f64>() {
+            Ok(x) if x.is_finite() => Ok((name.trim().to_string(), x)),
+            _ => Err(format!("`{value}` is not a number")),
+        }
+    };
+    text.split(',').map(one).collect()
+}
+
+/// Sets the noise of sensors in place of what the model declares.
+///
+/// # Errors
+/// A name that the model does not measure, or that is given twice.
+pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
+    pipeline::set_noise(program, noise).map_err(|fault| match fault {
+        NoiseFault::Twice(name) => given_twice("--noise", &name),
+        NoiseFault::Unknown { name, measured } => {
+            let hint = hint(&name, measured.iter().map(String::as_str));
+            Failure::new(format!(
+                "error[unknown-noise]: --noise {name}: the model measures no signal of this name{hint}\n  = measured: {}",
+                measured.join(", ")
+            ))
+        }
+    })
+}
+
+/// The failure for a name that has its value already.
+pub fn given_twice(option: &str, name: &str) -> Failure {
+    Failure::new(format!(
+        "error[given-twice]: {option} {name}: this has a value already\n  = help: one value a name"
+    ))
+}

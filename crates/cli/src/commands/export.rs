@@ -1,0 +1,49 @@
+//! `sidc export R.json --to TARGET`: a result as code or mathematics.
+
+use std::path::PathBuf;
+
+use crate::arguments::names::hint;
+use crate::exit_status;
+use crate::failure::Failure;
+use crate::inputs::texts;
+use crate::outputs::files;
+use sidc_emit as emit;
+use sidc_emit::TARGETS;
+
+const EXAMPLES: &str = "Examples:
+  sidc export R.json --to latex           equations for a paper
+  sidc export R.json --to c -o model.h    code with Jacobians";
+
+/// Write a result as LaTeX, Rust, …
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// Result of `sidc identify … -o R.json`
+    result: PathBuf,
+    /// Target language (`sidc list` shows them)
+    #[arg(long)]
+    to: String,
+    /// File to write instead of stdout
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<u8, Failure> {
+    let target = emit::target(&args.to).ok_or_else(|| unknown(&args.to))?;
+    files::check_writable(args.output.as_deref(), [&args.result])?;
+    let discovery = texts::result(&args.result)?.discovery;
+    let code = target
+        .emit(&discovery)
+        .map_err(|why| Failure::new(format!("error[not-expressible]: {why}")))?;
+    files::write_or_print(args.output.as_deref(), &code)?;
+    Ok(exit_status::PASS)
+}
+
+fn unknown(name: &str) -> Failure {
+    let names: Vec<&str> = TARGETS.iter().map(|t| t.name()).collect();
+    let hint = hint(name, names.iter().copied());
+    Failure::new(format!(
+        "error[unknown-target]: no target named `{name}`{hint}\n  = targets: {}",
+        names.join(", ")
+    ))
+}

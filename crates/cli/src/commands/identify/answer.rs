@@ -1,0 +1,145 @@
+//! What `identify` prints and writes: equations with evidence, rows, signals; the same as a document.
+
+use super::arguments::Args;
+use super::search::{Candidate, Identified, Search};
+use crate::arguments::time_ranges::HeldOut;
+use crate::exit_status;
+use crate::failure::Failure;
+use crate::outputs::paths::short_name;
+use crate::outputs::{files, signals, stdout};
+use sidc::pipeline;
+use sidc_emit as emit;
+use sidc_system::result;
+use sidc_system::result::{CandidateEntry, Settings};
+
+/// The answer, and how it came about.
+pub struct Answer<'a> {
+    pub args: &'a Args,
+    pub search: &'a Search,
+    pub candidate: &'a Candidate,
+    pub found: &'a Identified,
+    /// All candidates, if there are several.
+    pub others: &'a [CandidateEntry],
+}
+
+impl Answer<'_> {
+    /// Writes and prints the answer; the exit status.
+    ///
+    /// # Errors
+    /// A file that cannot be written; the answer is printed all the same.
+    pub fn print(&self) -> Result<u8, Failure> {
+        let document = self.document()?;
+        // The disk may be full: the failure is kept until the answer is printed.
+        let output = self.args.output.as_ref();
+        let written = output.map(|path| files::write(path, &document));
+        if self.args.json {
+            stdout::print(&document)?;
+        } else {
+            stdout::print_readable(&self.text())?;
+        }
+        written.transpose()?;
+        Ok(match self.found.discovery.passes() {
+            true => exit_status::PASS,
+            false => exit_status::DOUBT,
+        })
+    }
+
+    fn text(&self) -> String {
+        let (program, measured, d) = (
+            &self.candidate.program,
+            &self.candidate.measured,
+            &self.found.discovery,
+        );
+        let mut text = String::new();
+        if !self.others.is_empty() {
+            text.push_str(&comparison_table(self.others, program.model.discrete));
+            text.push('\n');
+        }
+        let rows = measured.rows();
+        let drawn = match self.args.samples {
+            Some(n) if (n as usize) < rows => format!(" ({n} drawn, seed {})", self.args.seed),
+            _ => String::new(),
+        };
+        let rows = match rows {
+            0 => "no rows were ready".into(),
+            n if measured.joint.is_some() => format!("{n} samples"),
+            n => format!("{n} rows{drawn}"),
+        };
+        text.push_str(&format!(
+            "{}: {rows} from {}\n\n",
+            d.system.as_deref().unwrap_or("system"),
+            signals::trajectories(measured)
+        ));
+        text.push_str(&emit::answer(d, self.args.evidence));
+        text.push_str(&emit::consequences(d));
+        text.push('\n');
+        if let Some(validation) = &self.found.validation {
+            text.push_str(&emit::validation(validation));
+            text.push('\n');
+        }
+        text.push_str(&signals::describe(program, measured));
+        text
+    }
+
+    fn document(&self) -> Result<String, Failure> {
+        let Candidate {
+            source,
+            program,
+            measured,
+            warnings,
+        } = self.candidate;
+        let Search { data, options, .. } = self.search;
+        let held_out = |h: &HeldOut| match h {
+            HeldOut::Stretch(stretch) => stretch.to_string(),
+            HeldOut::File(path) => short_name(path),
+        };
+        let beside = result::Beside {
+            // Window and rows held out as the user asked for them.
+            settings: Settings {
+                window: self.args.window,
+                holdout: self.args.holdout.iter().map(held_out).collect(),
+                ..pipeline::settings(source, program, measured, data, options)
+            },
+            signals: pipeline::signal_entries(program, measured),
+            warnings: warnings.clone(),
+            validation: self.found.validation.clone(),
+            candidates: self.others.to_vec(),
+        };
+        result::write(&self.found.discovery, beside).map_err(Failure::internal)
+    }
+}
+
+/// The table of all candidates, by their error.
+fn comparison_table(entries: &[CandidateEntry], discrete: bool) -> String {
+    let width = entries.iter().map(|e| e.model.chars().count()).max();
+    let width = width.unwrap_or(0).max("model".len());
+    let seconds = entries.first().map_or(0.0, |e| e.seconds);
+    let mut text = format!(
+        "candidates by the error of their free runs on data not used, {} {} long; of those within 1 dB of the least\n\
+         (or below -100 dB) the one with the fewest terms is best\n",
+        sidc_lang::number::significant(seconds, 3),
+        if discrete { "samples" } else { "s" }
+    );
+    text.push_str(&format!("  {:<width$}  terms  error (dB)\n", "model"));
+    for e in entries {
+        let error = e.error_db.map_or("ended".into(), |x| format!("{x:.1}"));
+        let mut marks = Vec::new();
+        if e.best {
+            marks.push("best");
+        } else if e.front {
+            marks.push("on the Pareto front");
+        }
+        if !e.passes {
+            marks.push("doubted");
+        }
+        let line = format!(
+            "  {:<width$}  {:>5}  {error:>10}  {}",
+            e.model,
+            e.terms,
+            marks.join(", ")
+        );
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}

@@ -1,0 +1,164 @@
+//! Models on their way to equations: compiled, measured, identified.
+//!
+//! In: models, and what they share: data, options, monitor. Out: equations with evidence, run on what was held out. Compares and
+//! prints no result.
+
+use std::path::PathBuf;
+
+use super::arguments::Args;
+use crate::arguments::assignments;
+use crate::failure::Failure;
+use crate::inputs::texts;
+use crate::monitoring::monitor::Monitor;
+use crate::monitoring::stderr;
+use crate::monitoring::verbosity::Notes;
+use crate::outputs::diagnostics;
+use crate::thresholds::PROGRESS;
+use sidc::pipeline::{self, Measured, ModelSource, Program};
+use sidc::{Data, Method, Options, Validation};
+use sidc_lang::source::Sources;
+use sidc_system::discovery::{Discovery, Notice};
+
+/// A compiled model.
+pub struct CompiledModel {
+    pub source: ModelSource,
+    program: Program,
+    warnings: Vec<Notice>,
+}
+
+/// A model on its data.
+pub struct Candidate {
+    pub source: ModelSource,
+    pub program: Program,
+    pub measured: Measured,
+    /// Warnings that travel with the result.
+    pub warnings: Vec<Notice>,
+}
+
+/// The equations of a candidate.
+pub struct Identified {
+    pub discovery: Discovery,
+    /// How they run on what was held out; `None` if nothing was.
+    pub validation: Option<Validation>,
+}
+
+/// What all models share.
+pub struct Search {
+    pub data: Data,
+    pub options: Options,
+    /// Whether equations are checked once more.
+    pub verify: bool,
+    pub sources: Sources,
+    pub monitor: Monitor,
+}
+
+/// Compiles every model.
+///
+/// # Errors
+/// The faults of all of them at once.
+pub fn compile(
+    args: &Args,
+    paths: &[PathBuf],
+    sources: &mut Sources,
+    notes: Notes,
+) -> Result<Vec<CompiledModel>, Failure> {
+    let mut failed = Failure::default();
+    let mut models = Vec::new();
+    for path in paths {
+        let model = texts::model_text(path).and_then(|(text, entry)| {
+            let file = sources.add(path.display().to_string(), text.as_str());
+            let compiled = pipeline::compile(file, sources, args.memory_limit);
+            let warnings = pipeline::warnings(&compiled.1);
+            let mut program = diagnostics::report(compiled, sources, notes)?;
+            assignments::set_noise(&mut program, &args.noise)?;
+            let source = ModelSource {
+                name: entry.name.clone(),
+                text,
+                files: vec![entry],
+            };
+            Ok(CompiledModel {
+                source,
+                program,
+                warnings,
+            })
+        });
+        match model {
+            Ok(model) => models.push(model),
+            Err(more) => failed.add(more),
+        }
+    }
+    failed.or(models)
+}
+
+impl Search {
+    /// The signals of a model on common rows.
+    ///
+    /// # Errors
+    /// What the data lack.
+    pub fn measure(&mut self, model: CompiledModel, method: Method) -> Result<Candidate, Failure> {
+        let CompiledModel {
+            source,
+            program,
+            mut warnings,
+        } = model;
+        let mut observer = self.monitor.observer(&program.model);
+        let (data, options, sources) = (&self.data, &self.options, &mut self.sources);
+        let (measured, mut found) =
+            pipeline::measure(&program, data, options, sources, &mut observer);
+        drop(observer);
+        if method == Method::Weak {
+            // The weak form uses no estimated derivatives, so what is wrong with them does not matter.
+            let of_derivatives = ["noisy-derivative", "input-changes-often"];
+            found.retain(|d| !of_derivatives.contains(&d.code));
+        }
+        warnings.extend(pipeline::warnings(&found));
+        let notes = self.monitor.notes;
+        let measured = diagnostics::report((measured, found), &self.sources, notes)?;
+        Ok(Candidate {
+            source,
+            program,
+            measured,
+            warnings,
+        })
+    }
+
+    /// The equations of a candidate, run on what was held out.
+    ///
+    /// # Errors
+    /// Terms without a value on the data, constraints that the data contradict.
+    pub fn identify(&self, candidate: &Candidate) -> Result<Identified, Failure> {
+        let (program, measured) = (&candidate.program, &candidate.measured);
+        let stages = &self.monitor.stages;
+        let mut observer = self.monitor.observer(&program.model);
+        let found = pipeline::identify(program, measured, &self.options, &mut observer);
+        stages.close();
+        stages.done("evidence weighed");
+        let mut discovery = found.map_err(|d| diagnostics::failure(&d, &self.sources))?;
+        if self.verify {
+            if self.monitor.notes != Notes::None {
+                announce(pipeline::verification_work(program, measured, &discovery));
+            }
+            pipeline::verify(program, measured, &mut discovery, &mut observer);
+            stages.close();
+        }
+        let validation = pipeline::validate(program, measured, &mut discovery, &mut observer);
+        if validation.is_some() {
+            stages.done("run on data held out");
+        }
+        Ok(Identified {
+            discovery,
+            validation,
+        })
+    }
+}
+
+/// Says how long a verification takes, if that is long enough to wonder.
+fn announce(products: u128) {
+    if products > PROGRESS.announced_products {
+        let seconds = products as f64 / PROGRESS.products_per_second;
+        stderr::replace_line(&format!(
+            "verifying: {:.1e} products in 106 bits, some {seconds:.0} s; Ctrl-C or --time-limit ends it\n",
+            products as f64
+        ));
+    }
+}

@@ -1,0 +1,13 @@
+//! The commands, one file or folder each: its arguments, its help, what it does and prints. No command imports another.
+
+pub mod check;
+pub mod completions;
+pub mod export;
+pub mod fmt;
+pub mod identify;
+pub mod linearize;
+pub mod list;
+pub mod new;
+pub mod report;
+pub mod simulate;
+pub mod smooth;

@@ -1,0 +1,71 @@
+//! `sidc new DATA`: a first model of a table.
+
+use std::path::PathBuf;
+
+use crate::arguments::quantities;
+use crate::exit_status;
+use crate::failure::Failure;
+use crate::inputs::tables;
+use crate::monitoring::monitor::Monitor;
+use crate::outputs::{diagnostics, files, paths};
+use sidc_data as data;
+use sidc_data::Table;
+use sidc_data::draft::draft;
+use sidc_lang as lang;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::source::Sources;
+
+const EXAMPLES: &str = "Examples:
+  sidc new data.csv                       print a first model of the table
+  sidc new data.csv -o model.sid          write it, then:
+  sidc identify model.sid data.csv";
+
+/// Write a first model of a table, with comments: states, orders, angles, inputs
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    /// A data file
+    data: PathBuf,
+    /// Write the model here instead of on standard output
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Most memory for the table: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    #[arg(long, value_name = "SIZE", value_parser = quantities::memory, default_value = quantities::MEMORY)]
+    memory_limit: u64,
+}
+
+pub fn run(args: &Args) -> Result<u8, Failure> {
+    let mut sources = Sources::default();
+    let data = std::slice::from_ref(&args.data);
+    files::check_writable(args.output.as_deref(), data)?;
+    let monitor = Monitor::plain();
+    let tables = tables::read(data, args.memory_limit, &mut sources, &monitor)?.tables;
+    let name = paths::short_name(&args.data);
+    let text = tables.first().and_then(draft);
+    let text = text.ok_or_else(|| nothing(&name, &tables, &mut sources))?;
+    let mut sources = Sources::default();
+    let file = sources.add(name, text.as_str());
+    let text = lang::format(file, &text).map_err(|found| diagnostics::failure(&found, &sources))?;
+    files::write_or_print(args.output.as_deref(), &text)?;
+    Ok(exit_status::PASS)
+}
+
+/// Why there is no model: cells that are no numbers, or no column whose numbers change.
+fn nothing(name: &str, tables: &[Table], sources: &mut Sources) -> Failure {
+    let faults = |t: &Table| {
+        let columns: Vec<usize> = (0..t.headers().len()).collect();
+        data::bad_cells(t, &columns, sources)
+    };
+    let faults: Vec<Diagnostic> = tables.iter().flat_map(faults).collect();
+    if !faults.is_empty() {
+        return diagnostics::failure(&faults, sources);
+    }
+    let nameless = tables.iter().flat_map(Table::headers).any(|h| h.is_empty());
+    let help = match nameless {
+        true => "a column without a name is left out: write one into the first line",
+        false => "a table has a line of headers and, below it, a column for each signal",
+    };
+    Failure::new(format!(
+        "error[no-state]: {name}: no column of numbers that has a name moves, so there is nothing to find a law of\n  = help: {help}"
+    ))
+}

@@ -1,0 +1,87 @@
+//! `sidc report RESULT DATA…`: the result as one page, with the equations run along the data.
+
+use std::path::PathBuf;
+
+use crate::exit_status;
+use crate::failure::Failure;
+use crate::inputs::result_and_records;
+use crate::monitoring::monitor::Monitor;
+use crate::monitoring::progress_line::{ProgressLine, Work};
+use crate::outputs::files;
+use sidc_emit::report;
+use sidc_emit::report::{RecordRun, Subject};
+use sidc_system::result::Document;
+use sidc_system::simulate;
+use sidc_system::simulate::{Options, Source};
+
+const EXAMPLES: &str = "Examples:
+  sidc report R.json data.csv -o report.html        one page to look at, to print, to mail
+  sidc report R.json new.csv -o new.html            held against data the equations have not seen";
+
+/// Write a result as one page of HTML: equations, evidence, runs along data
+#[derive(clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub struct Args {
+    #[command(flatten)]
+    input: result_and_records::Args,
+    /// Write the page here instead of on standard output
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+pub fn run(args: &Args) -> Result<u8, Failure> {
+    let monitor = args.input.monitor();
+    files::check_writable(args.output.as_deref(), &args.input.files)?;
+    let bound = args.input.open("report", &[], &monitor)?;
+    monitor.listen();
+    let source = Source {
+        discovery: &bound.opened.discovery,
+        model: &bound.model,
+        dataset: &bound.dataset,
+    };
+    let line = monitor.progress_line();
+    let runs = runs(&source, &bound.opened.document, &line, &monitor);
+    line.show(Work::Drawing);
+    let page = report::html(&Subject {
+        discovery: source.discovery,
+        document: &bound.opened.document,
+        name: &bound.name,
+        dataset: source.dataset,
+        runs: &runs,
+        files: &bound.files,
+    });
+    drop(line);
+    monitor.stages.done("page drawn");
+    files::write_or_print(args.output.as_deref(), &page)?;
+    Ok(exit_status::PASS)
+}
+
+/// Runs along every record until the time is up, along stretches held out by themselves. The page says why a record cannot be run.
+fn runs(
+    source: &Source,
+    document: &Document,
+    line: &ProgressLine,
+    monitor: &Monitor,
+) -> Vec<RecordRun> {
+    let mut runs = Vec::new();
+    for (trajectory, record) in source.dataset.trajectories.iter().enumerate() {
+        for (held, window) in report::run_windows(document, record) {
+            if !runs.is_empty() && monitor.must_stop() {
+                return runs;
+            }
+            let mut observer = monitor.free_run(line, &record.name);
+            let options = Options {
+                window,
+                ..Options::default()
+            };
+            let run = simulate::simulate(source, trajectory, &options, &mut observer);
+            runs.push(RecordRun {
+                trajectory,
+                held_out: held,
+                run: run.map_err(|d| d.message),
+            });
+            monitor.stages.done(&format!("run along {}", record.name));
+        }
+    }
+    runs
+}

@@ -1,0 +1,68 @@
+//! Files given on the command line: models end in `.sid`, the rest is data.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::outputs::paths::shown;
+use sidc_data::io_error_text;
+
+/// The files of the command line by their kind.
+pub struct InputFiles {
+    pub models: Vec<PathBuf>,
+    pub data: Vec<PathBuf>,
+}
+
+impl InputFiles {
+    /// # Errors
+    /// No model.
+    pub fn sort(files: &[PathBuf]) -> Result<InputFiles, Failure> {
+        let (models, data): (Vec<_>, Vec<_>) = files
+            .iter()
+            .cloned()
+            .partition(|f| f.extension().is_some_and(|e| e == "sid"));
+        if models.is_empty() {
+            return Err(Failure::new(
+                "error[no-model]: no model among the files: a model's name ends in .sid",
+            ));
+        }
+        Ok(InputFiles { models, data })
+    }
+
+    /// The one model, for commands that take one.
+    ///
+    /// # Errors
+    /// More than one.
+    pub fn model(&self) -> Result<&Path, Failure> {
+        match self.models.as_slice() {
+            [model] => Ok(model),
+            [_, second, ..] => Err(Failure::new(format!(
+                "error[several-models]: one model at a time; {} is a second one",
+                shown(second)
+            ))),
+            [] => Err(Failure::new("error[no-model]: no model")),
+        }
+    }
+}
+
+/// Opens a file to read.
+///
+/// # Errors
+/// Not there, a folder, a pipe or a device, not allowed.
+pub fn open(path: &Path) -> Result<File, Failure> {
+    let fail = |why: &str| unreadable(path, why);
+    // Asked first, because opening a pipe waits for its writer.
+    let kind = std::fs::metadata(path).map_err(|e| fail(&io_error_text(&e)))?;
+    if kind.is_dir() {
+        return Err(fail("this is a folder, not a file"));
+    }
+    if !kind.is_file() {
+        return Err(fail("not a regular file; copy the data into one"));
+    }
+    File::open(path).map_err(|e| fail(&io_error_text(&e)))
+}
+
+/// The failure to read a file.
+pub fn unreadable(path: &Path, why: &str) -> Failure {
+    Failure::new(format!("error[unreadable-file]: {}: {why}", shown(path)))
+}

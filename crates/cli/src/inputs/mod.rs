@@ -1,0 +1,6 @@
+//! Files that are read: models, data, results.
+
+pub mod files;
+pub mod result_and_records;
+pub mod tables;
+pub mod texts;

@@ -1,0 +1,146 @@
+//! A result and records that it is run along: the options of such commands, and the reading of both.
+//!
+//! In: files, options. Out: the result, and data bound to what a simulation of it reads. Runs nothing.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::{tables, texts};
+use crate::arguments::names::hint;
+use crate::arguments::{assignments, quantities};
+use crate::failure::Failure;
+use crate::monitoring::monitor::Monitor;
+use crate::monitoring::verbosity::Verbosity;
+use crate::outputs::diagnostics;
+use crate::outputs::paths::short_name;
+use sidc_data as data;
+use sidc_data::Dataset;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::Model;
+use sidc_lang::source::{FileId, Sources};
+use sidc_lang::term::{Signal, SignalNames};
+use sidc_system::discovery::{Discovery, Form};
+use sidc_system::result::{FileEntry, Opened};
+use sidc_system::simulate;
+
+/// A result and records, and how they are read.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Result of `sidc identify … -o R.json`, and one or more data files; each trajectory is a run of its own
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Constant parameters: one value a trajectory, or one for all
+    #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = assignments::parameter)]
+    params: Vec<(String, Vec<f64>)>,
+    /// End the runs after this time, with what there is: 30, 30s, 5m, 1h
+    #[arg(long, value_name = "TIME", value_parser = quantities::time)]
+    time_limit: Option<Duration>,
+    /// Most memory for all tables: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
+    #[arg(long, value_name = "SIZE", value_parser = quantities::memory, default_value = quantities::MEMORY)]
+    memory_limit: u64,
+    #[command(flatten)]
+    verbosity: Verbosity,
+}
+
+/// A result, and records bound to it.
+pub struct ResultAndRecords {
+    /// Name of the result's file, without folders.
+    pub name: String,
+    pub opened: Opened,
+    pub model: Model,
+    pub dataset: Dataset,
+    pub files: Vec<FileEntry>,
+    /// Components of the state at the start that the user gave.
+    pub start: Vec<(Signal, f64)>,
+}
+
+impl Args {
+    pub fn monitor(&self) -> Monitor {
+        Monitor::start(&self.verbosity, self.time_limit)
+    }
+
+    /// Reads the result and binds the data to what a simulation of it reads. Components of the state in `start` need no column.
+    /// `command` is for the advice.
+    ///
+    /// # Errors
+    /// What is wrong with the files, or with `start`.
+    pub fn open(
+        &self,
+        command: &str,
+        start: &[Vec<(String, f64)>],
+        monitor: &Monitor,
+    ) -> Result<ResultAndRecords, Failure> {
+        let (result, data) = split(&self.files, command)?;
+        let name = short_name(result);
+        let opened = texts::result(result)?;
+        let start = start_signals(&opened.discovery, start)?;
+        let model = simulate::reads(&opened.discovery, &opened.model, &start);
+        let mut sources = Sources::default();
+        // The model was read back from the result, so its places lead into an empty text.
+        sources.add(name.as_str(), "");
+        monitor.stages.done("result read");
+        let data = tables::read(data, self.memory_limit, &mut sources, monitor)?;
+        let (dataset, mut found) = data::bind(&model, &data.tables, &self.params, &mut sources);
+        // Constant columns matter to a library of terms, and a result has none.
+        found.retain(|d| d.code != "constant-column");
+        found.iter_mut().for_each(|d| for_user_of_result(d, &name));
+        let complete = !found.iter().any(Diagnostic::is_error);
+        diagnostics::report((complete.then_some(()), found), &sources, monitor.notes)?;
+        monitor.stages.done("data bound");
+        Ok(ResultAndRecords {
+            name,
+            opened,
+            model,
+            dataset,
+            files: data.entries,
+            start,
+        })
+    }
+}
+
+/// The result, which comes first, and the data files.
+fn split<'a>(files: &'a [PathBuf], command: &str) -> Result<(&'a Path, &'a [PathBuf]), Failure> {
+    let Some((result, data)) = files.split_first() else {
+        return Err(Failure::new("error[no-data]: no files"));
+    };
+    if data.is_empty() {
+        return Err(Failure::new(format!(
+            "error[no-data]: no data file\n  = help: sidc {command} R.json DATA.csv"
+        )));
+    }
+    Ok((result, data))
+}
+
+/// Names of `--start` as signals of the state.
+fn start_signals(
+    d: &Discovery,
+    start: &[Vec<(String, f64)>],
+) -> Result<Vec<(Signal, f64)>, Failure> {
+    let state = Form::new(d).state;
+    let signal = |(name, value): &(String, f64)| {
+        let found = state.iter().find(|s| d.name(**s) == *name);
+        found.map(|s| (*s, *value)).ok_or_else(|| {
+            let names: Vec<String> = state.iter().map(|s| d.name(*s)).collect();
+            let hint = hint(name, names.iter().map(String::as_str));
+            Failure::new(format!(
+                "error[unknown-start]: --start {name}: the state has no component of this name{hint}\n  = state: {}",
+                names.join(", ")
+            ))
+        })
+    };
+    start.iter().flatten().map(signal).collect()
+}
+
+/// Diagnostics of binding speak of a model that the user may not have; this one speaks of the result.
+fn for_user_of_result(d: &mut Diagnostic, name: &str) {
+    d.labels.retain(|l| l.span.file != FileId(0));
+    let advice = d.help.as_deref().unwrap_or_default();
+    if d.is_error() && advice.starts_with("data {") {
+        d.help = Some(format!(
+            "{name} reads its columns as its model did: name the column so, or identify again with {advice}"
+        ));
+    }
+    if d.code == "input-between" || d.code == "slope-disagrees" {
+        d.help = None;
+    }
+}

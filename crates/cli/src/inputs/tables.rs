@@ -1,0 +1,121 @@
+//! Data files as tables, hashed as they are read.
+//!
+//! In: paths, a limit of memory. Out: tables with names and hashes of their files, or the faults of all of them.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::PathBuf;
+
+use sha2::{Digest, Sha256};
+
+use super::files::open;
+use super::texts::entry;
+use crate::failure::Failure;
+use crate::monitoring::monitor::Monitor;
+use crate::monitoring::progress_line::{ProgressLine, Work};
+use crate::outputs::diagnostics;
+use crate::outputs::paths::short_name;
+use crate::outputs::signals::counted;
+use sidc_data as data;
+use sidc_data::{Limits, Table};
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::source::Sources;
+use sidc_system::result::FileEntry;
+
+/// The data files of a command, in order.
+pub struct DataFiles {
+    pub tables: Vec<Table>,
+    /// Name and hash of each.
+    pub entries: Vec<FileEntry>,
+}
+
+/// A file that is hashed as it is read, with its progress shown.
+struct HashedFile<'a> {
+    file: File,
+    hash: Sha256,
+    name: &'a str,
+    bytes_read: u64,
+    /// Bytes in all; 1 for an empty file.
+    length: u64,
+    line: &'a ProgressLine,
+}
+
+impl Read for HashedFile<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.file.read(buffer)?;
+        self.hash.update(buffer.get(..n).unwrap_or_default());
+        self.bytes_read += n as u64;
+        self.line.show(Work::Reading {
+            file: self.name.into(),
+            share: self.bytes_read as f64 / self.length as f64,
+        });
+        Ok(n)
+    }
+}
+
+/// Reads every data file; all tables together take `memory` bytes at most.
+///
+/// # Errors
+/// The first file that cannot be opened; the faults in all files that can.
+pub fn read(
+    paths: &[PathBuf],
+    memory: u64,
+    sources: &mut Sources,
+    monitor: &Monitor,
+) -> Result<DataFiles, Failure> {
+    let line = monitor.progress_line();
+    let mut limits = Limits {
+        table_bytes: memory,
+        ..Limits::default()
+    };
+    let mut tables = Vec::new();
+    let mut entries = Vec::new();
+    let mut faults = Vec::new();
+    for path in paths {
+        let name = short_name(path);
+        let file = open(path)?;
+        let length = file.metadata().map_or(0, |m| m.len());
+        // A file that is too large by its length is not read at all.
+        if let Some(fault) = data::too_large(&name, length, &limits) {
+            faults.push(fault);
+            continue;
+        }
+        let mut file = HashedFile {
+            file,
+            hash: Sha256::new(),
+            name: &name,
+            bytes_read: 0,
+            length: length.max(1),
+            line: &line,
+        };
+        let table = data::read(&name, &mut file, &limits, sources);
+        entries.push(entry(path, file.hash));
+        match table {
+            Ok(table) => {
+                limits.taken += table.bytes();
+                tables.push(table);
+            }
+            Err(found) => faults.extend(found),
+        }
+    }
+    drop(line);
+    if !faults.is_empty() {
+        return Err(diagnostics::failure(&faults, sources));
+    }
+    let read = counted(tables.len(), "table", "tables");
+    monitor.stages.done(&format!("{read} read"));
+    Ok(DataFiles { tables, entries })
+}
+
+/// A warning for every file with the same content as one before it.
+pub fn duplicates(entries: &[FileEntry]) -> Vec<Diagnostic> {
+    let duplicate = |(k, entry): (usize, &FileEntry)| {
+        let mut earlier = entries.iter().take(k);
+        let same = earlier.find(|e| e.sha256 == entry.sha256)?;
+        let (a, b) = (&same.name, &entry.name);
+        let text = format!("{a} and {b} hold the same bytes");
+        let why = "give each record once: its readings count twice, or, held out, test nothing";
+        Some(Diagnostic::warning("same-data", text).help(why))
+    };
+    entries.iter().enumerate().filter_map(duplicate).collect()
+}

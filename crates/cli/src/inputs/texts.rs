@@ -1,0 +1,93 @@
+//! Models and result documents, read whole, and what identifies a file in a result.
+//!
+//! In: paths. Out: texts in UTF-8 without byte order marks, names, hashes.
+
+use std::io::Read;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use super::files::{open, unreadable};
+use crate::failure::Failure;
+use crate::outputs::diagnostics;
+use crate::outputs::paths::short_name;
+use crate::thresholds::INPUT_LIMITS;
+use sidc_data::io_error_text;
+use sidc_lang::source::{FileId, Sources};
+use sidc_system::result;
+use sidc_system::result::{FileEntry, Opened};
+
+/// Reads a result document.
+///
+/// # Errors
+/// Not there, not a file, too large, not UTF-8, no result.
+pub fn result(path: &Path) -> Result<Opened, Failure> {
+    let (text, _) = text(path, INPUT_LIMITS.result, "a result")?;
+    result::open(&short_name(path), &text)
+        .map_err(|d| diagnostics::failure(&[d], &Sources::default()))
+}
+
+/// Reads a whole model, with its name and hash.
+///
+/// # Errors
+/// Not there, not a file, too large, not UTF-8.
+pub fn model_text(path: &Path) -> Result<(String, FileEntry), Failure> {
+    text(path, INPUT_LIMITS.model, "a model")
+}
+
+/// Adds a model's text to the sources.
+///
+/// # Errors
+/// As for its text.
+pub fn model(path: &Path, sources: &mut Sources) -> Result<FileId, Failure> {
+    let (text, _) = model_text(path)?;
+    Ok(sources.add(path.display().to_string(), text))
+}
+
+fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), Failure> {
+    let fail = |why: &str| unreadable(path, why);
+    let file = open(path)?;
+    let length = file.metadata().map_or(0, |m| m.len());
+    let mut bytes = Vec::new();
+    if length <= limit {
+        file.take(limit + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|e| fail(&io_error_text(&e)))?;
+    }
+    if length.max(bytes.len() as u64) > limit {
+        let limit = limit >> 20;
+        return Err(fail(&format!(
+            "larger than {limit} MiB, the limit of {what}"
+        )));
+    }
+    let entry = entry(path, Sha256::new_with_prefix(&bytes));
+    Ok((utf8(bytes).map_err(|why| fail(&why))?, entry))
+}
+
+/// Bytes as text without byte order marks, or why they are no text.
+fn utf8(bytes: Vec<u8>) -> Result<String, String> {
+    if let Some(at) = bytes.iter().position(|b| *b == 0) {
+        return Err(format!(
+            "byte {at} is NUL, so this is UTF-16 or no text at all; save the file as UTF-8"
+        ));
+    }
+    let text = String::from_utf8(bytes).map_err(|e| {
+        let at = e.utf8_error().valid_up_to();
+        format!("not UTF-8 at byte {at}; save the file as UTF-8")
+    })?;
+    let text = text.trim_start_matches('\u{feff}');
+    // Before OS X, Macs ended lines with a carriage return alone.
+    match text.contains('\n') {
+        true => Ok(text.to_string()),
+        false => Ok(text.replace('\r', "\n")),
+    }
+}
+
+/// What identifies a file in a result.
+pub fn entry(path: &Path, hash: Sha256) -> FileEntry {
+    let hex = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
+    FileEntry {
+        name: short_name(path),
+        sha256: hex,
+    }
+}

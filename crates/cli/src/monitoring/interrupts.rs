@@ -1,0 +1,54 @@
+//! Ctrl-C: the first asks the work to stop, the second ends the process.
+//!
+//! In: a flag to raise, and when no file may be left half-written. Out: the flag raised, or the process ended.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::stderr;
+use crate::exit_status;
+
+/// What the first Ctrl-C raises; without one it ends the process.
+static LISTENER: Mutex<Option<Arc<AtomicBool>>> = Mutex::new(None);
+
+/// Held while a temporary file exists.
+static WRITING: Mutex<()> = Mutex::new(());
+
+/// From here on the first Ctrl-C raises the flag. Where Ctrl-C is ignored, as in the background of a shell, it stays so.
+pub fn raise(interrupted: &Arc<AtomicBool>) {
+    *locked(&LISTENER) = Some(interrupted.clone());
+    handle_ctrl_c();
+}
+
+/// Until the guard is dropped, Ctrl-C does not end the process.
+pub fn hold_off() -> MutexGuard<'static, ()> {
+    handle_ctrl_c();
+    locked(&WRITING)
+}
+
+/// Without a handler Ctrl-C ends the process at once, as it does everywhere else. One handler serves the whole run, because a
+/// second cannot be set.
+fn handle_ctrl_c() {
+    let _ = ctrlc::try_set_handler(interrupt);
+}
+
+fn interrupt() {
+    let listener = locked(&LISTENER).clone();
+    match listener {
+        Some(interrupted) if !interrupted.swap(true, Ordering::Relaxed) => stderr::replace_line(
+            "interrupted: ending with what there is; Ctrl-C again ends at once\n",
+        ),
+        _ => end(),
+    }
+}
+
+/// Ends the process, once no file is half-written.
+fn end() {
+    let _whole = locked(&WRITING);
+    stderr::replace_line("");
+    std::process::exit(exit_status::KILLED.into());
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

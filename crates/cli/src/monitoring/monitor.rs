@@ -1,0 +1,119 @@
+//! What watches a command that may take long: progress line, stage times and limits in one place.
+//!
+//! In: what the user wants to hear, what is being done. Out: lines on standard error, and whether to go on.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use super::limits::Limits;
+use super::progress_line::{ProgressLine, Work};
+use super::stage_times::StageTimes;
+use super::verbosity::{Notes, Verbosity};
+use sidc::{Activity, Observer, Stop};
+use sidc_lang::model::Model;
+use sidc_lang::term::SignalNames;
+
+/// Watches one command.
+pub struct Monitor {
+    pub notes: Notes,
+    pub stages: StageTimes,
+    shows_progress: bool,
+    limits: Limits,
+}
+
+impl Monitor {
+    /// The clock starts now.
+    pub fn start(verbosity: &Verbosity, time_limit: Option<Duration>) -> Self {
+        Monitor {
+            notes: verbosity.notes(),
+            stages: StageTimes::start(verbosity.verbose),
+            shows_progress: !verbosity.quiet,
+            limits: Limits::start(time_limit),
+        }
+    }
+
+    /// For commands without options of verbosity: all notes, a progress line, no limit.
+    pub fn plain() -> Self {
+        Monitor {
+            notes: Notes::Full,
+            stages: StageTimes::start(false),
+            shows_progress: true,
+            limits: Limits::start(None),
+        }
+    }
+
+    /// From here on the first Ctrl-C asks the work to stop, and the second ends the process.
+    pub fn listen(&self) {
+        self.limits.listen();
+    }
+
+    /// True once the work has to end.
+    pub fn must_stop(&self) -> bool {
+        self.limits.check().is_break()
+    }
+
+    pub fn progress_line(&self) -> ProgressLine {
+        ProgressLine::start(self.shows_progress, self.limits.clock())
+    }
+
+    /// An observer of the work on a model, with a progress line of its own.
+    pub fn observer<'a>(&'a self, model: &'a Model) -> ModelObserver<'a> {
+        ModelObserver {
+            monitor: self,
+            line: self.progress_line(),
+            model,
+        }
+    }
+
+    /// Shows the time that a free run along a record has reached.
+    pub fn free_run(&self, line: &ProgressLine, record: &str) -> impl Observer {
+        move |activity: Activity| {
+            if let Activity::Running { time } = activity {
+                line.show(Work::Running {
+                    record: record.into(),
+                    time,
+                });
+            }
+            self.limits.check()
+        }
+    }
+
+    /// Shows nothing.
+    pub fn silent_observer(&self) -> impl Observer {
+        |_: Activity| self.limits.check()
+    }
+}
+
+/// Shows the work on the equations of a model, and ends it when the limits say so.
+pub struct ModelObserver<'a> {
+    monitor: &'a Monitor,
+    line: ProgressLine,
+    model: &'a Model,
+}
+
+impl Observer for ModelObserver<'_> {
+    fn hear(&mut self, activity: Activity) -> ControlFlow<Stop> {
+        match activity {
+            Activity::Preparing { signal } => self.line.show(Work::Preparing {
+                signal: signal.into(),
+            }),
+            Activity::Equation { place, stage } => {
+                let equation = self.model.equations.get(place);
+                let target = equation.map_or_else(String::new, |e| self.model.name(e.target));
+                self.monitor.stages.equation(stage, &target);
+                self.line.show(Work::Equation {
+                    place,
+                    equations: self.model.equations.len(),
+                    target,
+                    stage,
+                });
+            }
+            Activity::Running { time } => self.line.show(Work::Running {
+                record: "the data".into(),
+                time,
+            }),
+            _ => {}
+        }
+        self.monitor.limits.check()
+    }
+}

@@ -1,0 +1,154 @@
+//! Files that are written: whole or not at all.
+//!
+//! In: a path, a text. Out: the file replaced, or the failure with the old file as it was.
+
+use std::fs::{File, Metadata};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::paths::shown;
+use super::stdout;
+use crate::failure::Failure;
+use crate::monitoring::interrupts;
+use sidc_data::io_error_text;
+
+/// Prefix of temporary files: hidden, and with the name of the program, because a killed process may leave one behind.
+const TEMPORARY: &str = ".sidc-";
+
+/// Checks before the work that its result can be written, and replaces no input.
+///
+/// # Errors
+/// The place is one of `inputs`, under whatever name; nothing can be written there.
+pub fn check_writable<'a>(
+    place: Option<&Path>,
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    let Some(path) = place else { return Ok(()) };
+    let Some(target) = Target::of(path)? else {
+        return Ok(());
+    };
+    if let Some(read) = inputs.into_iter().find(|i| target.is(i)) {
+        return Err(Failure::new(format!(
+            "error[output-is-input]: {}: the output would replace {}, which is read\n  = help: name another file after -o",
+            shown(path),
+            shown(read)
+        )));
+    }
+    // A process that Ctrl-C ended here would leave its temporary file.
+    let _whole = interrupts::hold_off();
+    temporary(&target.folder)
+        .map(drop)
+        .map_err(|e| fail(path, &e))
+}
+
+/// Writes to a file, or to standard output where none is named.
+pub fn write_or_print(place: Option<&Path>, text: &str) -> Result<(), Failure> {
+    match place {
+        Some(path) => write(path, text),
+        None => stdout::print(text),
+    }
+}
+
+/// Writes a file by way of a temporary one beside it, so that the old file stays whole until the new one is. A link is followed;
+/// the file keeps its permissions.
+pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    let fail = |e: &std::io::Error| fail(path, e);
+    let Some(target) = Target::of(path)? else {
+        return std::fs::write(path, text).map_err(|e| fail(&e));
+    };
+    // As in `check_writable`.
+    let _whole = interrupts::hold_off();
+    let mut file = temporary(&target.folder).map_err(|e| fail(&e))?;
+    file.write_all(text.as_bytes()).map_err(|e| fail(&e))?;
+    if let Some(old) = &target.old {
+        copy_permissions(file.as_file(), old).map_err(|e| fail(&e))?;
+    }
+    file.as_file().sync_all().map_err(|e| fail(&e))?;
+    file.persist(&target.place).map_err(|e| fail(&e.error))?;
+    Ok(())
+}
+
+/// A file to be written, with all links followed.
+struct Target {
+    place: PathBuf,
+    folder: PathBuf,
+    /// What is there now.
+    old: Option<Metadata>,
+}
+
+impl Target {
+    /// `None` for /dev/stdout and the like, which cannot be renamed over.
+    fn of(path: &Path) -> Result<Option<Target>, Failure> {
+        let refuse = |why: &str| Err(unwritable(path, why));
+        let old = std::fs::metadata(path).ok();
+        let place = match &old {
+            Some(m) if m.is_dir() => return refuse("this is a directory; name a file in it"),
+            Some(m) if !m.is_file() => return Ok(None),
+            Some(m) if m.permissions().readonly() => {
+                return refuse("the file is read-only; allow writing, or name another");
+            }
+            Some(_) => std::fs::canonicalize(path).map_err(|e| fail(path, &e))?,
+            None if path.is_symlink() => {
+                return refuse("a link that leads nowhere; remove it, or name another file");
+            }
+            None => path.to_path_buf(),
+        };
+        let folder = place.parent().filter(|p| !p.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).to_path_buf();
+        Ok(Some(Target { place, folder, old }))
+    }
+
+    /// Whether another path leads here: by links of either kind.
+    #[cfg(unix)]
+    fn is(&self, other: &Path) -> bool {
+        use std::os::unix::fs::MetadataExt;
+        let file = |m: &Metadata| (m.dev(), m.ino());
+        let read = std::fs::metadata(other).ok();
+        self.old.is_some() && self.old.as_ref().map(file) == read.as_ref().map(file)
+    }
+
+    /// Whether another path leads here; hard links are not seen.
+    #[cfg(not(unix))]
+    fn is(&self, other: &Path) -> bool {
+        std::fs::canonicalize(other).is_ok_and(|p| p == self.place)
+    }
+}
+
+fn fail(path: &Path, e: &std::io::Error) -> Failure {
+    unwritable(path, &io_error_text(e))
+}
+
+fn unwritable(path: &Path, why: &str) -> Failure {
+    let place = shown(path);
+    Failure::new(format!("error[unwritable-file]: {place}: {why}"))
+}
+
+#[cfg(unix)]
+fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    use std::os::unix::fs::PermissionsExt;
+    // As readable as any new file; temporary files are their owner's alone by default.
+    tempfile::Builder::new()
+        .prefix(TEMPORARY)
+        .permissions(std::fs::Permissions::from_mode(0o666))
+        .tempfile_in(folder)
+}
+
+#[cfg(not(unix))]
+fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(TEMPORARY).tempfile_in(folder)
+}
+
+/// Gives the new file owner and permissions of the old one.
+#[cfg(unix)]
+fn copy_permissions(new: &File, old: &Metadata) -> std::io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    // Only root may change the owner; for everyone else it is the same.
+    let _ = fchown(new, Some(old.uid()), Some(old.gid()));
+    new.set_permissions(old.permissions())
+}
+
+#[cfg(not(unix))]
+fn copy_permissions(_new: &File, _old: &Metadata) -> std::io::Result<()> {
+    Ok(())
+}

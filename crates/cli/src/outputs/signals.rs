@@ -1,0 +1,41 @@
+//! What was measured and what was estimated, as text.
+
+use sidc::pipeline::{self, Measured, Program};
+use sidc_lang::number::significant;
+use sidc_lang::term::SignalNames;
+
+/// The name of the only trajectory, or how many there are.
+pub fn trajectories(measured: &Measured) -> String {
+    match measured.dataset.trajectories.as_slice() {
+        [one] => one.name.clone(),
+        many => format!("{} trajectories", many.len()),
+    }
+}
+
+/// A line of the signals measured, and a line for each that was estimated: how, and with what error.
+pub fn describe(program: &Program, measured: &Measured) -> String {
+    let entries = pipeline::signal_entries(program, measured);
+    let columns = measured.dataset.trajectories.first().map(|t| &t.columns);
+    let columns: Vec<String> = columns
+        .into_iter()
+        .flatten()
+        .map(|(signal, _)| program.model.name(*signal))
+        .collect();
+    let mut text = format!("measured: {}\n", columns.join(", "));
+    for e in &entries {
+        if let Some(error) = e.error {
+            text.push_str(&format!(
+                "estimated: {} by {}, error about {} of its size\n",
+                e.signal,
+                e.origin,
+                significant(error, 2)
+            ));
+        }
+    }
+    text
+}
+
+/// `1 table`, `2 tables`
+pub fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}

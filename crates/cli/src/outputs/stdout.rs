@@ -1,0 +1,20 @@
+//! Standard output.
+
+use std::io::Write;
+
+use crate::failure::Failure;
+use sidc_lang::source::printable;
+
+/// Prints a text for people, with control characters escaped: names in files may hold some.
+pub fn print_readable(text: &str) -> Result<(), Failure> {
+    print(&printable(text))
+}
+
+/// Prints in one piece; a closed pipe is no failure.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.map_err(|e| Failure::new(format!("error[unwritable-file]: stdout: {e}"))),
+    }
+}

@@ -1,0 +1,90 @@
+//! Program + measured → equations: the third stage, and the free runs of what it found.
+//!
+//! In: a program, its signals on common rows. Out: equations with evidence, or why a term has no value; scores of the runs.
+
+use sidc_discover as discover;
+use sidc_discover::identifiability::Rows;
+use sidc_discover::{Fitted, Refusal};
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_progress::Observer;
+use sidc_system::discovery::Discovery;
+use sidc_system::validate;
+use sidc_system::validate::Validation;
+
+use super::evidence::{self, Weighing};
+use super::measure::Measured;
+use super::program::Program;
+use super::unevaluable;
+use crate::options::Options;
+
+/// Program + measured → equations with evidence.
+///
+/// # Errors
+/// Terms without a value on the rows, constraints that the data contradict.
+pub fn identify(
+    program: &Program,
+    measured: &Measured,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Result<Discovery, Vec<Diagnostic>> {
+    let search = &options.search;
+    if let Some(problem) = &measured.joint {
+        let found = discover::discover_jointly(&program.model, problem, search, observer);
+        let (mut discovery, fitted) = found.unwrap_or_else(|| {
+            let nothing = discover::nothing_fits(&program.model, problem);
+            (nothing, Fitted::default())
+        });
+        let read = evidence::readings(program, &measured.dataset, &discovery);
+        let weighing = Weighing {
+            program,
+            rows: Rows {
+                samples: &fitted.samples,
+                read: read.as_ref(),
+            },
+            stretches: fitted.stretches.as_ref(),
+            options: search,
+        };
+        weighing.weigh(&mut discovery, observer);
+        return Ok(discovery);
+    }
+    let found = discover::discover(
+        &program.model,
+        &program.libraries,
+        (&measured.dataset, &measured.samples),
+        search,
+        observer,
+    );
+    let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
+    let weighing = Weighing {
+        program,
+        rows: Rows {
+            samples: &measured.samples,
+            read: None,
+        },
+        stretches: None,
+        options: search,
+    };
+    weighing.weigh(&mut discovery, observer);
+    Ok(discovery)
+}
+
+fn diagnostics(program: &Program, measured: &Measured, refused: Vec<Refusal>) -> Vec<Diagnostic> {
+    let explain = |refusal| match refusal {
+        Refusal::Unevaluable((i, value)) => unevaluable::explain(program, measured, i, &value),
+        Refusal::Contradiction(diagnostic) => diagnostic,
+    };
+    refused.into_iter().map(explain).collect()
+}
+
+/// Runs what was found on the rows used and on those held out; `None` where none were held out.
+pub fn validate(
+    program: &Program,
+    measured: &Measured,
+    found: &mut Discovery,
+    observer: &mut dyn Observer,
+) -> Option<Validation> {
+    let data = (&measured.dataset, &measured.held);
+    let runs = validate::validate((found, &program.model), data, observer)?;
+    validate::doubt(&runs, found);
+    Some(runs)
+}

@@ -1,0 +1,24 @@
+//! The stages from a model's text and tables to equations, one file a stage: `program` → `measure` → `identify` → `verification`.
+//!
+//! Each stage takes the one before and adds its diagnostics; an observer hears what is done. Nothing here reads files or prints.
+
+mod document;
+mod evidence;
+mod identify;
+mod measure;
+mod noise;
+mod program;
+mod regression;
+mod thresholds;
+mod unevaluable;
+mod verification;
+
+pub use document::{ModelSource, settings, signal_entries, warnings};
+pub use identify::{identify, validate};
+pub use measure::{Measured, from_tables, measure};
+pub use noise::{NoiseFault, set_noise};
+pub use program::{Program, Staged, compile, needed, vocabulary};
+pub use regression::Regression;
+pub use sidc_lang::library::MEMORY;
+pub use thresholds::thresholds;
+pub use verification::{verification_work, verify};

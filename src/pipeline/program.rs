@@ -1,0 +1,131 @@
+//! Model text → program: the first stage.
+//!
+//! In: a text among the sources. Out: a checked model with the library of each equation, and diagnostics. Evaluates nothing.
+
+use sidc_discover as discover;
+use sidc_lang as lang;
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::library;
+use sidc_lang::library::{GENERATORS, Library};
+use sidc_lang::model::{Equation, Model, RightSide};
+use sidc_lang::source::{FileId, Sources};
+use sidc_lang::term::Signal;
+use sidc_lang::{GeneratorSignature, Vocabulary};
+use sidc_solve::threads;
+
+use super::thresholds::BUDGET;
+
+/// A checked model with the library of each equation; `None` where the equation is known.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub model: Model,
+    pub libraries: Vec<Option<Library>>,
+}
+
+/// The result of a stage, absent after an error, and all its diagnostics.
+pub type Staged<T> = (Option<T>, Vec<Diagnostic>);
+
+/// The generators of the registry, as the language names them.
+pub fn vocabulary() -> Vocabulary {
+    Vocabulary {
+        generators: GENERATORS
+            .iter()
+            .map(|g| GeneratorSignature {
+                name: g.name(),
+                usage: g.usage(),
+                discrete_only: g.discrete_only(),
+                of_angles: g.of_angles(),
+            })
+            .collect(),
+    }
+}
+
+/// Text → program. All libraries together take `memory` bytes at most; each equation has an equal share.
+pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> {
+    let (model, mut diagnostics) = lang::compile(file, sources, &vocabulary());
+    let Some(model) = model else {
+        return (None, diagnostics);
+    };
+    let mut libraries = Vec::new();
+    for (library, found) in expand_all(&model, memory) {
+        // A `let` that several equations use would be reported once for each of them.
+        for d in found {
+            if !diagnostics.contains(&d) {
+                diagnostics.push(d);
+            }
+        }
+        libraries.push(library);
+    }
+    if !diagnostics.iter().any(Diagnostic::is_error) {
+        diagnostics.extend(discover::check_constraints(&model, &libraries));
+    }
+    finish(Program { model, libraries }, diagnostics)
+}
+
+/// The library of each equation, in order. Most of the time before data are read goes here, so equations are expanded in parallel.
+fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnostic>)> {
+    let expand = |equation: &Equation| match &equation.right {
+        RightSide::Search {
+            library: Some(written),
+            ..
+        } => {
+            let (library, found) = library::expand(model, equation.target, written, memory);
+            (Some(library), found)
+        }
+        _ => (None, Vec::new()),
+    };
+    let Some((first, rest)) = model.equations.split_first() else {
+        return Vec::new();
+    };
+    if rest.len() >= BUDGET.parallel_libraries || threads::available() == 1 {
+        return model.equations.iter().map(expand).collect();
+    }
+    std::thread::scope(|scope| {
+        let spawn = |e| scope.spawn(move || expand(e));
+        let others: Vec<_> = rest.iter().map(spawn).collect();
+        let mut all = vec![expand(first)];
+        // If a thread panicked, its equation is expanded here.
+        let joined = others.into_iter().zip(rest);
+        all.extend(joined.map(|(handle, e)| handle.join().unwrap_or_else(|_| expand(e))));
+        all
+    })
+}
+
+impl Program {
+    /// The place of an equation in the model and its library; `None` if nothing is looked for there.
+    pub(super) fn sought(&self, target: Signal) -> Option<(usize, &Library)> {
+        let place = self
+            .model
+            .equations
+            .iter()
+            .position(|e| e.target == target)?;
+        Some((place, self.libraries.get(place)?.as_ref()?))
+    }
+}
+
+/// Every signal that some equation mentions, each once, sorted.
+pub fn needed(program: &Program) -> Vec<Signal> {
+    let mut all = Vec::new();
+    for (equation, library) in program.model.equations.iter().zip(&program.libraries) {
+        let Some(library) = library else { continue };
+        all.push(equation.target);
+        all.extend(library.signals());
+        if let RightSide::Search { known, .. } = &equation.right {
+            known
+                .iter()
+                .for_each(|(e, _)| e.for_each_signal(&mut |s| all.push(s)));
+        }
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// A stage with an error among its diagnostics has no result.
+pub(super) fn finish<T>(stage: T, diagnostics: Vec<Diagnostic>) -> Staged<T> {
+    if diagnostics.iter().any(Diagnostic::is_error) {
+        (None, diagnostics)
+    } else {
+        (Some(stage), diagnostics)
+    }
+}

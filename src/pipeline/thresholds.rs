@@ -1,0 +1,20 @@
+//! Numbers that bound the work of the pipeline itself.
+//!
+//! In: nothing. Out: a family of numbers, and its table for the documentation. Never computes with them.
+
+use sidc_thresholds::{Table, family};
+
+family! {
+    /// Work between the stages.
+    pub(crate) BUDGET: PipelineBudget {
+        /// Equations from which on libraries are expanded one after another, without a thread for each.
+        parallel_libraries: usize = 8, unit "equations", source "set by hand; not measured";
+        /// Samples from which on readings are not differentiated just to say what a library lacks.
+        differentiated_samples: usize = 20_000, unit "samples", source "set by hand; not measured";
+    }
+}
+
+/// Every number that decides in the pipeline, family by family.
+pub fn thresholds() -> Vec<Table> {
+    vec![PipelineBudget::table()]
+}
