@@ -101,8 +101,8 @@ fn whole(c: &mut Criterion) {
                 let frame = Frame::new(&program.model, &library, &samples, &equation, &options)?;
                 let told = judge(&frame, &library, given);
                 let mut found = discovery.clone();
-                if let Some(stretches) = uncertainty::stretches(&frame) {
-                    uncertainty::judge(&stretches, &mut found);
+                if let Some(stretches) = uncertainty::block_normal_equations(&frame) {
+                    uncertainty::assess_terms(&stretches, &mut found);
                 }
                 Some(black_box((told, found)))
             });

@@ -45,13 +45,13 @@ pub(super) fn weigh(
             identifiability::attach(equation, told);
         }
         let rows = equation.evidence.as_ref().map_or(0.0, |e| e.rows as f64);
-        uncertainty::intervals(equation, judged.readings.unwrap_or(rows));
+        uncertainty::confidence_intervals(equation, judged.readings.unwrap_or(rows));
     }
     let own = judged.iter().filter_map(|j| j.stretches.as_ref());
     for part in own.chain(stretches) {
-        uncertainty::judge(part, discovery);
+        uncertainty::assess_terms(part, discovery);
     }
-    uncertainty::mark(discovery);
+    uncertainty::mark_terms(discovery);
     for failed in &mut discovery.failed {
         let sought = program.sought(failed.target);
         let lacks =
@@ -122,7 +122,7 @@ fn one(program: &Program, rows: Rows, options: &Options, equation: &Equation) ->
     let frame = Frame::new(&program.model, library, rows.samples, equation, options)?;
     Some(Judged {
         told: Some(identifiability::judge(&frame, library, rows)),
-        stretches: uncertainty::stretches(&frame),
+        stretches: uncertainty::block_normal_equations(&frame),
         readings: Some(frame.noise.rows),
     })
 }

@@ -61,6 +61,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         joint::thresholds::tables(),
         doubts::thresholds::tables(),
         redundancy::thresholds::tables(),
+        uncertainty::thresholds::tables(),
         trajectory::tables(),
         weak_form::tables(),
     ];

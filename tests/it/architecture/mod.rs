@@ -79,7 +79,6 @@ const CIRCLES_LEFT: &[(&str, &[&str])] = &[
     ("solve", &["clarabel.rs", "frame.rs", "working_set.rs"]),
     ("solve", &["joint/mod.rs", "joint/programme.rs"]),
     ("solve", &["lib.rs", "reduce.rs"]),
-    ("discover", &["uncertainty/halves.rs", "uncertainty/mod.rs", "uncertainty/nearest.rs", "uncertainty/without.rs"]),
     ("discover", &["verify/mod.rs", "verify/path.rs"]),
     ("cli", &["against.rs", "answer.rs", "candidates.rs", "check.rs", "completions.rs", "export.rs", "fmt.rs", "identify.rs", "inputs.rs", "limits.rs", "linearize.rs", "list.rs", "main.rs", "narrate.rs", "new.rs", "output.rs", "point.rs", "progress.rs", "report.rs", "simulate.rs", "simulate/report.rs", "smooth.rs", "values.rs"]),
     ("", &["pipeline.rs", "pipeline/evidence.rs", "pipeline/unevaluable.rs"]),
