@@ -9,7 +9,7 @@ use sidc::pipeline;
 use sidc_data::{Column, Origin, Samples};
 use sidc_discover::Options;
 use sidc_discover::frame::Frame;
-use sidc_discover::identifiability::{Rows, judge};
+use sidc_discover::identifiability::{Rows, assess};
 use sidc_discover::uncertainty;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, Term, VarId};
@@ -99,7 +99,7 @@ fn whole(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new(name, rows), |b| {
             b.iter(|| {
                 let frame = Frame::new(&program.model, &library, &samples, &equation, &options)?;
-                let told = judge(&frame, &library, given);
+                let told = assess(&frame, &library, given);
                 let mut found = discovery.clone();
                 if let Some(stretches) = uncertainty::block_normal_equations(&frame) {
                     uncertainty::assess_terms(&stretches, &mut found);

@@ -32,7 +32,7 @@ pub(super) fn weigh(
     let mut judged: Vec<Judged> = Vec::new();
     for place in 0..discovery.equations.len() {
         if let ControlFlow::Break(stop) = asked(discovery, place, watch) {
-            discover::unweighed(discovery, place, stop);
+            discover::doubt_unassessed(discovery, place, stop);
             break;
         }
         let equation = discovery.equations.get(place);
@@ -54,8 +54,8 @@ pub(super) fn weigh(
     uncertainty::mark_terms(discovery);
     for failed in &mut discovery.failed {
         let sought = program.sought(failed.target);
-        let lacks =
-            sought.and_then(|(_, l)| identifiability::lacking(&program.model, l, rows, failed));
+        let lacks = sought
+            .and_then(|(_, l)| identifiability::misspecification(&program.model, l, rows, failed));
         if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
             reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
         }
@@ -83,7 +83,7 @@ pub(super) fn weigh_fitted(
 ) {
     let dataset = &measured.dataset;
     let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
-    let wanted = !discovery.was_stopped() && identifiability::wants_readings(discovery);
+    let wanted = !discovery.was_stopped() && identifiability::needs_measured_targets(discovery);
     let read = (rows < READ && wanted).then(|| {
         let mut signals = needed(program);
         let targets = program.model.equations.iter().map(|e| e.target);
@@ -121,7 +121,7 @@ fn one(program: &Program, rows: Rows, options: &Options, equation: &Equation) ->
     let (_, library) = program.sought(equation.target)?;
     let frame = Frame::new(&program.model, library, rows.samples, equation, options)?;
     Some(Judged {
-        told: Some(identifiability::judge(&frame, library, rows)),
+        told: Some(identifiability::assess(&frame, library, rows)),
         stretches: uncertainty::block_normal_equations(&frame),
         readings: Some(frame.noise.rows),
     })

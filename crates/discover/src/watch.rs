@@ -1,6 +1,6 @@
-//! Progress and interruption: the caller hears of every step and may stop the work; equations that were cut short are doubted.
+//! Progress and interruption: the caller is told every step and may stop the work; equations whose search was interrupted are doubted.
 //!
-//! In: steps of the work. Out: go on, or stop and why. Never reads a clock or a signal of the system; the caller does.
+//! In: steps of the work. Out: whether to continue, and else why not. Reads no clock and no signal of the system; the caller does.
 
 use std::ops::ControlFlow;
 
@@ -15,10 +15,10 @@ pub struct Step {
     pub stage: Stage,
 }
 
-/// Called before each stage and after every iteration. `Break` ends the work with what was found so far.
+/// Called before each stage and after every iteration. `Break` ends the work; what was found so far is kept.
 pub type Watch<'a> = &'a mut dyn FnMut(Step) -> ControlFlow<Stop>;
 
-/// The doubt of an equation that was cut short.
+/// The doubt of an equation whose search was interrupted.
 pub(crate) fn doubt(stop: Stop) -> Reason {
     reason(
         stop,
@@ -47,8 +47,8 @@ fn reason(stop: Stop, before: &str) -> Reason {
     }
 }
 
-/// Doubts every found equation from place `first` on: its evidence was not computed because of the stop.
-pub fn unweighed(d: &mut Discovery, first: usize, stop: Stop) {
+/// Doubts every found equation from place `first` on, whose evidence was not computed because of the stop.
+pub fn doubt_unassessed(d: &mut Discovery, first: usize, stop: Stop) {
     for e in d.equations.iter_mut().skip(first) {
         if e.status != Status::Known && !e.was_stopped() {
             e.status = Status::Doubt;
@@ -60,7 +60,7 @@ pub fn unweighed(d: &mut Discovery, first: usize, stop: Stop) {
     }
 }
 
-/// A watch that remembers a stop, so that the caller is not asked again.
+/// A watch that remembers a stop, so that the caller is asked no more.
 pub(crate) struct Watcher<'a> {
     watch: Watch<'a>,
     equation: usize,
@@ -76,7 +76,7 @@ impl<'a> Watcher<'a> {
         }
     }
 
-    /// From here on, steps belong to the equation at this place.
+    /// Later steps belong to the equation at this place.
     pub fn turn_to(&mut self, equation: usize) {
         self.equation = equation;
     }

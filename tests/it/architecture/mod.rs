@@ -74,7 +74,6 @@ const LONGEST_FILE: usize = 450;
 #[rustfmt::skip]
 const CIRCLES_LEFT: &[(&str, &[&str])] = &[
     ("lang", &["term/expr.rs", "term/function.rs"]),
-    ("discover", &["dictionary/column_products.rs", "dictionary/compile.rs"]),
     ("emit", &["code/c.rs", "code/matlab.rs", "code/printer.rs", "code/python.rs", "code/rust.rs", "code/sympy.rs", "lib.rs", "text/matrices.rs", "text/mod.rs", "typeset/latex.rs"]),
     ("solve", &["clarabel.rs", "frame.rs", "working_set.rs"]),
     ("solve", &["joint/mod.rs", "joint/programme.rs"]),

@@ -21,7 +21,7 @@ use crate::redundancy::doubt_redundant_equations;
 use crate::selection::screening::{CandidatePools, screen};
 use crate::trajectory;
 use crate::trajectory::{Channel, Found, Problem, System};
-use crate::watch::{self, Watch, Watcher, unweighed};
+use crate::watch::{self, Watch, Watcher, doubt_unassessed};
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -159,7 +159,7 @@ pub fn discover_jointly(
         false => None,
     };
     if let Some(stop) = watcher.stop() {
-        unweighed(&mut discovery, 0, stop);
+        doubt_unassessed(&mut discovery, 0, stop);
     }
     Some((discovery, Fitted { samples, stretches }))
 }

@@ -1,28 +1,22 @@
-//! What speaks for itself of all figures: causes, in order, with what to do about each.
+//! Findings: what makes an equation hard to find from these data, the leading cause first, each with advice.
 //!
-//! In: a frame, its relations, its equivalent supports. Out: [`Finding`]s, the leading one first. What bears on the equation that was
-//! found is marked, and said unasked; the rest is for those who ask.
+//! In: a frame, its relations. Out: [`Finding`]s. Those that matter to the equation found are marked, and printed unasked.
 
 use super::advice::{Exchange, advice};
-use super::cause::{Reason, Reduced};
-use super::shortfall::{Asked, Shortfall, shortfall};
-use super::tell::{figure, percent, sentence, why};
+use super::messages::{figure, percent, sentence, why};
+use super::misspecification::{Misspecification, Specification, find_misspecification};
+use crate::doubts::thresholds::DOUBTS;
 use crate::frame::Frame;
+use crate::identifiability::collinearity::relation::ExplainedRelation;
+use crate::identifiability::thresholds::{COLLINEARITY, FINDINGS};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
-use sidc_lang::term::{Language, Signal, SignalNames, Term};
-use sidc_system::discovery::{Cause, Finding, Reason as Doubt, ReasonCode, Status};
+use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_system::discovery::{Cause, Finding, Reason, ReasonCode, Status};
 
-/// Rest under which a relation holds exactly, as far as coefficients are concerned.
-const EXACT: f64 = 1e-6;
-/// Rows that it takes to choose k of N terms: this many times k ln N (Candès & Wakin 2008 have the order).
-const ROWS_A_CHOICE: f64 = 10.0;
-/// Standard error over coefficient above which a term could as well be absent, and what it should fall to.
-const UNCERTAIN: f64 = 0.3;
-const WANTED: f64 = 0.1;
 /// Doubts that say that something is not explained.
-pub(super) const UNEXPLAINED: [ReasonCode; 9] = [
+pub const UNEXPLAINED: [ReasonCode; 9] = [
     ReasonCode::Misfit,
     ReasonCode::PoorFit,
     ReasonCode::NotSparse,
@@ -34,83 +28,61 @@ pub(super) const UNEXPLAINED: [ReasonCode; 9] = [
     ReasonCode::NoTrajectory,
 ];
 
-/// A relation with all that is known of it.
-pub(super) struct Told {
-    pub reduced: Reduced,
-    pub reason: Reason,
-    /// Terms of the support that stand in it.
-    pub touches: Vec<Term>,
-    /// The exchange that it allows: what goes, what comes.
-    pub exchange: Option<(Term, Term)>,
-    /// States of the support stand in it, if it is of signals.
-    pub concerns: bool,
-}
-
-impl Told {
-    /// The term that stands on the left: the derivative that is given by lower ones, or a term of the equation.
-    pub fn lead(&self) -> Option<Term> {
-        match (&self.reason.about, self.reason.cause) {
-            (Some((about, _, _)), Cause::WrongOrder) => Some(about.clone().into_term().1),
-            _ => self.touches.first().cloned(),
-        }
-    }
-}
-
-/// `read` are rows with the target as it was read, where the frame's are those of a fit.
-pub(super) fn findings(
+/// `read` are rows with the measured target, where those of the frame are of a fit.
+pub fn findings(
     frame: &Frame,
     library: &Library,
     read: &Samples,
-    told: &[Told],
+    relations: &[ExplainedRelation],
 ) -> Vec<Finding> {
     let mut all = Vec::new();
-    all.extend(few_rows(frame));
-    let mut order: Vec<&Told> = told.iter().collect();
-    order.sort_by_key(|t| (!matters(frame, t), !holds(frame, t), t.reason.cause));
-    let (first, rest): (Vec<&Told>, Vec<&Told>) =
-        (order.into_iter()).partition(|t| t.reason.cause == Cause::WrongOrder);
-    all.extend(first.iter().map(|t| of_relation(frame, t)));
-    if first.is_empty() && frame.equation.status == Status::Doubt {
-        all.extend(lacking(frame, library, read));
+    all.extend(too_few_rows(frame));
+    let mut order: Vec<&ExplainedRelation> = relations.iter().collect();
+    order.sort_by_key(|t| (!matters(frame, t), !holds(frame, t), t.why.cause));
+    let (wrong_order, others): (Vec<&ExplainedRelation>, Vec<&ExplainedRelation>) =
+        (order.into_iter()).partition(|t| t.why.cause == Cause::WrongOrder);
+    all.extend(wrong_order.iter().map(|t| relation_finding(frame, t)));
+    if wrong_order.is_empty() && frame.equation.status == Status::Doubt {
+        all.extend(misspecification(frame, library, read));
     }
-    all.extend(idle(frame, &all));
-    all.extend(rest.iter().map(|t| of_relation(frame, t)));
-    all.extend(weak(frame));
+    all.extend(zero_columns(frame, &all));
+    all.extend(others.iter().map(|t| relation_finding(frame, t)));
+    all.extend(uncertain_terms(frame));
     all
 }
 
 /// Whether a relation holds as far as the data can tell.
-fn holds(frame: &Frame, t: &Told) -> bool {
-    t.reduced.size < frame.noise.relative.max(EXACT)
+fn holds(frame: &Frame, t: &ExplainedRelation) -> bool {
+    t.reduced.residual < frame.noise.relative.max(COLLINEARITY.exact)
 }
 
 /// Whether a relation bears on the equation that was found.
-fn matters(frame: &Frame, t: &Told) -> bool {
+fn matters(frame: &Frame, t: &ExplainedRelation) -> bool {
     let doubted = frame.equation.status == Status::Doubt;
-    match t.reason.cause {
-        // Where refits decided, an exchange on the fitted trajectory alone is no more than a hint.
+    match t.why.cause {
+        // Where refits of the trajectory decided, an exchange on its rows alone is only a hint.
         _ if t.exchange.is_some() => doubted,
-        Cause::Conserved => holds(frame, t) && t.concerns,
-        Cause::WrongOrder => holds(frame, t) && (doubted || t.concerns),
+        Cause::Conserved => holds(frame, t) && t.involves_support,
+        Cause::WrongOrder => holds(frame, t) && (doubted || t.involves_support),
         _ => false,
     }
 }
 
-/// Signals without which columns of the library are zero.
-fn idle(frame: &Frame, known: &[Finding]) -> Option<Finding> {
-    let mut still: Vec<Signal> = Vec::new();
+/// Signals that are zero on every row, and with them columns of the library.
+fn zero_columns(frame: &Frame, known: &[Finding]) -> Option<Finding> {
+    let mut zero: Vec<Signal> = Vec::new();
     for term in &frame.idle {
         term.for_each_signal(&mut |s| {
-            let zero = |c: &sidc_data::Column| c.values.iter().all(|v| *v == 0.0);
-            if frame.samples.column(s).is_some_and(zero) && !still.contains(&s) {
-                still.push(s);
+            let is_zero = |c: &sidc_data::Column| c.values.iter().all(|v| *v == 0.0);
+            if frame.samples.column(s).is_some_and(is_zero) && !zero.contains(&s) {
+                zero.push(s);
             }
         });
     }
-    if still.is_empty() || !known.is_empty() {
+    if zero.is_empty() || !known.is_empty() {
         return None;
     }
-    let names: Vec<String> = still.iter().map(|s| frame.model.name(*s)).collect();
+    let names: Vec<String> = zero.iter().map(|s| frame.model.name(*s)).collect();
     let count = frame.idle.len();
     Some(Finding {
         cause: Cause::ConstantSignal,
@@ -125,28 +97,28 @@ fn idle(frame: &Frame, known: &[Finding]) -> Option<Finding> {
     })
 }
 
-fn of_relation(frame: &Frame, t: &Told) -> Finding {
-    let lead = t.lead();
+fn relation_finding(frame: &Frame, t: &ExplainedRelation) -> Finding {
+    let left = t.left_term();
     let advice = match (&t.exchange, matters(frame, t)) {
-        (Some((out, into)), _) => {
+        (Some((leaving, entering)), _) => {
             let kept = frame.support.iter().map(|p| frame.term(*p).clone());
             let exchange = Exchange {
-                out,
-                into,
-                kept: kept.filter(|k| k != out).collect(),
+                leaving,
+                entering,
+                kept: kept.filter(|k| k != leaving).collect(),
             };
-            Some(advice(frame, &t.reason, Some(&exchange)))
+            Some(advice(frame, &t.why, Some(&exchange)))
         }
-        (None, true) => Some(advice(frame, &t.reason, None)),
+        (None, true) => Some(advice(frame, &t.why, None)),
         (None, false) => None,
     };
     let (text, reach) = advice.map_or((String::new(), None), |a| (a.text, a.reach));
     Finding {
-        cause: t.reason.cause,
+        cause: t.why.cause,
         text: format!(
             "{}: {}",
-            sentence(frame, &t.reduced, lead.as_ref()),
-            why(frame, &t.reason)
+            sentence(frame, &t.reduced, left.as_ref()),
+            why(frame, &t.why)
         ),
         advice: text,
         reach,
@@ -154,15 +126,15 @@ fn of_relation(frame: &Frame, t: &Told) -> Finding {
     }
 }
 
-/// Fewer rows than terms, and fewer than a choice among so many takes.
-fn few_rows(frame: &Frame) -> Option<Finding> {
+/// Fewer rows than terms, and fewer than the selection among so many terms needs.
+fn too_few_rows(frame: &Frame) -> Option<Finding> {
     let (m, n, k) = (frame.rows(), frame.candidates, frame.support.len().max(1));
-    let wanted = (ROWS_A_CHOICE * k as f64 * (n.max(2) as f64).ln()).ceil() as usize;
+    let wanted = (FINDINGS.rows_per_choice * k as f64 * (n.max(2) as f64).ln()).ceil() as usize;
     if m >= n || m >= wanted {
         return None;
     }
-    let more = wanted.min(3 * n).max(m + 1) - m;
-    let seconds = step(frame).map(|s| s * more as f64);
+    let more = wanted.min(FINDINGS.max_rows_per_term * n).max(m + 1) - m;
+    let seconds = median_step(frame).map(|s| s * more as f64);
     let time = seconds.map_or_else(String::new, |s| format!(" ({} s more)", figure(s, 2)));
     Some(Finding {
         cause: Cause::TooFewRows,
@@ -173,8 +145,8 @@ fn few_rows(frame: &Frame) -> Option<Finding> {
     })
 }
 
-/// Typical time between rows of the record.
-fn step(frame: &Frame) -> Option<f64> {
+/// The median time between rows of the record.
+fn median_step(frame: &Frame) -> Option<f64> {
     let time = &frame.all.time;
     let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
     steps.retain(|s| *s > 0.0);
@@ -182,20 +154,25 @@ fn step(frame: &Frame) -> Option<f64> {
     steps.get(steps.len() / 2).copied()
 }
 
-/// What the library lacks, as far as a doubt asks for it.
-fn lacking(frame: &Frame, library: &Library, read: &Samples) -> Option<Finding> {
-    let unexplained = |r: &Doubt| UNEXPLAINED.contains(&r.code);
-    let asked = Asked {
+/// What is wrong with the library or the order, if something is unexplained.
+fn misspecification(frame: &Frame, library: &Library, read: &Samples) -> Option<Finding> {
+    let unexplained = |r: &Reason| UNEXPLAINED.contains(&r.code);
+    let specification = Specification {
         library,
         equation: frame.equation,
         unexplained: frame.equation.reasons.iter().any(unexplained),
     };
-    let shortfall = shortfall(&asked, read)?;
-    Some(told(frame.model, frame.equation.target, &shortfall))
+    let found = find_misspecification(&specification, read)?;
+    let target = frame.equation.target;
+    Some(misspecification_finding(frame.model, target, &found))
 }
 
-/// A shortfall in words.
-pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Finding {
+/// A misspecification in words.
+pub fn misspecification_finding(
+    model: &Model,
+    target: Signal,
+    found: &Misspecification,
+) -> Finding {
     let var = model.variable(target.var);
     let name = model.name(target);
     let finding = |cause, text, advice| Finding {
@@ -205,8 +182,8 @@ pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Find
         reach: None,
         matters: true,
     };
-    match shortfall {
-        Shortfall::Term { term, factor, part } => {
+    match found {
+        Misspecification::MissingTerm { term, factor, part } => {
             let term = Language(model).term(term);
             finding(
                 Cause::MissingTerm,
@@ -218,7 +195,7 @@ pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Find
                 format!("add {term} to the library"),
             )
         }
-        Shortfall::Higher { rest, part } => {
+        Misspecification::OrderTooLow { residual, part } => {
             let order = target.der + 1;
             finding(
                 Cause::WrongOrder,
@@ -226,26 +203,26 @@ pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Find
                     "the whole library leaves {} of {name}, but all except {} of its derivative follows from it: {var} moves as by a law \
                      of order {order} or more",
                     percent(*part),
-                    percent(*rest)
+                    percent(*residual)
                 ),
                 format!("declare {var} with order {order}"),
             )
         }
-        Shortfall::Lower { rest } => {
+        Misspecification::OrderTooHigh { residual } => {
             let order = target.der - 1;
             let lower = model.name(Signal::derivative(target.var, order));
             finding(
                 Cause::WrongOrder,
                 format!(
                     "the library's terms without {lower} give all of it but {}: {var} moves by a law of order {order}",
-                    percent(*rest)
+                    percent(*residual)
                 ),
                 format!(
                     "declare {var} with order {order}, or excite it so that {lower} moves on its own"
                 ),
             )
         }
-        Shortfall::Unknown { part } => finding(
+        Misspecification::Unknown { part } => finding(
             Cause::MissingTerm,
             format!(
                 "the whole library leaves {} of {name}, and no simple term of the measured signals explains it",
@@ -257,13 +234,13 @@ pub(super) fn told(model: &Model, target: Signal, shortfall: &Shortfall) -> Find
 }
 
 /// Terms whose coefficients could as well be zero.
-fn weak(frame: &Frame) -> Vec<Finding> {
-    let seconds = frame.all.time.len() as f64 * step(frame).unwrap_or(0.0);
+fn uncertain_terms(frame: &Frame) -> Vec<Finding> {
+    let seconds = frame.all.time.len() as f64 * median_step(frame).unwrap_or(0.0);
     let free = frame.equation.terms.iter().filter(|t| !t.fixed);
     free.filter_map(|t| {
         let part = t.standard_error? / t.coefficient.abs();
-        (part > UNCERTAIN && part.is_finite()).then(|| {
-            let times = (part / WANTED).powi(2);
+        (part > DOUBTS.uncertain && part.is_finite()).then(|| {
+            let times = (part / FINDINGS.wanted_error).powi(2);
             let more = seconds * (times - 1.0);
             let name = Language(frame.model).term(&t.term);
             Finding {
@@ -272,7 +249,7 @@ fn weak(frame: &Frame) -> Vec<Finding> {
                 advice: format!(
                     "{} s more of such data bring it to {}, or let {name} be {} times larger",
                     figure(more, 2),
-                    percent(WANTED),
+                    percent(FINDINGS.wanted_error),
                     figure(times.sqrt(), 2)
                 ),
                 reach: Some(more),
