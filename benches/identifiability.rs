@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use sidc::pipeline;
 use sidc_data::{Column, Origin, Samples};
 use sidc_discover::Options;
-use sidc_discover::identifiability::{Rows, judge};
+use sidc_discover::identifiability::{Rows, assess};
 use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
 use sidc_lang::source::Sources;
@@ -98,12 +98,12 @@ fn whole(c: &mut Criterion) {
         let name = format!("{} terms", library.len());
         group.bench_function(BenchmarkId::new(name, rows), |b| {
             b.iter(|| {
-                let frame =
+                let design =
                     ScaledDesign::new(&program.model, &library, &samples, &equation, &options)?;
-                let told = judge(&frame, &library, given);
+                let told = assess(&design, &library, given);
                 let mut found = discovery.clone();
-                if let Some(stretches) = uncertainty::stretches(&frame) {
-                    uncertainty::judge(&stretches, &mut found);
+                if let Some(stretches) = uncertainty::block_normal_equations(&design) {
+                    uncertainty::assess_terms(&stretches, &mut found);
                 }
                 Some(black_box((told, found)))
             });

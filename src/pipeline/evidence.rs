@@ -35,7 +35,7 @@ impl Weighing<'_> {
         let mut judged: Vec<Judged> = Vec::new();
         for place in 0..discovery.equations.len() {
             if let ControlFlow::Break(stop) = asked(discovery, place, observer) {
-                discover::unweighed(discovery, place, stop);
+                discover::doubt_unassessed(discovery, place, stop);
                 break;
             }
             let equation = discovery.equations.get(place);
@@ -48,18 +48,18 @@ impl Weighing<'_> {
                 identifiability::attach(equation, told);
             }
             let rows = equation.evidence.as_ref().map_or(0.0, |e| e.rows as f64);
-            uncertainty::intervals(equation, judged.readings.unwrap_or(rows));
+            uncertainty::confidence_intervals(equation, judged.readings.unwrap_or(rows));
         }
         let own = judged.iter().filter_map(|j| j.stretches.as_ref());
         for part in own.chain(self.stretches) {
-            uncertainty::judge(part, discovery);
+            uncertainty::assess_terms(part, discovery);
         }
-        uncertainty::mark(discovery);
+        uncertainty::mark_terms(discovery);
         for failed in &mut discovery.failed {
             let sought = self.program.sought(failed.target);
             let model = &self.program.model;
-            let lacks =
-                sought.and_then(|(_, l)| identifiability::lacking(model, l, self.rows, failed));
+            let lacks = sought
+                .and_then(|(_, l)| identifiability::misspecification(model, l, self.rows, failed));
             if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
                 reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
             }
@@ -74,8 +74,8 @@ impl Weighing<'_> {
         let (model, samples) = (&self.program.model, self.rows.samples);
         let design = ScaledDesign::new(model, library, samples, equation, self.options)?;
         Some(Judged {
-            told: Some(identifiability::judge(&design, library, self.rows)),
-            stretches: uncertainty::stretches(&design),
+            told: Some(identifiability::assess(&design, library, self.rows)),
+            stretches: uncertainty::block_normal_equations(&design),
             readings: Some(design.noise.rows),
         })
     }
@@ -98,7 +98,7 @@ pub(super) fn readings(
     discovery: &Discovery,
 ) -> Option<Samples> {
     let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
-    let wanted = !discovery.was_stopped() && identifiability::wants_readings(discovery);
+    let wanted = !discovery.was_stopped() && identifiability::needs_measured_targets(discovery);
     if rows >= BUDGET.differentiated_samples || !wanted {
         return None;
     }

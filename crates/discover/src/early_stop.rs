@@ -35,7 +35,7 @@ fn reason(stop: Stop, before: &str) -> Reason {
 }
 
 /// Doubts every found equation from place `first` on: its evidence was not computed because of the stop.
-pub fn unweighed(d: &mut Discovery, first: usize, stop: Stop) {
+pub fn doubt_unassessed(d: &mut Discovery, first: usize, stop: Stop) {
     for e in d.equations.iter_mut().skip(first) {
         if e.status != Status::Known && !e.was_stopped() {
             e.status = Status::Doubt;

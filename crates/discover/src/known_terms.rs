@@ -1,4 +1,4 @@
-//! What the model itself states of an equation: its known terms, as part of a result.
+//! The terms of an equation that the model itself states, as part of a result.
 //!
 //! In: right-hand sides. Out: terms with fixed coefficients. Never estimates anything.
 
@@ -7,7 +7,7 @@ use sidc_lang::model::RightSide;
 use sidc_lang::term::{Signal, Term};
 use sidc_system::discovery::{Equation, FoundTerm, Status};
 
-/// The terms that the model itself gives an equation.
+/// The terms that the model states.
 pub(crate) fn fixed_terms(right: &RightSide) -> Vec<(f64, Term)> {
     match right {
         RightSide::Known(e) => known_terms([e]),

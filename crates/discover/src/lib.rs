@@ -1,5 +1,5 @@
-//! Samples and libraries → [`Discovery`]: the solver proposes terms, a criterion selects among them, least squares estimates the
-//! coefficients, and the evidence decides what is doubted.
+//! From samples and libraries to a [`sidc_system::discovery::Discovery`]: the solver proposes terms, a criterion selects among them,
+//! least squares estimates the coefficients, and the evidence decides what is doubted.
 //!
 //! [`discover`] finds each equation from rows; [`discover_jointly`] estimates all of them together with their trajectory. Knows
 //! solvers only by their trait. Never reads files or prints.
@@ -15,6 +15,7 @@ pub mod verify;
 pub mod weak_form;
 
 mod constrained;
+mod discover;
 mod doubts;
 mod early_stop;
 mod joint;
@@ -27,23 +28,12 @@ mod regression;
 mod row_weights;
 mod selection;
 mod statistics;
-
-use crate::constrained::constraint_rows::{ConstraintRow, constraint_rows, coupled_groups};
-use crate::constrained::coupled_equations::CoupledGroup;
-use crate::constrained::{constraint_check, coupled_equations};
-use crate::doubts::dependent_states::{doubt_dependent_states, states_in_samples};
-use crate::known_terms::{fixed_terms, stated};
-use crate::regression::task::Task;
-use crate::regression::weak_regression::WeakSystem;
-use sidc_data::{Dataset, Samples};
-use sidc_lang::library::Library;
-use sidc_lang::model::Model;
-use sidc_progress::{EquationObserver, Observer};
-use sidc_system::discovery::{Discovery, Equation, Failed};
+mod thresholds;
 
 pub use constrained::constraint_rows::check_constraints;
+pub use discover::discover;
 pub use doubts::regression_rules::tie;
-pub use early_stop::{unverified, unweighed};
+pub use early_stop::{doubt_unassessed, unverified};
 pub use joint::no_fit::nothing_fits;
 pub use joint::{Fitted, discover_jointly, joint};
 pub use options::{METHODS, Method, Options};
@@ -52,146 +42,22 @@ pub use refusal::{Refusal, Unevaluable};
 pub use regression::row_sampling::{Split, split};
 pub use row_weights::Weights;
 
-/// Families of the numbers that decide, for the documentation.
+/// The tables of all thresholds, for the documentation.
 pub fn thresholds() -> Vec<sidc_thresholds::Table> {
     let families = [
+        thresholds::tables(),
         regression::thresholds::tables(),
         selection::thresholds::tables(),
         constrained::thresholds::tables(),
         joint::thresholds::tables(),
         doubts::thresholds::tables(),
         redundancy::thresholds::tables(),
+        identifiability::thresholds::tables(),
+        uncertainty::thresholds::tables(),
         trajectory::tables(),
         weak_form::tables(),
         scaled_design::thresholds::tables(),
         verify::thresholds::tables(),
     ];
     families.into_iter().flatten().collect()
-}
-
-/// Finds every equation of the model from rows of samples.
-///
-/// `libraries` has one entry for each equation, `None` where the model states the equation. Equations that share constraints are
-/// solved together. If the observer ends the work, the equations found so far stand and the others are listed as failed.
-///
-/// ```
-/// use sidc_data::Dataset;
-/// use sidc_discover::{Options, discover};
-/// use sidc_progress::Unwatched;
-/// use sidc_system::discovery::Status;
-/// use sidc::pipeline::Program;
-///
-/// let program = Program::compile("decay.sid", "state x\ndx ~ powers(x; 3)\n")?;
-/// let x: Vec<f64> = (0..40).map(|k| 2.0 * (-0.1 * f64::from(k)).exp()).collect();
-/// let dx: Vec<f64> = x.iter().map(|x| -x).collect();
-/// let time: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
-/// let samples = program.samples(&time, &[("x", &x), ("dx", &dx)])?;
-///
-/// // Everything is measured, so there is no dataset to ask for more.
-/// let data = (&Dataset::default(), &samples);
-/// let found = discover(&program.model, &program.libraries, data, &Options::default(), &mut Unwatched);
-/// let found = found.map_err(|_| "a term has no value")?;
-/// let equation = &found.equations[0];
-/// assert_eq!((equation.status, equation.terms.len()), (Status::Pass, 1));
-/// assert!((equation.terms[0].coefficient + 1.0).abs() < 1e-9);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-///
-/// # Errors
-/// Terms without a finite value on the data, one for each equation; constraints that the data contradict.
-pub fn discover(
-    model: &Model,
-    libraries: &[Option<Library>],
-    (dataset, samples): (&Dataset, &Samples),
-    options: &Options,
-    observer: &mut dyn Observer,
-) -> Result<Discovery, Vec<Refusal>> {
-    let mut discovery = Discovery::of(model);
-    let mut watcher = EquationObserver::new(observer);
-    let tied = constraint_rows(model, libraries);
-    let groups = coupled_groups(&tied, model.equations.len());
-    let task = |i: usize| -> Option<(usize, Task)> {
-        let equation = model.equations.get(i)?;
-        let task = Task {
-            target: equation.target,
-            known: fixed_terms(&equation.right),
-            library: libraries.get(i)?.as_ref()?,
-            model,
-            dataset,
-            samples,
-            options,
-        };
-        Some((i, task))
-    };
-    let untied = |i: &usize| !groups.iter().any(|g| g.contains(i));
-    let untied: Vec<usize> = (0..model.equations.len()).filter(untied).collect();
-    let group = |members: &Vec<usize>| {
-        let among = |t: &&ConstraintRow| t.row.entries.iter().any(|e| members.contains(&e.0));
-        CoupledGroup {
-            tasks: members.iter().filter_map(|m| task(*m)).collect(),
-            tied: tied.iter().filter(among).collect(),
-        }
-    };
-
-    let mut done: Vec<Option<Result<Equation, Failed>>> = vec![None; model.equations.len()];
-    let (mut refused, mut doubts) = (Vec::new(), Vec::new());
-    if options.method == Method::Weak {
-        match WeakSystem::new(untied.iter().filter_map(|i| task(*i))) {
-            Ok(system) => {
-                for (i, found) in system.run(&discovery, &mut watcher) {
-                    done[i] = Some(found);
-                }
-            }
-            Err(values) => refused.extend(values.into_iter().map(Refusal::Unevaluable)),
-        }
-    }
-    for (i, equation) in model.equations.iter().enumerate() {
-        if done[i].is_some() {
-            continue;
-        }
-        let Some((_, alone)) = task(i) else {
-            let known = fixed_terms(&equation.right);
-            done[i] = Some(Ok(stated(equation.target, known)));
-            continue;
-        };
-        let Some(members) = groups.iter().find(|g| g.contains(&i)) else {
-            watcher.turn_to(i);
-            match alone.run(&discovery, &mut watcher) {
-                Ok(found) => done[i] = Some(found),
-                Err(value) => refused.push(Refusal::Unevaluable((i, value))),
-            }
-            continue;
-        };
-        if members.first() != Some(&i) {
-            continue;
-        }
-        match group(members).run(&discovery, &mut watcher) {
-            Ok(concluded) => {
-                doubts.extend(concluded.doubts);
-                for (place, found) in concluded.done {
-                    done[place] = Some(found);
-                }
-            }
-            Err(refusals) => refused.extend(refusals),
-        }
-    }
-    if !refused.is_empty() {
-        return Err(refused);
-    }
-    for found in done.into_iter().flatten() {
-        match found {
-            Ok(equation) => discovery.equations.push(equation),
-            Err(failed) => discovery.failed.push(failed),
-        }
-    }
-
-    coupled_equations::attach(&mut discovery, &doubts);
-    let refit = redundancy::Refit {
-        tasks: untied.iter().filter_map(|i| Some(task(*i)?.1)).collect(),
-        watcher: &mut watcher,
-    };
-    redundancy::doubt_redundant_equations(&mut discovery, samples, Some(refit));
-    doubt_dependent_states(&mut discovery, &states_in_samples(model, samples));
-    constraint_check::doubt_broken(&mut discovery, model);
-    Ok(discovery)
 }

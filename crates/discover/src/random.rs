@@ -1,4 +1,4 @@
-//! Pseudo-random numbers that are the same on every machine.
+//! Reproducible pseudo-random numbers.
 //!
 //! In: a seed. Out: bits, uniform and normal numbers. Never reads a clock or the system's randomness.
 
@@ -29,7 +29,7 @@ impl SplitMix {
         radius * (std::f64::consts::TAU * self.unit()).cos()
     }
 
-    /// A number below `n`. The bias of the remainder is negligible for small `n`.
+    /// A uniform integer below `n`. The bias of the remainder is negligible for small `n`.
     pub fn below(&mut self, n: usize) -> usize {
         (self.bits() % n.max(1) as u64) as usize
     }

@@ -5,10 +5,10 @@
 use crate::dictionary::BadValue;
 use sidc_lang::diagnostic::Diagnostic;
 
-/// A term that the data cannot evaluate: which equation asked for it, and where it fails.
+/// A term without a finite value on the data: the place of its equation in the model, and where it fails.
 pub type Unevaluable = (usize, Box<BadValue>);
 
-/// Why there is no discovery at all.
+/// Why discovery was refused.
 #[derive(Clone, Debug)]
 pub enum Refusal {
     Unevaluable(Unevaluable),

@@ -1,8 +1,8 @@
-//! The error model of one regression: weights of rows, tolerance of the fit, and the floor below which residuals are no evidence.
+//! The error model of one regression: weights of rows, tolerance of the fit, and the noise floor below which residuals are no evidence.
 //!
 //! In: samples with their estimated errors. Out: weights for weighted least squares. Never fits anything.
 
-use crate::regression::thresholds::ROW_WEIGHTS;
+use crate::thresholds::ROW_WEIGHTS;
 use std::borrow::Cow;
 
 use crate::statistics::{autocorrelation_time, median, norm, rms};
@@ -41,7 +41,7 @@ impl Weights {
             if let Some(c) = samples.column(s)
                 && s != target
             {
-                // The error of a term scales with its share of the target, which is taken to be all of it.
+                // The error of a term scales with its share of the target; every term is assumed to make up all of it.
                 let scale = size / rms(&c.values).max(f64::MIN_POSITIVE);
                 add_squares(&mut square, errors(samples, s).as_deref(), scale);
             }

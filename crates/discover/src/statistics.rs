@@ -1,11 +1,8 @@
-//! Sizes, medians and autocorrelation times of series of numbers.
+//! Norms, medians and autocorrelation times of series of numbers.
 //!
-//! In: slices. Out: numbers. Never knows what they measure.
+//! In: slices. Out: numbers. Knows no units.
 
-use crate::regression::thresholds::ROW_WEIGHTS;
-
-/// Longest series that is not averaged in pairs first; bounds the work.
-const MAX_DIRECT_LENGTH: usize = 20_000;
+use crate::thresholds::AUTOCORRELATION;
 
 /// Integrated autocorrelation time 1 + 2 Σ ρ_k in rows, summed up to five times itself (Sokal 1997, section 3).
 ///
@@ -16,7 +13,7 @@ pub(crate) fn autocorrelation_time(series: &[f64]) -> f64 {
     if square == 0.0 {
         return 1.0;
     }
-    if series.len() > MAX_DIRECT_LENGTH {
+    if series.len() > AUTOCORRELATION.direct_length {
         let pairs = series.chunks_exact(2);
         let means: Vec<f64> = pairs.map(|p| 0.5 * (p[0] + p[1])).collect();
         let kept = means.iter().map(|x| x * x).sum::<f64>() / square;
@@ -26,14 +23,14 @@ pub(crate) fn autocorrelation_time(series: &[f64]) -> f64 {
     for k in 1..series.len() / 4 {
         let product: f64 = series.iter().zip(&series[k..]).map(|(a, b)| a * b).sum();
         time += 2.0 * product / square;
-        if k as f64 >= ROW_WEIGHTS.autocorrelation_window * time {
+        if k as f64 >= AUTOCORRELATION.window * time {
             break;
         }
     }
     time.max(1.0)
 }
 
-/// Euclidean length.
+/// Euclidean norm.
 pub(crate) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
@@ -50,7 +47,7 @@ pub(crate) fn median(v: &[f64]) -> Option<f64> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// Products of elements.
+/// The elementwise product.
 pub(crate) fn product(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a * b).collect()
 }
@@ -79,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn series_without_memory_count_every_row() {
+    fn uncorrelated_series_count_every_row() {
         let alternating: Vec<f64> = (0..50_000).map(|i| f64::from(1 - 2 * (i % 2))).collect();
         assert_eq!(autocorrelation_time(&alternating), 1.0);
         assert_eq!(autocorrelation_time(&[0.0; 10]), 1.0);

@@ -104,11 +104,9 @@ const LONGEST_FILE: usize = 450;
 #[rustfmt::skip]
 const CIRCLES_LEFT: &[(&str, &[&str])] = &[
     ("lang", &["term/expr.rs", "term/function.rs"]),
-    ("discover", &["dictionary/column_products.rs", "dictionary/compile.rs"]),
     ("solve", &["clarabel.rs", "frame.rs", "working_set.rs"]),
     ("solve", &["joint/mod.rs", "joint/programme.rs"]),
     ("solve", &["lib.rs", "reduce.rs"]),
-    ("discover", &["uncertainty/halves.rs", "uncertainty/mod.rs", "uncertainty/nearest.rs", "uncertainty/without.rs"]),
 ];
 
 /// The folder of a crate; the name of the root package is empty.

@@ -178,8 +178,8 @@ fn every_stage_of_the_regression_hears_it() {
             "{mark}: {codes:?}"
         );
         if mark == "dz: terms chosen" {
-            let unweighed = "interrupted before the evidence was weighed";
-            assert!(ran.stdout.contains(unweighed), "{}", ran.stdout);
+            let doubt_unassessed = "interrupted before the evidence was weighed";
+            assert!(ran.stdout.contains(doubt_unassessed), "{}", ran.stdout);
         }
     }
     // All there is has been found: it is written.

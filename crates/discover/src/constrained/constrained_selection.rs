@@ -11,10 +11,10 @@ use nalgebra::DMatrix;
 
 use crate::constrained::thresholds::CONSTRAINED_SEARCH;
 use crate::selection::information_criterion::InformationCriterion;
+use crate::selection::qr_reduction::qr_reduction;
 use crate::selection::subset_search::{SubsetProblem, descend};
 use crate::selection::thresholds::TERM_SELECTION;
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::linalg::Qr;
 use sidc_solve::{Fit, FitBlock, Row, Sense, fit};
 
 /// Columns of each block, rising.
@@ -66,12 +66,7 @@ pub(crate) fn block(
         all.column_mut(k).copy_from_slice(&column);
     }
     all.column_mut(n).copy_from_slice(target);
-    let mut outside = 0.0;
-    if m > n + 1 {
-        all = Qr::new(all).r;
-        outside = all[(n, n)].powi(2);
-        all = all.remove_row(n);
-    }
+    let (all, outside) = qr_reduction(all);
     FitBlock {
         columns,
         values: all.columns(0, n).into_owned(),

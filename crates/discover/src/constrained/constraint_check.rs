@@ -4,6 +4,7 @@
 
 use crate::constrained::thresholds::CONSTRAINTS;
 use sidc_lang::model::{Coefficient, Constraint, Model, Relation};
+use sidc_lang::number::rounded;
 use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::{Discovery, Reason, ReasonCode, Status};
 
@@ -114,5 +115,5 @@ pub(crate) fn constraint_text(names: &impl SignalNames, constraint: &Constraint)
 
 /// Six significant digits; −0 is 0.
 pub(crate) fn six_digits(x: f64) -> f64 {
-    format!("{x:.5e}").parse::<f64>().unwrap_or(x) + 0.0
+    rounded(x, 6) + 0.0
 }

@@ -120,34 +120,3 @@ fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) -> f64 {
     }
     squares
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::compile::tests::{samples, x};
-    use super::*;
-    use sidc_lang::term::{Expr, power};
-
-    #[test]
-    fn any_number_of_factors_is_multiplied_from_left_to_right() {
-        let samples = samples(&[0.5, -2.0, 3.0, 0.7, 1.1, -0.1, 0.3, 0.9, 1.3, -0.8, 2.0]);
-        let weights: Vec<f64> = (1..=11).map(f64::from).collect();
-        let atom = |k: u32| x() + Expr::number(f64::from(k));
-        for weights in [None, Some(weights.as_slice())] {
-            for many in 0..9 {
-                let product = (0..many).fold(Term::one(), |t, k| t.mul(&atom(k).into_term().1));
-                let filled = fill(&[Term::one(), product.clone()], &samples, weights);
-                let column = &filled.values[11..];
-                for (row, value) in column.iter().enumerate() {
-                    let at = |s| samples.column(s).unwrap().values[row];
-                    let mut wanted = weights.map_or(1.0, |w| w[row]);
-                    for (atom, exponent) in product.factors() {
-                        wanted *= power(atom.eval(&at), exponent);
-                    }
-                    assert_eq!(*value, wanted);
-                }
-                let squares: f64 = column.iter().map(|v| v * v).sum();
-                assert!((filled.squares[1] / squares - 1.0).abs() < 1e-14);
-            }
-        }
-    }
-}

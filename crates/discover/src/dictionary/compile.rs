@@ -91,7 +91,7 @@ fn listed(library: &Library) -> Option<&[Term]> {
     }
 }
 
-fn dense(
+pub(super) fn dense(
     terms: &[Term],
     samples: &Samples,
     weights: Option<&[f64]>,
@@ -152,45 +152,5 @@ fn explain(factors: [&Term; 2], row: usize, samples: &Samples) -> BadValue {
         atom: culprit.map(|(a, _)| a.clone()),
         row,
         value,
-    }
-}
-
-#[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-    use sidc_data::{Column, Origin};
-    use sidc_lang::term::{Expr, Func, VarId};
-
-    /// One signal with the values given.
-    pub fn samples(values: &[f64]) -> Samples {
-        Samples {
-            trajectory: vec![0; values.len()],
-            time: (0..values.len()).map(|i| i as f64).collect(),
-            columns: vec![Column {
-                signal: Signal::new(VarId(1)),
-                values: values.to_vec(),
-                origin: Origin::Measured { noise: None },
-            }],
-        }
-    }
-
-    pub fn x() -> Expr {
-        Expr::signal(Signal::new(VarId(1)))
-    }
-
-    #[test]
-    fn columns_are_weighted_products() {
-        let terms = [Term::one(), x().pow(3.0).into_term().1];
-        let phi = dense(&terms, &samples(&[1.0, -2.0, 3.0]), Some(&[1.0, 2.0, 1.0])).unwrap();
-        assert_eq!(phi.values(), &[1.0, 2.0, 1.0, 1.0, -16.0, 27.0]);
-        assert!((phi.norms()[0] - 6f64.sqrt()).abs() < 1e-15);
-    }
-
-    #[test]
-    fn the_row_and_value_of_a_bad_logarithm_are_named() {
-        let log = Expr::call(Func::named("log").unwrap(), vec![x()]);
-        let terms = [log.into_term().1];
-        let bad = dense(&terms, &samples(&[1.0, -2.0, 3.0]), None).unwrap_err();
-        assert_eq!((bad.row, bad.value), (1, -2.0));
     }
 }

@@ -9,4 +9,7 @@ mod compile;
 mod expression_values;
 mod factor_table;
 
+#[cfg(test)]
+mod tests;
+
 pub use compile::{BadValue, bytes, compile, evaluate, subtract};

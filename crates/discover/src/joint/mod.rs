@@ -11,7 +11,7 @@ pub(crate) mod thresholds;
 use std::sync::Arc;
 
 use crate::doubts::dependent_states::doubt_dependent_states;
-use crate::early_stop::{self, unweighed};
+use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::delay_outlier_search::{JointFit, search_system};
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
@@ -164,7 +164,7 @@ pub fn discover_jointly(
         Some(_) => None,
     };
     if let Some(stop) = watcher.stop() {
-        unweighed(&mut discovery, 0, stop);
+        doubt_unassessed(&mut discovery, 0, stop);
     }
     Some((discovery, Fitted { samples, stretches }))
 }

@@ -1,4 +1,4 @@
-//! How one equation depends on others, and the rules that call it a copy.
+//! How one equation depends on others, and the rules that make it a copy.
 //!
 //! In: a separation of gradients and the uncertainty of the equations. Out: yes or no. Never looks at samples.
 
@@ -14,9 +14,9 @@ pub(super) struct Dependence {
 }
 
 impl Dependence {
-    /// Nearly parallel gradients that differ by the highest derivatives no more than the uncertainty. Differences by other signals
-    /// are not held against it: a series for 1/cos θ is close to it, but steeper in places.
-    pub fn same(&self) -> bool {
+    /// Nearly parallel gradients whose derivatives by the unknowns differ no more than the uncertainty. Differences by other signals
+    /// do not count: a series for 1/cos θ is close to it, but steeper in places.
+    pub fn is_same_relation(&self) -> bool {
         let a = &self.separation;
         a.condition >= REDUNDANCY.close
             && a.part <= REDUNDANCY.alike
@@ -30,7 +30,7 @@ impl Dependence {
     }
 
     pub fn is_dependent(&self) -> bool {
-        self.same() || self.uninformative()
+        self.is_same_relation() || self.uninformative()
     }
 
     /// The growth of the residual when the system is solved, if the equation is independent of the others.

@@ -1,8 +1,8 @@
 //! An equation as a relation g = target − right side = 0, described by its gradient on every row.
 //!
 //! In: equations and samples. Out: gradients by all signals, in units of the signals' spreads, and how far one is from combinations
-//! of others. If g₂ = f g₁ then ∇g₂ = f ∇g₁ wherever g₁ = 0, so two relations say the same if their gradients are parallel, whatever
-//! the factor f. Never judges.
+//! of others. If g₂ = f g₁ then ∇g₂ = f ∇g₁ wherever g₁ = 0, so two relations are the same if their gradients are parallel, whatever
+//! the factor f. Decides nothing.
 
 use crate::redundancy::thresholds::REDUNDANCY;
 use nalgebra::DMatrix;
@@ -151,8 +151,8 @@ impl SampledSignals {
             let masses: Vec<Vec<f64>> = theirs.iter().map(|v| mass(v)).collect();
             let borrowed: Vec<&[f64]> = masses.iter().map(Vec::as_slice).collect();
             lengths.push(dot(own, own).sqrt());
-            left.push(rest(own.clone(), &theirs));
-            of_unknowns.push(rest(mass(own), &borrowed));
+            left.push(residual_norm(own.clone(), &theirs));
+            of_unknowns.push(residual_norm(mass(own), &borrowed));
             conditions.push(condition(&mass(own), &borrowed));
             growths.push(growth(own, &theirs, &targets));
         }
@@ -168,25 +168,25 @@ impl SampledSignals {
 }
 
 /// Length of the part of `v` off the span of others, by Gram–Schmidt, repeated once to keep the digits.
-fn rest(mut v: Vec<f64>, others: &[&[f64]]) -> f64 {
+fn residual_norm(mut v: Vec<f64>, others: &[&[f64]]) -> f64 {
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(others.len());
     for other in others {
         let whole = dot(other, other).sqrt();
         let mut unit = other.to_vec();
-        off(&mut unit, &basis);
-        off(&mut unit, &basis);
+        project_out(&mut unit, &basis);
+        project_out(&mut unit, &basis);
         let length = dot(&unit, &unit).sqrt();
         if length > f64::EPSILON * whole {
             unit.iter_mut().for_each(|x| *x /= length);
             basis.push(unit);
         }
     }
-    off(&mut v, &basis);
-    off(&mut v, &basis);
+    project_out(&mut v, &basis);
+    project_out(&mut v, &basis);
     dot(&v, &v).sqrt()
 }
 
-fn off(v: &mut [f64], basis: &[Vec<f64>]) {
+fn project_out(v: &mut [f64], basis: &[Vec<f64>]) {
     for unit in basis {
         let along = dot(v, unit);
         v.iter_mut().zip(unit).for_each(|(x, u)| *x -= along * u);
@@ -241,7 +241,7 @@ mod tests {
     ];
     const ANGLE: Signal = Signal::new(VarId(2));
 
-    /// Any motion: relations need not hold for their gradients to be compared.
+    /// An arbitrary motion: gradients can be compared whether or not the relations hold.
     fn rows() -> SampledSignals {
         let form = Form {
             unknowns: Q.to_vec(),
@@ -284,7 +284,7 @@ mod tests {
         let first = gradients(&rows, Q[1], &[(-2.0, Term::signal(Q[0]).mul(&cos()))]);
         let over = Term::signal(Q[1]).mul(&cos().pow(-1.0));
         let second = gradients(&rows, Q[0], &[(-0.5, over.clone())]);
-        // Gradients by θ differ by a multiple of the relation itself, which is not zero on these rows: only the others are looked at.
+        // Gradients by θ differ by a multiple of the relation itself, which is not zero on these rows, so they are not compared.
         let separation = rows.separation(&second, &[&first]).unwrap();
         assert!(
             separation.of_unknowns < 1e-12 * second.size,
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_from_two_is_apart_from_each() {
+    fn a_combination_of_two_relations_is_separated_from_each() {
         let rows = rows();
         let angle = Term::signal(ANGLE);
         let first = gradients(&rows, Q[0], &[(3.0, angle.clone())]);

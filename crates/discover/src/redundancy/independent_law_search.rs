@@ -1,8 +1,8 @@
 //! For an equation that repeats others, the best support whose relation is independent of theirs.
 //!
-//! In: the equation, its task, a test of independence. Out: the independent equation and what it costs. Supports are visited in order
-//! of the criterion by forbidding one term of each dependent one at a time (Lawler 1972): an independent support lacks at least one of
-//! them. Never replaces the equation itself.
+//! In: the equation, its task, a test of independence. Out: the independent equation and its price. Supports are visited in order
+//! of the criterion (Lawler 1972): an independent support lacks at least one term of each dependent one, so its terms are forbidden one
+//! at a time. Never replaces the equation itself.
 
 use crate::redundancy::thresholds::INDEPENDENT_LAW;
 use crate::selection::thresholds::TERM_SELECTION;
@@ -16,12 +16,13 @@ use crate::selection::screening::by_simplicity;
 use crate::selection::term_selection::{self, TermSelection};
 use crate::statistics::{autocorrelation_time, norm};
 use sidc_lang::term::{Signal, Term};
-use sidc_progress::{EquationObserver, Stage};
+use sidc_progress::EquationObserver;
+use sidc_progress::Stage;
 use sidc_solve as solve;
 use sidc_solve::Polished;
 use sidc_system::discovery::{Discovery, Equation};
 
-/// What it takes to fit an equation again.
+/// What a new fit of an equation needs.
 pub(crate) struct Refit<'a, 'w, 't> {
     /// Tasks of the equations without constraints.
     pub tasks: Vec<Task<'t>>,
@@ -69,7 +70,7 @@ pub(super) fn find_independent_law(
     if refit.watcher.stop().is_some() {
         return None;
     }
-    let mut seeker = IndependentLawSearch {
+    let mut search = IndependentLawSearch {
         task,
         design: &design,
         criterion: selected.criterion,
@@ -78,9 +79,9 @@ pub(super) fn find_independent_law(
     let others: Vec<Signal> = (names.equations.iter().map(|e| e.target))
         .filter(|s| *s != equation.target)
         .collect();
-    let pool = seeker.pool(&selected.solution.coefficients);
-    let found = seeker.best(&pool, &others, refit.watcher)?;
-    let criterion = seeker.criterion;
+    let pool = search.pool(&selected.solution.coefficients);
+    let found = search.best(&pool, &others, refit.watcher)?;
+    let criterion = search.criterion;
     let polished = solve::polish(design.phi.as_ref(), &design.target, &found.columns);
     let columns = equation.terms.iter().filter(|t| !t.fixed);
     let columns: Option<Vec<usize>> = columns.map(|t| task.library.contains(&t.term)).collect();
@@ -128,7 +129,8 @@ struct Node {
 struct Found {
     columns: Vec<usize>,
     growth: f64,
-    /// The criterion with the residual as it is when the system is solved: a law that contains part of another leaves little before.
+    /// The criterion of the residual after the system is solved for its targets: before that, a law that contains part of another
+    /// has a small residual.
     value: f64,
 }
 
@@ -162,7 +164,7 @@ impl IndependentLawSearch<'_, '_> {
         others: &[Signal],
         watcher: &mut EquationObserver,
     ) -> Option<Found> {
-        // A law without the targets of the others is independent of them, and bounds the search.
+        // A law without the targets of the other equations is independent of them; its criterion bounds the search.
         let mentions = |j: &usize| {
             let term = self.task.term(*j);
             others.iter().any(|s| term.mentions(*s))
@@ -174,10 +176,10 @@ impl IndependentLawSearch<'_, '_> {
             .collect();
         let mut best = None;
         if let Some(first) = self.node(&self.search(pool), joint.clone(), watcher) {
-            // Its residual is not noise but unexplained motion, which is correlated: rows count for less.
+            // Its residual is unexplained motion, which is correlated, so the effective sample size is smaller.
             self.lower_sample_size(&named(pool, &first.support));
             let explicit = self.node(&self.search(pool), joint, watcher);
-            best = explicit.and_then(|n| self.found(pool, &n));
+            best = explicit.and_then(|n| self.independent_support(pool, &n));
         }
         let search = self.search(pool);
         let mut nodes: Vec<Node> = Vec::new();
@@ -194,7 +196,7 @@ impl IndependentLawSearch<'_, '_> {
             if best.as_ref().is_some_and(|b| b.value <= node.value) {
                 break;
             }
-            let found = self.found(pool, &node);
+            let found = self.independent_support(pool, &node);
             if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.value < b.value)) {
                 best = Some(found);
             }
@@ -234,7 +236,7 @@ impl IndependentLawSearch<'_, '_> {
     }
 
     /// The support of a node, if it is independent.
-    fn found(&self, pool: &[usize], node: &Node) -> Option<Found> {
+    fn independent_support(&self, pool: &[usize], node: &Node) -> Option<Found> {
         let columns = named(pool, &node.support);
         let polished = solve::polish(self.design.phi.as_ref(), &self.design.target, &columns);
         let terms: Vec<Term> = columns.iter().map(|j| self.task.term(*j)).collect();

@@ -1,9 +1,10 @@
-//! Messages about equations that repeat others: which one is which, how alike they are, and what replaces it.
+//! Messages about redundant equations: which equation repeats which others, how closely, and what replaces it.
 //!
-//! In: a dependent set with its figures. Out: text. Never decides anything.
+//! In: a dependent set with its figures. Out: text. Decides nothing.
 
 use crate::redundancy::dependence::Dependence;
 use crate::redundancy::gradients::SampledSignals;
+use sidc_lang::number::rounded;
 use sidc_lang::term::{Expr, Language, SignalNames};
 use sidc_system::discovery::{Discovery, Equation, Form};
 
@@ -16,28 +17,29 @@ pub(super) struct Message<'a> {
     pub d: &'a Discovery,
     pub rows: &'a SampledSignals,
     pub form: &'a Form,
-    /// Row of the form whose equation is the copy, and the rows that it repeats.
+    /// Row of the form whose equation is the copy.
     pub copy: usize,
-    pub of: &'a [usize],
+    /// Rows of the equations that it repeats.
+    pub originals: &'a [usize],
     pub dependence: &'a Dependence,
-    /// Whether the copy fits worse than the others, so that it is plain which one is the copy.
-    pub rougher: bool,
+    /// Whether the copy fits worse than the originals, which shows that it is the copy.
+    pub fits_worse: bool,
 }
 
 impl Message<'_> {
-    /// No independent law was found, or none was sought.
-    pub fn alone(&self, sought: bool) -> String {
+    /// For a copy without an independent law, after a completed search or none.
+    pub fn without_independent_law(&self, searched: bool) -> String {
         let (finding, missing) = (self.finding(), self.missing());
-        match sought {
+        match searched {
             true => format!("{finding}; its library has no law of its own: {missing}"),
             false => format!("{finding}; {missing}"),
         }
     }
 
-    /// If both fit equally well, either may be the copy.
+    /// What is missing. If both fit equally well, either may be the copy.
     fn missing(&self) -> String {
         let target = self.target();
-        match self.rougher {
+        match self.fits_worse {
             true => format!("physics of {target} is missing from its library"),
             false => format!(
                 "physics of {target} is missing from its library, or of {} from its own",
@@ -46,10 +48,10 @@ impl Message<'_> {
         }
     }
 
-    /// For the equations that the copy repeats.
-    pub fn aside(&self) -> String {
+    /// For the originals.
+    pub fn of_originals(&self) -> String {
         let target = self.target();
-        match self.of {
+        match self.originals {
             [_] => format!(
                 "the equation of {target} is this one solved for {target}, so the two cannot be solved for the highest derivatives"
             ),
@@ -60,26 +62,26 @@ impl Message<'_> {
         }
     }
 
-    /// There is an independent law, but it fits far worse.
-    pub fn with_own(&self, own: &Equation, residual: f64) -> String {
+    /// For a copy whose independent law fits far worse.
+    pub fn with_worse_law(&self, law: &Equation, residual: f64) -> String {
         let target = self.target();
         format!(
             "{}; a law of its own would be {target} = {}, which leaves {} of {target}: {}",
             self.finding(),
-            written(self.d, own),
+            written(self.d, law),
             percent(residual),
             self.missing()
         )
     }
 
-    /// An independent law replaced the copy.
-    pub fn instead(&self, residual: f64, before: f64) -> String {
+    /// For an independent law that replaced the copy.
+    pub fn replaced(&self, residual: f64, before: f64) -> String {
         let target = self.target();
-        let preferred = match self.of {
-            [of] => format!(
+        let preferred = match self.originals {
+            [original] => format!(
                 "that of {} solved for {target}{}",
-                self.name(*of),
-                self.divisor(*of)
+                self.name(*original),
+                self.divisor(*original)
             ),
             _ => format!("what follows from those of {}", self.others()),
         };
@@ -96,18 +98,18 @@ impl Message<'_> {
     fn finding(&self) -> String {
         let a = &self.dependence.separation;
         let target = self.target();
-        let same = match self.dependence.same() {
+        let same = match self.dependence.is_same_relation() {
             true => format!(
                 "whatever signal moves, both answer alike to {}, and in the highest derivatives they differ by no more than they leave open",
                 percent(a.part)
             ),
             false => "what is left between them says nothing of the highest derivatives".into(),
         };
-        let what = match self.of {
-            [of] => format!(
+        let what = match self.originals {
+            [original] => format!(
                 "the equation of {target} is that of {} solved for {target}{}",
-                self.name(*of),
-                self.divisor(*of)
+                self.name(*original),
+                self.divisor(*original)
             ),
             _ => format!(
                 "the equation of {target} follows from those of {}",
@@ -126,8 +128,12 @@ impl Message<'_> {
     }
 
     /// ` (divided by 2*cos(theta), 1.72 to 2 here)`; empty if the divisor is long or crosses zero.
-    fn divisor(&self, of: usize) -> String {
-        let entry = self.form.rows.get(of).and_then(|r| r.mass.get(self.copy));
+    fn divisor(&self, original: usize) -> String {
+        let entry = self
+            .form
+            .rows
+            .get(original)
+            .and_then(|r| r.mass.get(self.copy));
         let Some(by) = entry.filter(|e| e.terms().len() <= MAX_DIVISOR_TERMS) else {
             return String::new();
         };
@@ -137,13 +143,13 @@ impl Message<'_> {
         if least * most <= 0.0 || !(least * most).is_finite() {
             return String::new();
         }
-        let text = Language(self.d).expr(&rounded(by));
+        let text = Language(self.d).expr(&with_few_digits(by));
         match by.as_number() {
             Some(_) => format!(" (divided by {text})"),
             None => format!(
                 " (divided by {text}, {} to {} here)",
-                short(least, 3),
-                short(most, 3)
+                rounded(least, 3),
+                rounded(most, 3)
             ),
         }
     }
@@ -158,32 +164,27 @@ impl Message<'_> {
     }
 
     fn others(&self) -> String {
-        let names: Vec<String> = self.of.iter().map(|m| self.name(*m)).collect();
+        let names: Vec<String> = self.originals.iter().map(|m| self.name(*m)).collect();
         names.join(" and ")
     }
 }
 
-/// The right side of an equation in few digits.
+/// The right side of an equation with few digits.
 fn written(d: &Discovery, e: &Equation) -> String {
     let terms = e.terms.iter();
     let sum: Expr = terms
         .map(|t| Expr::from((t.coefficient, t.term.clone())))
         .sum();
-    Language(d).expr(&rounded(&sum))
+    Language(d).expr(&with_few_digits(&sum))
 }
 
-fn rounded(e: &Expr) -> Expr {
+fn with_few_digits(e: &Expr) -> Expr {
     let terms = e.terms();
     terms
-        .map(|(a, t)| Expr::from((short(a, MESSAGE_DIGITS), t.clone())))
+        .map(|(a, t)| Expr::from((rounded(a, MESSAGE_DIGITS), t.clone())))
         .sum()
 }
 
-/// A number rounded to significant digits.
-fn short(x: f64, digits: usize) -> f64 {
-    format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
-}
-
 fn percent(part: f64) -> String {
-    format!("{} %", short(100.0 * part, 2))
+    format!("{} %", rounded(100.0 * part, 2))
 }

@@ -1,8 +1,8 @@
 //! Whether coupled equations are independent relations, or one relation rearranged.
 //!
 //! In: a discovery, samples, and the tasks by which an equation can be fitted again. Out: the doubt `same-relation` with its figures
-//! or, where an independent law fits nearly as well, that law in place of the copy. The fit of one equation cannot show it:
-//! θ̈ = a sin θ + b ẍ cos θ solved for ẍ fits ẍ as well. Never touches equations that are not coupled.
+//! or, where an independent law fits nearly as well, that law in place of the copy. The fit of a single equation cannot show this:
+//! θ̈ = a sin θ + b ẍ cos θ solved for ẍ fits ẍ equally well. Never changes equations that are not coupled.
 
 mod dependence;
 mod gradients;
@@ -28,7 +28,7 @@ use sidc_system::discovery::{
 #[derive(Clone)]
 struct Relation {
     gradients: Gradients,
-    /// Its uncertainty: what it leaves unexplained, in units of its target.
+    /// Its unexplained part, in units of its target.
     uncertainty: f64,
 }
 
@@ -42,9 +42,9 @@ struct DependentSet {
 struct Replacement {
     price: f64,
     copy: usize,
-    own: Option<IndependentLaw>,
+    law: Option<IndependentLaw>,
     /// Whether the search for an independent law was completed.
-    sought: bool,
+    searched: bool,
 }
 
 /// Doubts coupled equations that are one relation, or replaces one of them by an independent law.
@@ -153,8 +153,9 @@ impl System<'_> {
             let others: Vec<&Relation> = (members.iter().filter(|m| *m != one))
                 .filter_map(|m| relations.get(*m))
                 .collect();
-            let own = relations.get(*one);
-            own.and_then(|own| self.dependence(own, &others))
+            let relation = relations.get(*one);
+            relation
+                .and_then(|r| self.dependence(r, &others))
                 .is_some_and(|l| l.is_dependent())
         })
     }
@@ -247,21 +248,21 @@ impl System<'_> {
             };
             self.dependence(&new, &others)?.growth_if_independent()
         };
-        let (mut own, mut sought) = (None, false);
+        let (mut law, mut searched) = (None, false);
         if let Some(refit) = refit {
-            own = independent_law_search::find_independent_law(refit, d, e, &independent);
+            law = independent_law_search::find_independent_law(refit, d, e, &independent);
             let task = refit.tasks.iter().any(|t| t.target == e.target);
-            sought = task && refit.watcher.stop().is_none();
+            searched = task && refit.watcher.stop().is_none();
         }
-        // Without an independent law, the equation with the least gradient by its own target is the copy.
+        // Without an independent law, the copy is the equation with the least share of its gradient by its target.
         let share = relations.get(copy)?.gradients.share;
         Some(Replacement {
-            price: own
+            price: law
                 .as_ref()
-                .map_or(INDEPENDENT_LAW.no_law_price * (1.0 + share), |o| o.price),
+                .map_or(INDEPENDENT_LAW.no_law_price * (1.0 + share), |l| l.price),
             copy,
-            own,
-            sought,
+            law,
+            searched,
         })
     }
 
@@ -271,21 +272,24 @@ impl System<'_> {
         d: &mut Discovery,
         case: &DependentSet,
         Replacement {
-            copy, own, sought, ..
+            copy,
+            law,
+            searched,
+            ..
         }: Replacement,
         relations: &[Relation],
     ) -> Option<()> {
-        let of: Vec<usize> = (case.members.iter().copied())
+        let originals: Vec<usize> = (case.members.iter().copied())
             .filter(|m| *m != copy)
             .collect();
-        let others: Vec<&Relation> = of.iter().filter_map(|m| relations.get(*m)).collect();
+        let others: Vec<&Relation> = originals.iter().filter_map(|m| relations.get(*m)).collect();
         let relation = relations.get(copy)?;
         let dependence = self.dependence(relation, &others)?;
         let place = *self.places.get(copy)?;
         let e = d.equations.get(place)?;
         let residual = |e: &Equation| e.evidence.as_ref().map_or(0.0, |e| e.residual);
         let before = residual(e);
-        let others = of
+        let others = originals
             .iter()
             .filter_map(|m| d.equations.get(*self.places.get(*m)?));
         let known = e.evidence.as_ref().map_or(0.0, |e| e.target_error);
@@ -297,12 +301,12 @@ impl System<'_> {
             rows: self.rows,
             form: self.form,
             copy,
-            of: &of,
+            originals: &originals,
             dependence: &dependence,
-            rougher: before > INDEPENDENT_LAW.rougher * worst,
+            fits_worse: before > INDEPENDENT_LAW.rougher * worst,
         };
-        let taken = own.as_ref().is_some_and(|own| own.bearable(before));
-        let law = |e: &Equation, residual: f64, criterion: f64| OtherLaw {
+        let replaces = law.as_ref().is_some_and(|law| law.bearable(before));
+        let summary = |e: &Equation, residual: f64, criterion: f64| OtherLaw {
             terms: (e.terms.iter())
                 .map(|t| (Language(d).term(&t.term), t.coefficient))
                 .collect(),
@@ -310,34 +314,37 @@ impl System<'_> {
             criterion,
         };
         let rearranged = Rearranged {
-            of: of.iter().map(|m| message.name(*m)).collect(),
+            of: originals.iter().map(|m| message.name(*m)).collect(),
             apart: dependence.separation.part,
             open: dependence.uncertainty / relation.gradients.size,
             condition: dependence.separation.condition,
-            independent: taken,
-            other: own.as_ref().map(|own| match taken {
-                true => law(e, before, -own.loss),
-                false => law(&own.equation, own.residual, own.loss),
+            independent: replaces,
+            other: law.as_ref().map(|law| match replaces {
+                true => summary(e, before, -law.loss),
+                false => summary(&law.equation, law.residual, law.loss),
             }),
         };
-        let (reason, aside) = match &own {
-            Some(own) if taken => {
-                let reason =
-                    (own.worse > TERM_SELECTION.tie).then(|| message.instead(own.residual, before));
+        let (reason, of_originals) = match &law {
+            Some(law) if replaces => {
+                let reason = (law.worse > TERM_SELECTION.tie)
+                    .then(|| message.replaced(law.residual, before));
                 (reason, None)
             }
-            Some(own) => {
-                let reason = message.with_own(&own.equation, own.residual);
-                (Some(reason), Some(message.aside()))
+            Some(law) => {
+                let reason = message.with_worse_law(&law.equation, law.residual);
+                (Some(reason), Some(message.of_originals()))
             }
-            None => (Some(message.alone(sought)), Some(message.aside())),
+            None => (
+                Some(message.without_independent_law(searched)),
+                Some(message.of_originals()),
+            ),
         };
-        if let Some(own) = own.filter(|_| taken) {
+        if let Some(law) = law.filter(|_| replaces) {
             let e = d.equations.get_mut(place)?;
             let path = std::mem::take(&mut e.path);
             *e = Equation {
                 path,
-                ..own.equation
+                ..law.equation
             };
         }
         let e = d.equations.get_mut(place)?;
@@ -345,8 +352,8 @@ impl System<'_> {
             evidence.relation = Some(rearranged);
         }
         doubt(e, reason);
-        for place in of.iter().filter_map(|m| self.places.get(*m)) {
-            doubt(d.equations.get_mut(*place)?, aside.clone());
+        for place in originals.iter().filter_map(|m| self.places.get(*m)) {
+            doubt(d.equations.get_mut(*place)?, of_originals.clone());
         }
         Some(())
     }

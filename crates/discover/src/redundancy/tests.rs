@@ -1,4 +1,4 @@
-//! Systems of a fitted trajectory: nothing is sought, but copies are told.
+//! Systems of a fitted trajectory: no independent law is searched for, but copies are doubted.
 
 use super::*;
 use sidc_data::{Column, Origin};
@@ -93,7 +93,7 @@ fn judged(cart: &[(f64, Term)]) -> Discovery {
 }
 
 #[test]
-fn a_copy_of_a_fitted_trajectory_is_told() {
+fn a_copy_of_a_fitted_trajectory_is_doubted() {
     let over = of_angle("cos").pow(-1.0);
     let copy = [
         (-10.0, of_angle("sin").mul(&over)),

@@ -19,18 +19,6 @@ family! {
 }
 
 family! {
-    /// What the data's own errors allow a residual to say.
-    pub(crate) ROW_WEIGHTS: RowWeights {
-        /// Rounding of measured data: a residual below it is no evidence.
-        rounding: f64 = 1e-9, unit "of the target or the largest term", source "set by hand; not measured";
-        /// Error estimates are right to a small factor: a residual within it is no evidence.
-        error_safety: f64 = 3.0, unit "standard errors", source "set by hand; not measured";
-        /// Lags over which autocorrelations are summed.
-        autocorrelation_window: f64 = 5.0, unit "autocorrelation times", source "Sokal 1997, Monte Carlo Methods in Statistical Mechanics, section 3";
-    }
-}
-
-family! {
     /// The tolerance ε of the fit, where rows outnumber terms.
     pub(crate) TOLERANCE: Tolerance {
         /// Smallest tolerance: below it, rounding decides.
@@ -84,7 +72,6 @@ family! {
 pub(crate) fn tables() -> Vec<Table> {
     vec![
         RowBudget::table(),
-        RowWeights::table(),
         Tolerance::table(),
         LassoPath::table(),
         WeakForm::table(),

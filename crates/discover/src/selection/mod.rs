@@ -4,6 +4,7 @@
 
 pub(crate) mod best_subset;
 pub(crate) mod information_criterion;
+pub(crate) mod qr_reduction;
 pub(crate) mod screening;
 pub(crate) mod subset_search;
 pub(crate) mod term_selection;

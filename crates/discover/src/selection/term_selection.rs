@@ -9,8 +9,8 @@ use sidc_progress::{Activity, Observer};
 
 use crate::selection::best_subset::{BestSubsetSearch, ScoredSubset};
 use crate::selection::information_criterion::InformationCriterion;
+use crate::selection::qr_reduction::qr_reduction;
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::linalg::Qr;
 
 /// The selected terms, and the supports that tie with them.
 pub struct TermSelection {
@@ -125,13 +125,9 @@ pub fn best_subset_search(
             out.iter_mut().for_each(|x| *x /= norm);
         }
     }
-    if m <= n + 1 {
-        return BestSubsetSearch::new(m, columns, target.to_vec(), 0.0, criterion);
-    }
     columns.extend_from_slice(target);
-    let r = Qr::new(DMatrix::from_vec(m, n + 1, columns)).r;
-    let upper = r.view((0, 0), (n, n + 1)).into_owned();
-    let (rotated, target) = upper.as_slice().split_at(n * n);
-    let outside = r[(n, n)].powi(2);
-    BestSubsetSearch::new(n, rotated.to_vec(), target.to_vec(), outside, criterion)
+    let (reduced, outside) = qr_reduction(DMatrix::from_vec(m, n + 1, columns));
+    let rows = reduced.nrows();
+    let (columns, target) = reduced.as_slice().split_at(rows * n);
+    BestSubsetSearch::new(rows, columns.to_vec(), target.to_vec(), outside, criterion)
 }

@@ -1,6 +1,6 @@
-//! What intervals, halves and alternatives say of problems whose answer is known.
+//! Intervals, stability and alternatives on problems whose answer is known.
 
-use super::{intervals, judge, mark};
+use super::{assess_terms, confidence_intervals, mark_terms};
 use crate::SplitMix;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_system::discovery::{
@@ -17,8 +17,8 @@ fn column(j: u16) -> Term {
     Term::signal(Signal::new(VarId(j + 2)))
 }
 
-/// Rows of random columns, `twin` of them twice but for a small part; the target is the first two columns plus noise.
-fn stretches(noise: f64, twin: Option<f64>) -> Stretches {
+/// Rows of random columns; with `twin`, column 5 is column 0 plus a small part. The target is 2 × column 0 − column 1 plus noise.
+fn blocks(noise: f64, twin: Option<f64>) -> Stretches {
     let mut random = SplitMix::new(4);
     let (rows, p) = (400, 6);
     let mut products = vec![vec![0.0; (p + 1) * (p + 1)]; 20];
@@ -69,27 +69,27 @@ fn discovery() -> Discovery {
     }
 }
 
-fn judged(stretches: &Stretches) -> Vec<Trust> {
+fn assessed(blocks: &Stretches) -> Vec<Trust> {
     let mut d = discovery();
-    intervals(&mut d.equations[0], stretches.readings);
-    judge(stretches, &mut d);
-    mark(&mut d);
+    confidence_intervals(&mut d.equations[0], blocks.readings);
+    assess_terms(blocks, &mut d);
+    mark_terms(&mut d);
     let terms = d.equations[0].terms.iter();
     terms.map(|t| *t.trust.clone().unwrap()).collect()
 }
 
 #[test]
 fn terms_that_stand_out_are_firm() {
-    for t in judged(&stretches(0.1, None)) {
+    for t in assessed(&blocks(0.1, None)) {
         assert_eq!((t.mark, t.stability), (Mark::Firm, Some(1.0)));
         assert!(t.without.unwrap().cost > 100.0);
     }
 }
 
-/// Two columns that differ by a ten-thousandth: the other one steps in at no price.
+/// Two columns that differ by a ten-thousandth replace each other at no cost.
 #[test]
 fn a_twin_makes_a_term_doubtful_and_is_named() {
-    let all = judged(&stretches(0.1, Some(1e-4)));
+    let all = assessed(&blocks(0.1, Some(1e-4)));
     let without = all[0].without.as_ref().unwrap();
     assert_eq!(without.enter.len(), 1);
     assert!(without.leave.is_empty() && without.cost.abs() < 6.0);
@@ -97,10 +97,10 @@ fn a_twin_makes_a_term_doubtful_and_is_named() {
     assert!(all[0].stability.unwrap() < 0.9);
 }
 
-/// Hidden in the noise, the smaller term is found on some halves only.
+/// The smaller term is below the noise, so only some halves select it.
 #[test]
 fn weak_terms_are_found_on_some_halves() {
-    let all = judged(&stretches(6.0, None));
+    let all = assessed(&blocks(6.0, None));
     let shares: Vec<f64> = all.iter().filter_map(|t| t.stability).collect();
     assert!(shares[0] > shares[1] && shares[1] < 0.9, "{shares:?}");
     assert_ne!(all[1].mark, Mark::Firm);
@@ -109,7 +109,7 @@ fn weak_terms_are_found_on_some_halves() {
 #[test]
 fn intervals_are_those_of_student() {
     let mut d = discovery();
-    intervals(&mut d.equations[0], 12.0);
+    confidence_intervals(&mut d.equations[0], 12.0);
     let (low, high) = d.equations[0].terms[0]
         .trust
         .as_ref()
@@ -124,8 +124,8 @@ fn intervals_are_those_of_student() {
 fn terms_of_a_doubted_equation_are_never_firm() {
     let mut d = discovery();
     d.equations[0].status = Status::Doubt;
-    intervals(&mut d.equations[0], 100.0);
-    mark(&mut d);
+    confidence_intervals(&mut d.equations[0], 100.0);
+    mark_terms(&mut d);
     let marks = d.equations[0]
         .terms
         .iter()
@@ -134,18 +134,18 @@ fn terms_of_a_doubted_equation_are_never_firm() {
     assert!(marks.clone().all(|t| MARKS.of(t) == Mark::Firm));
 }
 
-/// Too few stretches to deal out, or none: no stability is claimed.
+/// There are too few blocks to draw halves.
 #[test]
-fn no_stability_is_claimed_of_two_stretches() {
-    let mut few = stretches(0.1, None);
+fn no_stability_is_claimed_of_two_blocks() {
+    let mut few = blocks(0.1, None);
     few.products.truncate(2);
-    assert!(judged(&few).iter().all(|t| t.stability.is_none()));
+    assert!(assessed(&few).iter().all(|t| t.stability.is_none()));
 }
 
-/// A library of one term has nothing to put in its place.
+/// A library of one term has no replacement for it.
 #[test]
-fn a_lonely_term_is_replaced_by_nothing() {
-    let mut all = stretches(0.1, None);
+fn a_single_term_is_replaced_by_nothing() {
+    let mut all = blocks(0.1, None);
     all.columns.truncate(1);
     all.support = vec![0];
     for part in all.products.iter_mut().chain([&mut all.whole]) {
@@ -153,7 +153,7 @@ fn a_lonely_term_is_replaced_by_nothing() {
     }
     let mut d = discovery();
     d.equations[0].terms.truncate(1);
-    judge(&all, &mut d);
+    assess_terms(&all, &mut d);
     let trust = d.equations[0].terms[0].trust.as_ref().unwrap();
     let without = trust.without.as_ref().unwrap();
     assert!(without.enter.is_empty() && without.cost > 20.0);

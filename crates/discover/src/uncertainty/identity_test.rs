@@ -1,24 +1,16 @@
-//! Whether some terms are another one in other words, whatever the data: x and x sin² + x cos².
+//! Whether a term is identical to a combination of others: x = x sin² + x cos².
 //!
-//! In: a term, those that stand in for it. Out: yes or no, by trying at random values of their signals.
+//! In: a term, the others. Out: yes or no, by least squares at random values of their signals; no data are used.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::thresholds::IDENTITY_TEST;
 use crate::SplitMix;
 use sidc_lang::term::{Signal, Term};
 
-/// Values tried.
-const POINTS: usize = 40;
-/// Most terms of one in other words.
-const MOST: usize = 6;
-/// Relative rest below which it is rounding.
-const ROUNDING: f64 = 1e-9;
-/// Where values are drawn: anywhere, or where roots and logarithms are defined.
-const RANGES: [(f64, f64); 2] = [(-2.0, 2.0), (0.3, 2.0)];
-
-/// True if the term is a combination of the others at random values of all signals.
-pub(super) fn identical(term: &Term, others: &[Term]) -> bool {
-    if others.is_empty() || others.len() > MOST {
+/// Whether the term is a linear combination of the others at random values of all signals.
+pub(super) fn is_identity(term: &Term, others: &[Term]) -> bool {
+    if others.is_empty() || others.len() > IDENTITY_TEST.max_terms {
         return false;
     }
     let mut signals: Vec<Signal> = Vec::new();
@@ -27,16 +19,23 @@ pub(super) fn identical(term: &Term, others: &[Term]) -> bool {
     }
     signals.sort_unstable();
     signals.dedup();
-    let tried = RANGES
+    let residuals = IDENTITY_TEST
+        .ranges
         .iter()
-        .map(|range| rest(term, others, &signals, *range));
-    tried.flatten().next().is_some_and(|rest| rest < ROUNDING)
+        .map(|range| residual(term, others, &signals, *range));
+    let first = residuals.flatten().next();
+    first.is_some_and(|residual| residual < IDENTITY_TEST.residual)
 }
 
-/// What the best combination of the others leaves of the term, relative; `None` where some value is not finite.
-fn rest(term: &Term, others: &[Term], signals: &[Signal], (low, high): (f64, f64)) -> Option<f64> {
+/// The relative residual of the term's least-squares fit by the others; `None` if a value is not finite.
+fn residual(
+    term: &Term,
+    others: &[Term],
+    signals: &[Signal],
+    (low, high): (f64, f64),
+) -> Option<f64> {
     let mut random = SplitMix::new(3);
-    let points: Vec<Vec<f64>> = (0..POINTS)
+    let points: Vec<Vec<f64>> = (0..IDENTITY_TEST.points)
         .map(|_| {
             signals
                 .iter()
@@ -53,7 +52,10 @@ fn rest(term: &Term, others: &[Term], signals: &[Signal], (low, high): (f64, f64
         };
         t.eval(&|s| at(s).unwrap_or(f64::NAN))
     };
-    let column = |t: &Term| DVector::from_iterator(POINTS, points.iter().map(|p| value(t, p)));
+    let column = |t: &Term| {
+        let values = points.iter().map(|p| value(t, p));
+        DVector::from_iterator(points.len(), values)
+    };
     let target = column(term);
     let columns: Vec<DVector<f64>> = others.iter().map(column).collect();
     let finite = |v: &DVector<f64>| v.iter().all(|x| x.is_finite());
@@ -61,14 +63,15 @@ fn rest(term: &Term, others: &[Term], signals: &[Signal], (low, high): (f64, f64
         return None;
     }
     let matrix = DMatrix::from_columns(&columns);
-    let weights = matrix.clone().svd(true, true).solve(&target, 1e-12).ok()?;
+    let svd = matrix.clone().svd(true, true);
+    let weights = svd.solve(&target, IDENTITY_TEST.singular).ok()?;
     let left = (&target - matrix * weights).norm();
     Some(left / target.norm().max(f64::MIN_POSITIVE))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::identical;
+    use super::is_identity;
     use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
 
     fn x() -> Signal {
@@ -81,17 +84,17 @@ mod tests {
     }
 
     #[test]
-    fn sums_that_are_the_same_everywhere_are_told_from_those_that_are_near() {
+    fn identities_are_distinguished_from_approximations() {
         let (sine, cosine) = (of("sin", 2.0), of("cos", 2.0));
-        assert!(identical(&Term::one(), &[sine.clone(), cosine.clone()]));
-        assert!(!identical(&Term::signal(x()), &[of("sin", 1.0)]));
-        assert!(!identical(&Term::one(), &[sine]));
+        assert!(is_identity(&Term::one(), &[sine.clone(), cosine.clone()]));
+        assert!(!is_identity(&Term::signal(x()), &[of("sin", 1.0)]));
+        assert!(!is_identity(&Term::one(), &[sine]));
         // Defined on one side only: 2 log x = log x².
         let square = Expr::call(
             Func::named("log").unwrap(),
             vec![Expr::signal(x()).pow(2.0)],
         );
-        assert!(identical(&of("log", 1.0), &[square.into_term().1]));
-        assert!(!identical(&Term::one(), &[]));
+        assert!(is_identity(&of("log", 1.0), &[square.into_term().1]));
+        assert!(!is_identity(&Term::one(), &[]));
     }
 }

@@ -1,18 +1,17 @@
-//! Relations and their causes in plain words.
+//! Relations and their causes in words.
 //!
-//! In: a relation with its cause. Out: an equation between named terms, and a sentence that says how near it is and why. Computes
-//! nothing but the digits it prints.
+//! In: a relation with its cause. Out: an equation between named terms, and a sentence that says how exact it is and why it holds.
+//! Computes nothing but the digits it prints.
 
-use super::cause::{Reason, Reduced};
+use crate::identifiability::collinearity::relation::{ReducedRelation, RelationCause};
+use crate::identifiability::thresholds::COLLINEARITY;
 use crate::scaled_design::ScaledDesign;
+use sidc_lang::number;
 use sidc_lang::term::{Expr, Language, SignalNames, Term};
 use sidc_system::discovery::Cause;
 
-/// Rest under which a relation holds exactly, as far as a reader cares.
-const ONE: f64 = 1e-6;
-
-/// A number with so many significant digits.
-pub(super) fn figure(x: f64, digits: usize) -> String {
+/// A number with so many significant digits. It keeps plain notation longer than [`number::significant`].
+pub fn figure(x: f64, digits: usize) -> String {
     let rounded = rounded(x, digits);
     match rounded.abs() {
         a if a != 0.0 && !(1e-4..1e7).contains(&a) => format!("{rounded:e}"),
@@ -20,15 +19,14 @@ pub(super) fn figure(x: f64, digits: usize) -> String {
     }
 }
 
+/// Adding zero turns -0 into 0.
 fn rounded(x: f64, digits: usize) -> f64 {
-    let text = format!("{x:.*e}", digits.saturating_sub(1));
-    // Adding zero turns -0 into 0.
-    text.parse::<f64>().map_or(x, |v| v + 0.0)
+    number::rounded(x, digits) + 0.0
 }
 
-/// The relation as an equation: a constant on the right, or the term that stands for the others on the left.
-pub(super) fn equation(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Term>) -> String {
-    let language = Language(frame.model);
+/// The relation as an equation: its constant on the right, or else the term `left` on the left.
+fn equation(design: &ScaledDesign, reduced: &ReducedRelation, left: Option<&Term>) -> String {
+    let language = Language(design.model);
     let mut terms = reduced.terms.clone();
     terms.sort_by(|a, b| {
         a.1.degree()
@@ -39,14 +37,14 @@ pub(super) fn equation(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Te
         let weighted = |(w, t): &(f64, Term)| Expr::from((rounded(w * scale, 4), t.clone()));
         language.expr(&terms.iter().map(weighted).sum())
     };
-    if reduced.has_one() {
-        let (one, rest): (Vec<_>, Vec<_>) = terms.into_iter().partition(|(_, t)| t.is_one());
+    if reduced.has_constant() {
+        let (constant, rest): (Vec<_>, Vec<_>) = terms.into_iter().partition(|(_, t)| t.is_one());
         let first = rest.first().map_or(1.0, |(w, _)| *w);
-        let level: f64 = one.iter().map(|(w, _)| -w / first).sum();
-        return format!("{} = {}", sum(&rest, 1.0 / first), figure(level, 4));
+        let constant: f64 = constant.iter().map(|(w, _)| -w / first).sum();
+        return format!("{} = {}", sum(&rest, 1.0 / first), figure(constant, 4));
     }
-    let own = |(_, t): &&(f64, Term)| lead.is_some_and(|l| *l == t.mul(&reduced.common));
-    let at = terms.iter().position(|t| own(&t)).unwrap_or(0);
+    let is_left = |(_, t): &&(f64, Term)| left.is_some_and(|l| *l == t.mul(&reduced.common));
+    let at = terms.iter().position(|t| is_left(&t)).unwrap_or(0);
     if terms.is_empty() {
         return String::new();
     }
@@ -54,10 +52,10 @@ pub(super) fn equation(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Te
     format!("{} = {}", language.term(&left), sum(&terms, -1.0 / w))
 }
 
-/// How near the relation is, as a clause: two terms are compared, more are an equation.
-pub(super) fn sentence(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Term>) -> String {
-    let language = Language(frame.model);
-    let equation = equation(frame, reduced, lead);
+/// How exact the relation is, as a clause: two terms are compared, more are written as an equation.
+pub fn sentence(design: &ScaledDesign, reduced: &ReducedRelation, left: Option<&Term>) -> String {
+    let language = Language(design.model);
+    let equation = equation(design, reduced, left);
     let names: Vec<String> = (reduced.terms.iter())
         .map(|(_, t)| language.term(&t.mul(&reduced.common)))
         .collect();
@@ -65,28 +63,28 @@ pub(super) fn sentence(frame: &ScaledDesign, reduced: &Reduced, lead: Option<&Te
         true => String::new(),
         false => format!(" (times {})", language.term(&reduced.common)),
     };
-    let exact = reduced.size < ONE;
+    let exact = reduced.residual < COLLINEARITY.exact;
     match (names.as_slice(), exact) {
         ([a, b], true) => format!("{a} and {b} are one column ({equation})"),
-        ([a, b], false) => format!("{a} and {b} differ by {}", percent(reduced.size)),
+        ([a, b], false) => format!("{a} and {b} differ by {}", percent(reduced.residual)),
         (_, true) => format!("{equation}{times}"),
-        (_, false) => format!("{equation}{times} to {}", percent(reduced.size)),
+        (_, false) => format!("{equation}{times} to {}", percent(reduced.residual)),
     }
 }
 
 /// Two digits: `0.33 %`.
-pub(super) fn percent(x: f64) -> String {
+pub fn percent(x: f64) -> String {
     format!("{} %", figure(100.0 * x, 2))
 }
 
-/// Why, in a few words with their figures.
-pub(super) fn why(frame: &ScaledDesign, reason: &Reason) -> String {
-    let language = Language(frame.model);
-    let about = reason.about.as_ref();
+/// Why the relation holds, in a few words with figures.
+pub fn why(design: &ScaledDesign, why: &RelationCause) -> String {
+    let language = Language(design.model);
+    let about = why.about.as_ref();
     let name = about.map_or_else(String::new, |(e, _, _)| language.expr(e));
     let (least, most) = about.map_or((0.0, 0.0), |(_, a, b)| (*a, *b));
     let size = figure(least.abs().max(most.abs()), 3);
-    match reason.cause {
+    match why.cause {
         Cause::ConstantSignal if least == most => {
             format!("{name} is {} on every row", figure(least, 4))
         }
@@ -116,7 +114,7 @@ pub(super) fn why(frame: &ScaledDesign, reason: &Reason) -> String {
         Cause::Feedback => format!("{name} follows the other signals"),
         Cause::WrongOrder => format!(
             "on these data {} moves by a law of order {}",
-            frame.model.variable(frame.equation.target.var),
+            design.model.variable(design.equation.target.var),
             about.map_or(1, |(e, _, _)| order(e))
         ),
         Cause::Law => "a law of this motion".into(),
@@ -125,7 +123,7 @@ pub(super) fn why(frame: &ScaledDesign, reason: &Reason) -> String {
 }
 
 /// The highest derivative in an expression.
-pub(super) fn order(e: &Expr) -> u8 {
+pub fn order(e: &Expr) -> u8 {
     let mut most = 0;
     e.for_each_signal(&mut |s| most = most.max(s.der));
     most

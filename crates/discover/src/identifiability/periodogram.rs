@@ -1,33 +1,29 @@
-//! Where the power of a signal lies: its strongest line, and the band that holds nearly all of it.
+//! The periodogram of a signal under a Hann window: its peak, and the band that holds nearly all of its power.
 //!
-//! In: values at even times. Out: frequencies and shares. One periodogram under a Hann window; an estimate for advice, no more.
+//! In: values at even times. Out: frequencies and shares of the power, as precise as a report needs.
 
 use std::f64::consts::{PI, TAU};
 
-/// Most values that are transformed; longer records are averaged in groups.
-const MOST: usize = 4096;
-const FEWEST: usize = 32;
-/// Share of the power that the band holds.
-const BAND: f64 = 0.95;
+use super::thresholds::EXCITATION;
 
 /// Frequencies in cycles a sample.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spectrum {
-    pub line: f64,
-    /// Share of the power within two bins of the line.
-    pub share: f64,
-    pub band: f64,
+pub(super) struct Periodogram {
+    pub peak_frequency: f64,
+    /// Share of the power within two bins of the peak.
+    pub peak_share: f64,
+    pub bandwidth: f64,
 }
 
 /// `None` for short or constant signals.
-pub(super) fn spectrum(values: &[f64]) -> Option<Spectrum> {
-    let group = values.len().div_ceil(MOST).max(1);
+pub(super) fn periodogram(values: &[f64]) -> Option<Periodogram> {
+    let group = values.len().div_ceil(EXCITATION.max_samples).max(1);
     let means: Vec<f64> = values
         .chunks_exact(group)
         .map(|g| g.iter().sum::<f64>() / group as f64)
         .collect();
     let n = means.len();
-    if n < FEWEST {
+    if n < EXCITATION.min_samples {
         return None;
     }
     let mean = means.iter().sum::<f64>() / n as f64;
@@ -38,7 +34,7 @@ pub(super) fn spectrum(values: &[f64]) -> Option<Spectrum> {
         *out = (x - mean) * window;
     }
     let mut imaginary = vec![0.0; length];
-    transform(&mut real, &mut imaginary);
+    fft(&mut real, &mut imaginary);
     let power = real.iter().zip(&imaginary).take(length / 2);
     let power: Vec<f64> = power.map(|(a, b)| a * a + b * b).collect();
     let total: f64 = power.iter().sum();
@@ -46,24 +42,24 @@ pub(super) fn spectrum(values: &[f64]) -> Option<Spectrum> {
     if !(total > 0.0 && total.is_finite()) {
         return None;
     }
-    // The window's own line is two bins of the record to each side.
+    // The main lobe of the window extends two bins of the record to each side.
     let reach = 2 * length / n + 1;
-    let near = at.saturating_sub(reach)..(at + reach + 1).min(power.len());
+    let lobe = at.saturating_sub(reach)..(at + reach + 1).min(power.len());
     let mut sum = 0.0;
     let below = power.iter().position(|p| {
         sum += p;
-        sum >= BAND * total
+        sum >= EXCITATION.band_power * total
     })?;
     let unit = 1.0 / (length * group) as f64;
-    Some(Spectrum {
-        line: at as f64 * unit,
-        share: power[near].iter().sum::<f64>() / total,
-        band: below as f64 * unit,
+    Some(Periodogram {
+        peak_frequency: at as f64 * unit,
+        peak_share: power[lobe].iter().sum::<f64>() / total,
+        bandwidth: below as f64 * unit,
     })
 }
 
-/// In place, lengths a power of two (Cooley & Tukey 1965).
-fn transform(real: &mut [f64], imaginary: &mut [f64]) {
+/// The fast Fourier transform in place, for a length that is a power of two (Cooley & Tukey 1965).
+fn fft(real: &mut [f64], imaginary: &mut [f64]) {
     let n = real.len();
     let bits = n.trailing_zeros();
     for i in 0..n {
@@ -98,20 +94,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_sine_is_one_line() {
+    fn one_sine_is_one_peak() {
         let wave: Vec<f64> = (0..1000)
             .map(|k| 3.0 + (0.05 * TAU * f64::from(k)).sin())
             .collect();
-        let s = spectrum(&wave).unwrap();
-        assert!((s.line - 0.05).abs() < 1e-3 && s.share > 0.999, "{s:?}");
+        let s = periodogram(&wave).unwrap();
+        assert!(
+            (s.peak_frequency - 0.05).abs() < 1e-3 && s.peak_share > 0.999,
+            "{s:?}"
+        );
         let two: Vec<f64> = (wave.iter().enumerate())
             .map(|(k, x)| x + (0.2 * TAU * k as f64).cos())
             .collect();
-        let s = spectrum(&two).unwrap();
+        let s = periodogram(&two).unwrap();
         assert!(
-            (s.share - 0.5).abs() < 0.02 && (s.band - 0.2).abs() < 0.01,
+            (s.peak_share - 0.5).abs() < 0.02 && (s.bandwidth - 0.2).abs() < 0.01,
             "{s:?}"
         );
-        assert!(spectrum(&[1.0; 100]).is_none());
+        assert!(periodogram(&[1.0; 100]).is_none());
     }
 }

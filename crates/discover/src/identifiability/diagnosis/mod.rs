@@ -1,0 +1,8 @@
+//! What follows from the figures: findings about the data, the library or the model, in words and with advice.
+//!
+//! In: a design and its relations. Out: findings. Changes nothing.
+
+mod advice;
+pub mod findings;
+pub mod messages;
+pub mod misspecification;

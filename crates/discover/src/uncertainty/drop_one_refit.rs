@@ -1,0 +1,38 @@
+//! The best equation without one of its terms.
+//!
+//! In: the regression of an equation, the column of the term. Out: the terms that replace it, those no longer needed, and the loss.
+
+use super::identity_test::is_identity;
+use super::target_regression::TargetRegression;
+use sidc_lang::term::{Language, Term};
+use sidc_system::discovery::{Discovery, Without};
+
+/// The best support without column `dropped` that single changes reach. The other equations keep their terms. `full` is the
+/// regression with the column.
+pub(super) fn drop_one_refit(
+    full: &TargetRegression,
+    dropped: usize,
+    names: &Language<Discovery>,
+) -> Option<Without> {
+    let blocks = full.blocks;
+    let (target, term) = blocks.columns.get(dropped)?;
+    let reduced = TargetRegression::new(blocks, *target, Some(dropped));
+    let (price, _) = blocks.price;
+    let refit = reduced.form.improve(&reduced.support, price);
+    let more = reduced.form.least(&refit).square - full.form.least(&full.support).square;
+    let terms = refit.len() as f64 - full.support.len() as f64;
+    let difference = |of: &[usize], other: &[usize]| -> Vec<Term> {
+        let only = of.iter().filter(|k| !other.contains(k));
+        only.filter_map(|k| Some(reduced.column(*k)?.1.clone()))
+            .collect()
+    };
+    let enter = difference(&refit, &reduced.support);
+    let leave = difference(&reduced.support, &refit);
+    let named = |all: &[Term]| all.iter().map(|t| names.term(t)).collect();
+    Some(Without {
+        same: leave.is_empty() && is_identity(term, &enter),
+        enter: named(&enter),
+        leave: named(&leave),
+        cost: full.likelihood_ratio(more.max(0.0)) + price * terms,
+    })
+}

@@ -1,0 +1,65 @@
+//! Stability, alternatives and marks of all terms of a discovery.
+//!
+//! In: normal equations by block, a discovery. Out: the discovery with the evidence for each term. Marks look at that evidence only,
+//! never at data.
+
+use super::drop_one_refit::drop_one_refit;
+use super::omitted_terms::nearest_omitted_terms;
+use super::stability_selection::stability_selection;
+use super::target_regression::TargetRegression;
+use sidc_lang::term::{Language, Signal, Term};
+use sidc_system::discovery::{Discovery, Equation, FoundTerm, MARKS, Mark, Status, Stretches};
+
+/// Gives every term found on these blocks its stability and the best equation without it.
+pub fn assess_terms(blocks: &Stretches, discovery: &mut Discovery) {
+    let (halves, shares) = stability_selection(blocks).unzip();
+    let mut targets: Vec<Signal> = blocks.columns.iter().map(|(t, _)| *t).collect();
+    targets.sort_unstable();
+    targets.dedup();
+    for target in targets {
+        let regression = TargetRegression::new(blocks, target, None);
+        let nearest = nearest_omitted_terms(&regression, target, &Language(&*discovery));
+        for (k, column) in blocks.support.iter().enumerate() {
+            let found = blocks.columns.get(*column);
+            let Some((_, term)) = found.filter(|(t, _)| *t == target) else {
+                continue;
+            };
+            let without = drop_one_refit(&regression, *column, &Language(&*discovery));
+            let found = equation(discovery, target).and_then(|e| found_term(e, term));
+            if let Some(found) = found {
+                let trust = found.trust.get_or_insert_with(Box::default);
+                trust.stability = shares.as_ref().and_then(|s: &Vec<f64>| s.get(k).copied());
+                trust.without = without;
+            }
+        }
+        let evidence = equation(discovery, target).and_then(|e| e.evidence.as_mut());
+        if let Some(evidence) = evidence {
+            evidence.nearest = nearest;
+            evidence.halves.clone_from(&halves);
+        }
+    }
+}
+
+/// Marks every term that was found. A term of a doubted equation is likely at best.
+pub fn mark_terms(discovery: &mut Discovery) {
+    for equation in &mut discovery.equations {
+        let best = match equation.status {
+            Status::Doubt => Mark::Likely,
+            _ => Mark::Firm,
+        };
+        for t in equation.terms.iter_mut().filter(|t| !t.fixed) {
+            let trust = t.trust.get_or_insert_with(Box::default);
+            trust.mark = MARKS.of(trust).min(best);
+        }
+    }
+}
+
+fn equation(discovery: &mut Discovery, target: Signal) -> Option<&mut Equation> {
+    let mut all = discovery.equations.iter_mut();
+    all.find(|e| e.target == target)
+}
+
+fn found_term<'a>(equation: &'a mut Equation, term: &Term) -> Option<&'a mut FoundTerm> {
+    let mut all = equation.terms.iter_mut();
+    all.find(|t| !t.fixed && t.term == *term)
+}
