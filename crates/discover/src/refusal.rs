@@ -5,7 +5,7 @@
 use crate::dictionary::BadValue;
 use sidc_lang::diagnostic::Diagnostic;
 
-/// A term that the data cannot evaluate: which equation asked for it, and where it fails.
+/// A term that the data cannot evaluate: which equation contains it, and where it fails.
 pub type Unevaluable = (usize, Box<BadValue>);
 
 /// Why there is no discovery at all.

@@ -4,9 +4,6 @@
 
 use crate::regression::thresholds::ROW_WEIGHTS;
 
-/// Longest series that is not averaged in pairs first; bounds the work.
-const MAX_DIRECT_LENGTH: usize = 20_000;
-
 /// Integrated autocorrelation time 1 + 2 Σ ρ_k in rows, summed up to five times itself (Sokal 1997, section 3).
 ///
 /// Longer series are averaged in pairs first (Flyvbjerg & Petersen 1989): a drifting residual of a million rows would otherwise
@@ -16,7 +13,7 @@ pub(crate) fn autocorrelation_time(series: &[f64]) -> f64 {
     if square == 0.0 {
         return 1.0;
     }
-    if series.len() > MAX_DIRECT_LENGTH {
+    if series.len() > ROW_WEIGHTS.autocorrelation_rows {
         let pairs = series.chunks_exact(2);
         let means: Vec<f64> = pairs.map(|p| 0.5 * (p[0] + p[1])).collect();
         let kept = means.iter().map(|x| x * x).sum::<f64>() / square;
@@ -79,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn series_without_memory_count_every_row() {
+    fn uncorrelated_series_count_every_row() {
         let alternating: Vec<f64> = (0..50_000).map(|i| f64::from(1 - 2 * (i % 2))).collect();
         assert_eq!(autocorrelation_time(&alternating), 1.0);
         assert_eq!(autocorrelation_time(&[0.0; 10]), 1.0);

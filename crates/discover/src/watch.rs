@@ -60,7 +60,7 @@ pub fn unweighed(d: &mut Discovery, first: usize, stop: Stop) {
     }
 }
 
-/// A watch that remembers a stop, so that the caller is not asked again.
+/// A watch that remembers a stop, so that the caller is not called again.
 pub(crate) struct Watcher<'a> {
     watch: Watch<'a>,
     equation: usize,

@@ -31,7 +31,7 @@ use crate::time_axis::TimeGrid;
 /// `noise` is the sensor's standard deviation if known; otherwise it is estimated. Linear in the samples on even grids.
 ///
 /// # Errors
-/// [`Stopped`] if `go_on`, asked every few thousand samples, returns false.
+/// [`Stopped`] if `go_on`, which is called every few thousand samples, returns false.
 pub(crate) fn differentiate(
     grid: &TimeGrid,
     values: &[f64],

@@ -25,7 +25,7 @@ use sampling_diagnostics::{
 use signal_estimates::{JumpCrossings, SignalEstimator, SignalValues};
 use thresholds::SAMPLING;
 
-/// Is told which signal is being prepared, at the start and now and then; `Break` ends the work without any rows.
+/// Hears which signal is being prepared, at the start and every so often; `Break` ends the work without any rows.
 pub type SignalMonitor<'a> = &'a mut dyn FnMut(Signal) -> ControlFlow<()>;
 
 /// All `needed` signals at common instants, diagnostics, and where each signal comes from (sorted by signal).

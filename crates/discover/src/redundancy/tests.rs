@@ -1,4 +1,4 @@
-//! Systems of a fitted trajectory: nothing is sought, but copies are told.
+//! Systems of a fitted trajectory: no independent law is searched for, but copies are reported.
 
 use super::*;
 use sidc_data::{Column, Origin};

@@ -1,7 +1,7 @@
 //! Two pieces of work on two threads that can be cancelled together.
 //!
-//! In: two closures and a question whether to go on. Out: both results. Only the calling thread asks the question; the other reads the
-//! last answer. Results do not depend on which thread is quicker.
+//! In: two closures, and `go_on`. Out: both results. Only the calling thread calls `go_on`; the other reads its last answer. Results do not
+//! depend on which thread is quicker.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use sidc_solve::threads;
 
-/// Asked during long work, every few intervals: `false` cancels it.
+/// Called during long work, every few intervals: `false` cancels it.
 pub(crate) type GoOn<'a> = &'a mut dyn FnMut() -> bool;
 
-/// Time between two questions while the calling thread waits for the other.
+/// Time between two calls of `go_on` while the calling thread waits for the other.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both are told to stop once `go_on` says no.
+/// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both stop once `go_on` returns false.
 pub(crate) fn join<A, B: Send>(
     go_on: GoOn,
     a: impl FnOnce(GoOn) -> A,

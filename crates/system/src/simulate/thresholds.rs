@@ -17,7 +17,7 @@ sidc_thresholds::family! {
         stability: f64 = 3.0, unit "h·|λ|", source "Hairer, Wanner, Solving ODEs II, IV.2: the limit on the negative real axis is 3.31; the margin is set by hand";
         /// Steps at that limit before the implicit method takes over.
         stiff_steps: usize = 15, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";
-        /// Steps away from the limit after which the count begins anew.
+        /// Steps away from the limit after which the count starts again at zero.
         calm_steps: usize = 6, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";
         /// Steps between two stops that are too many for an explicit method, whatever the reason.
         steps_between_stops: usize = 20_000, unit "steps", source "set by hand; not measured";
@@ -37,7 +37,7 @@ sidc_thresholds::family! {
         fixed_steps: f64 = 1e9, unit "steps", source "set by hand; not measured";
         /// Evaluations of one trial of an initial state.
         trial_evaluations: u64 = 200_000, unit "evaluations", source "set by hand; not measured";
-        /// Size at which a state has left the world of its data.
+        /// Size of a state at which a run has diverged from its data.
         blow_up: f64 = 1e6, unit "typical sizes of the state", source "set by hand; not measured";
     }
 }

@@ -1,4 +1,4 @@
-//! Whoever watches a search: asked whether to go on, and shown the first fit.
+//! The monitor of a search: it decides whether the search goes on, and receives the first fit.
 //!
 //! In: questions. Out: answers. Knows no clocks.
 

@@ -1,7 +1,7 @@
 //! Stiff flows: the Radau IIA method of order 9, with error control.
 //!
 //! In: a flow, a state, instants to stop at. Out: the states there, or where and why it ends. Steps are as long as the error
-//! allows; instants within a step are read off its polynomial, if that is as exact as the step. Begins anew at every call.
+//! allows; instants within a step are read off its polynomial, if that is as exact as the step. Every call starts without history.
 //! Hairer, Wanner, "Solving Ordinary Differential Equations II", IV.8; Gustafsson, "Control-theoretic techniques for stepsize
 //! selection in implicit Runge–Kutta methods", ACM Trans. Math. Softw. 20 (1994).
 
@@ -80,7 +80,7 @@ pub(super) fn advance(
         }
         match radau.attempt(flow, span, x, &scale, pace.unsure()) {
             Err(kind) => {
-                // Beyond the end of its world the trial step sees nothing; nearer by it may.
+                // The trial step may have left the domain of the equations; a shorter one may not.
                 failed = Some((kind, span.end));
                 failures += 1;
                 if failures > RETRIES {

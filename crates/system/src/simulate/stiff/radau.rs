@@ -60,7 +60,7 @@ pub(super) struct Radau {
     pub jacobian: Vec<f64>,
     /// Room for the next one.
     trial: Vec<f64>,
-    /// The Jacobian was asked for at the present state.
+    /// The Jacobian belongs to the present state.
     fresh: bool,
     /// How fast Newton's iteration went: each one's size over the last one's.
     speed: f64,
@@ -125,7 +125,7 @@ impl Radau {
         self.fresh = true;
     }
 
-    /// One step from `x`; `scale` is the error allowed of each component. `filter` once more where an error seems too large: the
+    /// One step from `x`; `scale` is the error allowed of each component. `filter` repeats the estimate where an error seems too large: the
     /// first estimate is too cautious after a jump.
     pub fn attempt(
         &mut self,
