@@ -1,4 +1,4 @@
-//! The right side ẋ = f(t, x) with its inputs, and the guard that watches over an integration.
+//! The right side ẋ = f(t, x) with its inputs, and the guard that limits an integration.
 
 use crate::simulate::compiled::plant::{Plant, Workspace};
 use crate::simulate::fault::FaultKind;
@@ -6,7 +6,7 @@ use crate::simulate::inputs::interpolation::InputSegment;
 use sidc_lang::term::Signal;
 
 /// Evaluations between two calls of `go_on`.
-const ASK: u64 = 2048;
+const CALLS_PER_CHECK: u64 = 2048;
 
 /// The right side ẋ = f(t, x) along a stretch on which every input is a straight segment.
 pub(super) struct Flow<'a> {
@@ -90,7 +90,7 @@ pub(super) struct Guard<'a> {
     pub names: Vec<Signal>,
     /// Evaluations that the run may take.
     pub budget: u64,
-    asked: u64,
+    last_check: u64,
     go_on: &'a mut dyn FnMut(f64) -> bool,
 }
 
@@ -107,7 +107,7 @@ impl<'a> Guard<'a> {
             bounds,
             names,
             budget,
-            asked: 0,
+            last_check: 0,
             go_on,
         }
     }
@@ -124,8 +124,8 @@ impl<'a> Guard<'a> {
         if calls > self.budget {
             return Err((FaultKind::TooMuchWork, t));
         }
-        if calls >= self.asked + ASK || calls < self.asked {
-            self.asked = calls;
+        if calls >= self.last_check + CALLS_PER_CHECK || calls < self.last_check {
+            self.last_check = calls;
             if !(self.go_on)(t) {
                 return Err((FaultKind::Stopped, t));
             }

@@ -27,6 +27,50 @@ sidc_thresholds::family! {
 }
 
 sidc_thresholds::family! {
+    /// Steps of the implicit Radau method. HW is Hairer, Wanner, Solving ODEs II.
+    pub IMPLICIT: Implicit {
+        /// Local error of a step.
+        tolerance: f64 = 1e-10, unit "of the state and its typical size", source "set by hand; not measured";
+        /// Failures of the right side in successive steps after which integration ends.
+        failures: usize = 20, unit "steps", source "set by hand; not measured";
+        /// Part of a step in which the right side failed that is tried next.
+        after_failure: f64 = 1.0 / 8.0, unit "of the step", source "set by hand; not measured";
+        /// Smallest step.
+        smallest_step: f64 = 1e-15, unit "of the time", source "a few times the unit roundoff of 1.1e-16";
+        /// First step.
+        first_step: f64 = 0.1, unit "of the time in which the state changes by its size", source "its sixth power times the error constant, 1e-5, is a tenth of the tolerance";
+        /// Part of the step that the error suggests.
+        safety: f64 = 0.9, unit "of the step", source "HW, IV.8 (code RADAU5)";
+        /// Least ratio of a step to the next one.
+        least_ratio: f64 = 1.0 / 8.0, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Largest ratio of a step to the next one.
+        largest_ratio: f64 = 5.0, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Growth of a step up to which its length and factors are kept.
+        kept_growth: f64 = 1.2, unit "times the step", source "HW, IV.8 (code RADAU5)";
+        /// Part of a rejected first step that is tried next.
+        after_first: f64 = 0.1, unit "of the step", source "HW, IV.8 (code RADAU5)";
+        /// Least error whose change from step to step is a trend.
+        trend_floor: f64 = 1e-2, unit "of the allowed error", source "HW, IV.8 (code RADAU5)";
+        /// Error below which it is rounding and allows no longer steps.
+        error_rounding: f64 = 1e-9, unit "of the allowed error", source "set by hand; not measured";
+        /// Part of the way ahead from which a step is stretched to its end.
+        stretch: f64 = 0.999, unit "", source "set by hand; not measured";
+        /// Newton iterations of a step.
+        iterations: usize = 12, unit "iterations", source "Hairer, Wanner 1999, J. Comp. Appl. Math. 111, for five stages, rounded";
+        /// Error that Newton's method may leave.
+        newton_error: f64 = 1e-3, unit "of the allowed error", source "set by hand; not measured";
+        /// Rate of convergence up to which a Jacobian is used for another step.
+        jacobian_speed: f64 = 1e-3, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Relative difference of steps that share their factors: the rows of a table are equally far apart but for rounding.
+        same_step: f64 = 1e-3, unit "", source "set by hand; not measured";
+        /// Rate of convergence from which Newton's method diverges.
+        stalled: f64 = 0.99, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Part of a step in which Newton's method diverged that is tried next.
+        after_divergence: f64 = 0.5, unit "of the step", source "HW, IV.8 (code RADAU5)";
+    }
+}
+
+sidc_thresholds::family! {
     /// Work that a run may take, and where it ends.
     pub BUDGET: Budget {
         /// Evaluations of a run with error control.
@@ -94,6 +138,7 @@ sidc_thresholds::family! {
 pub fn tables() -> Vec<Table> {
     vec![
         Explicit::table(),
+        Implicit::table(),
         Budget::table(),
         InitialState::table(),
         MassMatrix::table(),
