@@ -5,7 +5,7 @@
 use sidc_thresholds::{Table, family};
 
 family! {
-    /// What the text of an answer mentions without being asked for all evidence.
+    /// What the text of an answer mentions when not all evidence is requested.
     pub(crate) PRINTED: PrintedEvidence {
         /// Half width of a 95 % interval from which it is printed.
         visible_interval: f64 = 1e-6, unit "of the coefficient", source "set by hand; not measured";

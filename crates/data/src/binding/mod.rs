@@ -172,7 +172,7 @@ fn bind_run<'a>(
     })
 }
 
-/// The column that tells trajectories apart, if the model names one.
+/// The column that numbers the trajectories, if the model names one.
 fn run_column(model: &Model, table: &Table, out: &mut Vec<Diagnostic>) -> Option<usize> {
     let (header, span) = model.data.run.as_ref()?;
     let column = table.position(header);

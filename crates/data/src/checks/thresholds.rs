@@ -1,4 +1,4 @@
-//! The numbers that decide what is said about a record.
+//! The numbers that decide which diagnostics a record gets.
 
 sidc_thresholds::family! {
     /// When a bound signal is found strange.
@@ -19,7 +19,7 @@ sidc_thresholds::family! {
         moved_step: f64 = 0.25, unit "turns", source "set by hand; not measured";
         /// Correlation with the slope below which a measured derivative is another signal.
         slope_correlation: f64 = 0.5, unit "", source "set by hand; not measured";
-        /// Correlation from which a factor between the two is believed.
+        /// Correlation from which a factor between the two is reported.
         factor_correlation: f64 = 0.9, unit "", source "set by hand; not measured";
         /// Deviation of that factor from 1 that is not mentioned.
         factor_tolerance: f64 = 0.1, unit "", source "set by hand; not measured";

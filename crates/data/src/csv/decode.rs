@@ -46,7 +46,7 @@ pub(super) fn decode(
     utf8(name, bytes)
 }
 
-/// The error of a file of `bytes` bytes that exceeds a limit; asked before the file is read.
+/// The error of a file of `bytes` bytes that exceeds a limit; called before the file is read.
 pub fn too_large(name: &str, bytes: u64, limits: &Limits) -> Option<Diagnostic> {
     if bytes > limits.file_bytes {
         return Some(read_errors::file_too_large(name, limits.file_bytes));

@@ -151,7 +151,7 @@ fn cell_range(line: &str, separator: u8, column: usize) -> (usize, usize) {
     ranges.get(column).copied().unwrap_or((0, line.len()))
 }
 
-/// Values side by side as messages show them, and where the one asked for stands.
+/// Values side by side as messages show them, and the place of one of them.
 fn line_of_values(
     values: impl Iterator<Item = impl Display>,
     column: usize,

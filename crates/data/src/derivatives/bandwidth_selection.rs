@@ -23,7 +23,7 @@ const WIDTHS: [usize; 12] = [7, 9, 13, 17, 23, 33, 47, 65, 91, 129, 181, 257];
 
 /// All polynomials that are tried: interpolating ones on 3 to 13 points, least-squares fits of degrees 2 to 8.
 fn candidates(order: usize, longest: usize, even: bool) -> Vec<LocalFit> {
-    // On uneven grids every stencil is computed anew, so only every other width is tried.
+    // On uneven grids every sample has a stencil of its own, so only every other width is tried.
     let widths = || WIDTHS.into_iter().step_by(if even { 1 } else { 2 });
     let mut out = Vec::new();
     for degree in (2..=12).step_by(2) {

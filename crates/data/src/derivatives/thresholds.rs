@@ -13,7 +13,7 @@ sidc_thresholds::family! {
         hidden_bias: f64 = 0.5, unit "of the noise variance", source "set by hand; not measured";
         /// Samples on which the choice for a whole record is made, on an even grid.
         max_samples: usize = 16_384, unit "samples", source "set by hand; not measured";
-        /// The same on an uneven grid, where every stencil is computed anew.
+        /// The same on an uneven grid, where every sample has a stencil of its own.
         max_samples_uneven: usize = 4_096, unit "samples", source "set by hand; not measured";
         /// Choices kept beside the common one on records longer than that.
         max_alternatives: usize = 4, unit "choices", source "set by hand; not measured";
@@ -25,7 +25,7 @@ sidc_thresholds::family! {
 sidc_thresholds::family! {
     /// How the noise of a channel is estimated from its differences.
     pub(crate) NOISE: NoiseEstimation {
-        /// Lowest order of difference; lower ones see the signal.
+        /// Lowest order of difference; lower ones still contain the signal.
         min_order: usize = 2, unit "", source "set by hand; not measured";
         /// Highest order of difference.
         max_order: usize = 10, unit "", source "set by hand; not measured";

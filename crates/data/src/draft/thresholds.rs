@@ -3,7 +3,7 @@
 sidc_thresholds::family! {
     /// What the columns of a table are taken for, and how large a first model gets.
     pub(crate) DRAFT: DraftThresholds {
-        /// Most columns: every pair of them is compared, and nobody reads more.
+        /// Most columns: every pair of them is compared, and a longer draft would not be read.
         max_columns: usize = 100, unit "columns", source "set by hand; not measured";
         /// Most candidate terms of one equation, so that a first search is quick.
         max_candidate_terms: usize = 80, unit "terms", source "set by hand; not measured";

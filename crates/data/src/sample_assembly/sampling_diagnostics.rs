@@ -1,4 +1,4 @@
-//! What is said about samples: the constructors of the diagnostics.
+//! The constructors of the diagnostics about samples.
 
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;

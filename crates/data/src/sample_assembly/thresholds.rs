@@ -9,9 +9,9 @@ sidc_thresholds::family! {
         crossing_error: f64 = 0.5, unit "of the error that respects the jump", source "set by hand; not measured";
         /// Fewer rows than these between two jumps count as too short to differentiate within.
         min_rows_between_jumps: usize = 5, unit "rows", source "set by hand; not measured";
-        /// Part of all rows in such short segments from which `input-changes-often` is said.
+        /// Part of all rows in such short segments from which `input-changes-often` is reported.
         often: f64 = 0.5, unit "of all rows", source "by definition: most rows";
-        /// Median error of an estimate from which `noisy-derivative` is said.
+        /// Median error of an estimate from which `noisy-derivative` is reported.
         noisy_derivative: f64 = 0.3, unit "of the signal's rms", source "set by hand; not measured";
     }
 }

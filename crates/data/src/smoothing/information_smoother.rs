@@ -23,7 +23,7 @@ const CONTINUITY_WEIGHT: f64 = 1e7;
 pub(super) enum Transition {
     /// Time passes, in median steps.
     Propagate(f64),
-    /// No time passes, but derivatives of this order and above start anew.
+    /// No time passes, but derivatives of this order and above are unrelated to those before.
     Reset(usize),
 }
 

@@ -15,11 +15,11 @@ sidc_thresholds::family! {
         max_width: f64 = 0.5, unit "of the record", source "set by hand; not measured";
         /// Degrees of freedom from which the residual may be bias instead of noise.
         doubtful: f64 = 0.4, unit "of the values", source "set by hand; not measured";
-        /// Fewest values for which differences are asked about the noise.
+        /// Fewest values for which the noise is estimated from differences too.
         min_values_for_differences: f64 = 12.0, unit "values", source "set by hand; not measured";
-        /// Values from which differences are believed readily.
+        /// Values from which the estimate from differences counts as reliable.
         many_values: f64 = 60.0, unit "values", source "set by hand; not measured";
-        /// A doubtful residual is bias if differences see less noise than this part of it, in a record of many values.
+        /// A doubtful residual is bias if differences show less noise than this part of it, in a record of many values.
         noise_ratio: f64 = 0.5, unit "", source "set by hand; not measured";
         /// The same in a record of fewer values.
         noise_ratio_of_few: f64 = 0.2, unit "", source "set by hand; not measured";

@@ -1,4 +1,4 @@
-//! What speaks against an equation: rules that turn evidence into doubts, and the statistics that they judge by.
+//! Doubts about an equation: rules that turn evidence into doubts, and the statistics that they judge by.
 //!
 //! In: evidence, residuals, states. Out: reasons. Never changes an equation.
 

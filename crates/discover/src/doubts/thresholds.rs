@@ -47,7 +47,7 @@ family! {
         large: f64 = 0.5, unit "of the target", source "set by hand; not measured";
         /// Miss of a row that errors of the estimated size do not explain.
         certain: f64 = 10.0, unit "errors of the row", source "set by hand; not measured";
-        /// Pairs of successive rows below which nothing is said of autocorrelation.
+        /// Pairs of successive rows below which autocorrelation is not judged.
         min_neighbours: usize = 50, unit "pairs of rows", source "set by hand; not measured";
     }
 }

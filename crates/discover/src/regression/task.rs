@@ -1,4 +1,4 @@
-//! What is asked of one equation, and the design matrix that answers it.
+//! The task of finding one equation, and its design matrix.
 //!
 //! In: a target, its known terms, a library, samples. Out: the design, and the terms that columns stand for. Never selects terms.
 

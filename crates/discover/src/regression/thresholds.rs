@@ -11,7 +11,7 @@ family! {
         stored_entries: usize = 4_000_000, unit "numbers", source "M N = 4e6 doubles are 32 MB, and a second of least squares where rows outnumber terms";
         /// Rows times terms of a design matrix that is only priced, where terms outnumber rows.
         priced_entries: usize = 1_000_000_000, unit "products", source "1e9 products are some 20 ms for one look at all columns";
-        /// Most rows where terms outnumber rows: more rows tell nothing new, but every step of a solver pays for them.
+        /// Most rows where terms outnumber rows: more rows add no information, but every step of a solver takes longer.
         wide_rows: usize = 2000, unit "rows", source "set by hand; not measured";
         /// Rows that the limits always leave.
         min_rows: usize = 100, unit "rows", source "set by hand; not measured";

@@ -7,7 +7,9 @@ use super::orthonormal_basis::OrthonormalBasis;
 use super::thresholds::SCALED_DESIGN;
 use crate::dictionary;
 use crate::dictionary::compile;
+use crate::regression::thresholds::TOLERANCE;
 use crate::statistics::norm;
+use crate::thresholds::ROW_WEIGHTS;
 use crate::{Options, Weights, split};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
@@ -178,7 +180,7 @@ impl<'a> ScaledDesign<'a> {
         let variance = self.residual_square(&self.support) / rows;
         let square = dot(&self.target, &self.target) / rows;
         let mut floor = error.floor;
-        if variance > SCALED_DESIGN.visible_noise * SCALED_DESIGN.visible_noise * square {
+        if variance > TOLERANCE.visible_noise * TOLERANCE.visible_noise * square {
             floor = floor.min(variance);
         }
         Noise {
@@ -206,7 +208,7 @@ impl<'a> ScaledDesign<'a> {
         let sigma = all.get(all.len() / 2).copied().unwrap_or(0.0);
         let size = norm(&self.target) / rows.sqrt();
         Noise {
-            floor: (sigma * sigma).max((SCALED_DESIGN.noise_floor * size).powi(2)),
+            floor: (sigma * sigma).max((ROW_WEIGHTS.rounding * size).powi(2)),
             rows,
             relative: sigma / size.max(f64::MIN_POSITIVE),
         }

@@ -13,10 +13,6 @@ family! {
         columns_per_term: usize = 60, unit "columns", source "set by hand; not measured";
         /// The same for all terms found together.
         columns: usize = 300, unit "columns", source "set by hand; not measured";
-        /// Residual above which it shows the noise, and a larger estimate of the noise is replaced by it.
-        visible_noise: f64 = 1e-2, unit "of the target", source "set by hand; not measured";
-        /// Least noise where it follows from the standard errors.
-        noise_floor: f64 = 1e-9, unit "of the target", source "set by hand; not measured";
         /// Part of a column that the columns before it must leave for it to count as independent.
         independence: f64 = 1e-13, unit "of the column", source "450 machine epsilons; set by hand, not measured";
     }

@@ -1,6 +1,6 @@
 //! The numbers that decide in joint estimation, one family a subject.
 //!
-//! In: nothing. Out: records of values with unit and source. Imports nobody, so every file may read it.
+//! In: nothing. Out: records of values with unit and source. Never computes with them.
 
 use sidc_thresholds::{Table, family};
 
@@ -29,7 +29,7 @@ family! {
 family! {
     /// How laws are integrated between samples, and how far a trajectory may depart from them.
     pub(crate) SHOOTING: Shooting {
-        /// Standard deviation by which a state may slip from the laws between samples: it forgives rounding and chaos.
+        /// Standard deviation by which a state may slip from the laws between samples: it allows for rounding and chaos.
         slack: f64 = 3e-3, unit "noise of the sensor", source "set by hand; not measured";
         /// The same summed over a record (it grows with the root of the number of samples).
         slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand; not measured";
@@ -37,7 +37,7 @@ family! {
         unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand; not measured";
         /// Integration error allowed over an interval.
         accuracy: f64 = 0.01, unit "noise of the sensor", source "set by hand; not measured";
-        /// No integration is asked to be finer than this.
+        /// Finest integration error that is requested.
         min_accuracy: f64 = 1e-11, unit "spread of the state", source "set by hand; not measured";
         /// Most Runge-Kutta steps of an interval.
         max_steps: usize = 64, unit "steps", source "set by hand; not measured";
@@ -81,7 +81,7 @@ family! {
 }
 
 family! {
-    /// What a term costs and which noise is believed.
+    /// The price of a term, and the least noise.
     pub(crate) CRITERION: Criterion {
         /// Price of a term over the logarithm of the number of readings; 1 would be the Bayesian criterion (Schwarz 1978).
         term_price: f64 = 1.5, unit "ln(readings)", source "set by hand; not measured";
@@ -99,7 +99,7 @@ family! {
     pub(crate) SEARCH: Search {
         /// Floors under the noise, level after level.
         floors: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5], unit "spread of the state", source "set by hand; not measured";
-        /// A floor is skipped unless it is this many times the largest noise that smoothing sees.
+        /// A floor is skipped unless it is this many times the largest noise that smoothing shows.
         floor_over_noise: f64 = 1.5, unit "", source "set by hand; not measured";
         /// Slack of the laws in the two first linearisations.
         initial_slacks: [f64; 2] = [0.3, 0.03], unit "noise of the sensor", source "set by hand; not measured";
@@ -135,7 +135,7 @@ family! {
         min_gain: f64 = 1e-3, unit "criterion", source "set by hand; not measured";
         /// Most terms of a support for which each is tried without at the end.
         max_pruned_terms: usize = 30, unit "terms", source "set by hand; not measured";
-        /// Statistical inefficiency of the residuals above which supports are chosen anew.
+        /// Statistical inefficiency of the residuals above which supports are selected again.
         max_inefficiency: f64 = 1.5, unit "readings", source "set by hand; not measured";
         /// Blocks of intervals that the last fit of a stopped search may take: a second or two.
         grace_blocks: usize = 5_000, unit "blocks", source "set by hand; not measured";
@@ -153,7 +153,7 @@ family! {
         lag_window: f64 = 5.0, unit "", source "Sokal 1997, Monte Carlo methods in statistical mechanics, section 3 (automatic windowing)";
         /// Least noise in standard errors, over the noise that the fit went by.
         min_noise: f64 = 0.1, unit "noise of the fit", source "set by hand; not measured";
-        /// Ratio of residuals from which files are told apart.
+        /// Ratio of residuals from which files count as having different sensors.
         files_differ: f64 = 1.5, unit "", source "set by hand; not measured";
         /// Robust distance beyond which a reading is an outlier.
         outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand; not measured";
@@ -167,7 +167,7 @@ family! {
         max_blocks: usize = 10, unit "blocks", source "set by hand; not measured";
         /// Fewest blocks of which halves are drawn.
         min_blocks: usize = 4, unit "blocks", source "set by hand; not measured";
-        /// Samples of a block a state: its free first state then takes an eighth of what it tells.
+        /// Samples of a block a state: its free first state then takes an eighth of its information.
         block_samples: usize = 8, unit "samples", source "n of 8 n readings determine the first state: an eighth";
         /// Columns beside those found whose products are kept.
         block_rivals: usize = 100, unit "columns", source "set by hand; not measured";

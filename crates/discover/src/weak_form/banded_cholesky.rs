@@ -1,9 +1,8 @@
 //! The Cholesky factorisation of symmetric banded matrices.
 //!
-//! In: the lower band, row by row. Out: the factor, what is solved with it, and the trace of the inverse. Knows no signals.
+//! In: the lower band, row by row. Out: the factor, solutions, and the trace of the inverse. Knows no signals.
 
-/// Pivot over diagonal entry below which a matrix is not positive definite: a few rounding units.
-const INDEFINITE: f64 = 1e-15;
+use super::thresholds::WEAK_FORM;
 
 /// A symmetric matrix of order n with `band` diagonals below the main one.
 #[derive(Clone, Debug)]
@@ -46,7 +45,7 @@ impl Banded {
                     sum -= self.at(i, i - k) * self.at(j, j - k);
                 }
                 let value = if i == j {
-                    if !(sum > INDEFINITE * self.at(i, 0) && sum.is_finite()) {
+                    if !(sum > WEAK_FORM.smallest_pivot * self.at(i, 0) && sum.is_finite()) {
                         return None;
                     }
                     sum.sqrt()

@@ -2,33 +2,33 @@
 //!
 //! In: instants of a segment. Out: weights of its samples. Sees no values.
 
-/// Number of samples of one polynomial.
-pub(super) const POINTS: usize = 8;
-/// Orders of derivative: 0 to 3.
-pub(super) const ORDERS: usize = 4;
+use super::thresholds::WEAK_FORM;
 
-/// Weights of `POINTS` samples from `first` on, for each order of derivative.
+/// Number of derivatives, from order 0 to order 3.
+pub(super) const DERIVATIVES: usize = 4;
+
+/// Weights of `stencil_points` samples from `first` on, for each order of derivative.
 pub(super) struct Stencil {
     pub first: usize,
-    pub weights: [[f64; POINTS]; ORDERS],
+    pub weights: [[f64; WEAK_FORM.stencil_points]; DERIVATIVES],
 }
 
 impl Stencil {
-    /// At instant `at`, between sample `interval` and the next; the segment has at least `POINTS` samples.
+    /// At instant `at`, between sample `interval` and the next; the segment has at least `stencil_points` samples.
     pub fn new(time: &[f64], interval: usize, at: f64) -> Stencil {
-        let half = POINTS / 2 - 1;
+        let half = WEAK_FORM.stencil_points / 2 - 1;
         let first = interval
             .saturating_sub(half)
-            .min(time.len().saturating_sub(POINTS));
+            .min(time.len().saturating_sub(WEAK_FORM.stencil_points));
         Stencil {
             first,
-            weights: fornberg(&time[first..first + POINTS], at),
+            weights: fornberg(&time[first..first + WEAK_FORM.stencil_points], at),
         }
     }
 
     /// The derivative of this order of the polynomial through `values`.
     pub fn apply(&self, order: usize, values: &[f64]) -> f64 {
-        let window = &values[self.first..self.first + POINTS];
+        let window = &values[self.first..self.first + WEAK_FORM.stencil_points];
         self.weights[order]
             .iter()
             .zip(window)
@@ -38,12 +38,12 @@ impl Stencil {
 }
 
 /// Weights for every order at `at`, by Fornberg's recursion and in his letters.
-fn fornberg(x: &[f64], at: f64) -> [[f64; POINTS]; ORDERS] {
-    let mut c = [[0.0; POINTS]; ORDERS];
+fn fornberg(x: &[f64], at: f64) -> [[f64; WEAK_FORM.stencil_points]; DERIVATIVES] {
+    let mut c = [[0.0; WEAK_FORM.stencil_points]; DERIVATIVES];
     c[0][0] = 1.0;
     let (mut c1, mut c4) = (1.0, x[0] - at);
-    for i in 1..POINTS {
-        let most = i.min(ORDERS - 1);
+    for i in 1..WEAK_FORM.stencil_points {
+        let most = i.min(DERIVATIVES - 1);
         let (mut c2, c5) = (1.0, c4);
         c4 = x[i] - at;
         for j in 0..i {

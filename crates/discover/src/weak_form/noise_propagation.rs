@@ -9,7 +9,7 @@ use sidc_lang::term::{Expr, Term};
 use super::banded_cholesky::Banded;
 use super::segments::Segment;
 use super::signal_sources::{EquationSignals, SignalSource};
-use super::test_functions::{MIDDLE, NODES, TestFunction};
+use super::test_functions::{GAUSS_NODES, MIDDLE_NODE, TestFunction};
 
 /// ∂(Σ a φ)/∂(signal) at the middle of each interval; the signal is a derivative of a record.
 pub(super) struct Sensitivity {
@@ -25,7 +25,7 @@ pub(super) fn sensitivities(
     terms: &[(f64, Term)],
 ) -> Vec<Sensitivity> {
     let middles: Vec<usize> = (0..segment.time.len() - 1)
-        .map(|i| i * NODES.len() + MIDDLE)
+        .map(|i| i * GAUSS_NODES.len() + MIDDLE_NODE)
         .collect();
     let at = segment.nodes.select(&middles);
     let mut out = Vec::new();
@@ -65,7 +65,7 @@ impl Influence {
     /// Those of the right side, with its sign: −∫ψ Σ ∂φ/∂x (y − x) dt.
     pub fn of_terms(window: &TestFunction, segment: &Segment, all: &[Sensitivity]) -> Influence {
         let n = segment.time.len();
-        let intervals = window.values.len() / NODES.len();
+        let intervals = window.values.len() / GAUSS_NODES.len();
         let first = window.first.saturating_sub(1);
         let end = (window.first + intervals + 2).min(n);
         let mut weights = vec![vec![0.0; end - first]; segment.raw.len()];
@@ -75,7 +75,7 @@ impl Influence {
             let middle = |i: usize| {
                 let inside = i.checked_sub(window.first).filter(|k| *k < intervals);
                 inside.map_or(0.0, |k| {
-                    window.values[k * NODES.len() + MIDDLE] * s.values[i]
+                    window.values[k * GAUSS_NODES.len() + MIDDLE_NODE] * s.values[i]
                 })
             };
             for i in first..end - 1 {

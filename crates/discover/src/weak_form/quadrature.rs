@@ -8,7 +8,7 @@ use sidc_lang::term::Term;
 use super::integration_by_parts::integrate_by_parts;
 use super::segments::Segment;
 use super::signal_sources::EquationSignals;
-use super::test_functions::{NODES, TestFunction};
+use super::test_functions::{GAUSS_NODES, TestFunction};
 
 /// ∫ψ φ dt of one term for every test function, by parts where possible.
 pub(super) fn integral(
@@ -37,7 +37,7 @@ pub(super) fn integral(
     let moved = evaluate(&lowered.moved, &segment.nodes);
     let moved: Vec<f64> = moved.iter().zip(&measure).map(|(v, m)| v * m).collect();
     for (o, w) in out.iter_mut().zip(windows) {
-        *o -= dot(&w.slopes, &moved[NODES.len() * w.first..]);
+        *o -= dot(&w.slopes, &moved[GAUSS_NODES.len() * w.first..]);
     }
     out
 }
@@ -45,7 +45,9 @@ pub(super) fn integral(
 /// Quadrature weights of all nodes: ∫ f dt = Σ weight · f.
 pub(super) fn measure(time: &[f64]) -> Vec<f64> {
     let steps = time.windows(2).map(|w| 0.5 * (w[1] - w[0]));
-    steps.flat_map(|h| NODES.map(|(_, w)| h * w)).collect()
+    steps
+        .flat_map(|h| GAUSS_NODES.map(|(_, w)| h * w))
+        .collect()
 }
 
 /// ∫ψ f dt for every test function; `values` of f are weighted in place.
@@ -57,7 +59,7 @@ pub(super) fn project(
 ) {
     values.iter_mut().zip(measure).for_each(|(v, m)| *v *= m);
     for (o, w) in out.iter_mut().zip(windows) {
-        *o = dot(&w.values, &values[NODES.len() * w.first..]);
+        *o = dot(&w.values, &values[GAUSS_NODES.len() * w.first..]);
     }
 }
 

@@ -10,7 +10,7 @@ use sidc_lang::model::Model;
 
 use super::interpolation::Stencil;
 use super::signal_sources::{EquationSignals, SignalSource};
-use super::test_functions::NODES;
+use super::test_functions::GAUSS_NODES;
 use super::thresholds::WEAK_FORM;
 use super::whittaker_smoother::smooth;
 
@@ -103,7 +103,8 @@ fn known_ranges(trajectory: &Trajectory, sources: &EquationSignals) -> Vec<(usiz
 
 /// Instants of the nodes of every interval.
 fn instants(time: &[f64]) -> Vec<f64> {
-    let at = |w: &[f64]| NODES.map(|(node, _)| 0.5 * (w[0] + w[1]) + 0.5 * node * (w[1] - w[0]));
+    let at =
+        |w: &[f64]| GAUSS_NODES.map(|(node, _)| 0.5 * (w[0] + w[1]) + 0.5 * node * (w[1] - w[0]));
     time.windows(2).flat_map(at).collect()
 }
 
@@ -119,7 +120,7 @@ fn at_nodes(
     let column = |(signal, source): &(_, SignalSource)| {
         let exact = |i: usize| trajectory.column(*signal).unwrap_or_default()[from + i];
         let at = |k: usize| {
-            let (i, (node, _)) = (k / NODES.len(), NODES[k % NODES.len()]);
+            let (i, (node, _)) = (k / GAUSS_NODES.len(), GAUSS_NODES[k % GAUSS_NODES.len()]);
             match source {
                 SignalSource::Time => instants[k],
                 SignalSource::Held => exact(i),
@@ -147,7 +148,7 @@ impl Segment {
     /// Interpolates the guess of every record to the nodes.
     pub fn interpolate(&mut self, sources: &EquationSignals) {
         for k in 0..self.nodes.len() {
-            let stencil = Stencil::new(&self.time, k / NODES.len(), self.nodes.time[k]);
+            let stencil = Stencil::new(&self.time, k / GAUSS_NODES.len(), self.nodes.time[k]);
             for (column, (_, source)) in self.nodes.columns.iter_mut().zip(&sources.signals) {
                 if let SignalSource::Smooth { record, order } = *source {
                     column.values[k] = stencil.apply(order, &self.guess[record]);

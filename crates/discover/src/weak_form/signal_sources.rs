@@ -6,7 +6,7 @@ use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::{Between, Model, VarKind};
 use sidc_lang::term::{Signal, VarId};
 
-use super::interpolation::ORDERS;
+use super::interpolation::DERIVATIVES;
 
 /// How a signal is known between samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +50,7 @@ pub(super) fn sources(
         let below = (0..=s.der).rev().map(|der| Signal { der, ..s });
         let base = below.into_iter().find(|b| measured(*b))?;
         let order = usize::from(s.der - base.der);
-        if order >= ORDERS || s.shift != 0 {
+        if order >= DERIVATIVES || s.shift != 0 {
             return None;
         }
         let place = records.iter().position(|r| *r == base);

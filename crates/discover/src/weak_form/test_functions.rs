@@ -5,14 +5,14 @@
 
 use super::thresholds::WEAK_FORM;
 
-/// Gauss–Legendre nodes in −1 … 1 and their weights, for each interval between samples.
-pub(super) const NODES: [(f64, f64); 3] = [
+/// Nodes in −1 … 1 and weights of Gauss–Legendre quadrature on each interval between samples.
+pub(super) const GAUSS_NODES: [(f64, f64); 3] = [
     (-0.774_596_669_241_483_4, 5.0 / 9.0),
     (0.0, 8.0 / 9.0),
     (0.774_596_669_241_483_4, 5.0 / 9.0),
 ];
-/// The node in the middle of an interval.
-pub(super) const MIDDLE: usize = 1;
+/// Index of the node in the middle of an interval.
+pub(super) const MIDDLE_NODE: usize = 1;
 
 /// One test function ψ.
 #[derive(Clone, Debug)]
@@ -85,7 +85,7 @@ impl BSpline {
         let degree = order - 1;
         let (mut values, mut slopes) = (Vec::new(), Vec::new());
         for pair in knots.windows(2) {
-            for (node, _) in NODES {
+            for (node, _) in GAUSS_NODES {
                 let t = 0.5 * (pair[0] + pair[1]) + 0.5 * node * (pair[1] - pair[0]);
                 values.push(spline(knots, t));
                 if degree > 0 {
@@ -128,7 +128,7 @@ fn slope(knots: &[f64], t: f64) -> f64 {
 /// Σ coefficient · B-spline.
 fn assemble(fine: &[BSpline], coefficients: &[f64], first: usize, order: usize) -> TestFunction {
     let intervals = fine.len() + order - 1;
-    let nodes = NODES.len();
+    let nodes = GAUSS_NODES.len();
     let steps = order == 1;
     let mut window = TestFunction {
         first,
@@ -172,8 +172,8 @@ mod tests {
                         .sum();
                     let mut integral = 0.0;
                     for (k, value) in w.values.iter().enumerate() {
-                        let i = w.first + k / NODES.len();
-                        let (node, weight) = NODES[k % NODES.len()];
+                        let i = w.first + k / GAUSS_NODES.len();
+                        let (node, weight) = GAUSS_NODES[k % GAUSS_NODES.len()];
                         let h = time[i + 1] - time[i];
                         let t = time[i] + 0.5 * (node + 1.0) * h;
                         integral += 0.5 * h * weight * value * derivative(t);
@@ -193,7 +193,7 @@ mod tests {
                 .slopes
                 .iter()
                 .enumerate()
-                .map(|(k, s)| s * NODES[k % NODES.len()].1)
+                .map(|(k, s)| s * GAUSS_NODES[k % GAUSS_NODES.len()].1)
                 .sum();
             assert!(sum.abs() < 1e-12);
         }

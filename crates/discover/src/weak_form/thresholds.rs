@@ -1,6 +1,6 @@
 //! The numbers that decide in the weak form.
 //!
-//! In: nothing. Out: a record of values with unit and source. Imports nobody.
+//! In: nothing. Out: a record of values with unit and source. Never computes with them.
 
 use sidc_thresholds::{Table, family};
 
@@ -13,12 +13,16 @@ family! {
         max_piece: usize = 4000, unit "samples", source "set by hand; not measured";
         /// Shortest such piece, however large the library.
         min_piece: usize = 250, unit "samples", source "set by hand; not measured";
+        /// Samples of one interpolating polynomial.
+        stencil_points: usize = 8, unit "samples", source "set by hand; not measured";
         /// Fewest samples of an uninterrupted segment.
         min_segment: usize = 12, unit "samples", source "8 samples of the interpolating polynomial and 4 more; set by hand, not measured";
         /// Relative error of quadrature and rounding, which no noise explains.
         rounding: f64 = 1e-7, unit "rms of the target", source "set by hand; not measured";
         /// Averages of a step that make a wide test function: it is as smooth as a cubic spline.
         averages: usize = 4, unit "averages", source "the fourth convolution of a step is the cubic B-spline (Schoenberg 1946)";
+        /// Pivot below which a banded matrix is not positive definite.
+        smallest_pivot: f64 = 1e-15, unit "of the diagonal entry", source "five machine epsilons; set by hand, not measured";
         /// Price of a degree of freedom in generalised cross-validation: at 1 it follows noise now and then.
         freedom_price: f64 = 1.2, unit "", source "Gu 2013, Smoothing Spline ANOVA Models, section 3.2";
     }

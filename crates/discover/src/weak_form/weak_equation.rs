@@ -15,7 +15,7 @@ use super::noise_propagation::{Influence, covariance, sensitivities};
 use super::quadrature::{dot, integral, measure, project};
 use super::segments::{Segment, segments};
 use super::signal_sources::{EquationSignals, sources};
-use super::test_functions::{self, NODES, TestFunction, test_functions};
+use super::test_functions::{self, GAUSS_NODES, TestFunction, test_functions};
 use super::thresholds::WEAK_FORM;
 
 /// The equation to integrate, and the data.
@@ -88,8 +88,8 @@ impl Weak {
             return Ok(None);
         };
         let terms = asked.library.slots().max(1);
-        let longest =
-            (asked.entries / (NODES.len() * terms)).clamp(WEAK_FORM.min_piece, WEAK_FORM.max_piece);
+        let longest = (asked.entries / (GAUSS_NODES.len() * terms))
+            .clamp(WEAK_FORM.min_piece, WEAK_FORM.max_piece);
         let (segments, noise) = segments(asked.model, asked.dataset, &sources, longest);
         let mut weak = Weak {
             sources,
@@ -161,8 +161,8 @@ impl Weak {
         self.segments.iter().map(|s| s.time.len()).sum()
     }
 
-    /// Takes the narrowest test functions of which there are at most `most`. Rows are whitened, so wider ones tell nothing more; they are
-    /// only fewer. On the benchmark of docs/method.md, wider ones found fewer equations, never more.
+    /// Takes the narrowest test functions of which there are at most `most`. Rows are whitened, so fewer and wider ones carry no more
+    /// information. On the benchmark of docs/method.md, wider ones found fewer equations, never more.
     fn choose_windows(&mut self, most: usize) {
         for width in WEAK_FORM.widths {
             let segments = self.segments.iter();

@@ -8,7 +8,7 @@ use super::banded_cholesky::{Banded, BandedCholesky};
 use super::thresholds::WEAK_FORM;
 
 /// Order of the differences.
-const DIFFERENCES: usize = 3;
+const DIFFERENCE_ORDER: usize = 3;
 
 /// SmoothedRecord values and the noise that they leave.
 pub(super) struct SmoothedRecord {
@@ -58,7 +58,7 @@ struct Trial {
 
 /// Third divided differences, time in median steps.
 struct Roughness {
-    rows: Vec<[f64; DIFFERENCES + 1]>,
+    rows: Vec<[f64; DIFFERENCE_ORDER + 1]>,
 }
 
 impl Roughness {
@@ -67,7 +67,7 @@ impl Roughness {
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
         let row = |t: &[f64]| {
-            let mut out = [0.0; DIFFERENCES + 1];
+            let mut out = [0.0; DIFFERENCE_ORDER + 1];
             for (j, weight) in out.iter_mut().enumerate() {
                 let others = t.iter().enumerate().filter(|(k, _)| *k != j);
                 *weight = 6.0 / others.map(|(_, s)| (t[j] - s) / step).product::<f64>();
@@ -75,12 +75,12 @@ impl Roughness {
             out
         };
         Roughness {
-            rows: time.windows(DIFFERENCES + 1).map(row).collect(),
+            rows: time.windows(DIFFERENCE_ORDER + 1).map(row).collect(),
         }
     }
 
     fn factor(&self, n: usize, weight: f64) -> Option<BandedCholesky> {
-        let mut a = Banded::zero(n, DIFFERENCES);
+        let mut a = Banded::zero(n, DIFFERENCE_ORDER);
         for i in 0..n {
             a.add(i, i, 1.0);
         }

@@ -10,8 +10,13 @@ use std::collections::BTreeMap;
 
 /// What differs between languages.
 pub(crate) trait Syntax {
-    /// A number that is not negative. May be ∞ or NaN.
-    fn number(&self, x: f64) -> String;
+    const INFINITY: &'static str;
+    const NAN: &'static str;
+
+    /// A finite number that is not negative.
+    fn finite(&self, x: f64) -> String {
+        format!("{x:?}")
+    }
     /// The name of a function.
     fn function(&self, f: Func) -> String;
     /// x^½: +0 for −0, NaN for negative x.
@@ -116,7 +121,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
             Some(Node::Reciprocal(a)) => {
                 let below = self.guarded(*a, Precedence::Power);
                 (
-                    format!("{} / {below}", self.syntax.number(1.0)),
+                    format!("{} / {below}", self.number(1.0)),
                     Precedence::Product,
                 )
             }
@@ -196,15 +201,24 @@ impl<'a, S: Syntax> Infix<'a, S> {
         }
         format!(
             "{} * {}",
-            self.syntax.number(weight),
+            self.number(weight),
             self.guarded(node, Precedence::Power)
         )
     }
 
     fn literal(&self, x: f64) -> String {
         match is_negative(x) {
-            true => format!("-{}", self.syntax.number(-x)),
-            false => self.syntax.number(x),
+            true => format!("-{}", self.number(-x)),
+            false => self.number(x),
+        }
+    }
+
+    /// A number that is not negative.
+    fn number(&self, x: f64) -> String {
+        match x {
+            f64::INFINITY => S::INFINITY.into(),
+            x if x.is_nan() => S::NAN.into(),
+            x => self.syntax.finite(x),
         }
     }
 }

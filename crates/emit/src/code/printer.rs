@@ -47,7 +47,7 @@ pub(crate) trait Language: Syntax + Sized + Sync {
     /// A function up to its first statement.
     fn opening(&self, program: &Program, f: &Function) -> String;
 
-    /// A number that is assigned to a name by itself.
+    /// A number that is assigned to a name without further computation.
     fn bare_number(&self, number: String) -> String {
         number
     }

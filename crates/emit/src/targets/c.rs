@@ -135,13 +135,8 @@ impl Language for C {
 }
 
 impl Syntax for C {
-    fn number(&self, x: f64) -> String {
-        match x {
-            f64::INFINITY => "INFINITY".into(),
-            x if x.is_nan() => "NAN".into(),
-            x => format!("{x:?}"),
-        }
-    }
+    const INFINITY: &'static str = "INFINITY";
+    const NAN: &'static str = "NAN";
 
     fn function(&self, f: Func) -> String {
         f.spelling.c.into()

@@ -107,13 +107,8 @@ impl Language for Matlab {
 }
 
 impl Syntax for Matlab {
-    fn number(&self, x: f64) -> String {
-        match x {
-            f64::INFINITY => "Inf".into(),
-            x if x.is_nan() => "NaN".into(),
-            x => format!("{x:?}"),
-        }
-    }
+    const INFINITY: &'static str = "Inf";
+    const NAN: &'static str = "NaN";
 
     fn function(&self, f: Func) -> String {
         f.spelling.matlab.into()

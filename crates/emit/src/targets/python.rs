@@ -134,13 +134,8 @@ impl Language for Python {
 }
 
 impl Syntax for Python {
-    fn number(&self, x: f64) -> String {
-        match x {
-            f64::INFINITY => "np.inf".into(),
-            x if x.is_nan() => "np.nan".into(),
-            x => format!("{x:?}"),
-        }
-    }
+    const INFINITY: &'static str = "np.inf";
+    const NAN: &'static str = "np.nan";
 
     fn function(&self, f: Func) -> String {
         format!("np.{}", f.spelling.numpy)

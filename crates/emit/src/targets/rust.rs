@@ -110,13 +110,8 @@ impl Language for Rust {
 }
 
 impl Syntax for Rust {
-    fn number(&self, x: f64) -> String {
-        match x {
-            f64::INFINITY => "f64::INFINITY".into(),
-            x if x.is_nan() => "f64::NAN".into(),
-            x => format!("{x:?}"),
-        }
-    }
+    const INFINITY: &'static str = "f64::INFINITY";
+    const NAN: &'static str = "f64::NAN";
 
     fn function(&self, f: Func) -> String {
         match f.spelling.rust {

@@ -162,13 +162,14 @@ fn rates(program: &Program, infix: &Infix<Words>) -> String {
 struct Words;
 
 impl Syntax for Words {
-    fn number(&self, x: f64) -> String {
-        match x {
-            f64::INFINITY => "sp.oo".into(),
-            x if x.is_nan() => "sp.nan".into(),
-            // Exact: up to here every whole number is a double.
-            x if x.fract() == 0.0 && x < 9e15 => format!("{x}"),
-            x => format!("{x:?}"),
+    const INFINITY: &'static str = "sp.oo";
+    const NAN: &'static str = "sp.nan";
+
+    fn finite(&self, x: f64) -> String {
+        // Below 9e15 every whole number is a double, so an integer is exact.
+        match x.fract() == 0.0 && x < 9e15 {
+            true => format!("{x}"),
+            false => format!("{x:?}"),
         }
     }
 

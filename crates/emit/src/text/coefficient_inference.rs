@@ -9,7 +9,7 @@ use sidc_system::discovery::{
     Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Status, Trust, Without,
 };
 
-/// Terms of one mark whose reasons are printed unless all evidence is asked for, and intervals.
+/// Terms of one mark, and intervals, beyond which reasons and intervals are printed only with all evidence.
 const MAX_REASONED_TERMS: usize = 8;
 const MAX_LISTED_INTERVALS: usize = 16;
 /// Names in a list before `and 4 more`.
@@ -107,7 +107,7 @@ fn marks(d: &Discovery, e: &Equation, found: &[(&FoundTerm, &Trust)]) -> Vec<Str
         .collect()
 }
 
-/// The rule of the marks, where a term is not firm or all is asked for.
+/// The rule of the marks, where a term is not firm or all evidence is printed.
 pub(crate) fn rule(d: &Discovery, whole: bool) -> Option<String> {
     let marks = || {
         let terms = d.equations.iter().flat_map(|e| &e.terms);

@@ -1,4 +1,4 @@
-//! Evidence in words: what was proved, what was measured, and every doubt.
+//! Evidence as text: proofs, measured figures, and every doubt.
 
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{
@@ -39,7 +39,7 @@ pub fn answer(d: &Discovery, whole: bool) -> String {
     out
 }
 
-/// Remarks on one equation, a sentence each: fit, proof, doubts, trust.
+/// Remarks on one equation, a sentence each: fit, proof, doubts, marks of its terms.
 pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
     said(d, e, false)
 }

@@ -1,5 +1,6 @@
 //! Free runs as a table: how well the equations follow the data, used and held out.
 
+use crate::text::layout::column_widths;
 use sidc_lang::number::significant;
 use sidc_system::simulate::Figures;
 use sidc_system::validate::{FreeRun, Validation};
@@ -19,11 +20,8 @@ pub fn validation(v: &Validation) -> String {
         "follows",
     ]
     .map(String::from);
-    let width = |c: usize| {
-        let cells = rows.iter().chain([&head]).map(|r| r[c].chars().count());
-        cells.max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let table = rows.iter().chain([&head]);
+    let widths = column_widths(table.map(<[String; 6]>::as_slice));
     let mut text = String::new();
     for row in [&head].into_iter().chain(&rows) {
         let mut line = String::from("   ");

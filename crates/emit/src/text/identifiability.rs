@@ -1,4 +1,4 @@
-//! Identifiability in words: the few sentences that matter unasked, everything on request.
+//! Identifiability as text: the few sentences that are always printed, and everything on request.
 //!
 //! In: an [`Identifiability`]. Out: lines. Judges nothing.
 
@@ -7,14 +7,14 @@ use sidc_system::discovery::{
     Cause, Excitation, Finding, Identifiability, Leverage, Reason, ReasonCode, Relation,
 };
 
-/// Sentences printed unasked, for one equation.
+/// Sentences on one equation that are always printed.
 const MAX_UNASKED_FINDINGS: usize = 3;
 /// Relations and findings printed on request.
 const MAX_LISTED_RELATIONS: usize = 12;
 
-/// At most three lines: what bears on the equation, and what to do about it.
+/// At most three lines: findings that concern the equation, with advice.
 pub(crate) fn brief(i: &Identifiability, doubts: &[Reason]) -> Vec<String> {
-    // The doubt says it already.
+    // A doubt already says the same.
     let said = doubts.iter().any(|r| r.code == ReasonCode::DependentStates);
     let fresh = |f: &&Finding| f.matters && !(said && f.cause == Cause::Conserved);
     let matters: Vec<&Finding> = i.findings.iter().filter(fresh).collect();

@@ -55,3 +55,15 @@ pub(crate) fn signed_term(d: &Discovery, coefficient: f64, term: &Term) -> (bool
     };
     (coefficient < 0.0, text)
 }
+
+/// The width of each column of a table, in characters.
+pub(crate) fn column_widths<'a>(rows: impl IntoIterator<Item = &'a [String]>) -> Vec<usize> {
+    let mut widths = Vec::new();
+    for row in rows {
+        widths.resize(row.len().max(widths.len()), 0);
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = cell.chars().count().max(*width);
+        }
+    }
+    widths
+}

@@ -2,6 +2,7 @@
 //!
 //! In: a [`LocalAnalysis`]. Out: lines. Computes only units.
 
+use crate::text::layout::column_widths;
 use crate::text::matrices::{law, state_space};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Atom, Expr, Language, Signal, SignalNames};
@@ -135,12 +136,9 @@ fn eigenvalues(modes: &[Mode], discrete: bool) -> String {
             time,
         ]);
     }
-    let widths: [usize; 5] = std::array::from_fn(|c| {
-        let cells = rows.iter().filter_map(|r| r.get(c));
-        cells.map(|t| t.chars().count()).max().unwrap_or(0)
-    });
+    let widths = column_widths(rows.iter().map(<[String; 5]>::as_slice));
     let line = |row: &[String; 5]| {
-        let cells = row.iter().zip(widths).filter(|(_, w)| *w > 0);
+        let cells = row.iter().zip(&widths).filter(|(_, w)| **w > 0);
         let cells: Vec<String> = cells.map(|(t, w)| format!("{t:<w$}")).collect();
         format!("{}\n", cells.join("   ").trim_end())
     };

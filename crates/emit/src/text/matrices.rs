@@ -4,7 +4,7 @@
 //! entry too wide for its cell is written below, by name.
 
 use crate::consequences::{Consequences, CoupledEquations, Solved, simplest_first};
-use crate::text::layout::{LINE_WIDTH, one_line_sum, signed_term, sum_lines};
+use crate::text::layout::{LINE_WIDTH, column_widths, one_line_sum, signed_term, sum_lines};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Expr, Language, SignalNames};
 use sidc_system::algebra::{Fraction, Linear};
@@ -108,21 +108,12 @@ fn name_masses(d: &Discovery, coupled: &CoupledEquations, cells: &mut [Vec<Strin
 
 /// Rows in brackets, columns aligned left.
 fn boxed(cells: &[Vec<String>]) -> Vec<String> {
-    let widths = widths(cells);
+    let widths = column_widths(cells.iter().map(Vec::as_slice));
     let row = |cells: &Vec<String>| {
         let padded = cells.iter().zip(&widths).map(|(c, w)| format!("{c:<w$}"));
         format!("[ {} ]", padded.collect::<Vec<String>>().join("  "))
     };
     cells.iter().map(row).collect()
-}
-
-fn widths(cells: &[Vec<String>]) -> Vec<usize> {
-    let columns = cells.first().map_or(0, Vec::len);
-    let width = |j: usize| {
-        let column = cells.iter().filter_map(|row| row.get(j));
-        column.map(|c| c.chars().count()).max().unwrap_or(0)
-    };
-    (0..columns).map(width).collect()
 }
 
 fn solved(d: &Discovery, coupled: &CoupledEquations) -> String {

@@ -1,5 +1,6 @@
 //! The solution path of an equation as a table: how it grows term by term as the tolerance falls.
 
+use crate::text::layout::column_widths;
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
 use sidc_lang::term::Language;
@@ -18,8 +19,7 @@ pub(crate) fn table(d: &Discovery, e: &Equation) -> String {
     let rows: Vec<[String; 5]> = std::iter::once(HEAD.map(String::from))
         .chain(e.path.iter().map(figures))
         .collect();
-    let widths: [usize; 5] =
-        std::array::from_fn(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0));
+    let widths = column_widths(rows.iter().map(<[String; 5]>::as_slice));
     let tolerance = evidence.certificate.tolerance;
     let met = last.residual <= tolerance * (1.0 + PRINTED.path_tolerance) + PRINTED.path_rounding;
     let mut changes = vec!["change".to_string()];
@@ -36,7 +36,7 @@ pub(crate) fn table(d: &Discovery, e: &Equation) -> String {
             out.push_str(&format!("    … {} more\n", knots(number - before - 1)));
         }
         before = number;
-        let cells = row.iter().zip(widths);
+        let cells = row.iter().zip(&widths);
         let cells: Vec<String> = cells.map(|(text, w)| format!("{text:>w$}")).collect();
         out.push_str(format!("    {}  {change}", cells.join("  ")).trim_end());
         out.push('\n');

@@ -1,4 +1,4 @@
-//! The outcome of verification in words.
+//! The outcome of verification as text.
 
 use sidc_lang::number::significant;
 use sidc_system::discovery::Verification;

@@ -72,7 +72,7 @@ impl MathMl<'_> {
             (false, true) => term,
             (false, false) => format!("{size}<mspace width=\"0.17em\"/>{term}"),
         };
-        // An operator at the end has no space of its own; the empty row makes it infix.
+        // After an empty row a sign is infix and gets spaces; as the first element it would be a prefix without them.
         let before = if first { "" } else { "<mrow></mrow>" };
         format!("<math>{before}{sign}{body}</math>")
     }
@@ -155,7 +155,7 @@ fn row(inner: &str) -> String {
     format!("<mrow>{inner}</mrow>")
 }
 
-/// In brackets that grow around fractions only: a stretchy bracket brings space of its own.
+/// In brackets that grow only around fractions, since browsers add space around brackets that can grow.
 fn fenced(inner: &str) -> String {
     let stretchy = inner.contains("<mfrac>");
     format!(

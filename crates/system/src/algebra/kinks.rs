@@ -1,7 +1,7 @@
 //! Kinks: where `abs` and `sign` are at zero, or `min` and `max` at a tie, and equations have no derivative.
 //!
 //! In: a form and a point. Out: each kink there, with the form on either side. Kinks whose sides agree, such as
-//! `x*abs(x)` at zero, are listed too; comparing the sides tells.
+//! `x*abs(x)` at zero, are listed too; the caller compares the sides.
 
 use crate::algebra::thresholds::KINKS;
 use std::collections::BTreeSet;

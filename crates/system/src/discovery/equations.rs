@@ -44,7 +44,7 @@ pub struct Equation {
     pub reasons: Vec<Reason>,
     /// `None` for an equation that the model states as known.
     pub evidence: Option<Evidence>,
-    /// The solution path from the empty equation on; empty unless asked for.
+    /// The solution path from the empty equation on; empty unless requested.
     pub path: Vec<PathKnot>,
 }
 
@@ -84,13 +84,13 @@ pub struct FoundTerm {
 pub enum Status {
     /// Stated by the model.
     Known,
-    /// Found, and nothing speaks against it.
+    /// Found, and no evidence is against it.
     Pass,
     /// Found, but with reasons to distrust it.
     Doubt,
 }
 
-/// An equation that was asked for and not found.
+/// An equation that was searched for and not found.
 #[derive(Clone, Debug)]
 pub struct Failed {
     pub target: Signal,
@@ -140,7 +140,7 @@ pub struct Evidence {
     /// Which terms the rows can distinguish.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub identifiability: Option<Box<Identifiability>>,
-    /// The outcome of verification, if it was asked for.
+    /// The outcome of verification, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub verification: Option<Box<Verification>>,
     /// What verification needs; not written.
@@ -288,7 +288,7 @@ impl Discovery {
         }
     }
 
-    /// True if every equation that was asked for passes.
+    /// True if every equation that was searched for passes.
     pub fn passes(&self) -> bool {
         self.failed.is_empty() && self.equations.iter().all(|e| e.status != Status::Doubt)
     }

@@ -203,7 +203,7 @@ pub struct Finding {
     /// The figure to reach, in units of the signal or seconds.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reach: Option<f64>,
-    /// True if it concerns the equation found, and is printed unasked.
+    /// True if it concerns the equation found, and is always printed.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub matters: bool,
 }

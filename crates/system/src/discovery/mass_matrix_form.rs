@@ -30,7 +30,7 @@ pub struct Form {
     pub rows: Vec<Row>,
     /// Outputs, explicit.
     pub outputs: Vec<(Signal, Expr)>,
-    /// What moves each component of the state: x\[i\]' is state\[i+1\] or an unknown.
+    /// What gives the rate of each component of the state: x\[i\]' is state\[i+1\] or an unknown.
     pub rates: Vec<Rate>,
     /// True if M and f do not depend on q.
     pub linear: bool,

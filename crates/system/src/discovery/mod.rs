@@ -1,4 +1,4 @@
-//! Equations with evidence, statuses and doubts: plain data that everybody may read.
+//! Equations with evidence, statuses and doubts: plain data that all other modules may read.
 
 mod coefficient_inference;
 mod equations;

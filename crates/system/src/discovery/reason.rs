@@ -83,7 +83,7 @@ codes! {
     ColouredResiduals = "coloured-residuals",
     /// A constraint does not hold for the coefficients found.
     ConstraintBroken = "constraint-broken",
-    /// A constraint holds, many standard errors from what the data want.
+    /// A constraint holds, but the fit without it is many standard errors away.
     ConstraintStrained = "constraint-strained",
     /// A combination of states stays constant along the data.
     DependentStates = "dependent-states",
@@ -109,15 +109,15 @@ codes! {
     Misfit = "misfit",
     /// The target does not move.
     NoMotion = "no-motion",
-    /// No equations of the libraries lead along the data.
+    /// No equations from the libraries reproduce the data.
     NoTrajectory = "no-trajectory",
-    /// Free runs along data held out leave them early.
+    /// Free runs depart early from the data that were held out.
     NotCarriedOver = "not-carried-over",
     /// Trajectory and coefficients still moved when their fit ended.
     NotSettled = "not-settled",
     /// Too many terms for the rows.
     NotSparse = "not-sparse",
-    /// A claim does not hold when it is computed once more.
+    /// Verification contradicts a claim.
     NotVerified = "not-verified",
     /// Single readings lie far from the trajectory.
     Outliers = "outliers",
@@ -133,7 +133,7 @@ codes! {
     SameRelation = "same-relation",
     /// A shifted zero of a sensor gives simpler laws.
     SensorOffset = "sensor-offset",
-    /// The solver stopped short of its own test.
+    /// The solver stopped before it converged.
     SolverInaccurate = "solver-inaccurate",
     /// The problem is too large for the solver.
     SolverRefused = "solver-refused",

@@ -1,4 +1,4 @@
-//! Numbers that decide what a discovery says of itself.
+//! Numbers that decide how a discovery is marked and solved.
 
 use sidc_thresholds::Table;
 

@@ -109,7 +109,7 @@ pub struct EquationEntry {
     pub reasons: Vec<Reason>,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub evidence: Option<Evidence>,
-    /// Answers for larger tolerances; absent unless asked for.
+    /// Answers for larger tolerances; absent unless requested.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub path: Vec<KnotEntry>,
 }
@@ -177,7 +177,7 @@ pub struct Settings {
     pub seed: u64,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub window: Option<(Option<f64>, Option<f64>)>,
-    /// What equations were not found from, as it was asked for.
+    /// What was held out from the search, as it was requested.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub holdout: Vec<String>,
     /// Constant parameters, one value a trajectory or one for all, as they were given.
@@ -197,7 +197,7 @@ pub struct Settings {
     pub reading: Reading,
 }
 
-/// A file by its content, so that it can be told from another of the same name.
+/// A file by its content, so that another file of the same name is recognised as different.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileEntry {
     /// Without folders.

@@ -1,4 +1,4 @@
-//! The right side ẋ = f(t, x) with its inputs, and the guard that watches over an integration.
+//! The right side ẋ = f(t, x) with its inputs, and the guard that limits an integration.
 
 use crate::simulate::compiled::plant::{Plant, Workspace};
 use crate::simulate::fault::FaultKind;
@@ -7,7 +7,7 @@ use sidc_lang::term::Signal;
 use sidc_progress::{Activity, Observer};
 
 /// Evaluations between two reports to the observer.
-const ASK: u64 = 2048;
+const CALLS_PER_CHECK: u64 = 2048;
 
 /// The right side ẋ = f(t, x) along a stretch on which every input is a straight segment.
 pub(super) struct Flow<'a> {
@@ -91,7 +91,7 @@ pub(super) struct Guard<'a> {
     pub names: Vec<Signal>,
     /// Evaluations that the run may take.
     pub budget: u64,
-    asked: u64,
+    last_check: u64,
     observer: &'a mut dyn Observer,
 }
 
@@ -108,7 +108,7 @@ impl<'a> Guard<'a> {
             bounds,
             names,
             budget,
-            asked: 0,
+            last_check: 0,
             observer,
         }
     }
@@ -125,8 +125,8 @@ impl<'a> Guard<'a> {
         if calls > self.budget {
             return Err((FaultKind::TooMuchWork, t));
         }
-        if calls >= self.asked + ASK || calls < self.asked {
-            self.asked = calls;
+        if calls >= self.last_check + CALLS_PER_CHECK || calls < self.last_check {
+            self.last_check = calls;
             if self.observer.hear(Activity::Running { time: t }).is_break() {
                 return Err((FaultKind::Stopped, t));
             }

@@ -1,4 +1,4 @@
-//! Legs: the uninterrupted stretches of a record, and what is said of outputs along them.
+//! Legs: the uninterrupted stretches of a record, and the scores of outputs along them.
 //!
 //! In: times, a finished run. Out: ranges of rows, warnings.
 

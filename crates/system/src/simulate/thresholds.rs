@@ -17,12 +17,56 @@ sidc_thresholds::family! {
         stability: f64 = 3.0, unit "h·|λ|", source "Hairer, Wanner, Solving ODEs II, IV.2: the limit on the negative real axis is 3.31; the margin is set by hand";
         /// Steps at that limit before the implicit method takes over.
         stiff_steps: usize = 15, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";
-        /// Steps away from the limit after which the count begins anew.
+        /// Steps away from the limit after which the count starts again at zero.
         calm_steps: usize = 6, unit "steps", source "Hairer, Wanner, Solving ODEs II, IV.2 (code DOPRI5)";
         /// Steps between two stops that are too many for an explicit method, whatever the reason.
         steps_between_stops: usize = 20_000, unit "steps", source "set by hand; not measured";
         /// Smallest step.
         smallest_step: f64 = 1e-15, unit "of the time", source "a few times the unit roundoff of 1.1e-16";
+    }
+}
+
+sidc_thresholds::family! {
+    /// Steps of the implicit Radau method. HW is Hairer, Wanner, Solving ODEs II.
+    pub IMPLICIT: Implicit {
+        /// Local error of a step.
+        tolerance: f64 = 1e-10, unit "of the state and its typical size", source "set by hand; not measured";
+        /// Failures of the right side in successive steps after which integration ends.
+        failures: usize = 20, unit "steps", source "set by hand; not measured";
+        /// Part of a step in which the right side failed that is tried next.
+        after_failure: f64 = 1.0 / 8.0, unit "of the step", source "set by hand; not measured";
+        /// Smallest step.
+        smallest_step: f64 = 1e-15, unit "of the time", source "a few times the unit roundoff of 1.1e-16";
+        /// First step.
+        first_step: f64 = 0.1, unit "of the time in which the state changes by its size", source "its sixth power times the error constant, 1e-5, is a tenth of the tolerance";
+        /// Part of the step that the error suggests.
+        safety: f64 = 0.9, unit "of the step", source "HW, IV.8 (code RADAU5)";
+        /// Least ratio of a step to the next one.
+        least_ratio: f64 = 1.0 / 8.0, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Largest ratio of a step to the next one.
+        largest_ratio: f64 = 5.0, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Growth of a step up to which its length and factors are kept.
+        kept_growth: f64 = 1.2, unit "times the step", source "HW, IV.8 (code RADAU5)";
+        /// Part of a rejected first step that is tried next.
+        after_first: f64 = 0.1, unit "of the step", source "HW, IV.8 (code RADAU5)";
+        /// Least error whose change from step to step is a trend.
+        trend_floor: f64 = 1e-2, unit "of the allowed error", source "HW, IV.8 (code RADAU5)";
+        /// Error below which it is rounding and allows no longer steps.
+        error_rounding: f64 = 1e-9, unit "of the allowed error", source "set by hand; not measured";
+        /// Part of the way ahead from which a step is stretched to its end.
+        stretch: f64 = 0.999, unit "", source "set by hand; not measured";
+        /// Newton iterations of a step.
+        iterations: usize = 12, unit "iterations", source "Hairer, Wanner 1999, J. Comp. Appl. Math. 111, for five stages, rounded";
+        /// Error that Newton's method may leave.
+        newton_error: f64 = 1e-3, unit "of the allowed error", source "set by hand; not measured";
+        /// Rate of convergence up to which a Jacobian is used for another step.
+        jacobian_speed: f64 = 1e-3, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Relative difference of steps that share their factors: the rows of a table are equally far apart but for rounding.
+        same_step: f64 = 1e-3, unit "", source "set by hand; not measured";
+        /// Rate of convergence from which Newton's method diverges.
+        stalled: f64 = 0.99, unit "", source "HW, IV.8 (code RADAU5)";
+        /// Part of a step in which Newton's method diverged that is tried next.
+        after_divergence: f64 = 0.5, unit "of the step", source "HW, IV.8 (code RADAU5)";
     }
 }
 
@@ -37,7 +81,7 @@ sidc_thresholds::family! {
         fixed_steps: f64 = 1e9, unit "steps", source "set by hand; not measured";
         /// Evaluations of one trial of an initial state.
         trial_evaluations: u64 = 200_000, unit "evaluations", source "set by hand; not measured";
-        /// Size at which a state has left the world of its data.
+        /// Size of a state at which a run has diverged from its data.
         blow_up: f64 = 1e6, unit "typical sizes of the state", source "set by hand; not measured";
     }
 }
@@ -94,6 +138,7 @@ sidc_thresholds::family! {
 pub fn tables() -> Vec<Table> {
     vec![
         Explicit::table(),
+        Implicit::table(),
         Budget::table(),
         InitialState::table(),
         MassMatrix::table(),

@@ -4,8 +4,8 @@
 
 use crate::validate::thresholds::RANKING;
 
-/// A candidate with an error above this does not follow its data, decibels: where all are, shorter runs tell more. Chaos takes
-/// every model away from its data in the end, the right one too.
+/// Error in decibels above which a candidate does not follow its data. If none does, shorter runs are compared: chaos separates even the
+/// right model from its data in the end.
 pub const FOLLOWED: f64 = RANKING.followed;
 
 /// What a candidate is ranked by.

@@ -11,7 +11,7 @@ mod state_transition;
 mod step_group;
 
 pub(crate) use compiled_laws::{CompiledLaws, Diverged};
-pub(crate) use parameter_sensitivity::BLOCK;
+pub(crate) use parameter_sensitivity::INTERVALS_AT_ONCE;
 pub(crate) use shooting::{IntervalBlock, ShootingIntegrator, Workspace};
 #[cfg(test)]
 pub(crate) use state_transition::StateTransition;

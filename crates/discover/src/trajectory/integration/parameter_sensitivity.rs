@@ -6,10 +6,10 @@ use std::ops::Range;
 
 use sidc_solve::lanes::wide;
 
-/// Columns transposed at once: a tile of this many rows stays in the first cache.
-const TILE: usize = 8;
-/// Most intervals that are integrated side by side.
-pub(crate) const BLOCK: usize = 64;
+/// Columns that are transposed at once: so many stay in the first-level cache.
+const COLUMNS_AT_ONCE: usize = 8;
+/// Intervals that are integrated side by side.
+pub(crate) const INTERVALS_AT_ONCE: usize = 64;
 
 /// U of one step: Σ gain · column over the three nodes of Simpson's rule.
 pub(crate) struct ParameterSensitivity<'a> {
@@ -35,12 +35,12 @@ impl ParameterSensitivity<'_> {
     #[inline(always)]
     fn law(&self, law: usize, range: Range<usize>, onto: bool, out: &mut [f64]) {
         let (count, n, p) = (self.slots.len(), self.n, self.p);
-        let mut tile = [[0.0; BLOCK]; TILE];
+        let mut tile = [[0.0; INTERVALS_AT_ONCE]; COLUMNS_AT_ONCE];
         for i in 0..n {
             let at = (i * self.laws + law) * count;
             let [g0, g1, g2] = self.gains.map(|g| &g[at..at + count]);
-            for first in range.clone().step_by(TILE) {
-                let width = TILE.min(range.end - first);
+            for first in range.clone().step_by(COLUMNS_AT_ONCE) {
+                let width = COLUMNS_AT_ONCE.min(range.end - first);
                 for (j, line) in tile[..width].iter_mut().enumerate() {
                     let at = (first + j) * count;
                     let [v0, v1, v2] = self.values.map(|v| &v[at..at + count]);

@@ -9,7 +9,7 @@
 use std::ops::Range;
 
 use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
-use super::parameter_sensitivity::{BLOCK, ParameterSensitivity, propagate, scatter};
+use super::parameter_sensitivity::{INTERVALS_AT_ONCE, ParameterSensitivity, propagate, scatter};
 use super::state_transition::{StateTransition, unit};
 use super::step_group::StepGroup;
 use crate::trajectory::model::Record;
@@ -56,7 +56,7 @@ pub(crate) struct Workspace {
     stage: Vec<f64>,
     rates: [Vec<f64>; 4],
     tape: Vec<f64>,
-    /// Rates at the start of the previous block, laws × BLOCK: first guesses for implicit laws.
+    /// Rates at the start of the previous block, laws × INTERVALS_AT_ONCE: first guesses for implicit laws.
     guess: Vec<f64>,
     transition: StateTransition,
     /// T from the start of the intervals to the present step.
@@ -73,7 +73,7 @@ impl ShootingIntegrator<'_> {
         }
     }
 
-    /// Integrates at most [`BLOCK`] intervals; `states` has n numbers a sample.
+    /// Integrates at most [`INTERVALS_AT_ONCE`] intervals; `states` has n numbers a sample.
     ///
     /// # Errors
     /// The laws diverge on some interval.
@@ -145,18 +145,20 @@ impl ShootingIntegrator<'_> {
             points.resize(self.laws.inputs * count, 0.0);
         }
         work.rates.iter_mut().for_each(|r| r.resize(n * count, 0.0));
-        work.guess.resize(m * BLOCK, 0.0);
+        work.guess.resize(m * INTERVALS_AT_ONCE, 0.0);
         let here = &mut work.points[0];
         for (b, (k, slot)) in group.intervals.iter().zip(&group.slots).enumerate() {
             (0..n).for_each(|i| here[i * count + b] = states[k * n + i]);
-            (0..m).for_each(|l| here[(n + l) * count + b] = work.guess[l * BLOCK + slot]);
+            (0..m)
+                .for_each(|l| here[(n + l) * count + b] = work.guess[l * INTERVALS_AT_ONCE + slot]);
         }
         self.set_exogenous(group, 0.0, here);
         let (scratch, local) = (&mut work.scratch, &mut work.local[0]);
         self.laws
             .evaluate(self.coefficients, here, count, scratch, local)?;
         for (b, slot) in group.slots.iter().enumerate() {
-            (0..m).for_each(|l| work.guess[l * BLOCK + slot] = here[(n + l) * count + b]);
+            (0..m)
+                .for_each(|l| work.guess[l * INTERVALS_AT_ONCE + slot] = here[(n + l) * count + b]);
         }
         if let Some((tape, _)) = self.all {
             values(tape, here, count, &mut work.values[0], &mut work.tape);

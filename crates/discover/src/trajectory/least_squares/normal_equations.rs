@@ -8,14 +8,14 @@ use nalgebra::{DMatrix, DMatrixView};
 use super::srif::RowSink;
 use sidc_solve::linalg::{add_products, transposed};
 
-/// Rows taken in at once.
-const WAITING: usize = 256;
+/// Rows that are gathered before they are multiplied.
+const BUFFERED_ROWS: usize = 256;
 
 /// AᵀA of [A | b], (P + 1) × (P + 1).
 #[derive(Clone, Debug)]
 pub(crate) struct NormalEquations {
     width: usize,
-    /// Waiting rows.
+    /// Buffered rows.
     rows: Vec<f64>,
     /// Lower half.
     products: DMatrix<f64>,
@@ -27,7 +27,7 @@ impl RowSink for NormalEquations {
     }
 
     fn reserve_rows(&mut self, rows: usize) -> &mut [f64] {
-        if self.rows.len() + rows * self.width > WAITING * self.width {
+        if self.rows.len() + rows * self.width > BUFFERED_ROWS * self.width {
             self.take_in();
         }
         let start = self.rows.len();

@@ -61,7 +61,7 @@ pub(crate) struct InformationFilter<'a, G> {
 }
 
 impl<'a, G: RowSink> InformationFilter<'a, G> {
-    /// `keep` the eliminated rows: the states will be asked for.
+    /// `keep` the eliminated rows: the states will be needed.
     pub fn new(stiffness: &'a [f64], sink: &'a mut G, keep: bool) -> Self {
         let (n, p) = (stiffness.len(), sink.columns());
         let mut filter = InformationFilter {

@@ -68,7 +68,7 @@ pub fn block_products(
     })
 }
 
-/// Blocks, each a few neighbouring parts of records; few blocks, since long stretches tell the phase of oscillations.
+/// Blocks, each of a few neighbouring parts of records. They are few and long, since long ones determine the phase of oscillations.
 fn blocks(problem: &Problem) -> Vec<Vec<(usize, Range<usize>)>> {
     let lengths: Vec<usize> = problem.records.iter().map(Record::len).collect();
     let parts = segments(&lengths);

@@ -4,7 +4,7 @@
 //! smoothed trajectories and integrated from sample to sample (Simpson's rule); these integrals are compared with the readings, each with
 //! its own noise. This is the weak form with all test functions at once. Chooses no terms.
 
-use crate::trajectory::integration::BLOCK;
+use crate::trajectory::integration::INTERVALS_AT_ONCE;
 use crate::trajectory::least_squares::{
     CountSketch, InformationFilter, NormalEquations, ProcessEquation, RowSink, SketchedProblem,
 };
@@ -185,7 +185,7 @@ impl Problem {
                 if let Some(link) = link {
                     filter.time_update(&link);
                 }
-                k % BLOCK > 0 || observer.go_on()
+                k % INTERVALS_AT_ONCE > 0 || observer.go_on()
             })?;
             filter.end();
         }

@@ -7,7 +7,7 @@ use sidc_progress::Observer;
 use std::ops::Range;
 
 use crate::trajectory::integration::{
-    BLOCK, CompiledLaws, Diverged, IntervalBlock, ShootingIntegrator, Workspace,
+    CompiledLaws, Diverged, INTERVALS_AT_ONCE, IntervalBlock, ShootingIntegrator, Workspace,
 };
 use crate::trajectory::least_squares::{
     EliminatedStates, InformationFilter, Measurement, NormalEquations, ProcessEquation, RowSink,
@@ -111,11 +111,11 @@ impl Problem {
             let stiffness = stiffness(sigma, record.len());
             let mut filter = InformationFilter::new(&stiffness, sink, keep);
             let last = samples.end - 1;
-            for from in (samples.start..last).step_by(BLOCK) {
+            for from in (samples.start..last).step_by(INTERVALS_AT_ONCE) {
                 if !observer.go_on() {
                     return Err(Diverged);
                 }
-                let intervals = from..(from + BLOCK).min(last);
+                let intervals = from..(from + INTERVALS_AT_ONCE).min(last);
                 integrator.block(record, path, intervals.clone(), &mut work, &mut block)?;
                 for (b, k) in intervals.enumerate() {
                     filter.measurement_update(&self.readings_at(record, path, sigma, k));

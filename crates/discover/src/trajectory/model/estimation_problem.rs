@@ -25,12 +25,12 @@ pub struct Problem {
     pub spread: Vec<f64>,
     /// Which sensors read which record.
     pub sensors: SensorGroups,
-    /// Standard deviation of each sensor's noise as smoothing sees it; for unmeasured states in proportion to the measured ones of
+    /// Standard deviation of each sensor's noise as smoothing shows it; for unmeasured states in proportion to the measured ones of
     /// their variable. Groups × states.
     pub noise: Vec<f64>,
     /// Number of readings of each sensor, groups × states.
     pub readings: Vec<usize>,
-    /// Share of each sensor's readings that says something new, groups × states: 1 but for coarse encoders.
+    /// Share of each sensor's readings that carries information, groups × states: 1 but for coarse encoders.
     pub(crate) informative: Vec<f64>,
     /// The grid of each state's readings, where those are quantized.
     pub(crate) quantization: Vec<Option<QuantizationGrid>>,
@@ -163,7 +163,7 @@ impl Problem {
         problem
     }
 
-    /// The same problem on other readings of the same records, smoothed anew.
+    /// The same problem on other readings of the same records, which are smoothed again.
     pub(crate) fn with_records(&self, records: Vec<Record>, left_out: Vec<LeftOut>) -> Problem {
         let mut problem = self.clone();
         problem.smoothed = smoothed_trajectories(&self.system, &records, &self.declared);

@@ -1,6 +1,6 @@
 //! Smoothed trajectories: where estimation starts.
 //!
-//! In: records. Out: a [`SmoothedTrajectory`] each, with the noise that smoothing sees. States without readings are differentiated from
+//! In: records. Out: a [`SmoothedTrajectory`] each, with the noise that smoothing shows. States without readings are differentiated from
 //! lower derivatives or integrated from higher ones.
 
 use std::ops::Range;

@@ -16,7 +16,7 @@ pub struct Channel {
     pub signal: Signal,
     /// Root mean square of the residuals, in the channel's units.
     pub left: f64,
-    /// The sensor's noise, as declared or as smoothing sees it.
+    /// The sensor's noise, as declared or as smoothing shows it.
     pub noise: f64,
     /// Root mean square of residuals, each over the noise of its own record's sensor.
     pub excess: f64,
@@ -52,7 +52,7 @@ pub fn channels(problem: &Problem, fit: &Fit) -> Vec<Channel> {
 }
 
 impl Problem {
-    /// Every channel before there is a fit, as if the residuals were the noise that smoothing sees.
+    /// Every channel before there is a fit, as if the residuals were the noise that smoothing shows.
     pub fn channels(&self) -> Vec<Channel> {
         let read = (0..self.states()).filter(|i| self.readings_of(*i) > 0);
         read.map(|i| Channel {

@@ -1,8 +1,8 @@
 //! The effective sample size of coloured residuals.
 //!
 //! In: a problem and a fit. Out: the statistical inefficiency, the number of readings that count as one independent one; 1 for white
-//! residuals. Laws that are nearly right leave a slow error. If each of its samples counted, any term that bends the laws a little would
-//! seem to pay. The variance of M values with autocorrelations ρ is known as well as that of M/(1 + 2 Σ ρ²) independent ones
+//! residuals. Laws that are nearly right leave an error that varies slowly. If each of its samples counted as independent, any term that changes the
+//! laws a little would seem to be significant. The variance of M values with autocorrelations ρ is known as well as that of M/(1 + 2 Σ ρ²) independent ones
 //! (Bartlett, J. R. Stat. Soc. Suppl. 1946).
 
 use super::channels::{Channel, channels};

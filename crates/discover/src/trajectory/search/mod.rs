@@ -1,6 +1,6 @@
 //! Which terms: supports are proposed on linearised likelihoods and accepted where the refitted likelihood improves.
 //!
-//! In: a problem. Out: [`Found`]: the best fit and its rivals. Never decides whether the answer is to be trusted.
+//! In: a problem. Out: [`Found`]: the best fit and its rivals. Never doubts an answer.
 
 mod beam_search;
 mod level;

@@ -25,7 +25,7 @@ pub struct DelayedInputs {
 
 /// The delay that gains most, if that is more than the price of a term. Under a wrong input a large support imitates the right one,
 /// whatever the delay. So a delay is fitted with the few terms of its screening, with those found if they are few, and if
-/// neither gains, with terms chosen anew under the best proposal.
+/// neither gains, with terms selected again under the best proposal.
 pub fn fit_delay(
     problem: &Problem,
     found: &Fit,

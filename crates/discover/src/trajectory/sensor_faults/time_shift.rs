@@ -98,7 +98,7 @@ fn value_at(time: &[f64], exogenous: &Exogenous, at: f64) -> f64 {
     }
     let part = (at - time[next - 1]) / (time[next] - time[next - 1]);
     if exogenous.held {
-        // Delays of held inputs are whole samples; the comparison forgives rounding of time.
+        // Delays of held inputs are whole samples; the comparison allows for rounding of time.
         return if part > 0.5 { x(next) } else { x(next - 1) };
     }
     x(next - 1) + part * (x(next) - x(next - 1))

@@ -1,7 +1,7 @@
 //! From definitions and results to the statements of one function.
 //!
-//! In: the arguments of the function, what defines the unknowns, the expressions wanted. Out: a [`Body`]: scheduled steps, the
-//! entries of arguments that are read, and what each named value would like to be called. Knows no language.
+//! In: the arguments of the function, what defines the unknowns, the expressions to compute. Out: a [`Body`]: scheduled steps, the
+//! entries of arguments that are read, and the preferred name of each named value. Knows no language.
 
 use std::collections::BTreeSet;
 
@@ -19,7 +19,7 @@ pub(crate) struct Scope<'a> {
 
 impl Scope<'_> {
     /// # Errors
-    /// A signal that the expressions mention and nobody gives.
+    /// A signal in the expressions that is neither argument nor unknown.
     pub fn lower(&self, definitions: Definitions, results: Vec<Vec<Expr>>) -> Result<Body, Signal> {
         let mut inputs = vec![Signal::TIME];
         inputs.extend(self.names.iter().map(|(s, _)| *s));

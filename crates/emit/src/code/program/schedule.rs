@@ -1,6 +1,6 @@
 //! The order of the steps, and common subexpression elimination.
 //!
-//! In: definitions and the expressions wanted. Out: a body. Only what is used is computed. What is used once is
+//! In: definitions and the expressions to compute. Out: a body. Only what is used is computed. What is used once is
 //! written in place; what is used more often is named before its first use.
 
 use std::collections::BTreeSet;

@@ -1,4 +1,4 @@
-//! The verdict with its reasons, in words.
+//! The verdict with its reasons.
 
 use crate::report::markup::{counted, fixed, listed, section};
 use crate::report::subject::{RecordRun, Role, Subject};

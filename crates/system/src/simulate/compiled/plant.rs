@@ -143,7 +143,7 @@ impl Plant {
             return self.eliminate(work);
         }
         match self.newton(work) {
-            // The last unknowns may be a bad start: try once more from zero.
+            // The last unknowns may be a bad start: try again from zero.
             Err(FaultKind::NoSolution(_) | FaultKind::NotFinite(_)) => {
                 work.q.fill(0.0);
                 self.newton(work)

@@ -70,7 +70,7 @@ pub(crate) fn iterate(
     path
 }
 
-/// Inputs at a row. One asked for beyond the record keeps its last value.
+/// Inputs at a row. Beyond the end of the record they keep their last values.
 fn inputs_at(leg: &LegSetup, row: usize) -> Vec<f64> {
     let names = leg.plant.form.inputs.iter();
     let drives = leg.drives.iter().zip(names);

@@ -1,6 +1,6 @@
 //! A square matrix as L U, real or complex, for many right sides.
 //!
-//! In: entries by rows. Out: solutions in place. Allocates once; a matrix without inverse is told, never divided by.
+//! In: entries by rows. Out: solutions in place. Allocates once; a singular matrix is reported.
 
 use std::ops::{AddAssign, Div, Mul, SubAssign};
 

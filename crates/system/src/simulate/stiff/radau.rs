@@ -1,7 +1,7 @@
-//! One step of the Radau IIA method: five stages by simplified Newton iteration, and the error of what comes out.
+//! One step of the Radau IIA method: five stages by simplified Newton iteration, and an estimate of their error.
 //!
 //! In: a flow, a state, a step. Out: the stages, as a polynomial over the step, and their error; or that the step is too long for
-//! Newton; or what the right side failed with. Never decides how long a step is, never moves the state.
+//! Newton's method; or the failure of the right side. Does not choose the step size.
 //! Hairer, Wanner, "Solving Ordinary Differential Equations II", IV.8; "Stiff differential equations solved by Radau methods",
 //! J. Comp. Appl. Math. 111 (1999).
 
@@ -9,26 +9,14 @@ use nalgebra::Complex;
 
 use super::super::fault::FaultKind;
 use super::super::flow::Flow;
+use super::super::thresholds::IMPLICIT;
 use super::lu::Lu;
 use super::tableau::{
-    COMPLEX, FIRST_SLOPE, FROM_MODES, LAST_SLOPE, NODES, PAIRS, REAL, STAGES, Stages, TO_MODES,
-    WITHIN, dot, weights,
+    COMPLEX, FIRST_SLOPE, FROM_MODES, LAST_SLOPE, NODES, PAIRS, REAL_EIGENVALUE, STAGES, Stages,
+    TO_MODES, WITHIN_FACTOR, dot, weights,
 };
 
-/// Newton iterations for a step; as many as Hairer and Wanner (1999) give to five stages, rounded.
-pub(super) const ITERATIONS: usize = 12;
-/// What Newton's iteration may leave, as a part of the step's allowed error.
-const LEFT: f64 = 1e-3;
-/// Each iteration's size over the last one's up to which a Jacobian serves another step (Hairer, Wanner, IV.8).
-const SERVES: f64 = 1e-3;
-/// Factors serve steps that differ by no more than this part: rows of a table are equally far but for rounding.
-const SAME: f64 = 1e-3;
-/// Above this, each iteration's size over the last one's is no convergence.
-const STALLED: f64 = 0.99;
-/// A step in which Newton's iteration has a better chance, as a part of one in which it had none.
-const SHORTER: f64 = 0.5;
-
-/// From where to where; `h` is `end` − `t` before rounding.
+/// The interval of a step; `h` is `end` − `t` before rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     pub t: f64,
@@ -36,45 +24,45 @@ pub(super) struct Span {
     pub h: f64,
 }
 
-/// What came out of a step that the right side did not fail in.
+/// The outcome of a step in which the right side did not fail.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Outcome {
     Tried {
-        /// Of the state at the end, 1 being what is allowed.
+        /// Error of the state at the end; 1 is allowed.
         error: f64,
-        /// Of the polynomial within the step.
+        /// Error of the polynomial within the step.
         within: f64,
         iterations: usize,
     },
-    /// Newton's iteration does not arrive; it might in a step shorter by this factor.
+    /// Newton's method does not converge; it might in a step shorter by this factor.
     TooLong(f64),
 }
 
 /// A number for each stage and each component, stage by stage.
 type Block = [Vec<f64>; STAGES];
 
-/// The method's memory from step to step.
+/// The state of the method between steps.
 #[derive(Clone, Debug)]
 pub(super) struct Radau {
-    /// ∂ẋ/∂x by rows, as last taken.
+    /// The latest ∂ẋ/∂x, by rows.
     pub jacobian: Vec<f64>,
-    /// Room for the next one.
+    /// Buffer for the next one.
     trial: Vec<f64>,
-    /// The Jacobian was asked for at the present state.
+    /// The Jacobian belongs to the present state.
     fresh: bool,
-    /// How fast Newton's iteration went: each one's size over the last one's.
+    /// Rate of convergence of Newton's method: size of an iteration over that of the one before.
     speed: f64,
-    /// How much is left to go, for each unit of the last iteration.
+    /// Estimated remaining error over the size of the last iteration.
     rest: f64,
-    /// Factors of (eigenvalue / step) I − Jacobian, one for each mode or pair.
+    /// LU factors of (eigenvalue / step) I − Jacobian, one for each mode or pair.
     real: Lu<f64>,
     pairs: [Lu<Complex<f64>>; PAIRS],
-    /// The step that they belong to; 0 where there are none.
+    /// The step size that they belong to; 0 where there are none.
     factored: f64,
-    /// Stages less the state, and the same by modes.
+    /// Stages minus the state, and their coordinates in the modes.
     stages: Block,
     modes: Block,
-    /// The stages of the last step accepted, and that step; 0 where there is none.
+    /// The stages of the last accepted step, and its size; 0 where there is none.
     past: Block,
     step: f64,
     /// The slope of the state where the step begins.
@@ -109,14 +97,14 @@ impl Radau {
         }
     }
 
-    /// Slopes of the state and of its rates where the way begins.
+    /// The slope of the state at the start of integration; computes the Jacobian there.
     pub fn begin(&mut self, flow: &mut Flow, t: f64, x: &[f64]) -> Result<&[f64], FaultKind> {
         flow.rates(t, x, &mut self.slope)?;
         self.differentiate(flow, t, x);
         Ok(&self.slope)
     }
 
-    /// Newton's iteration needs no exact slopes: where there are none, as of √x at 0, those of an earlier state have to do.
+    /// Simplified Newton iteration needs no exact Jacobian: where there is none, as for √x at 0, that of an earlier state is used.
     fn differentiate(&mut self, flow: &mut Flow, t: f64, x: &[f64]) {
         if flow.jacobian(t, x, &mut self.trial).is_ok() {
             std::mem::swap(&mut self.jacobian, &mut self.trial);
@@ -125,7 +113,7 @@ impl Radau {
         self.fresh = true;
     }
 
-    /// One step from `x`; `scale` is the error allowed of each component. `filter` once more where an error seems too large: the
+    /// One step from `x`; `scale` is the error allowed of each component. `filter` repeats the estimate where an error seems too large: the
     /// first estimate is too cautious after a jump.
     pub fn attempt(
         &mut self,
@@ -135,17 +123,17 @@ impl Radau {
         scale: &[f64],
         filter: bool,
     ) -> Result<Outcome, FaultKind> {
-        if !self.fresh && self.speed > SERVES {
+        if !self.fresh && self.speed > IMPLICIT.jacobian_speed {
             self.differentiate(flow, span.t, x);
         }
         if !self.factorise(span.h) {
-            return Ok(Outcome::TooLong(SHORTER));
+            return Ok(Outcome::TooLong(IMPLICIT.after_divergence));
         }
         self.predict(span.h);
         let iterations = match self.newton(flow, span, x, scale)? {
             Ok(iterations) => iterations,
             Err(factor) => {
-                // An old Jacobian is the first suspect.
+                // An old Jacobian is the likely cause: the next step computes a new one.
                 self.speed = 1.0;
                 return Ok(Outcome::TooLong(factor));
             }
@@ -163,20 +151,20 @@ impl Radau {
             }
             self.slope = slope;
         }
-        // What is not a number is no step.
+        // A step with NaN is rejected.
         let number = |e: f64| if e.is_nan() { f64::INFINITY } else { e };
         Ok(Outcome::Tried {
             error: number(error),
-            within: number(WITHIN * span.h * jump),
+            within: number(WITHIN_FACTOR * span.h * jump),
             iterations,
         })
     }
 
-    /// The step was good: `x` and its slope move to its end.
+    /// Accepts the step: `x` and its slope move to its end.
     pub fn accept(&mut self, h: f64, x: &mut [f64]) {
         for (c, (x, slope)) in x.iter_mut().zip(&mut self.slope).enumerate() {
             let stages = column(&self.stages, c);
-            // The polynomial's own slope: the right side would multiply what Newton left by the fastest rate.
+            // The slope of the polynomial: the right side would multiply the remaining error of Newton's method by the fastest rate.
             *slope = dot(&LAST_SLOPE, &stages) / h;
             *x += stages[STAGES - 1];
         }
@@ -185,7 +173,7 @@ impl Radau {
         self.fresh = false;
     }
 
-    /// The state at a part of the last step accepted, which began at `x`.
+    /// The state at a part of the last accepted step, which began at `x`.
     pub fn within(&self, part: f64, x: &[f64]) -> Vec<f64> {
         let weights = weights(part);
         let each = x.iter().enumerate();
@@ -194,18 +182,18 @@ impl Radau {
     }
 
     fn factorise(&mut self, h: f64) -> bool {
-        if (h / self.factored - 1.0).abs() <= SAME {
+        if (h / self.factored - 1.0).abs() <= IMPLICIT.same_step {
             return true;
         }
         let jacobian = &self.jacobian;
         let mut pairs = self.pairs.iter_mut().zip(COMPLEX);
-        let regular = self.real.factorise(REAL / h, jacobian)
+        let regular = self.real.factorise(REAL_EIGENVALUE / h, jacobian)
             && pairs.all(|(lu, (a, b))| lu.factorise(Complex::new(a / h, -b / h), jacobian));
         self.factored = if regular { h } else { 0.0 };
         regular
     }
 
-    /// Stages where the last step's polynomial leads to; where there was none, at the state.
+    /// Predicts the stages by extrapolating the polynomial of the last step; without one, by the state.
     fn predict(&mut self, h: f64) {
         let ratio = match self.step {
             0.0 => 0.0,
@@ -226,7 +214,7 @@ impl Radau {
         }
     }
 
-    /// Simplified Newton iteration for the stages: how many it took, or the factor of a step in which it might arrive.
+    /// Simplified Newton iteration for the stages: the number of iterations, or the factor of a step in which it might converge.
     fn newton(
         &mut self,
         flow: &mut Flow,
@@ -237,10 +225,10 @@ impl Radau {
         self.rest = self.rest.max(f64::EPSILON).powf(0.8);
         self.speed = 1.0;
         let (mut last, mut last_ratio) = (0.0, 0.0);
-        for k in 1..=ITERATIONS {
+        for k in 1..=IMPLICIT.iterations {
             let size = self.iterate(flow, span, x, scale)?;
             if !size.is_finite() {
-                return Ok(Err(SHORTER));
+                return Ok(Err(IMPLICIT.after_divergence));
             }
             if k > 1 {
                 let ratio: f64 = size / last;
@@ -250,20 +238,24 @@ impl Radau {
                     (ratio * last_ratio).sqrt()
                 };
                 last_ratio = ratio;
-                if self.speed >= STALLED {
-                    // Down in rounding iterations do not shrink any more.
-                    return Ok(if size <= LEFT { Ok(k) } else { Err(SHORTER) });
+                if self.speed >= IMPLICIT.stalled {
+                    // At the level of rounding, iterations no longer get smaller.
+                    return Ok(if size <= IMPLICIT.newton_error {
+                        Ok(k)
+                    } else {
+                        Err(IMPLICIT.after_divergence)
+                    });
                 }
                 self.rest = self.speed / (1.0 - self.speed);
-                let more = (ITERATIONS - k) as i32;
-                let foreseen = self.rest * size * self.speed.powi(more) / LEFT;
-                if foreseen > 1.0 {
-                    // As in IV.8: stages are off by about the fourth power of the step, to begin with.
+                let more = (IMPLICIT.iterations - k) as i32;
+                let predicted = self.rest * size * self.speed.powi(more) / IMPLICIT.newton_error;
+                if predicted > 1.0 {
+                    // As in IV.8: the error of the predicted stages grows with about the fourth power of the step.
                     let power = -1.0 / f64::from(4 + more);
-                    return Ok(Err(0.8 * foreseen.min(20.0).powf(power)));
+                    return Ok(Err(0.8 * predicted.min(20.0).powf(power)));
                 }
             }
-            if self.rest * size <= LEFT {
+            if self.rest * size <= IMPLICIT.newton_error {
                 if k == 1 {
                     self.speed = 0.0;
                 }
@@ -271,10 +263,10 @@ impl Radau {
             }
             last = size;
         }
-        Ok(Err(SHORTER))
+        Ok(Err(IMPLICIT.after_divergence))
     }
 
-    /// One Newton iteration; its size, 1 being the error allowed of the step.
+    /// One Newton iteration. Returns its size; 1 is the allowed error of the step.
     fn iterate(
         &mut self,
         flow: &mut Flow,
@@ -286,15 +278,15 @@ impl Radau {
             for ((p, x), z) in self.point.iter_mut().zip(x).zip(&self.stages[i]) {
                 *p = x + z;
             }
-            // Where the step ends the next one begins, to the last bit.
+            // The last stage is evaluated exactly where the next step begins.
             let at = if *node == 1.0 { end } else { t + node * h };
             flow.rates(at, &self.point, rates)?;
         }
-        // What is left of h ż = A⁻¹ z, by modes.
+        // The residual of h ż = A⁻¹ z, by modes.
         for c in 0..x.len() {
             let rates = column(&self.rates, c);
             let rates = TO_MODES.map(|to_mode| dot(&to_mode, &rates));
-            self.rates[0][c] = rates[0] - REAL / h * self.modes[0][c];
+            self.rates[0][c] = rates[0] - REAL_EIGENVALUE / h * self.modes[0][c];
             for (p, (a, b)) in COMPLEX.iter().enumerate() {
                 let (re, im) = (2 * p + 1, 2 * p + 2);
                 let (u, v) = (self.modes[re][c], self.modes[im][c]);
@@ -317,7 +309,7 @@ impl Radau {
         Ok((square / (STAGES * x.len().max(1)) as f64).sqrt())
     }
 
-    /// Residuals become what the modes move by.
+    /// Replaces the residuals by the changes of the modes.
     fn solve(&mut self) {
         let [real, turning @ ..] = &mut self.rates;
         self.real.solve(real);
@@ -333,9 +325,9 @@ impl Radau {
         }
     }
 
-    /// The error is how far the polynomial's first slope is off, times the step and the eigenvalue's inverse: the distance to
-    /// a formula of order 5 that uses the slope as well. Stiff motions are filtered out of it, which the step damps anyway.
-    /// Returned is the slope's own size.
+    /// Estimates the error from the difference between the polynomial's slope at the start and the state's, times the step over the eigenvalue:
+    /// the distance to a formula of order 5 that uses this slope too. The linear solve filters out stiff motions, which the step damps
+    /// anyway. Returns the size of the difference of slopes.
     fn estimate(&mut self, h: f64, scale: &[f64]) -> f64 {
         for (c, (error, slope)) in self.error.iter_mut().zip(&self.slope).enumerate() {
             *error = slope + dot(&FIRST_SLOPE, &column(&self.stages, c)) / h;

@@ -22,7 +22,7 @@ pub(super) const NODES: Stages = [
 ];
 
 /// The real eigenvalue of A⁻¹, where A holds the integrals from 0 to each node of the polynomials that are 1 at one node, 0 at the others.
-pub(super) const REAL: f64 = 6.2867047517292765;
+pub(super) const REAL_EIGENVALUE: f64 = 6.2867047517292765;
 /// Its complex eigenvalues a ± ib, as (a, b).
 pub(super) const COMPLEX: [(f64, f64); PAIRS] = [
     (3.655694325463572, 6.543736899360077),
@@ -115,9 +115,9 @@ pub(super) const LAST_SLOPE: Stages = [
     -18.2192823110881,
     13.0,
 ];
-/// The largest of |c ∏(c − node)| over a step, relative to ∏ node: how far the polynomial is off within a step, for each unit of
-/// what its first slope is off. (On motions that are not stiff it is a fifth of that.)
-pub(super) const WITHIN: f64 = 0.145;
+/// The largest of |c ∏(c − node)| over a step, relative to ∏ node: the error of the polynomial within a step, for each unit of
+/// error of its slope at the start. (On motions that are not stiff it is a fifth of that.)
+pub(super) const WITHIN_FACTOR: f64 = 0.145;
 
 /// The last factor of each value in Lagrange's formula through 0 and the nodes: 1 over (its node times its distances to the others).
 const LAGRANGE: Stages = {
@@ -164,7 +164,7 @@ mod tests {
         std::array::from_fn(|i| {
             let row = &FROM_MODES[i];
             // One row of FROM_MODES times the block-diagonal matrix of the modes.
-            let mut turned = [row[0] * REAL, 0.0, 0.0, 0.0, 0.0];
+            let mut turned = [row[0] * REAL_EIGENVALUE, 0.0, 0.0, 0.0, 0.0];
             for (p, (a, b)) in COMPLEX.iter().enumerate() {
                 let (re, im) = (row[2 * p + 1], row[2 * p + 2]);
                 turned[2 * p + 1] = re * a - im * b;
@@ -215,6 +215,6 @@ mod tests {
             .map(|k| product(f64::from(k) / 1000.0))
             .fold(0.0, f64::max);
         let nodes: f64 = NODES.iter().product();
-        assert!((0.99 * WITHIN..WITHIN).contains(&(largest / nodes)));
+        assert!((0.99 * WITHIN_FACTOR..WITHIN_FACTOR).contains(&(largest / nodes)));
     }
 }
