@@ -15,7 +15,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, Term};
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::{Equation, Evidence};
 
 /// Libraries up to this size are looked at whole.
@@ -246,7 +246,7 @@ fn along(phi: &dyn Dictionary, library: &Library, support: &[usize]) -> Vec<usiz
     }
     let mut near: Vec<(usize, f64)> = Vec::new();
     for direction in basis.directions() {
-        let found = phi.strongest(direction, ALONG, 0.0);
+        let found = phi.price(direction, ALONG, 0.0);
         near.extend(
             found
                 .columns

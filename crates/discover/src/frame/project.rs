@@ -5,7 +5,7 @@
 
 use nalgebra::DMatrix;
 
-use sidc_solve::lanes::{axpy, dot};
+use sidc_solve::simd::{axpy, dot};
 
 /// A column of which less than this is left, relative, depends on those before it.
 const DEPENDENT: f64 = 1e-13;

@@ -8,7 +8,7 @@ use std::collections::{BTreeSet, VecDeque};
 use super::gram::Gram;
 use crate::frame::Frame;
 use sidc_lang::term::Language;
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 
 /// Difference of the criterion under which two supports of equal size are a tie (as the choice of the support has it).
 const TIE: f64 = 6.0;

@@ -8,7 +8,7 @@ use crate::frame::{Basis, norm};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Language, Signal, SignalNames};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::{Excitation, Leverage};
 
 /// Difference of steps that still counts as even.

@@ -9,7 +9,7 @@ use crate::frame::{Basis, norm};
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::Equation;
 
 /// Largest library whose whole span is taken off.

@@ -10,7 +10,7 @@ use crate::frame::Frame;
 use crate::frame::norm;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Signal, Term};
-use sidc_solve::lanes::axpy;
+use sidc_solve::simd::axpy;
 use sidc_system::discovery::Cause;
 
 /// Most signals that are looked at together.

@@ -260,7 +260,7 @@ impl Task<'_> {
             term_selection::select_terms(phi, &whitened.target, &proposals, criterion, &mut || {
                 watcher.at(Stage::Choosing).is_none()
             });
-        let polished = solve::polish(phi, &whitened.target, &selection.support);
+        let polished = solve::refit(phi, &whitened.target, &selection.support);
         let terms = selection.support.len() as f64;
         let columns = selection.support.iter().copied();
         let left = polished.residual.powi(2);

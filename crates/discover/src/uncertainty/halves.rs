@@ -5,7 +5,7 @@
 
 use super::sum;
 use crate::SplitMix;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 use sidc_system::discovery::{Halves, Stretches};
 
 /// Complementary pairs.
@@ -48,13 +48,13 @@ pub(super) fn halves(stretches: &Stretches) -> Option<(Halves, Vec<f64>)> {
 fn best(stretches: &Stretches, half: &[usize]) -> Vec<usize> {
     let columns = stretches.columns.len();
     let products = half.iter().filter_map(|i| stretches.products.get(*i));
-    let form = Quadratic::new(&sum(products, columns + 1), columns);
+    let form = QuadraticForm::new(&sum(products, columns + 1), columns);
     let (_, price) = stretches.price;
     let strongest =
         (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
     let starts = [stretches.support.clone(), strongest.into_iter().collect()];
-    let ends = starts.iter().map(|s| form.improve(s, price));
-    let value = |s: &Vec<usize>| form.least(s).square + price * s.len() as f64;
+    let ends = starts.iter().map(|s| form.steepest_descent(s, price));
+    let value = |s: &Vec<usize>| form.least_squares(s).square + price * s.len() as f64;
     ends.min_by(|a, b| value(a).total_cmp(&value(b)))
         .unwrap_or_default()
 }

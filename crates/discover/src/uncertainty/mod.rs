@@ -15,7 +15,7 @@ mod without;
 mod tests;
 
 use sidc_lang::term::{Language, Signal, Term};
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 use sidc_system::discovery::{Discovery, Equation, FoundTerm, Stretches};
 
 pub use mark::mark;
@@ -35,7 +35,7 @@ struct Part<'a> {
     stretches: &'a Stretches,
     /// Places of the columns, rising.
     kept: Vec<usize>,
-    form: Quadratic,
+    form: QuadraticForm,
     /// What was found, by place among the columns kept.
     support: Vec<usize>,
 }
@@ -56,7 +56,7 @@ impl Part<'_> {
             .collect();
         let place = |p: &usize| kept.binary_search(p).ok();
         Part {
-            form: Quadratic::new(&products, kept.len()),
+            form: QuadraticForm::new(&products, kept.len()),
             support: stretches.support.iter().filter_map(place).collect(),
             kept,
             stretches,

@@ -14,11 +14,13 @@ const NAMED: usize = 4;
 pub(super) fn nearest(part: &Part, target: Signal, names: &Language<Discovery>) -> Option<Nearest> {
     let stretches = part.stretches;
     let own = |k: usize| part.column(k).is_some_and(|(t, _)| *t == target);
-    let added = part.form.moves(&part.support, 0.0, 8 * part.kept.len());
+    let added = part
+        .form
+        .single_changes(&part.support, 0.0, 8 * part.kept.len());
     let mut single: Vec<(usize, f64)> = added
         .iter()
-        .filter(|m| m.goes.is_none())
-        .filter_map(|m| Some((m.comes?, worth(-m.change, stretches.readings))))
+        .filter(|m| m.leaves.is_none())
+        .filter_map(|m| Some((m.enters?, worth(-m.change, stretches.readings))))
         .filter(|(k, _)| own(*k))
         .collect();
     single.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

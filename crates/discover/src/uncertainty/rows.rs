@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::sum;
 use crate::frame::{Basis, Frame};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::Stretches;
 
 /// Stretches of rows.

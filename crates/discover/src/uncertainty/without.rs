@@ -14,8 +14,9 @@ pub(super) fn without(whole: &Part, place: usize, names: &Language<Discovery>) -
     let (target, barred) = stretches.columns.get(place)?;
     let rest = Part::of(stretches, *target, Some(place));
     let (price, _) = stretches.price;
-    let end = rest.form.improve(&rest.support, price);
-    let more = rest.form.least(&end).square - whole.form.least(&whole.support).square;
+    let end = rest.form.steepest_descent(&rest.support, price);
+    let more =
+        rest.form.least_squares(&end).square - whole.form.least_squares(&whole.support).square;
     let terms = end.len() as f64 - whole.support.len() as f64;
     let outside = |of: &[usize], other: &[usize]| -> Vec<Term> {
         let only = of.iter().filter(|k| !other.contains(k));

@@ -11,7 +11,7 @@ use super::rows::Rows;
 use super::value::{self, Bounded};
 use sidc_lang::library::{Block, Library};
 use sidc_lang::term::{Atom, Term};
-use sidc_solve::lanes::wide;
+use sidc_solve::simd::wide;
 
 /// Numbers that a tile holds for each entry: value, square, error.
 const NUMBERS: usize = 5;

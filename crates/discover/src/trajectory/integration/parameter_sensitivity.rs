@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use sidc_solve::lanes::wide;
+use sidc_solve::simd::wide;
 
 /// Columns transposed at once: a tile of this many rows stays in the first cache.
 const TILE: usize = 8;

@@ -9,7 +9,7 @@ use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::search::final_criterion;
 use crate::trajectory::thresholds::{DELAYS, SEARCH};
 use sidc_lang::term::VarId;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 
 /// A delay to be fitted.
 pub struct DelayProposal {
@@ -98,7 +98,7 @@ impl DelayScreen {
             samples,
             value,
             start: LinearizationPoint {
-                coefficients: form.least(&support).coefficients,
+                coefficients: form.least_squares(&support).coefficients,
                 support: support.iter().map(|j| self.columns[*j]).collect(),
                 ..self.few.initial_point(&self.sigma)
             },
@@ -107,7 +107,7 @@ impl DelayScreen {
     }
 
     /// The quadratic form with inputs delayed.
-    fn form(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<Quadratic> {
+    fn form(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<QuadraticForm> {
         let moved = moved(&self.few, inputs, samples, self.reach);
         moved.integral_matching_form(&self.sigma, SEARCH.initial_slacks[0], go_on)
     }
@@ -115,14 +115,17 @@ impl DelayScreen {
     /// χ² with all columns: they are too few to imitate a delay.
     fn left(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<f64> {
         let form = self.form(inputs, samples, go_on)?;
-        Some(form.least(&(0..form.p).collect::<Vec<_>>()).square)
+        Some(form.least_squares(&(0..form.p).collect::<Vec<_>>()).square)
     }
 
     /// Backward elimination, with the price of a term in units of the χ² that all columns leave.
-    fn support(&self, form: &Quadratic) -> Vec<usize> {
-        let least = form.least(&(0..form.p).collect::<Vec<_>>()).square.max(0.0);
+    fn support(&self, form: &QuadraticForm) -> Vec<usize> {
+        let least = form
+            .least_squares(&(0..form.p).collect::<Vec<_>>())
+            .square
+            .max(0.0);
         let scale = (least / self.few.measurements() as f64).max(1.0);
-        let supports = form.backward(&[self.penalty * scale]);
+        let supports = form.backward_elimination(&[self.penalty * scale]);
         supports.into_iter().next().unwrap_or_default()
     }
 }
