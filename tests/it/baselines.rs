@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use sidc::Unwatched;
-use sidc_solve::dictionary::{Collector, Dense, Dictionary, Strongest};
-use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status, certify, least_squares};
+use sidc_solve::dictionary::{Dense, Dictionary, Priced, PricingCollector};
+use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status, certify, minimum_norm_least_squares};
 use sidc_testing::observers::{interrupting, solver_progress};
 
 use crate::solve::{combine, gaussian};
@@ -91,8 +91,8 @@ impl Dictionary for Unstored {
         self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         self.0.column(j, out);
     }
-    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
-        self.0.strongest(lambda, most, least)
+    fn price(&self, lambda: &[f64], most: usize, least: f64) -> Priced {
+        self.0.price(lambda, most, least)
     }
 }
 
@@ -115,8 +115,8 @@ impl Dictionary for Vast {
         out.fill(0.0);
         out[j % 100] = 1.0;
     }
-    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
-        let mut found = Collector::new(most, least);
+    fn price(&self, lambda: &[f64], most: usize, least: f64) -> Priced {
+        let mut found = PricingCollector::new(most, least);
         (0..self.cols()).for_each(|j| found.offer(j, lambda[j % 100]));
         found.finish()
     }
@@ -366,7 +366,7 @@ proptest! {
         };
         let tolerance = part * length(&y);
         let allowed = tolerance.max(1e-9 * length(&y));
-        let least = least_squares(&phi, &y).residual;
+        let least = minimum_norm_least_squares(&phi, &y).residual;
         for solver in heuristics() {
             let s = run(solver, &phi, &y, tolerance);
             prop_assert!(is_well_formed(&phi, &s));

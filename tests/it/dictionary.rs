@@ -101,8 +101,8 @@ fn assert_agree(library: &Library, samples: &Samples, weights: Option<&[f64]>, l
         }
     }
     let least = 1e-3 * size(lambda);
-    let all = factored.strongest(lambda, library.slots(), least);
-    let wanted = dense.strongest(lambda, library.slots(), least);
+    let all = factored.price(lambda, library.slots(), least);
+    let wanted = dense.price(lambda, library.slots(), least);
     assert_eq!(all.count, wanted.count);
     let sorted = |of: &[(usize, f64)]| {
         let mut of = of.to_vec();
@@ -114,7 +114,7 @@ fn assert_agree(library: &Library, samples: &Samples, weights: Option<&[f64]>, l
         assert!((a.1 - b.1).abs() <= 1e-12 * size(lambda));
     }
     // Fewer are the first of all.
-    let few = factored.strongest(lambda, 5, least);
+    let few = factored.price(lambda, 5, least);
     assert_eq!(few.columns, all.columns[..few.columns.len()]);
     assert_eq!(few.columns.len(), all.columns.len().min(5));
 }
@@ -194,7 +194,7 @@ fn lengths_survive_factors_that_hardly_overlap() {
     let phi = compile(&library, &samples, None).unwrap();
     assert!((phi.norms()[0] / (2f64.sqrt() * 1e-170) - 1.0).abs() < 1e-14);
     assert!((phi.norms()[1] / 1e-170 - 1.0).abs() < 1e-14);
-    let found = phi.strongest(&[1.0, 1.0, 0.0], 9, 0.0);
+    let found = phi.price(&[1.0, 1.0, 0.0], 9, 0.0);
     assert!((found.largest() - 2f64.sqrt()).abs() < 1e-14);
 }
 
@@ -230,7 +230,7 @@ fn the_first_term_that_is_not_finite_is_named() {
     let phi = compile(&library(&[1, 2, 4, 5, 6, 7, 8]), &samples, None).unwrap();
     assert_eq!(phi.cols(), 9);
     assert!(phi.norms().iter().all(|n| n.is_finite()));
-    let found = phi.strongest(&[1.0; 3], 9, 0.0);
+    let found = phi.price(&[1.0; 3], 9, 0.0);
     assert_eq!(found.count, 2);
 }
 
@@ -278,7 +278,7 @@ fn correlations_do_not_overflow() {
     let listed = Library::listed(vec![term(signal(1))]);
     for library in [listed, Library::products(vec![block], Vec::new())] {
         let phi = compile(&library, &samples, None).unwrap();
-        let found = phi.strongest(&lambda, 9, 0.0).columns;
+        let found = phi.price(&lambda, 9, 0.0).columns;
         let first = found.iter().find(|(j, _)| *j == 0).unwrap().1;
         assert!((first - wanted).abs() < 1e-12, "{found:?}");
         assert!(

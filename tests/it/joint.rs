@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use sidc::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{
-    FitBlock, Joint, JointSolution, Outcome, Problem, Row, Sense, certify_joint, fit, nearest,
-    solve_joint,
+    ConstrainedProblem, ConstrainedSolution, LinearConstraint, Outcome, Problem, RegressionBlock,
+    Sense, certify_constrained, constrained_least_squares, least_residuals, solve_constrained,
 };
 
 /// Deterministic numbers in −1 … 1.
@@ -20,8 +20,8 @@ fn numbers(n: usize, mut seed: u64) -> Vec<f64> {
     (0..n + 3).map(step).skip(3).collect()
 }
 
-fn row(entries: &[(usize, usize, f64)], sense: Sense, right: f64) -> Row {
-    Row {
+fn row(entries: &[(usize, usize, f64)], sense: Sense, right: f64) -> LinearConstraint {
+    LinearConstraint {
         entries: entries.to_vec(),
         sense,
         right,
@@ -48,9 +48,9 @@ impl Pair {
         }
     }
 
-    fn blocks(&self) -> Vec<FitBlock> {
+    fn blocks(&self) -> Vec<RegressionBlock> {
         (0..2)
-            .map(|b| FitBlock {
+            .map(|b| RegressionBlock {
                 columns: (0..self.cols).collect(),
                 values: DMatrix::from_fn(self.rows, self.cols, |i, j| {
                     self.values[b][j * self.rows + i]
@@ -65,14 +65,14 @@ impl Pair {
 }
 
 /// The constrained minimum by trying every set of inequalities as equations.
-fn brute_force(pair: &Pair, rows: &[Row]) -> Option<DVector<f64>> {
+fn brute_force(pair: &Pair, rows: &[LinearConstraint]) -> Option<DVector<f64>> {
     let (m, n) = (pair.rows, pair.cols);
     let a = DMatrix::from_fn(2 * m, 2 * n, |i, j| match (i / m, j / n) {
         (b, c) if b == c => pair.values[b][(j % n) * m + i % m],
         _ => 0.0,
     });
     let y = DVector::from_fn(2 * m, |i, _| pair.targets[i / m][i % m]);
-    let plane = |r: &Row| {
+    let plane = |r: &LinearConstraint| {
         let mut c = DVector::zeros(2 * n);
         r.entries.iter().for_each(|(b, j, w)| c[b * n + j] += w);
         (c, r.right)
@@ -121,7 +121,7 @@ fn brute_force(pair: &Pair, rows: &[Row]) -> Option<DVector<f64>> {
 }
 
 /// An equality across the blocks and three inequalities, all obeyed by some coefficients.
-fn random_rows(cols: usize, seed: u64) -> Vec<Row> {
+fn random_rows(cols: usize, seed: u64) -> Vec<LinearConstraint> {
     let w = numbers(12, seed + 77);
     let inside = numbers(2 * cols, seed + 78);
     let place = |k: usize| ((k / cols) % 2, k % cols);
@@ -132,7 +132,7 @@ fn random_rows(cols: usize, seed: u64) -> Vec<Row> {
             .collect();
         let at = |(b, j, w): &(usize, usize, f64)| w * inside[b * cols + j];
         let right = entries.iter().map(at).sum::<f64>() + slack;
-        Row {
+        LinearConstraint {
             entries,
             sense,
             right,
@@ -154,7 +154,7 @@ proptest! {
         let pair = Pair::random(9, 4, seed);
         let rows = random_rows(4, seed);
         let all: Vec<usize> = (0..4).collect();
-        let found = fit(&pair.blocks(), &[all.clone(), all], &rows).unwrap();
+        let found = constrained_least_squares(&pair.blocks(), &[all.clone(), all], &rows).unwrap();
         let wanted = brute_force(&pair, &rows).unwrap();
         for (k, a) in found.values.iter().flatten().enumerate() {
             prop_assert!((a - wanted[k]).abs() < 1e-7 * (1.0 + wanted.norm()), "{k}: {a} {}", wanted[k]);
@@ -174,16 +174,16 @@ proptest! {
             target: &pair.targets[b],
             tolerance: if noisy { 0.3 } else { 0.0 },
         };
-        let joint = Joint { blocks: vec![problem(0), problem(1)], rows: random_rows(cols, seed) };
-        let found = solve_joint(&joint, &[], &mut Unwatched);
+        let joint = ConstrainedProblem { blocks: vec![problem(0), problem(1)], rows: random_rows(cols, seed) };
+        let found = solve_constrained(&joint, &[], &mut Unwatched);
         prop_assert_eq!(found.outcome, Outcome::Solved);
-        let proof = certify_joint(&joint, &found.coefficients, &found.duals, &found.multipliers);
+        let proof = certify_constrained(&joint, &found.coefficients, &found.duals, &found.multipliers);
         // Clarabel stops at 1e-8; the rows then miss by as much.
         prop_assert!(proof.gap.abs() < 1e-5, "{proof:?}");
         let (primal, dual, prices) = by_definition(&joint, &found);
         let largest = prices.iter().flatten().fold(0.0, |m: f64, (p, _)| m.max(*p));
         prop_assert!((proof.primal / primal - 1.0).abs() < 1e-12);
-        prop_assert!((proof.largest_price / largest - 1.0).abs() < 1e-12);
+        prop_assert!((proof.largest_correlation / largest - 1.0).abs() < 1e-12);
         prop_assert!((proof.dual / dual * largest.max(1.0) - 1.0).abs() < 1e-9);
         for (margin, prices) in proof.margins.iter().zip(&prices) {
             let off = prices.iter().filter(|(_, on)| !on).fold(0.0, |m: f64, (p, _)| m.max(*p));
@@ -192,8 +192,8 @@ proptest! {
         // A dual point three times as long proves no more than before: its columns cost three times too much.
         let thrice = |v: &[f64]| v.iter().map(|x| 3.0 * x).collect::<Vec<f64>>();
         let duals: Vec<Vec<f64>> = found.duals.iter().map(|d| thrice(d)).collect();
-        let longer = certify_joint(&joint, &found.coefficients, &duals, &thrice(&found.multipliers));
-        prop_assert!((longer.largest_price / (3.0 * largest) - 1.0).abs() < 1e-9);
+        let longer = certify_constrained(&joint, &found.coefficients, &duals, &thrice(&found.multipliers));
+        prop_assert!((longer.largest_correlation / (3.0 * largest) - 1.0).abs() < 1e-9);
         prop_assert!((longer.dual - dual / largest).abs() < 1e-9 * dual.abs().max(1.0));
     }
 }
@@ -206,7 +206,7 @@ fn what_misses_a_row_or_its_bound_by_a_little_is_not_feasible() {
         target: &[30.0, 40.0],
         tolerance,
     };
-    let joint = Joint {
+    let joint = ConstrainedProblem {
         blocks: vec![problem(0.0), problem(0.5)],
         rows: vec![
             row(&[(0, 0, 2.0), (1, 0, -1.0)], Sense::Equal, 30.0),
@@ -217,7 +217,7 @@ fn what_misses_a_row_or_its_bound_by_a_little_is_not_feasible() {
     let feasible = |a: [f64; 2], b: [f64; 2]| {
         let found = [a, b].map(|[x, y]| vec![(0, x), (1, y)]);
         let (duals, multipliers) = (vec![vec![0.0; 2]; 2], vec![0.0; 3]);
-        certify_joint(&joint, &found, &duals, &multipliers).feasible
+        certify_constrained(&joint, &found, &duals, &multipliers).feasible
     };
     assert!(feasible([30.0, 20.0], [30.0, 20.0]));
     // Equal to rounding of the first block's target, and within 0.5 of the second's.
@@ -231,7 +231,10 @@ fn what_misses_a_row_or_its_bound_by_a_little_is_not_feasible() {
 }
 
 /// Σ ‖D a‖₁/‖y‖, the bound of the dual point as it is, and for each block the price of every column, with whether it is on the support.
-fn by_definition(joint: &Joint, found: &JointSolution) -> (f64, f64, Vec<Vec<(f64, bool)>>) {
+fn by_definition(
+    joint: &ConstrainedProblem,
+    found: &ConstrainedSolution,
+) -> (f64, f64, Vec<Vec<(f64, bool)>>) {
     let (mut primal, mut dual, mut all) = (0.0, 0.0, Vec::new());
     let multiplier = |k: usize| match joint.rows[k].sense {
         Sense::Equal => found.multipliers[k],
@@ -281,11 +284,11 @@ fn columns_far_from_the_start_are_priced_in() {
     };
     let tie = row(&[(0, 500, 1.0), (1, 500, -1.0)], Sense::Equal, 0.0);
     let sign = row(&[(0, 77, 1.0)], Sense::Below, 0.0);
-    let joint = Joint {
+    let joint = ConstrainedProblem {
         blocks: vec![problem(0), problem(1)],
         rows: vec![tie, sign],
     };
-    let found = solve_joint(&joint, &[], &mut Unwatched);
+    let found = solve_constrained(&joint, &[], &mut Unwatched);
     assert_eq!(found.outcome, Outcome::Solved);
     for a in &found.coefficients {
         let large: Vec<usize> = a
@@ -296,17 +299,17 @@ fn columns_far_from_the_start_are_priced_in() {
         assert_eq!(large, vec![77, 500]);
     }
     let exact: Vec<Vec<(usize, f64)>> = vec![vec![(77, -1.0), (500, 2.0)]; 2];
-    let proof = certify_joint(&joint, &exact, &found.duals, &found.multipliers);
+    let proof = certify_constrained(&joint, &exact, &found.duals, &found.multipliers);
     assert!(proof.proves_optimal, "{proof:?}");
     let wrong: Vec<Vec<(usize, f64)>> = vec![vec![(77, -1.0), (500, 2.0)], vec![(77, -1.0)]];
-    assert!(!certify_joint(&joint, &wrong, &found.duals, &found.multipliers).feasible);
+    assert!(!certify_constrained(&joint, &wrong, &found.duals, &found.multipliers).feasible);
 }
 
 #[test]
 fn data_that_no_column_can_reconcile_are_infeasible() {
     let phi = Dense::new(3, vec![1.0, 1.0, 1.0, 0.0, 1.0, 2.0]);
     let y = [1.0, 3.0, 5.0];
-    let joint = Joint {
+    let joint = ConstrainedProblem {
         blocks: vec![Problem {
             dictionary: &phi,
             target: &y,
@@ -314,9 +317,9 @@ fn data_that_no_column_can_reconcile_are_infeasible() {
         }],
         rows: vec![row(&[(0, 1, 1.0)], Sense::Equal, 0.0)],
     };
-    let found = solve_joint(&joint, &[], &mut Unwatched);
+    let found = solve_constrained(&joint, &[], &mut Unwatched);
     assert_eq!(found.outcome, Outcome::Infeasible);
     // What is left of (1, 3, 5) beside its mean: √8 of √35.
-    let left = nearest(&joint, &[])[0];
+    let left = least_residuals(&joint, &[])[0];
     assert!((left - (8.0_f64 / 35.0).sqrt()).abs() < 1e-6, "{left}");
 }

@@ -111,7 +111,7 @@ impl Case {
     }
 
     /// Largest |φ_jᵀr|/‖φ_j‖ over all columns.
-    fn strongest(&self, r: &[f64]) -> f64 {
+    fn price(&self, r: &[f64]) -> f64 {
         let columns = self.columns.iter().filter(|c| length(c) > 0.0);
         columns.fold(0.0, |m, c| m.max(dot(c, r).abs() / length(c)))
     }
@@ -138,17 +138,13 @@ impl Case {
         let rounding = 1e-10 * (size + self.paid(&knot.coefficients));
         let room = BOUND * knot.penalty + rounding;
         let tau = knot.penalty;
-        prop_assert!(
-            self.strongest(&r) <= tau + room,
-            "{} {tau}",
-            self.strongest(&r)
-        );
+        prop_assert!(self.price(&r) <= tau + room, "{} {tau}", self.price(&r));
         for (j, a) in &knot.coefficients {
             let c = dot(&self.columns[*j], &r) / length(&self.columns[*j]);
             prop_assert!((c - tau * a.signum()).abs() <= room, "{j}: {a} {c} {tau}");
         }
         let primal = 0.5 * dot(&r, &r) + tau * self.paid(&knot.coefficients);
-        let scale = 1.0 / self.strongest(&knot.dual).max(1.0);
+        let scale = 1.0 / self.price(&knot.dual).max(1.0);
         let lambda: Vec<f64> = knot.dual.iter().map(|l| l * scale).collect();
         let dual = tau * dot(&self.y, &lambda) - 0.5 * tau * tau * dot(&lambda, &lambda);
         // λ = r/τ has the rounding of y, enlarged.
@@ -217,7 +213,7 @@ fn falls(case: &Case, knots: &[Knot]) -> Result<(), TestCaseError> {
     };
     prop_assert!(first.coefficients.is_empty());
     prop_assert!((first.residual - size).abs() <= ROUNDING * size);
-    let largest = case.strongest(&case.y);
+    let largest = case.price(&case.y);
     prop_assert!((first.penalty - largest).abs() <= 1e-12 * largest);
     Ok(())
 }

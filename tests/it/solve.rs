@@ -4,7 +4,8 @@ use proptest::prelude::*;
 use sidc::Unwatched;
 use sidc_solve::dictionary::{Dense, Dictionary};
 use sidc_solve::{
-    Certificate, Problem, SOLVERS, Solution, Status, certify, least_squares, polish, refine_dual,
+    Certificate, Problem, SOLVERS, Solution, Status, certify, minimum_norm_least_squares,
+    refine_dual, refit,
 };
 use sidc_testing::observers::{interrupting, solver_progress};
 
@@ -124,7 +125,7 @@ fn forty_samples_of_the_pendulum_give_both_equations() {
             );
             let c = certificate(&r.dictionary, &s, &r.target, 0.0);
             assert!(c.proves_unique, "{c:?}");
-            let fit = polish(&r.dictionary, &r.target, &c.support);
+            let fit = refit(&r.dictionary, &r.target, &c.support);
             assert!(fit.residual < 1e-12 * length(&r.target));
         }
     }
@@ -181,10 +182,10 @@ fn what_leaves_too_much_is_not_optimal() {
     // What other answers may have elsewhere: the gap over the margin, both of λ scaled into feasibility.
     let c = judge(&[1.0, 0.0], 0.0, &[(0, 1.0)], &[0.999, 0.5]);
     assert!((c.gap - 1e-3).abs() < 1e-12 && (c.margin - 0.5).abs() < 1e-12);
-    assert!((c.elsewhere - 2e-3).abs() < 1e-12 && !c.proves_unique);
+    assert!((c.off_support - 2e-3).abs() < 1e-12 && !c.proves_unique);
     let c = judge(&[1.0, 0.0], 0.0, &[(0, 1.0)], &[2.0, 0.5]);
     assert!(c.gap.abs() < 1e-15 && (c.margin - 0.75).abs() < 1e-12 && c.largest_correlation == 2.0);
-    assert!(c.proves_unique && c.elsewhere == 0.0 && c.rank == 1);
+    assert!(c.proves_unique && c.off_support == 0.0 && c.rank == 1);
 }
 
 /// Too many columns to be put side by side: solvers that need that grow a working set of them.
@@ -213,7 +214,7 @@ fn refined_dual_closes_the_gap_further() {
         all.sort_unstable();
         all
     };
-    let fit = polish(&r.dictionary, &r.target, &support);
+    let fit = refit(&r.dictionary, &r.target, &support);
     let columns = support.iter().copied();
     let a: Vec<(usize, f64)> = columns.zip(fit.coefficients.clone()).collect();
     let signs: Vec<f64> = fit.coefficients.iter().map(|c| c.signum()).collect();
@@ -238,7 +239,7 @@ fn noise_bound_is_met_with_a_small_gap() {
         let clean = combine(&phi, &[(2, 1.0), (7, -2.0), (11, 0.5)]);
         let y: Vec<f64> = clean.iter().map(|c| c + 0.1 * random.normal()).collect();
         let floor = if rows > cols {
-            least_squares(&phi, &y).residual
+            minimum_norm_least_squares(&phi, &y).residual
         } else {
             0.0
         };
@@ -329,7 +330,7 @@ fn more_rows_than_columns() {
         );
     }
     y[17] += 0.5;
-    let least = least_squares(&phi, &y);
+    let least = minimum_norm_least_squares(&phi, &y);
     for solver in exact() {
         let s = solve(solver, &phi, &y, 0.0);
         let Status::Inconsistent { residual } = s.status else {
@@ -508,7 +509,7 @@ proptest! {
     fn solvers_agree_under_noise(seed in 0u64..100_000, rows in 1usize..40, cols in 1usize..40, part in 0.05..0.95) {
         let phi = gaussian(rows, cols, seed, |_| 1.0);
         let y = gaussian(rows, 1, seed + 1, |_| 1.0).values().to_vec();
-        let floor = least_squares(&phi, &y).residual;
+        let floor = minimum_norm_least_squares(&phi, &y).residual;
         all_agree(&phi, &y, floor + part * (length(&y) - floor))?;
     }
 }

@@ -21,6 +21,7 @@ fn tables() -> Vec<(&'static str, Vec<sidc_thresholds::Table>)> {
     vec![
         ("Language", sidc_lang::thresholds()),
         ("Data", sidc_data::thresholds()),
+        ("Solvers", sidc_solve::thresholds()),
         ("System", sidc_system::thresholds()),
         ("Discovery", sidc_discover::thresholds()),
         ("Output", sidc_emit::thresholds()),

@@ -1,17 +1,16 @@
 //! Independent tasks on every core of the machine.
 //!
-//! In: tasks and what to do with them. Out: one answer a thread. Which thread meets which task is left to chance, so an answer
+//! In: tasks and what to do with them. Out: one answer for each thread. Which thread takes which task is not fixed, so answers
 //! must not depend on it.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
-/// Multiplications below which a second thread costs more than it saves: starting one takes some 30 µs.
-const WORTH_A_THREAD: usize = 2_000_000;
+use crate::thresholds::PARALLELISM;
 
 /// Threads for so many multiplications (or memory accesses of like cost): one, or every core.
 pub fn threads_for(work: usize) -> usize {
-    match work < WORTH_A_THREAD {
+    match work < PARALLELISM.min_work {
         true => 1,
         false => available(),
     }

@@ -8,7 +8,7 @@ use sidc_discover::{Options, discover};
 use sidc_lang::term::Language;
 use sidc_progress::Unwatched;
 use sidc_solve::dictionary::{Dense, Dictionary};
-use sidc_solve::{Problem, SOLVERS, polish};
+use sidc_solve::{Problem, SOLVERS, refit};
 
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::random::Random;
@@ -182,7 +182,7 @@ fn solved(columns: &[Vec<f64>], y: &[f64], tolerance: f64) -> Vec<usize> {
         tolerance,
     };
     let solution = SOLVERS[0].solve(&problem, &mut Unwatched);
-    let shares: Vec<f64> = problem.shares(&solution.coefficients).collect();
+    let shares: Vec<f64> = problem.contributions(&solution.coefficients).collect();
     let most = shares.iter().copied().fold(0.0, f64::max);
     let kept = solution.coefficients.iter().zip(&shares);
     kept.filter(|(_, s)| **s > NONE * most)
@@ -194,14 +194,14 @@ fn solved(columns: &[Vec<f64>], y: &[f64], tolerance: f64) -> Vec<usize> {
 fn best_members(columns: &[Vec<f64>], y: &[f64], groups: &[&Vec<usize>]) -> Vec<usize> {
     let phi = Dense::new(y.len(), columns.concat());
     let mut best: Vec<usize> = groups.iter().map(|g| g[0]).collect();
-    let mut least = polish(&phi, y, &best).residual;
+    let mut least = refit(&phi, y, &best).residual;
     loop {
         let before = least;
         for (k, group) in groups.iter().enumerate() {
             for j in group.iter() {
                 let mut next = best.clone();
                 next[k] = *j;
-                let residual = polish(&phi, y, &next).residual;
+                let residual = refit(&phi, y, &next).residual;
                 if residual < least {
                     (least, best) = (residual, next);
                 }

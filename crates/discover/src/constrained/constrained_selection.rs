@@ -15,22 +15,24 @@ use crate::selection::qr_reduction::qr_reduction;
 use crate::selection::subset_search::{SubsetProblem, descend};
 use crate::selection::thresholds::TERM_SELECTION;
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::{Fit, FitBlock, Row, Sense, fit};
+use sidc_solve::{
+    ConstrainedFit, LinearConstraint, RegressionBlock, Sense, constrained_least_squares,
+};
 
 /// Columns of each block, rising.
 pub(crate) type Supports = Vec<Vec<usize>>;
 
 /// A search over the supports of coupled equations.
 pub(crate) struct ConstrainedSearch<'a> {
-    pub blocks: Vec<FitBlock>,
+    pub blocks: Vec<RegressionBlock>,
     pub criteria: Vec<InformationCriterion>,
-    pub rows: &'a [Row],
+    pub rows: &'a [LinearConstraint],
 }
 
 /// The best supports with their fit, and those of each block that tie with them.
 pub(crate) struct ConstrainedSelection {
     pub supports: Supports,
-    pub fit: Fit,
+    pub fit: ConstrainedFit,
     pub ties: Vec<Supports>,
     /// Columns of each block that took part.
     pub searched: Vec<usize>,
@@ -52,7 +54,7 @@ pub(crate) fn block(
     pool: &[usize],
     weight: f64,
     variance: f64,
-) -> FitBlock {
+) -> RegressionBlock {
     let columns: Vec<usize> = pool
         .iter()
         .copied()
@@ -67,7 +69,7 @@ pub(crate) fn block(
     }
     all.column_mut(n).copy_from_slice(target);
     let (all, outside) = qr_reduction(all);
-    FitBlock {
+    RegressionBlock {
         columns,
         values: all.columns(0, n).into_owned(),
         target: all.column(n).iter().copied().collect(),
@@ -114,7 +116,7 @@ impl ConstrainedSearch<'_> {
             }
         }
         Some(ConstrainedSelection {
-            fit: fit(&self.blocks, &best.supports, self.rows)?,
+            fit: constrained_least_squares(&self.blocks, &best.supports, self.rows)?,
             supports: best.supports.clone(),
             searched: self.blocks.iter().map(|b| b.columns.len()).collect(),
             ties,
@@ -135,7 +137,7 @@ impl ConstrainedSearch<'_> {
     }
 
     fn fitted(&self, supports: &Supports) -> Option<ScoredSupports> {
-        let found = fit(&self.blocks, supports, self.rows)?;
+        let found = constrained_least_squares(&self.blocks, supports, self.rows)?;
         let kept: Supports = supports
             .iter()
             .zip(&found.values)
@@ -172,7 +174,7 @@ impl ConstrainedSearch<'_> {
                 kept[b].retain(|k| *k != j);
                 out.push(kept.clone());
             }
-            let Some(found) = fit(&self.blocks, &kept, self.rows) else {
+            let Some(found) = constrained_least_squares(&self.blocks, &kept, self.rows) else {
                 continue;
             };
             for b in 0..self.blocks.len() {

@@ -12,13 +12,13 @@ use sidc_lang::library::Library;
 use sidc_lang::model::{Coefficient, Constraint, Equation, Model, Relation};
 use sidc_lang::term::{SignalNames, Term};
 use sidc_solve as solve;
-use sidc_solve::{Row, Sense};
+use sidc_solve::{LinearConstraint, Sense};
 
 /// One constraint as a linear row. Blocks of the row are places of equations in the model.
 #[derive(Clone, Debug)]
 pub(crate) struct ConstraintRow<'a> {
     pub constraint: &'a Constraint,
-    pub row: Row,
+    pub row: LinearConstraint,
 }
 
 /// The constraints that restrict unknown coefficients; those on known terms alone are left to [`check_constraints`].
@@ -42,10 +42,13 @@ pub fn check_constraints(model: &Model, libraries: &[Option<Library>]) -> Vec<Di
             found.push(too_many_together(part.len(), beyond.constraint));
             continue;
         }
-        let rows =
-            |part: &[&ConstraintRow]| part.iter().map(|t| t.row.clone()).collect::<Vec<Row>>();
+        let rows = |part: &[&ConstraintRow]| {
+            part.iter()
+                .map(|t| t.row.clone())
+                .collect::<Vec<LinearConstraint>>()
+        };
         while found.len() < CONSTRAINTS.max_conflicts
-            && let Some(set) = solve::conflict(&rows(&part))
+            && let Some(set) = solve::irreducible_infeasible_set(&rows(&part))
         {
             let constraints: Vec<&Constraint> = set.iter().map(|k| part[*k].constraint).collect();
             found.push(conflict(model, &constraints));
@@ -131,7 +134,7 @@ fn row(
     model: &Model,
     libraries: &[Option<Library>],
     constraint: &Constraint,
-) -> Result<Row, Vec<Diagnostic>> {
+) -> Result<LinearConstraint, Vec<Diagnostic>> {
     let mut entries: Vec<(usize, usize, f64)> = Vec::new();
     let mut constant = constraint.constant;
     let mut absent = Vec::new();
@@ -164,7 +167,7 @@ fn row(
         Relation::Greater => (Sense::Below, -1.0),
     };
     entries.iter_mut().for_each(|e| e.2 *= sign);
-    Ok(Row {
+    Ok(LinearConstraint {
         entries,
         sense,
         right: -sign * constant,

@@ -9,7 +9,7 @@ use crate::constrained::coupled_problem::{
 };
 use crate::constrained::thresholds::{CONSTRAINTS, DATA_CONFLICT};
 use sidc_lang::model::Constraint;
-use sidc_solve::{Sense, fit};
+use sidc_solve::{Sense, constrained_least_squares};
 use sidc_system::discovery::{Discovery, Reason, ReasonCode};
 
 /// Doubts for active inequalities, for strict ones met only at their bound, and for equalities far from the free fit. `pressing`
@@ -75,8 +75,8 @@ fn distances(members: &[Member], links: &[GroupConstraint], free: &[Pairs]) -> V
                 }
             }
             let search = constrained_search(members, &rows, &supports);
-            let squares = |rows: &[sidc_solve::Row]| -> Option<f64> {
-                let found = fit(&search.blocks, &supports, rows)?;
+            let squares = |rows: &[sidc_solve::LinearConstraint]| -> Option<f64> {
+                let found = constrained_least_squares(&search.blocks, &supports, rows)?;
                 let blocks = search.blocks.iter().zip(&found.squares);
                 Some(blocks.map(|(b, s)| b.weight * s).sum())
             };

@@ -15,7 +15,7 @@ use crate::regression::estimate::Estimate;
 use crate::regression::task::Task;
 use sidc_lang::model::Constraint;
 use sidc_progress::EquationObserver;
-use sidc_solve::Row;
+use sidc_solve::LinearConstraint;
 use sidc_system::discovery::{Discovery, Equation, Failed, Reason};
 
 /// Coupled equations.
@@ -105,7 +105,7 @@ fn links<'a>(tied: &[&'a ConstraintRow<'a>], members: &[Member]) -> Vec<GroupCon
         .filter_map(|t| {
             Some(GroupConstraint {
                 constraint: t.constraint,
-                row: Row {
+                row: LinearConstraint {
                     entries: entries(t)?,
                     sense: t.row.sense,
                     right: t.row.right,
@@ -136,7 +136,7 @@ fn solved<'c>(
     if obeyed || watcher.stop().is_some() {
         return Ok(as_free());
     }
-    let rows: Vec<Row> = links.iter().map(|l| l.row.clone()).collect();
+    let rows: Vec<LinearConstraint> = links.iter().map(|l| l.row.clone()).collect();
     let supports = free_supports(free);
     let pools = pools(members, &rows, None);
     let Some(chosen) = search(
@@ -152,5 +152,5 @@ fn solved<'c>(
         joint_certificate::prove(names, case, &rows, chosen, &supports, watcher)?;
     let answers = members.iter().enumerate();
     let answers = answers.map(|(b, m)| joint_certificate::answer(b, m, &chosen, &proved, watcher));
-    Ok((answers.collect(), chosen.fit.pressing.clone()))
+    Ok((answers.collect(), chosen.fit.active.clone()))
 }

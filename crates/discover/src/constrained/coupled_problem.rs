@@ -14,7 +14,7 @@ use crate::regression::task::Task;
 use crate::selection::term_selection;
 use sidc_lang::model::{Coefficient, Constraint};
 use sidc_progress::{EquationObserver, Stage};
-use sidc_solve::{JointSolution, Row, Sense};
+use sidc_solve::{ConstrainedSolution, LinearConstraint, Sense};
 use sidc_system::discovery::Discovery;
 
 /// An equation of the group with its free selection.
@@ -28,7 +28,7 @@ pub(crate) struct Member<'t, 'a> {
 /// A constraint of the group; blocks of `row` are places among its members.
 pub(crate) struct GroupConstraint<'a> {
     pub constraint: &'a Constraint,
-    pub row: Row,
+    pub row: LinearConstraint,
 }
 
 /// (column, coefficient) of the terms of one equation, by rising column.
@@ -54,7 +54,7 @@ pub(crate) fn free_supports(free: &[Pairs]) -> Supports {
 }
 
 /// Left side minus right side of a row, and the size of the largest summand.
-pub(crate) fn violation(row: &Row, found: &[Pairs]) -> (f64, f64) {
+pub(crate) fn violation(row: &LinearConstraint, found: &[Pairs]) -> (f64, f64) {
     let (mut sum, mut largest) = (-row.right, row.right.abs());
     for (block, column, weight) in &row.entries {
         let summand = weight * coefficient(found, *block, *column);
@@ -64,7 +64,7 @@ pub(crate) fn violation(row: &Row, found: &[Pairs]) -> (f64, f64) {
     (sum, largest)
 }
 
-pub(crate) fn holds(row: &Row, found: &[Pairs]) -> bool {
+pub(crate) fn holds(row: &LinearConstraint, found: &[Pairs]) -> bool {
     let (sum, largest) = violation(row, found);
     match row.sense {
         Sense::Equal => sum.abs() <= CONSTRAINTS.solved_rounding * largest,
@@ -73,7 +73,11 @@ pub(crate) fn holds(row: &Row, found: &[Pairs]) -> bool {
 }
 
 /// Columns of each block that take part: those of the free selection, those in rows, and proposals of a joint solution.
-pub(crate) fn pools(members: &[Member], rows: &[Row], joint: Option<&JointSolution>) -> Supports {
+pub(crate) fn pools(
+    members: &[Member],
+    rows: &[LinearConstraint],
+    joint: Option<&ConstrainedSolution>,
+) -> Supports {
     let named = |b: usize| {
         let entries = rows.iter().flat_map(|r| &r.entries);
         entries.filter(move |e| e.0 == b).map(|e| e.1)
@@ -103,7 +107,7 @@ pub(crate) fn pools(members: &[Member], rows: &[Row], joint: Option<&JointSoluti
 /// The search over the supports of all members, among the columns of `pools`.
 pub(crate) fn constrained_search<'r>(
     members: &[Member],
-    rows: &'r [Row],
+    rows: &'r [LinearConstraint],
     pools: &Supports,
 ) -> ConstrainedSearch<'r> {
     let blocks = members.iter().zip(pools).map(|(m, pool)| {
@@ -125,7 +129,7 @@ pub(crate) fn constrained_search<'r>(
 
 pub(crate) fn search(
     members: &[Member],
-    rows: &[Row],
+    rows: &[LinearConstraint],
     pools: &Supports,
     starts: &[Supports],
     watcher: &mut EquationObserver,

@@ -11,7 +11,7 @@ use crate::regression::thresholds::TOLERANCE;
 use crate::statistics::norm;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::term::SignalNames;
-use sidc_solve::{Joint, Row, nearest};
+use sidc_solve::{ConstrainedProblem, LinearConstraint, least_residuals};
 use sidc_system::discovery::Discovery;
 
 /// The tolerance of each block, relaxed as far as the constraints need.
@@ -21,10 +21,10 @@ use sidc_system::discovery::Discovery;
 pub(crate) fn relaxed_tolerances(
     names: &Discovery,
     case: &CoupledProblem,
-    joint: &Joint,
+    joint: &ConstrainedProblem,
     start: &[Vec<usize>],
 ) -> Result<Vec<f64>, Box<Refusal>> {
-    let reached = nearest(joint, start);
+    let reached = least_residuals(joint, start);
     if within_errors(case, &reached) {
         let blocks = case.members.iter().zip(&reached);
         return Ok(blocks
@@ -62,21 +62,26 @@ fn within_errors(case: &CoupledProblem, reached: &[f64]) -> bool {
 
 /// An irreducible set of constraints that contradicts the data, by the deletion filter (Chinneck & Dravnieks 1991): a constraint
 /// without which the others still contradict the data is dropped.
-fn minimal_conflict(case: &CoupledProblem, joint: &Joint, start: &[Vec<usize>]) -> Vec<usize> {
+fn minimal_conflict(
+    case: &CoupledProblem,
+    joint: &ConstrainedProblem,
+    start: &[Vec<usize>],
+) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..case.links.len()).collect();
     for k in 0..case.links.len() {
         let without: Vec<usize> = kept.iter().copied().filter(|i| *i != k).collect();
-        let rows: Vec<Row> = without.iter().map(|i| case.links[*i].row.clone()).collect();
+        let rows: Vec<LinearConstraint> =
+            without.iter().map(|i| case.links[*i].row.clone()).collect();
         let blocks = joint.blocks.iter().map(|b| sidc_solve::Problem {
             dictionary: b.dictionary,
             target: b.target,
             tolerance: b.tolerance,
         });
-        let lesser = Joint {
+        let lesser = ConstrainedProblem {
             blocks: blocks.collect(),
             rows,
         };
-        if !within_errors(case, &nearest(&lesser, start)) {
+        if !within_errors(case, &least_residuals(&lesser, start)) {
             kept = without;
         }
     }

@@ -16,8 +16,8 @@ use crate::statistics::norm;
 use sidc_progress::EquationObserver;
 use sidc_solve as solve;
 use sidc_solve::{
-    Joint, JointProof, JointSolution, Outcome, Problem, Row, Status as Solved, certify_joint,
-    solve_joint,
+    ConstrainedCertificate, ConstrainedProblem, ConstrainedSolution, LinearConstraint, Outcome,
+    Problem, Status as Solved, certify_constrained, solve_constrained,
 };
 use sidc_system::discovery::Discovery;
 use sidc_system::discovery::Proof;
@@ -25,9 +25,9 @@ use sidc_system::discovery::Witness;
 
 /// The certificate of a constrained answer, and how it was found.
 pub(crate) struct JointCertificate {
-    proof: JointProof,
+    proof: ConstrainedCertificate,
     of_answer: bool,
-    joint: Option<JointSolution>,
+    joint: Option<ConstrainedSolution>,
     tolerances: Vec<f64>,
 }
 
@@ -38,7 +38,7 @@ pub(crate) struct JointCertificate {
 pub(crate) fn prove(
     names: &Discovery,
     case: &CoupledProblem,
-    rows: &[Row],
+    rows: &[LinearConstraint],
     mut chosen: ConstrainedSelection,
     free: &Supports,
     watcher: &mut EquationObserver,
@@ -63,7 +63,7 @@ pub(crate) fn prove(
         tolerances = data_conflict::relaxed_tolerances(names, case, &joint, &start)?;
     }
     let joint = self::joint(members, rows, &tolerances);
-    let solution = solve_joint(&joint, &start, watcher);
+    let solution = solve_constrained(&joint, &start, watcher);
     let wider = pools(members, rows, Some(&solution));
     if solution.outcome == Outcome::Solved && wider != pools(members, rows, None) {
         let proposals = significant(members, &solution);
@@ -71,11 +71,11 @@ pub(crate) fn prove(
         chosen = search(members, rows, &wider, &from, watcher).unwrap_or(chosen);
     }
     let (duals, multipliers) = (&solution.duals, &solution.multipliers);
-    let own = certify_joint(&joint, &pairs_of_blocks(&chosen), duals, multipliers);
+    let own = certify_constrained(&joint, &pairs_of_blocks(&chosen), duals, multipliers);
     let of_answer = own.proves_optimal;
     let proof = match of_answer {
         true => own,
-        false => certify_joint(&joint, &solution.coefficients, duals, multipliers),
+        false => certify_constrained(&joint, &solution.coefficients, duals, multipliers),
     };
     let proved = JointCertificate {
         proof,
@@ -86,9 +86,13 @@ pub(crate) fn prove(
     Ok((chosen, proved))
 }
 
-fn joint<'m>(members: &'m [Member], rows: &[Row], tolerances: &[f64]) -> Joint<'m> {
+fn joint<'m>(
+    members: &'m [Member],
+    rows: &[LinearConstraint],
+    tolerances: &[f64],
+) -> ConstrainedProblem<'m> {
     let blocks = members.iter().zip(tolerances);
-    Joint {
+    ConstrainedProblem {
         blocks: blocks
             .map(|(m, tolerance)| Problem {
                 tolerance: *tolerance,
@@ -102,9 +106,9 @@ fn joint<'m>(members: &'m [Member], rows: &[Row], tolerances: &[f64]) -> Joint<'
 /// The certificate by dual points of the free problems, as they are or moved to the vertex of the answer, if one proves it.
 fn bounded_by_free(
     members: &[Member],
-    joint: &Joint,
+    joint: &ConstrainedProblem,
     chosen: &ConstrainedSelection,
-) -> Option<JointProof> {
+) -> Option<ConstrainedCertificate> {
     let silent = |m: &Member| m.selected.solution.dual.iter().all(|l| *l == 0.0);
     if members.iter().any(silent) {
         return None;
@@ -122,7 +126,7 @@ fn bounded_by_free(
         let scaled: Vec<Vec<f64>> = scaled
             .map(|(d, size)| d.iter().map(|l| l / size).collect())
             .collect();
-        certify_joint(
+        certify_constrained(
             joint,
             &pairs_of_blocks(chosen),
             &scaled,
@@ -135,7 +139,7 @@ fn bounded_by_free(
 }
 
 /// The smallest dual margin of all blocks.
-fn narrowest(proof: &JointProof) -> f64 {
+fn narrowest(proof: &ConstrainedCertificate) -> f64 {
     proof.margins.iter().copied().fold(1.0, f64::min)
 }
 
@@ -147,7 +151,7 @@ fn starts(free: &Supports, chosen: &ConstrainedSelection) -> Supports {
 }
 
 /// The columns of a joint solution whose share is above rounding.
-fn significant(members: &[Member], solution: &JointSolution) -> Supports {
+fn significant(members: &[Member], solution: &ConstrainedSolution) -> Supports {
     let blocks = members.iter().zip(&solution.coefficients);
     blocks
         .map(|(m, coefficients)| {
@@ -175,7 +179,7 @@ pub(crate) fn answer(
 ) -> Estimate {
     let support = chosen.supports[b].clone();
     let problem = member.design.problem();
-    let polished = solve::polish(problem.dictionary, problem.target, &support);
+    let polished = solve::refit(problem.dictionary, problem.target, &support);
     let proof = &proved.proof;
     let smallest = narrowest(proof);
     let full = polished.rank == support.len();
@@ -194,7 +198,7 @@ pub(crate) fn answer(
         proof: Proof {
             tolerance: proved.tolerances[b] / norm(problem.target),
             gap: finite(proof.gap),
-            max_correlation: finite(proof.largest_price),
+            max_correlation: finite(proof.largest_correlation),
             margin: finite(proof.margins[b]),
             rank: polished.rank,
             support: support.len(),
@@ -223,7 +227,7 @@ pub(crate) fn answer(
     }
 }
 
-fn status(joint: &JointSolution, proof: &JointProof) -> Solved {
+fn status(joint: &ConstrainedSolution, proof: &ConstrainedCertificate) -> Solved {
     match joint.outcome {
         Outcome::Solved => Solved::Solved,
         Outcome::Interrupted => Solved::Interrupted,

@@ -5,7 +5,7 @@
 use super::factor_table::{Plan, Table, TableBlock};
 use sidc_data::Samples;
 use sidc_lang::term::Term;
-use sidc_solve::dictionary::sums::dot;
+use sidc_solve::linalg::dot_in_lanes;
 use sidc_solve::threads;
 
 /// Columns and their sums of squares.
@@ -64,11 +64,11 @@ fn fill_group(
             *squares += match factors.split_last() {
                 None => {
                     out.fill(1.0);
-                    dot(out, out)
+                    dot_in_lanes::<8>(out, out)
                 }
                 Some((only, [])) => {
                     out.copy_from_slice(block.power(*only));
-                    dot(out, out)
+                    dot_in_lanes::<8>(out, out)
                 }
                 Some((last, first)) => {
                     multiply(prefix.product(&block, first), block.power(*last), out)
@@ -116,7 +116,7 @@ fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) -> f64 {
     for (out, (a, b)) in out.chunks_mut(ROWS_AT_ONCE).zip(factors) {
         let products = a.iter().zip(b).map(|(a, b)| a * b);
         out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
-        squares += dot(out, out);
+        squares += dot_in_lanes::<8>(out, out);
     }
     squares
 }

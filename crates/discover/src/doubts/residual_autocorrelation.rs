@@ -6,7 +6,7 @@
 
 use crate::doubts::thresholds::BADLY_FITTED_ROWS;
 use sidc_data::Samples;
-use sidc_solve::white::{self, LAGS};
+use sidc_solve::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 
 /// Autocorrelation of residuals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub(crate) fn measure(left: &[f64], samples: &Samples) -> Option<ResidualAutocor
         let apart = samples.time[i + lag] - samples.time[i];
         samples.trajectory[i] == samples.trajectory[i + lag] && apart < (lag as f64 + 0.5) * step
     };
-    let mut correlation = [0.0; LAGS];
+    let mut correlation = [0.0; WHITENESS_LAGS];
     let mut neighbours = 0;
     for (lag, r) in (1..).zip(&mut correlation) {
         let rows = 0..left.len().saturating_sub(lag);
@@ -37,11 +37,11 @@ pub(crate) fn measure(left: &[f64], samples: &Samples) -> Option<ResidualAutocor
             neighbours = pairs.len();
         }
     }
-    let size = white::size(&correlation);
+    let size = rms_autocorrelation(&correlation);
     (neighbours >= BADLY_FITTED_ROWS.min_neighbours && size.is_finite()).then(|| {
         ResidualAutocorrelation {
             is: size.copysign(correlation[0]),
-            chance: white::chance(neighbours as f64),
+            chance: white_noise_bound(neighbours as f64),
         }
     })
 }

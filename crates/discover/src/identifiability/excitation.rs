@@ -10,7 +10,7 @@ use crate::statistics::norm;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Expr, Language, Signal, SignalNames};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::{Excitation, Leverage};
 
 /// Least and largest value of an expression on the rows; NaN for a signal that they lack.

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use crate::statistics::{median, rms};
 use sidc_data::Samples;
 use sidc_lang::term::{Expr, Signal, Term};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::Form;
 
 /// Signals on the rows where gradients are compared.

@@ -19,7 +19,6 @@ use sidc_lang::term::{Signal, Term};
 use sidc_progress::EquationObserver;
 use sidc_progress::Stage;
 use sidc_solve as solve;
-use sidc_solve::Polished;
 use sidc_system::discovery::{Discovery, Equation};
 
 /// What a new fit of an equation needs.
@@ -82,13 +81,13 @@ pub(super) fn find_independent_law(
     let pool = search.pool(&selected.solution.coefficients);
     let found = search.best(&pool, &others, refit.watcher)?;
     let criterion = search.criterion;
-    let polished = solve::polish(design.phi.as_ref(), &design.target, &found.columns);
+    let polished = solve::refit(design.phi.as_ref(), &design.target, &found.columns);
     let columns = equation.terms.iter().filter(|t| !t.fixed);
     let columns: Option<Vec<usize>> = columns.map(|t| task.library.contains(&t.term)).collect();
-    let before = solve::polish(design.phi.as_ref(), &design.target, &columns?);
-    let value = |p: &Polished| criterion.value(p.residual.powi(2), p.coefficients.len());
+    let before = solve::refit(design.phi.as_ref(), &design.target, &columns?);
+    let value = |p: &solve::Refit| criterion.value(p.residual.powi(2), p.coefficients.len());
     let loss = value(&polished) - value(&before);
-    let fit = |p: &Polished| criterion.value(p.residual.powi(2), 0);
+    let fit = |p: &solve::Refit| criterion.value(p.residual.powi(2), 0);
     let worse = fit(&polished) - fit(&before);
     selected.selection = TermSelection {
         support: found.columns,
@@ -238,7 +237,7 @@ impl IndependentLawSearch<'_, '_> {
     /// The support of a node, if it is independent.
     fn independent_support(&self, pool: &[usize], node: &Node) -> Option<Found> {
         let columns = named(pool, &node.support);
-        let polished = solve::polish(self.design.phi.as_ref(), &self.design.target, &columns);
+        let polished = solve::refit(self.design.phi.as_ref(), &self.design.target, &columns);
         let terms: Vec<Term> = columns.iter().map(|j| self.task.term(*j)).collect();
         let pairs = polished.coefficients.iter().copied().zip(&terms);
         let known = self.task.known.iter().map(|(a, t)| (*a, t));
@@ -255,11 +254,11 @@ impl IndependentLawSearch<'_, '_> {
 
     /// Lowers the effective sample size of the criterion by the autocorrelation of the residual of a law.
     fn lower_sample_size(&mut self, columns: &[usize]) {
-        let polished = solve::polish(self.design.phi.as_ref(), &self.design.target, columns);
+        let polished = solve::refit(self.design.phi.as_ref(), &self.design.target, columns);
         let pairs: Vec<(usize, f64)> = (columns.iter().copied())
             .zip(polished.coefficients)
             .collect();
-        let left = self.design.problem().left(&pairs);
+        let left = self.design.problem().residual(&pairs);
         let correlation =
             autocorrelation_time(&left).max(self.criterion.rows / self.criterion.samples);
         let rows = self.design.target.len();

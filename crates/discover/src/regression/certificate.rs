@@ -6,7 +6,7 @@
 use crate::selection::term_selection::TermSelection;
 use crate::statistics::norm;
 use sidc_solve as solve;
-use sidc_solve::{Certificate, Polished, Problem, Solution};
+use sidc_solve::{Certificate, Problem, Refit, Solution};
 use sidc_system::discovery::Proof;
 use sidc_system::discovery::Witness;
 
@@ -16,7 +16,7 @@ pub(crate) fn certify(
     problem: &Problem,
     solution: &Solution,
     selection: &TermSelection,
-    polished: &Polished,
+    polished: &Refit,
 ) -> (Proof, Witness) {
     let (own, moved) = certify_answer(problem, solution, selection, polished);
     let of_answer = selection.as_proposed && own.proves_optimal;
@@ -71,7 +71,7 @@ fn certify_answer(
     problem: &Problem,
     solution: &Solution,
     selection: &TermSelection,
-    polished: &Polished,
+    polished: &Refit,
 ) -> (Certificate, Option<Vec<f64>>) {
     let support = &selection.support;
     let columns = support.iter().copied();

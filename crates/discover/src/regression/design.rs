@@ -75,14 +75,14 @@ fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> f64 {
     if m <= n {
         return weights.tolerance;
     }
-    let fit = solve::least_squares(phi, y);
+    let fit = solve::minimum_norm_least_squares(phi, y);
     let size = norm(y);
     let exact = Problem {
         dictionary: phi,
         target: y,
         tolerance: 0.0,
     };
-    weights.raise_correlation(&exact.left(&fit.coefficients));
+    weights.raise_correlation(&exact.residual(&fit.coefficients));
     let free = (m - fit.rank.min(m - 1)) as f64;
     let noise = fit.residual * (m as f64 / free).sqrt();
     if noise > TOLERANCE.visible_noise * size {

@@ -10,7 +10,7 @@ use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::{self, TermSelection};
 use sidc_progress::{EquationObserver, Stage, Stop};
 use sidc_solve as solve;
-use sidc_solve::{Polished, Problem, Solution, Status as Solved};
+use sidc_solve::{Problem, Refit, Solution, Status as Solved};
 use sidc_system::discovery::{Proof, Witness};
 
 /// The proposal of the solver, and the terms that the criterion selected.
@@ -18,7 +18,7 @@ pub(crate) struct Selected {
     pub solution: Solution,
     pub criterion: InformationCriterion,
     pub selection: TermSelection,
-    pub polished: Polished,
+    pub polished: Refit,
     stopped: Option<Stop>,
 }
 
@@ -87,7 +87,7 @@ impl Task<'_> {
         );
         let cut = selection.cut || solution.status == Solved::Interrupted;
         Selected {
-            polished: solve::polish(phi, &design.target, &selection.support),
+            polished: solve::refit(phi, &design.target, &selection.support),
             stopped: watcher.stop().filter(|_| cut),
             solution,
             criterion,
@@ -124,6 +124,8 @@ impl Task<'_> {
 
 /// Root mean square of the largest coefficient times its column.
 fn largest_contribution(problem: &Problem, solution: &Solution) -> f64 {
-    let largest = problem.shares(&solution.coefficients).fold(0.0, f64::max);
+    let largest = problem
+        .contributions(&solution.coefficients)
+        .fold(0.0, f64::max);
     largest / (problem.target.len() as f64).sqrt()
 }

@@ -45,7 +45,7 @@ impl Task<'_> {
                 )
             }
             RowKind::Integrals { rows, reach } => {
-                let left = rms(&design.problem().left(&answer.pairs()));
+                let left = rms(&design.problem().residual(&answer.pairs()));
                 let method = format!("weak form, windows of ±{reach} samples");
                 (*rows, left, None, method)
             }

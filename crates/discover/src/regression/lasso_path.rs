@@ -29,7 +29,7 @@ impl Task<'_> {
 
     fn knot(&self, problem: &Problem, number: usize, knot: &Knot, largest: f64) -> PathKnot {
         let proof = solve::certify_lasso(problem, knot.penalty, &knot.coefficients, &knot.dual);
-        let shares: Vec<f64> = problem.shares(&knot.coefficients).collect();
+        let shares: Vec<f64> = problem.contributions(&knot.coefficients).collect();
         let least = LASSO_PATH.zero_share * shares.iter().fold(0.0, |m: f64, s| m.max(*s));
         let present = knot.coefficients.iter().zip(&shares);
         let present = present.filter(|(_, share)| **share > least);

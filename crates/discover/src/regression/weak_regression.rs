@@ -266,7 +266,7 @@ impl Task<'_> {
             criterion,
             watcher.during(Stage::Choosing),
         );
-        let polished = solve::polish(phi, &whitened.target, &selection.support);
+        let polished = solve::refit(phi, &whitened.target, &selection.support);
         let terms = selection.support.len() as f64;
         let columns = selection.support.iter().copied();
         let left = polished.residual.powi(2);

@@ -16,7 +16,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, Term};
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::{Equation, Evidence};
 
 /// One column of Φ.
@@ -238,7 +238,7 @@ fn near_support(phi: &dyn Dictionary, library: &Library, support: &[usize]) -> V
     }
     let mut aligned: Vec<(usize, f64)> = Vec::new();
     for direction in basis.directions() {
-        let found = phi.strongest(direction, SCALED_DESIGN.columns_per_term, 0.0);
+        let found = phi.price(direction, SCALED_DESIGN.columns_per_term, 0.0);
         aligned.extend(
             found
                 .columns

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 
 use super::thresholds::SCALED_DESIGN;
 use crate::statistics::norm;
-use sidc_solve::lanes::{axpy, dot};
+use sidc_solve::simd::{axpy, dot};
 
 /// An orthonormal basis of some columns: the factors Q and R of their matrix.
 #[derive(Clone, Default)]

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::subset_search::{SubsetProblem, descend, extend_beam};
 use crate::selection::thresholds::SUBSET_SEARCH;
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 
 /// A subset of columns with its criterion.
 #[derive(Clone, Debug)]

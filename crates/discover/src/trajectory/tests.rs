@@ -15,7 +15,7 @@ use sidc_lang::model::RightSide;
 use sidc_lang::source::Sources;
 use sidc_lang::{GeneratorSignature, Vocabulary};
 use sidc_random::Numbers;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {
     (a - b).abs() <= tolerance * (1.0 + a.abs().max(b.abs()))
@@ -144,7 +144,7 @@ fn the_form_prices_supports_as_least_squares_does() {
     let active = [(2, 1.5), (7, -0.25)];
     let mut normal_equations = NormalEquations::new(p);
     chain.eliminate(&mut normal_equations, false);
-    let form = Quadratic::new(&normal_equations.shifted(&active), p);
+    let form = QuadraticForm::new(&normal_equations.shifted(&active), p);
     let shift = active
         .iter()
         .map(|(j, x)| matrix.column(samples * n + j) * *x);
@@ -155,7 +155,7 @@ fn the_form_prices_supports_as_least_squares_does() {
         let part = matrix.select_columns(&kept);
         let x = part.clone().svd(true, true).solve(&right, 1e-14).unwrap();
         let square = (&part * &x - &right).norm_squared();
-        let least = form.least(&support);
+        let least = form.least_squares(&support);
         assert!(close(least.square, square, 1e-8), "{support:?}");
         for (a, b) in least.coefficients.iter().zip(x.iter().skip(samples * n)) {
             assert!(close(*a, *b, 1e-7), "{support:?}: {a} for {b}");
@@ -163,7 +163,7 @@ fn the_form_prices_supports_as_least_squares_does() {
     }
 }
 
-fn form(p: usize, rows: usize, numbers: &mut Numbers) -> Quadratic {
+fn form(p: usize, rows: usize, numbers: &mut Numbers) -> QuadraticForm {
     let mut normal_equations = NormalEquations::new(p);
     for _ in 0..rows {
         let row = numbers.many(p);
@@ -172,7 +172,7 @@ fn form(p: usize, rows: usize, numbers: &mut Numbers) -> Quadratic {
         room[..p].copy_from_slice(&row);
         room[p] = right;
     }
-    Quadratic::new(&normal_equations.shifted(&[]), p)
+    QuadraticForm::new(&normal_equations.shifted(&[]), p)
 }
 
 #[test]
@@ -185,7 +185,7 @@ fn the_beam_finds_the_best_subsets_of_few_columns() {
         let all = (0u32..64).filter(|m| m.count_ones() as usize == size);
         let columns = |m: u32| (0..6).filter(move |j| m >> j & 1 == 1).map(|j| j + 3);
         let square = |m: u32| {
-            form.least(&[1, 2].into_iter().chain(columns(m)).collect::<Vec<_>>())
+            form.least_squares(&[1, 2].into_iter().chain(columns(m)).collect::<Vec<_>>())
                 .square
         };
         let best = all

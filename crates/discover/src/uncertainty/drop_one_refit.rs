@@ -18,8 +18,9 @@ pub(super) fn drop_one_refit(
     let (target, term) = blocks.columns.get(dropped)?;
     let reduced = TargetRegression::new(blocks, *target, Some(dropped));
     let (price, _) = blocks.price;
-    let refit = reduced.form.improve(&reduced.support, price);
-    let more = reduced.form.least(&refit).square - full.form.least(&full.support).square;
+    let refit = reduced.form.steepest_descent(&reduced.support, price);
+    let more =
+        reduced.form.least_squares(&refit).square - full.form.least_squares(&full.support).square;
     let terms = refit.len() as f64 - full.support.len() as f64;
     let difference = |of: &[usize], other: &[usize]| -> Vec<Term> {
         let only = of.iter().filter(|k| !other.contains(k));

@@ -16,11 +16,13 @@ pub(super) fn nearest_omitted_terms(
 ) -> Option<Nearest> {
     let of_target = |k: usize| regression.column(k).is_some_and(|(t, _)| *t == target);
     let moves = OMITTED_TERMS.moves * regression.columns.len();
-    let moves = regression.form.moves(&regression.support, 0.0, moves);
+    let moves = regression
+        .form
+        .single_changes(&regression.support, 0.0, moves);
     let mut gains: Vec<(usize, f64)> = moves
         .iter()
-        .filter(|m| m.goes.is_none())
-        .filter_map(|m| Some((m.comes?, regression.likelihood_ratio(-m.change))))
+        .filter(|m| m.leaves.is_none())
+        .filter_map(|m| Some((m.enters?, regression.likelihood_ratio(-m.change))))
         .filter(|(k, _)| of_target(*k))
         .collect();
     gains.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

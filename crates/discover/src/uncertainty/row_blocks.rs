@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::target_regression::sum_blocks;
 use super::thresholds::ROW_BLOCKS;
 use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::Stretches;
 
 /// A single block if the rows do not show the residual of the equation. `None` if a trajectory was fitted, which has blocks of its

@@ -6,7 +6,7 @@
 use super::target_regression::sum_blocks;
 use super::thresholds::STABILITY_SELECTION;
 use crate::SplitMix;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 use sidc_system::discovery::{Halves, Stretches};
 
 const SEED: u64 = 1;
@@ -46,13 +46,13 @@ pub(super) fn stability_selection(blocks: &Stretches) -> Option<(Halves, Vec<f64
 fn select(blocks: &Stretches, half: &[usize]) -> Vec<usize> {
     let columns = blocks.columns.len();
     let products = half.iter().filter_map(|i| blocks.products.get(*i));
-    let form = Quadratic::new(&sum_blocks(products, columns + 1), columns);
+    let form = QuadraticForm::new(&sum_blocks(products, columns + 1), columns);
     let (_, price) = blocks.price;
     let strongest =
         (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
     let starts = [blocks.support.clone(), strongest.into_iter().collect()];
-    let ends = starts.iter().map(|s| form.improve(s, price));
-    let value = |s: &Vec<usize>| form.least(s).square + price * s.len() as f64;
+    let ends = starts.iter().map(|s| form.steepest_descent(s, price));
+    let value = |s: &Vec<usize>| form.least_squares(s).square + price * s.len() as f64;
     ends.min_by(|a, b| value(a).total_cmp(&value(b)))
         .unwrap_or_default()
 }

@@ -3,7 +3,7 @@
 //! In: normal equations by block. Out: those of the columns that one equation may use. Never sees rows.
 
 use sidc_lang::term::{Signal, Term};
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 use sidc_system::discovery::Stretches;
 
 /// The columns that one equation may use, and the terms found for the other equations, which stay.
@@ -11,7 +11,7 @@ pub(super) struct TargetRegression<'a> {
     pub blocks: &'a Stretches,
     /// Their numbers among the columns of the blocks, rising.
     pub columns: Vec<usize>,
-    pub form: Quadratic,
+    pub form: QuadraticForm,
     /// The terms found, by position in `columns`.
     pub support: Vec<usize>,
 }
@@ -36,7 +36,7 @@ impl TargetRegression<'_> {
             .collect();
         let position = |p: &usize| columns.binary_search(p).ok();
         TargetRegression {
-            form: Quadratic::new(&products, columns.len()),
+            form: QuadraticForm::new(&products, columns.len()),
             support: blocks.support.iter().filter_map(position).collect(),
             columns,
             blocks,

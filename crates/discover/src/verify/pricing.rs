@@ -14,7 +14,7 @@ use super::thresholds::{ARITHMETIC, TILES};
 use super::weighted_sums::WeightedRows;
 use sidc_lang::library::{Block, Library};
 use sidc_lang::term::{Atom, Term};
-use sidc_solve::lanes::wide;
+use sidc_solve::simd::wide;
 
 /// Numbers that a tile holds for each entry: two each for value and square, and the error.
 const NUMBERS_PER_ENTRY: usize = 5;

@@ -1,8 +1,10 @@
 //! Φ stored whole, column after column.
 
-use super::sums::{dot, is_safe, length, scaled_dot};
-use super::{Collector, Dictionary, Strongest};
+use super::operator::Dictionary;
+use super::pricing::{Priced, PricingCollector};
+use crate::linalg::{dot_in_lanes, is_safe, norm, scaled_dot};
 use crate::threads;
+use crate::thresholds::PARALLELISM;
 
 /// A column-major M × N matrix with its column norms.
 #[derive(Clone, Debug)]
@@ -12,14 +14,11 @@ pub struct Dense {
     norms: Vec<f64>,
 }
 
-/// Columns that a thread prices before it asks for more hold about so many values.
-const TASK: usize = 128 * 1024;
-
 impl Dense {
     /// `values` holds the columns one after another; its length is a multiple of `rows`.
     pub fn new(rows: usize, values: Vec<f64>) -> Self {
         debug_assert!(rows > 0 && values.len().is_multiple_of(rows));
-        let norms = values.chunks_exact(rows.max(1)).map(length).collect();
+        let norms = values.chunks_exact(rows.max(1)).map(norm).collect();
         Dense {
             rows,
             values,
@@ -27,14 +26,14 @@ impl Dense {
         }
     }
 
-    /// Takes columns over with the sums of their squares, one a column.
+    /// `values` as for [`Dense::new`], with the sum of squares of each column.
     pub fn filled(rows: usize, values: Vec<f64>, squares: &[f64]) -> Self {
         let columns = values.chunks_exact(rows.max(1));
         let exact = |(squares, column): (&f64, &[f64])| {
             if is_safe(*squares) {
                 squares.sqrt()
             } else {
-                length(column)
+                norm(column)
             }
         };
         let norms = squares.iter().zip(columns).map(exact).collect();
@@ -50,21 +49,21 @@ impl Dense {
         &self.values
     }
 
-    pub(super) fn strongest_on(
+    pub(super) fn price_on(
         &self,
         threads: usize,
         lambda: &[f64],
         most: usize,
-        least: f64,
-    ) -> Strongest {
+        bound: f64,
+    ) -> Priced {
         let rows = self.rows.max(1);
-        let group = (TASK / rows).max(1);
+        let group = (PARALLELISM.dense_task / rows).max(1);
         let groups = self.values.chunks(group * rows).enumerate();
         let collectors = threads::share(threads, groups, |tasks| {
-            let mut found = Collector::new(most, least);
+            let mut found = PricingCollector::new(most, bound);
             for (i, values) in tasks {
                 for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
-                    let product = dot(column, lambda);
+                    let product = dot_in_lanes::<8>(column, lambda);
                     if product.is_finite() {
                         found.offer_all(j, &[product], &self.norms[j..=j]);
                     } else {
@@ -74,7 +73,7 @@ impl Dense {
             }
             found
         });
-        Collector::finish_all(collectors)
+        PricingCollector::finish_all(collectors)
     }
 }
 
@@ -95,9 +94,9 @@ impl Dictionary for Dense {
         out.copy_from_slice(&self.values[j * self.rows..(j + 1) * self.rows]);
     }
 
-    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
+    fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced {
         let threads = threads::threads_for(self.values.len());
-        self.strongest_on(threads, lambda, most, least)
+        self.price_on(threads, lambda, most, bound)
     }
 }
 
@@ -110,10 +109,10 @@ mod tests {
         let values: Vec<f64> = (0..300_000).map(|i| f64::from(i % 101 - 50)).collect();
         let phi = Dense::new(30, values);
         let lambda: Vec<f64> = (0..30).map(|i| f64::from(i % 7 - 3)).collect();
-        let one = phi.strongest_on(1, &lambda, 20, 0.5);
+        let one = phi.price_on(1, &lambda, 20, 0.5);
         assert!(one.columns.len() == 20 && one.count > 20);
         for threads in [2, 3, 8] {
-            assert_eq!(one, phi.strongest_on(threads, &lambda, 20, 0.5));
+            assert_eq!(one, phi.price_on(threads, &lambda, 20, 0.5));
         }
     }
 }

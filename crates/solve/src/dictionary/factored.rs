@@ -1,18 +1,19 @@
-//! Φ kept as the factors of its columns: every left one times every right one, row by row, and never stored.
+//! Φ as products of columns: every left factor times every right factor of a block, row by row. Φ itself is never stored.
 //!
-//! In: columns of factors. Out: what a [`Dictionary`] is asked, in tiles of products that live in a core's cache. With L and R
-//! the factors of a block, Φᵀλ = vec(Rᵀ (diag(λ) L)) and the squared norms are (R∘R)ᵀ(L∘L): matrix products both.
+//! In: columns of factors. Out: a [`Dictionary`], computed in tiles that fit the cache of a core. With L and R the factors of a
+//! block, Φᵀλ = vec(Rᵀ diag(λ) L) and the squared norms are (R∘R)ᵀ(L∘L): both are matrix products.
 
 use std::ops::Range;
 
 use nalgebra::{DMatrixView, DMatrixViewMut};
 
-use super::sums::{dot, is_safe, largest, length, scaled_dot};
-use super::{Collector, Dictionary, Strongest};
-use crate::linalg::{gemm, transposed};
+use super::operator::Dictionary;
+use super::pricing::{Priced, PricingCollector};
+use crate::linalg::{dot_in_lanes, gemm, is_safe, largest_magnitude, norm, scaled_dot, transposed};
 use crate::threads;
+use crate::thresholds::PARALLELISM;
 
-/// The matrix of a library of products. Memory: its factors, and one number a slot.
+/// The matrix of a library of products. It keeps the factors, and one norm for each slot.
 #[derive(Clone, Debug)]
 pub struct Factored {
     rows: usize,
@@ -40,16 +41,15 @@ pub struct NotFinite {
 }
 
 /// Right columns of a tile.
-const RIGHT: usize = 256;
-/// Most left columns of a tile: it has 128 KiB, its left factors 150 KiB at 300 rows.
-const LEFT: usize = 64;
-/// Fewest left columns of a tile, and how many numbers its left factors hold if more would be too many.
-const LEAST_LEFT: usize = 8;
-const LEFT_NUMBERS: usize = 1 << 20;
-/// A tile narrower than this is made of dot products: there is nothing for a matrix product to reuse.
-const NARROW: usize = 4;
-/// Multiplications that a thread does before it asks for more.
-const TASK: usize = 4_000_000;
+const TILE_RIGHT: usize = 256;
+/// Most left columns of a tile: its products take 128 KiB, its left factors 150 KiB at 300 rows.
+const TILE_MAX_LEFT: usize = 64;
+/// Fewest left columns of a tile.
+const TILE_MIN_LEFT: usize = 8;
+/// Numbers that the left factors of a tile may hold, unless that are fewer than the fewest columns.
+const TILE_LEFT_NUMBERS: usize = 1 << 20;
+/// A tile with fewer columns is computed by dot products: a matrix product would reuse nothing.
+const TILE_MIN_PRODUCT: usize = 4;
 
 /// Left columns of one block with all its right ones: consecutive slots.
 struct Task<'a> {
@@ -95,14 +95,14 @@ impl Factored {
             let norms = rest.split_off_mut(..task.slots().len()).unwrap_or_default();
             (task, norms)
         });
-        let worst = threads::share(threads, tasks, |mut tasks| {
+        let first_bad = threads::share(threads, tasks, |mut tasks| {
             let measure = |(task, norms)| self.measure_task(&task, &scales, &squares, empty, norms);
             Iterator::find_map(&mut tasks, measure)
         });
-        worst.into_iter().flatten().min().map_or(Ok(()), Err)
+        first_bad.into_iter().flatten().min().map_or(Ok(()), Err)
     }
 
-    /// Norms of one task's slots, or the first slot that is not finite.
+    /// Norms of the slots of one task, or the first slot that is not finite.
     fn measure_task(
         &self,
         task: &Task,
@@ -128,7 +128,7 @@ impl Factored {
         bad
     }
 
-    /// Lengths of those columns whose sum of squares says too little. The first slot that is not finite, if there is one.
+    /// Exact norms of those columns whose sum of squares overflowed or underflowed. The first slot that is not finite, if any.
     fn measure_exactly(
         &self,
         first: usize,
@@ -138,12 +138,12 @@ impl Factored {
     ) -> Option<usize> {
         let mut column = vec![0.0; self.rows];
         let mut bad = None;
-        for (slot, (square, norm)) in (first..).zip(squares.iter().zip(norms)) {
-            if is_safe(*square) && is_safe(*norm) || empty.binary_search(&slot).is_ok() {
+        for (slot, (square, length)) in (first..).zip(squares.iter().zip(norms)) {
+            if is_safe(*square) && is_safe(*length) || empty.binary_search(&slot).is_ok() {
                 continue;
             }
             self.product(slot, &mut column);
-            *norm = length(&column);
+            *length = norm(&column);
             if bad.is_none() && column.iter().any(|x| !x.is_finite()) {
                 bad = Some(slot);
             }
@@ -151,12 +151,12 @@ impl Factored {
         bad
     }
 
-    /// A power of two near the largest entry of each column: no square of the column over it overflows.
+    /// A power of two near the largest entry of each column; divided by it, no square overflows.
     fn scales(&self, factors: &[f64]) -> Vec<f64> {
-        // Exponent bits alone. Zero, denormal and non-finite columns get a scale that spoils the sum of squares.
+        // The exponent bits alone. Zero, denormal and non-finite columns get a scale that makes the sum of squares unsafe.
         let exponent = |x: f64| f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
         let columns = factors.chunks_exact(self.rows.max(1));
-        columns.map(|c| exponent(largest(c))).collect()
+        columns.map(|c| exponent(largest_magnitude(c))).collect()
     }
 
     /// The squares of the right factors over their scales.
@@ -169,24 +169,24 @@ impl Factored {
         squares
     }
 
-    pub(super) fn strongest_on(
+    pub(super) fn price_on(
         &self,
         threads: usize,
         lambda: &[f64],
         most: usize,
-        least: f64,
-    ) -> Strongest {
+        bound: f64,
+    ) -> Priced {
         let price = |_: usize, column: &[f64], out: &mut [f64]| {
             let priced = column.iter().zip(lambda).map(|(x, l)| x * l);
             out.iter_mut().zip(priced).for_each(|(o, p)| *o = p);
         };
         let collectors = threads::share(threads, self.tasks(), |tasks| {
-            let mut found = Collector::new(most, least);
+            let mut found = PricingCollector::new(most, bound);
             for task in tasks {
                 self.products(&task, &self.right, price, |l, right, products| {
                     let slot = task.block.slot(l, right.start);
                     let norms = &self.norms[slot..slot + products.len()];
-                    // Without an early end, so that many are looked at together.
+                    // No early exit, so that the loop is vectorised.
                     if products.iter().fold(true, |all, p| all & p.is_finite()) {
                         found.offer_all(slot, products, norms);
                     } else {
@@ -196,11 +196,11 @@ impl Factored {
             }
             found
         });
-        Collector::finish_all(collectors)
+        PricingCollector::finish_all(collectors)
     }
 
-    /// Columns of which some product overflowed, priced once more as columns of length one.
-    fn offer_scaled(&self, slots: Range<usize>, lambda: &[f64], found: &mut Collector) {
+    /// Prices columns again as columns of length one, where a product overflowed.
+    fn offer_scaled(&self, slots: Range<usize>, lambda: &[f64], found: &mut PricingCollector) {
         let mut column = vec![0.0; self.rows];
         for slot in slots.filter(|slot| self.norms[*slot] > 0.0) {
             self.product(slot, &mut column);
@@ -208,8 +208,8 @@ impl Factored {
         }
     }
 
-    /// `Rᵀ prepare(L)` for a task in tiles: `visit` gets a left column, some right ones and the products with those.
-    /// The tiles are the same whatever the number of threads, so the digits are too.
+    /// `Rᵀ prepare(L)` for a task, in tiles: `visit` gets a left column, some right columns and their products.
+    /// Tiles do not depend on the number of threads, so the digits do not either.
     fn products(
         &self,
         task: &Task,
@@ -218,7 +218,7 @@ impl Factored {
         mut visit: impl FnMut(usize, Range<usize>, &[f64]),
     ) {
         let rows = self.rows.max(1);
-        let (width, height) = (self.left_columns(), RIGHT.min(task.block.right.len()));
+        let (width, height) = (self.left_columns(), TILE_RIGHT.min(task.block.right.len()));
         let mut prepared = vec![0.0; rows * width.min(task.left.len())];
         let mut tile = vec![0.0; height * width.min(task.left.len())];
         for lefts in pieces(task.left.clone(), width) {
@@ -226,7 +226,7 @@ impl Factored {
             for (l, out) in lefts.clone().zip(prepared.chunks_exact_mut(rows)) {
                 prepare(l, &self.left[l * rows..(l + 1) * rows], out);
             }
-            for rights in pieces(task.block.right.clone(), RIGHT) {
+            for rights in pieces(task.block.right.clone(), TILE_RIGHT) {
                 let tile = &mut tile[..rights.len() * lefts.len()];
                 let right = &right[rights.start * rows..rights.end * rows];
                 multiply(right, prepared, rows, tile);
@@ -240,7 +240,7 @@ impl Factored {
     fn tasks(&self) -> impl Iterator<Item = Task<'_>> {
         self.blocks.iter().flat_map(|block| {
             let width = self.left_columns();
-            let tiles = TASK / (width * block.right.len() * self.rows).max(1);
+            let tiles = PARALLELISM.factored_task / (width * block.right.len() * self.rows).max(1);
             let lefts = pieces(block.left.clone(), width * tiles.max(1));
             lefts.map(move |left| Task { block, left })
         })
@@ -248,7 +248,7 @@ impl Factored {
 
     /// Left columns of a tile.
     fn left_columns(&self) -> usize {
-        (LEFT_NUMBERS / self.rows.max(1)).clamp(LEAST_LEFT, LEFT)
+        (TILE_LEFT_NUMBERS / self.rows.max(1)).clamp(TILE_MIN_LEFT, TILE_MAX_LEFT)
     }
 
     fn not_finite(&self, slot: usize) -> NotFinite {
@@ -262,7 +262,7 @@ impl Factored {
 
     fn threads(&self) -> usize {
         let slots: usize = self.blocks.iter().map(Block::slots).sum();
-        // A matrix product multiplies several times faster than memory is read.
+        // Matrix products multiply several times faster than memory is read.
         threads::threads_for(slots.saturating_mul(self.rows) / 4)
     }
 
@@ -303,8 +303,8 @@ impl Dictionary for Factored {
         self.product(j, out);
     }
 
-    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
-        self.strongest_on(self.threads(), lambda, most, least)
+    fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced {
+        self.price_on(self.threads(), lambda, most, bound)
     }
 }
 
@@ -350,7 +350,7 @@ fn pieces(range: Range<usize>, size: usize) -> impl Iterator<Item = Range<usize>
     range.step_by(size).map(move |s| s..end.min(s + size))
 }
 
-/// Lengths from sums of squares over scales; false if one of them cannot be relied on.
+/// Norms from scaled sums of squares; false if one of them is unsafe.
 fn roots(squares: &[f64], left_scale: f64, right_scales: &[f64], norms: &mut [f64]) -> bool {
     let mut safe = true;
     for ((norm, square), scale) in norms.iter_mut().zip(squares).zip(right_scales) {
@@ -363,10 +363,12 @@ fn roots(squares: &[f64], left_scale: f64, right_scales: &[f64], norms: &mut [f6
 /// Rᵀ L, both of `rows` rows, into `out`, whose columns are those of L.
 fn multiply(right: &[f64], left: &[f64], rows: usize, out: &mut [f64]) {
     let (height, width) = (right.len() / rows, left.len() / rows);
-    if height.min(width) < NARROW {
+    if height.min(width) < TILE_MIN_PRODUCT {
         let columns = out.chunks_exact_mut(height).zip(left.chunks_exact(rows));
         for (out, left) in columns {
-            let products = right.chunks_exact(rows).map(|right| dot(left, right));
+            let products = right
+                .chunks_exact(rows)
+                .map(|right| dot_in_lanes::<8>(left, right));
             out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
         }
         return;
@@ -411,10 +413,10 @@ mod tests {
     fn answers_do_not_depend_on_the_number_of_threads() {
         let phi = factored();
         let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
-        let one = phi.strongest_on(1, &lambda, 50, 0.5);
+        let one = phi.price_on(1, &lambda, 50, 0.5);
         assert!(one.columns.len() == 50 && one.count > 50);
         for threads in [2, 3, 8] {
-            assert_eq!(one, phi.strongest_on(threads, &lambda, 50, 0.5));
+            assert_eq!(one, phi.price_on(threads, &lambda, 50, 0.5));
             let mut norms = vec![0.0; phi.cols()];
             phi.measure(threads, &[17], &mut norms).unwrap();
             norms[17] = 0.0;
@@ -432,7 +434,7 @@ mod tests {
             for (row, value) in column.iter().enumerate() {
                 assert_eq!(*value, phi.left[l * 13 + row] * phi.right[r * 13 + row]);
             }
-            assert!((length(&column) / phi.norms()[j] - 1.0).abs() < 1e-14);
+            assert!((norm(&column) / phi.norms()[j] - 1.0).abs() < 1e-14);
         }
         phi.column(17, &mut column);
         assert!(column.iter().all(|x| *x == 0.0) && phi.norms()[17] == 0.0);

@@ -1,18 +1,15 @@
-//! One reflection I − τ v vᵀ, v₀ = 1, that leaves of a vector its first entry alone (Golub & Van Loan, section 5.1).
+//! Householder reflections I − τ v vᵀ with v₀ = 1 (Golub & Van Loan, section 5.1): they map a vector to a multiple of (1, 0, 0, …).
 
-use super::dot;
-use crate::lanes::axpy;
+use super::vectors::{dot_in_lanes, is_safe};
+use crate::simd::axpy;
 
-/// Sums of squares outside of this range may have lost digits to underflow, or overflowed.
-const SAFE: std::ops::RangeInclusive<f64> = 1e-280..=1e280;
-
-/// Turns x into (β, v₁, v₂, …), β the first entry that is left of it; returns τ, zero where there is nothing to reflect.
+/// Overwrites x with (β, v₁, v₂, …), β the first entry of the image of x. Returns τ; zero where nothing is to be reflected.
 #[inline(always)]
 pub(super) fn reflector(x: &mut [f64]) -> f64 {
     let Some((head, tail)) = x.split_first_mut() else {
         return 0.0;
     };
-    let below = length(tail);
+    let below = norm(tail);
     if below == 0.0 {
         return 0.0;
     }
@@ -24,22 +21,22 @@ pub(super) fn reflector(x: &mut [f64]) -> f64 {
     tau
 }
 
-/// (I − τ v vᵀ) y; the first entry of `v` is not read, it stands for one.
+/// y ← (I − τ v vᵀ) y. The first entry of `v` is not read; it stands for one.
 #[inline(always)]
 pub(super) fn reflect(v: &[f64], tau: f64, y: &mut [f64]) {
     let (Some((_, v)), Some((head, tail))) = (v.split_first(), y.split_first_mut()) else {
         return;
     };
-    let along = tau * (*head + dot(v, tail));
+    let along = tau * (*head + dot_in_lanes::<16>(v, tail));
     *head -= along;
     axpy(-along, v, tail);
 }
 
-/// ‖x‖₂ without overflow.
+/// ‖x‖₂ without overflow, fast where the sum of squares is safe.
 #[inline(always)]
-pub(super) fn length(x: &[f64]) -> f64 {
-    let squares = dot(x, x);
-    if squares == 0.0 && x.iter().all(|x| *x == 0.0) || SAFE.contains(&squares) {
+pub(super) fn norm(x: &[f64]) -> f64 {
+    let squares = dot_in_lanes::<16>(x, x);
+    if squares == 0.0 && x.iter().all(|x| *x == 0.0) || is_safe(squares) {
         return squares.sqrt();
     }
     let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));

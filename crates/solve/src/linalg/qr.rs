@@ -1,15 +1,16 @@
-//! A = Q R of a tall or wide matrix by Householder reflections, a panel of columns at a time: all columns to the right meet a panel's
-//! reflections as one matrix product (Schreiber & Van Loan 1989).
+//! A = Q R by blocked Householder reflections: the reflections of a panel of columns are applied to the columns on the right as one
+//! matrix product (compact WY form, Schreiber & Van Loan 1989).
 
 use nalgebra::DMatrix;
 
 use super::householder::{reflect, reflector};
-use super::{gemm, transposed};
-use crate::lanes::wide;
+use super::products::{gemm, transposed};
+use crate::simd::wide;
 
-/// Columns of a panel.
-const PANEL: usize = 24;
+/// Columns of a panel: a size of tiles, which decides nothing but speed.
+const PANEL_COLUMNS: usize = 24;
 
+/// Q as reflections, and R.
 pub struct Qr {
     rows: usize,
     panels: Vec<Panel>,
@@ -17,7 +18,7 @@ pub struct Qr {
     pub r: DMatrix<f64>,
 }
 
-/// I − V T Vᵀ: the reflections of some columns in one.
+/// I − V T Vᵀ: the product of the reflections of some columns.
 struct Panel {
     first: usize,
     /// Unit lower trapezoid.
@@ -31,8 +32,8 @@ impl Qr {
         let (m, n) = a.shape();
         let k = m.min(n);
         let mut panels = Vec::new();
-        for first in (0..k).step_by(PANEL) {
-            let width = PANEL.min(k - first);
+        for first in (0..k).step_by(PANEL_COLUMNS) {
+            let width = PANEL_COLUMNS.min(k - first);
             let taus = wide(|| factorise(&mut a, first, width));
             let panel = Panel::new(&a, first, &taus);
             panel.reflect(&mut a, first + width, true);
@@ -43,7 +44,7 @@ impl Qr {
         Qr { rows: m, panels, r }
     }
 
-    /// Q (x; 0), M numbers for each column of x.
+    /// Q (x; 0), of M rows.
     pub fn q_mul(&self, x: DMatrix<f64>) -> DMatrix<f64> {
         let mut out = x.resize_vertically(self.rows, 0.0);
         for panel in self.panels.iter().rev() {
@@ -53,7 +54,7 @@ impl Qr {
     }
 }
 
-/// Reflects the columns of one panel, by columns; the τ of each.
+/// Factorises the columns of one panel. Returns the τ of each reflection.
 #[inline(always)]
 fn factorise(a: &mut DMatrix<f64>, first: usize, width: usize) -> Vec<f64> {
     let m = a.nrows();
@@ -91,7 +92,7 @@ impl Panel {
         Panel { first, v, t }
     }
 
-    /// The columns from `from` on, reflected; in reverse order of the reflections if `back`.
+    /// Applies the panel to the columns from `from` on, transposed if `back`.
     fn reflect(&self, a: &mut DMatrix<f64>, from: usize, back: bool) {
         let n = a.ncols() - from;
         if n == 0 {

@@ -1,7 +1,7 @@
 //! Noise bounds: the error of basis pursuit denoising against ε, beside that of least squares on the true terms.
 
 use sidc_progress::Unwatched;
-use sidc_solve::{SOLVERS, polish};
+use sidc_solve::{SOLVERS, refit};
 
 use super::phase::{bound, spoil};
 use super::plot::{Axis, Figure, Look, Mark, Panel};
@@ -124,7 +124,7 @@ fn errors(law: &Law, regression: &Regression, tolerance: f64) -> [f64; 4] {
         .iter()
         .filter(|(j, _)| !columns.contains(j));
     let false_ones: f64 = others.map(|(j, a)| (a * norms[*j]).powi(2)).sum();
-    let fit = polish(regression.dictionary.as_ref(), &regression.target, &columns).coefficients;
+    let fit = refit(regression.dictionary.as_ref(), &regression.target, &columns).coefficients;
     let pursuit = off(&|k| answer.coefficients[k]) + false_ones;
     let oracle = off(&|k| fit[k]);
     [

@@ -5,7 +5,7 @@
 use sidc::pipeline::Regression;
 use sidc_progress::Unwatched;
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::{SOLVERS, certify, polish};
+use sidc_solve::{SOLVERS, certify, refit};
 
 use super::excitation::medians;
 use super::isometry::Unit;
@@ -76,7 +76,7 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
             .map(|c| c.iter().zip(&other).map(|(a, b)| a * b).sum::<f64>().abs());
         cosine = along.fold(cosine, f64::max);
         // Φ_S⁺φ_j, back in columns of length one.
-        let fit = polish(phi, &other, &columns).coefficients;
+        let fit = refit(phi, &other, &columns).coefficients;
         let parts = || {
             fit.iter()
                 .zip(&support)
@@ -87,7 +87,7 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
     }
     let condition = own
         .first()
-        .map_or(1.0, |c| polish(phi, c, &columns).condition);
+        .map_or(1.0, |c| refit(phi, c, &columns).condition);
     let least = super::tidy::quantile(&ratios, 0.01);
     [
         1.0 - unit.coherence(),

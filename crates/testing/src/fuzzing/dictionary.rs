@@ -97,7 +97,7 @@ fn naive(library: &Library, samples: &Samples, weights: Option<&[f64]>) -> Vec<V
 
 /// Norms and correlations are those of the columns.
 fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]) {
-    let all = phi.strongest(lambda, phi.cols(), 0.0);
+    let all = phi.price(lambda, phi.cols(), 0.0);
     let mut found = vec![0.0; phi.cols()];
     for (j, value) in &all.columns {
         assert!(value.is_finite(), "correlation {j} is {value}");
@@ -128,7 +128,7 @@ fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]
             );
         }
     }
-    let few = phi.strongest(lambda, 3, 0.0);
+    let few = phi.price(lambda, 3, 0.0);
     assert_eq!(few.columns, all.columns[..few.columns.len()]);
     assert_eq!(
         (few.columns.len(), few.count),

@@ -10,7 +10,7 @@ use crate::identifiability::thresholds::EQUIVALENT_SUPPORTS;
 use crate::scaled_design::ScaledDesign;
 use crate::selection::thresholds::TERM_SELECTION;
 use sidc_lang::term::Language;
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 
 /// A support, and the exchange of columns that led to it.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use crate::scaled_design::ScaledDesign;
 use crate::statistics::norm;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Signal, Term};
-use sidc_solve::lanes::axpy;
+use sidc_solve::simd::axpy;
 use sidc_system::discovery::Cause;
 
 pub fn signal_relations(design: &ScaledDesign, library: &Library) -> Vec<ExplainedRelation> {

@@ -11,7 +11,7 @@ use crate::statistics::norm;
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
-use sidc_solve::lanes::dot;
+use sidc_solve::simd::dot;
 use sidc_system::discovery::Equation;
 
 /// Parts and residuals are relative to the target, or to the derivative that is explained.

@@ -9,7 +9,7 @@ use super::batched_inverse::invert;
 use crate::trajectory::model::System;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape};
-use sidc_solve::lanes::axpy;
+use sidc_solve::simd::axpy;
 
 /// The derivative of one row of values by one signal.
 #[derive(Clone, Copy)]

@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use sidc_solve::lanes::wide;
+use sidc_solve::simd::wide;
 
 /// Columns that are transposed at once: so many stay in the first-level cache.
 const COLUMNS_AT_ONCE: usize = 8;

@@ -3,7 +3,7 @@
 //! In: the Jacobian at the start, the middle and the end of a step. Out: the transitions from the start and from the middle to the end.
 //! Every matrix entry is a row over all intervals (SIMD lanes).
 
-use sidc_solve::lanes::wide;
+use sidc_solve::simd::wide;
 
 /// Results and buffers, each n × n × lanes.
 #[derive(Default)]

@@ -5,7 +5,7 @@
 
 use super::srif::RowSink;
 use crate::trajectory::thresholds::GAUSS_NEWTON;
-use sidc_solve::lanes::{axpy, wide};
+use sidc_solve::simd::{axpy, wide};
 
 /// R of [A | b], (P + 1) × (P + 1), upper triangular; its last diagonal entry is the norm of the residual.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@
 //! columns of the states alone. They are made on those together with an identity that records what they do, and this record
 //! is then applied to the P columns at once. Cost of an interval: about 10 n³ + 6 n² P operations, 10 n² P where states are kept.
 
-use sidc_solve::lanes::{axpy, dot, wide};
+use sidc_solve::simd::{axpy, dot, wide};
 
 /// The process equation of an interval: δz₁ − T δz₀ − U δa = defect, each row with its slack.
 pub(crate) struct ProcessEquation<'a> {

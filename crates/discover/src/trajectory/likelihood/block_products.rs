@@ -32,8 +32,8 @@ pub fn block_products(
     let point = &fit.point;
     let (form, whole) = problem.quadratic_and_products(point, observer).ok()?;
     let mut columns = point.support.clone();
-    for m in form.moves(&point.support, 0.0, 4 * RESIDUALS.block_rivals) {
-        columns.extend(m.comes.filter(|j| !columns.contains(j)));
+    for m in form.single_changes(&point.support, 0.0, 4 * RESIDUALS.block_rivals) {
+        columns.extend(m.enters.filter(|j| !columns.contains(j)));
         if columns.len() >= point.support.len() + RESIDUALS.block_rivals {
             break;
         }

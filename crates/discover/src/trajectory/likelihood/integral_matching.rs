@@ -10,7 +10,7 @@ use crate::trajectory::least_squares::{
 };
 use crate::trajectory::model::{Problem, Record, SmoothedTrajectory};
 use sidc_progress::Observer;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 
 /// Calls `take` with every sample and the process equation that starts there (`None` at the last sample). Returns `None` once `take`
 /// says no.
@@ -161,10 +161,10 @@ impl Problem {
         sigma: &[f64],
         slack: f64,
         observer: &mut dyn Observer,
-    ) -> Option<Quadratic> {
+    ) -> Option<QuadraticForm> {
         let mut normal_equations = NormalEquations::new(self.all.outputs());
         self.integral_matching_rows((sigma, slack), &mut normal_equations, observer)?;
-        Some(Quadratic::new(
+        Some(QuadraticForm::new(
             &normal_equations.shifted(&[]),
             self.all.outputs(),
         ))

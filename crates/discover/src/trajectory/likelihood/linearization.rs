@@ -15,7 +15,7 @@ use crate::trajectory::least_squares::{
 use crate::trajectory::model::{LinearizationPoint, Problem, Record, segments};
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::Tape;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 
 /// All columns, and which of them each law has.
 type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
@@ -29,7 +29,7 @@ impl Problem {
         &self,
         at: &LinearizationPoint,
         observer: &mut dyn Observer,
-    ) -> Result<Quadratic, Diverged> {
+    ) -> Result<QuadraticForm, Diverged> {
         Ok(self.quadratic_and_products(at, observer)?.0)
     }
 
@@ -41,7 +41,7 @@ impl Problem {
         &self,
         at: &LinearizationPoint,
         observer: &mut dyn Observer,
-    ) -> Result<(Quadratic, Vec<f64>), Diverged> {
+    ) -> Result<(QuadraticForm, Vec<f64>), Diverged> {
         let mut normal_equations = NormalEquations::new(self.all.outputs());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
         let parts = segments(&lengths);
@@ -51,7 +51,7 @@ impl Problem {
         let mut products = normal_equations.shifted(&at.active());
         // Segments stand for all samples.
         products.iter_mut().for_each(|x| *x *= share);
-        Ok((Quadratic::new(&products, self.all.outputs()), products))
+        Ok((QuadraticForm::new(&products, self.all.outputs()), products))
     }
 
     /// Rows of all columns about a point, on parts of the records. The unknowns are corrections of the coefficients.

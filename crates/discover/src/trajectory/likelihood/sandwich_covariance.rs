@@ -11,7 +11,7 @@ use crate::trajectory::least_squares::IncrementalQr;
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::RESIDUALS;
 use sidc_progress::Observer;
-use sidc_solve::Memory;
+use sidc_solve::Autoregression;
 
 /// Sets the variances; they stay as they are if the laws diverge or the observer ends the work.
 pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, observer: &mut dyn Observer) {
@@ -27,8 +27,8 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
         .eliminate_all(&code, &fit.point, &mut qr, observer)
         .ok()?;
     let n = problem.states();
-    let memories: Vec<Memory> = (0..n)
-        .map(|i| Memory::of(&whitened_residuals(problem, fit, i)))
+    let memories: Vec<Autoregression> = (0..n)
+        .map(|i| Autoregression::fit(&whitened_residuals(problem, fit, i)))
         .collect();
     let variance = |covariances: &Vec<f64>| {
         let mut sum = 0.0;
@@ -40,7 +40,7 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
                 let read = record.measured[i].iter().zip(states);
                 let weight = residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
                 let weights = read.map(|(y, z)| if y.is_finite() { z * weight } else { 0.0 });
-                sum += memory.square(&weights.collect::<Vec<_>>());
+                sum += memory.variance(&weights.collect::<Vec<_>>());
             }
         }
         sum

@@ -8,7 +8,7 @@ use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::RESIDUALS;
 use sidc_lang::term::Signal;
-use sidc_solve::white::{self, LAGS};
+use sidc_solve::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 
 /// One channel's residuals.
 #[derive(Clone, Debug)]
@@ -84,8 +84,8 @@ fn noise(problem: &Problem, state: usize) -> f64 {
 
 fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let n = problem.states();
-    let (mut sums, mut total) = ([0.0; LAGS], 0.0);
-    let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; LAGS]);
+    let (mut sums, mut total) = ([0.0; WHITENESS_LAGS], 0.0);
+    let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; WHITENESS_LAGS]);
     let coarse = problem.quantization[state].filter(|l| l.matters(noise(problem, state)));
     for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
         let sensor = problem.sensors.of(r).start + state;
@@ -108,8 +108,8 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let readings = problem.readings_of(state);
     let m = readings as f64;
     let correlation = sums.map(|s| s / total.max(f64::MIN_POSITIVE));
-    let memory = white::size(&correlation);
-    let rounded = white::size(&rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
+    let memory = rms_autocorrelation(&correlation);
+    let rounded = rms_autocorrelation(&rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
     Channel {
         signal: problem.system.states[state],
         left: (square / m).sqrt(),
@@ -118,7 +118,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         spread: problem.spread[state],
         readings,
         memory: memory.copysign(correlation[0]),
-        chance: white::chance(m) + rounded,
+        chance: white_noise_bound(m) + rounded,
         files: files(problem, fit, state),
         outliers: outliers(problem, fit, state),
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
@@ -126,7 +126,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
 }
 
 /// Adds Σ x_k x_{k+lag} for every lag.
-fn add_autocovariances(values: &[f64], sums: &mut [f64; LAGS]) {
+fn add_autocovariances(values: &[f64], sums: &mut [f64; WHITENESS_LAGS]) {
     for (lag, sum) in (1..).zip(sums) {
         let pairs = values.iter().zip(values.iter().skip(lag));
         *sum += pairs.map(|(a, b)| a * b).sum::<f64>();

@@ -7,7 +7,7 @@ use crate::trajectory::thresholds::SEARCH;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use sidc_solve::quadratic::{DEPENDENT, Quadratic};
+use sidc_solve::{QUADRATIC_FORM, QuadraticForm};
 
 /// A support of one law, columns rising, with the χ² that it leaves together with the other laws' terms.
 #[derive(Clone)]
@@ -29,7 +29,7 @@ struct BeamState {
 
 /// The best subsets of 0 … `most` of the columns in `range`.
 pub(crate) fn best_subsets(
-    form: &Quadratic,
+    form: &QuadraticForm,
     support: &[usize],
     range: Range<usize>,
     most: usize,
@@ -53,7 +53,11 @@ pub(crate) fn best_subsets(
         square: start.square,
     }];
     // Dependence is measured against the lengths that the other laws' terms leave.
-    let usable: Vec<bool> = start.free.iter().map(|f| *f > DEPENDENT).collect();
+    let usable: Vec<bool> = start
+        .free
+        .iter()
+        .map(|f| *f > QUADRATIC_FORM.dependent)
+        .collect();
     let whole = start.free.clone();
     let rest = LawColumns {
         form,
@@ -83,7 +87,7 @@ pub(crate) fn best_subsets(
 }
 
 /// Projects the other laws' terms off the law's columns and the target.
-fn profile(form: &Quadratic, others: &[usize], range: &Range<usize>, state: &mut BeamState) {
+fn profile(form: &QuadraticForm, others: &[usize], range: &Range<usize>, state: &mut BeamState) {
     let (p, n) = (form.p, range.len());
     let mut rows: Vec<Vec<f64>> = Vec::new();
     let mut rights: Vec<f64> = Vec::new();
@@ -96,7 +100,7 @@ fn profile(form: &Quadratic, others: &[usize], range: &Range<usize>, state: &mut
             right -= along * r;
         }
         let length = row[*s];
-        if length <= DEPENDENT {
+        if length <= QUADRATIC_FORM.dependent {
             continue;
         }
         let scale = 1.0 / length.sqrt();
@@ -115,7 +119,7 @@ fn profile(form: &Quadratic, others: &[usize], range: &Range<usize>, state: &mut
 }
 
 struct LawColumns<'a> {
-    form: &'a Quadratic,
+    form: &'a QuadraticForm,
     range: Range<usize>,
     usable: Vec<bool>,
     whole: Vec<f64>,
@@ -127,7 +131,9 @@ impl LawColumns<'_> {
         let mut moves: Vec<(f64, usize, usize)> = Vec::new();
         for (i, s) in states.iter().enumerate() {
             for j in 0..self.range.len() {
-                let able = self.usable[j] && s.free[j] > DEPENDENT * self.whole[j].max(DEPENDENT);
+                let able = self.usable[j]
+                    && s.free[j]
+                        > QUADRATIC_FORM.dependent * self.whole[j].max(QUADRATIC_FORM.dependent);
                 if able && !s.chosen.contains(&j) {
                     let gain = (s.along[j] * s.along[j] / s.free[j]).min(s.square.max(0.0));
                     moves.push((s.square - gain, i, j));

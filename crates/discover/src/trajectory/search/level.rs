@@ -11,7 +11,7 @@ use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::SEARCH;
 use sidc_progress::{Activity, Observer, Stage};
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 
 /// The search at one level of the noise floor.
 pub(crate) struct SearchLevel<'a> {
@@ -22,7 +22,7 @@ pub(crate) struct SearchLevel<'a> {
     /// The best fits, best first.
     pub best: Vec<Fit>,
     /// The quadratic form about the fit of this support.
-    form: Option<(Vec<usize>, Arc<Quadratic>)>,
+    form: Option<(Vec<usize>, Arc<QuadraticForm>)>,
 }
 
 impl<'a> SearchLevel<'a> {
@@ -89,7 +89,7 @@ impl<'a> SearchLevel<'a> {
     }
 
     /// The best fit and the quadratic form about it, which is computed once.
-    fn best_and_form(&mut self, observer: &mut dyn Observer) -> Option<(Fit, Arc<Quadratic>)> {
+    fn best_and_form(&mut self, observer: &mut dyn Observer) -> Option<(Fit, Arc<QuadraticForm>)> {
         let best = self.best.first()?.clone();
         if let Some((support, form)) = &self.form
             && support == best.support()
@@ -131,7 +131,7 @@ impl<'a> SearchLevel<'a> {
                 .map(|r| best_subsets(&form, &[], r.clone(), SEARCH.max_beam_terms))
                 .collect();
             let all: Vec<usize> = (0..form.p).collect();
-            let least = form.least(&all).square.max(0.0);
+            let least = form.least_squares(&all).square.max(0.0);
             let scale = (least / problem.measurements() as f64).max(1.0);
             let point = |strength: f64| {
                 let penalty = self.criterion.penalty * strength * scale;
@@ -149,8 +149,12 @@ impl<'a> SearchLevel<'a> {
             let Some((best, form)) = self.best_and_form(observer) else {
                 continue;
             };
-            if let Some(support) = form.backward(&[self.criterion.penalty]).into_iter().next() {
-                let support = form.improve(&support, self.criterion.penalty);
+            if let Some(support) = form
+                .backward_elimination(&[self.criterion.penalty])
+                .into_iter()
+                .next()
+            {
+                let support = form.steepest_descent(&support, self.criterion.penalty);
                 self.fit([at_minimum(&form, &best.point, support)], observer);
             }
         }
@@ -202,12 +206,12 @@ impl<'a> SearchLevel<'a> {
     /// Supports not fitted yet with their predicted change of the criterion, best first.
     fn proposals(
         &self,
-        form: &Quadratic,
+        form: &QuadraticForm,
         support: &[usize],
         observer: &mut dyn Observer,
     ) -> Vec<(f64, Vec<usize>)> {
         let penalty = self.criterion.penalty;
-        let value = |s: &[usize]| form.least(s).square + penalty * s.len() as f64;
+        let value = |s: &[usize]| form.least_squares(s).square + penalty * s.len() as f64;
         let base = value(support);
         let mut all: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
         let mut propose = |s: Vec<usize>, change: f64| {
@@ -219,13 +223,17 @@ impl<'a> SearchLevel<'a> {
         let strengths = SEARCH.prices.map(|s| s * penalty);
         let strongest =
             (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
-        for (backward, strength) in form.backward(&strengths).into_iter().zip(strengths) {
+        for (backward, strength) in form
+            .backward_elimination(&strengths)
+            .into_iter()
+            .zip(strengths)
+        {
             if !observer.go_on() {
                 break;
             }
             let starts = [backward, strongest.into_iter().collect(), support.to_vec()];
-            let cost = |s: &Vec<usize>| form.least(s).square + strength * s.len() as f64;
-            let ends = starts.iter().map(|s| form.improve(s, strength));
+            let cost = |s: &Vec<usize>| form.least_squares(s).square + strength * s.len() as f64;
+            let ends = starts.iter().map(|s| form.steepest_descent(s, strength));
             if let Some(best) = ends.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
                 let change = value(&best) - base;
                 // A sparse support is fitted whatever the quadratic form predicts.
@@ -261,7 +269,7 @@ impl<'a> SearchLevel<'a> {
         }
         let change = value(&combined) - base;
         propose(combined, change);
-        for m in form.moves(support, penalty, SEARCH.moves_proposed) {
+        for m in form.single_changes(support, penalty, SEARCH.moves_proposed) {
             propose(m.applied(support), m.change);
         }
         let mut all: Vec<(f64, Vec<usize>)> = all.into_iter().map(|(s, c)| (c, s)).collect();
@@ -272,11 +280,11 @@ impl<'a> SearchLevel<'a> {
 
 /// The point with a support at the minimum of its quadratic form.
 fn at_minimum(
-    form: &Quadratic,
+    form: &QuadraticForm,
     from: &LinearizationPoint,
     support: Vec<usize>,
 ) -> LinearizationPoint {
-    let coefficients = form.least(&support).coefficients;
+    let coefficients = form.least_squares(&support).coefficients;
     LinearizationPoint {
         support,
         coefficients,

@@ -10,7 +10,7 @@ use crate::trajectory::search::final_criterion;
 use crate::trajectory::thresholds::{DELAYS, SEARCH};
 use sidc_lang::term::VarId;
 use sidc_progress::Observer;
-use sidc_solve::quadratic::Quadratic;
+use sidc_solve::QuadraticForm;
 
 /// A delay to be fitted.
 pub struct DelayProposal {
@@ -99,7 +99,7 @@ impl DelayScreen {
             samples,
             value,
             start: LinearizationPoint {
-                coefficients: form.least(&support).coefficients,
+                coefficients: form.least_squares(&support).coefficients,
                 support: support.iter().map(|j| self.columns[*j]).collect(),
                 ..self.few.initial_point(&self.sigma)
             },
@@ -113,7 +113,7 @@ impl DelayScreen {
         inputs: &[VarId],
         samples: f64,
         observer: &mut dyn Observer,
-    ) -> Option<Quadratic> {
+    ) -> Option<QuadraticForm> {
         let moved = moved(&self.few, inputs, samples, self.reach);
         moved.integral_matching_form(&self.sigma, SEARCH.initial_slacks[0], observer)
     }
@@ -121,14 +121,17 @@ impl DelayScreen {
     /// χ² with all columns: they are too few to imitate a delay.
     fn left(&self, inputs: &[VarId], samples: f64, observer: &mut dyn Observer) -> Option<f64> {
         let form = self.form(inputs, samples, observer)?;
-        Some(form.least(&(0..form.p).collect::<Vec<_>>()).square)
+        Some(form.least_squares(&(0..form.p).collect::<Vec<_>>()).square)
     }
 
     /// Backward elimination, with the price of a term in units of the χ² that all columns leave.
-    fn support(&self, form: &Quadratic) -> Vec<usize> {
-        let least = form.least(&(0..form.p).collect::<Vec<_>>()).square.max(0.0);
+    fn support(&self, form: &QuadraticForm) -> Vec<usize> {
+        let least = form
+            .least_squares(&(0..form.p).collect::<Vec<_>>())
+            .square
+            .max(0.0);
         let scale = (least / self.few.measurements() as f64).max(1.0);
-        let supports = form.backward(&[self.penalty * scale]);
+        let supports = form.backward_elimination(&[self.penalty * scale]);
         supports.into_iter().next().unwrap_or_default()
     }
 }

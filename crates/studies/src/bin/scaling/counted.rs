@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-use sidc_solve::dictionary::{Dictionary, Strongest};
+use sidc_solve::dictionary::{Dictionary, Priced};
 
 pub struct Counted<'a> {
     inner: &'a dyn Dictionary,
@@ -52,9 +52,9 @@ impl Dictionary for Counted<'_> {
         self.inner.column(j, out);
     }
 
-    fn strongest(&self, lambda: &[f64], most: usize, least: f64) -> Strongest {
+    fn price(&self, lambda: &[f64], most: usize, least: f64) -> Priced {
         let start = Instant::now();
-        let found = self.inner.strongest(lambda, most, least);
+        let found = self.inner.price(lambda, most, least);
         let nanoseconds = start.elapsed().as_nanos() as u64;
         self.nanoseconds.fetch_add(nanoseconds, Relaxed);
         self.pricings.fetch_add(1, Relaxed);

@@ -1,0 +1,429 @@
+//! χ² as a quadratic form in all coefficients: the least squares of any support without another look at the rows.
+//!
+//! In: the products of all columns. Out: least residuals of supports, and supports by backward elimination and by steepest descent
+//! over single changes. Columns are scaled to length one, so that pivots show how dependent they are.
+
+use crate::simd::{axpy, dot, wide};
+use crate::thresholds::QUADRATIC_FORM;
+
+/// χ²(a) = total − 2 cᵀa + aᵀR a, on unit columns.
+pub struct QuadraticForm {
+    /// Number of columns.
+    pub p: usize,
+    /// R by rows, unit diagonal.
+    pub gram: Vec<f64>,
+    /// c
+    pub right: Vec<f64>,
+    pub total: f64,
+    /// Norms of the columns.
+    pub norms: Vec<f64>,
+}
+
+/// The least squares of a support.
+pub struct SupportFit {
+    /// Of the columns as they are, in the order of the support.
+    pub coefficients: Vec<f64>,
+    /// χ²
+    pub square: f64,
+}
+
+/// An addition, removal or exchange of a support, and the change of the criterion that it causes.
+#[derive(Clone, Copy)]
+pub struct SingleChange {
+    pub enters: Option<usize>,
+    pub leaves: Option<usize>,
+    pub change: f64,
+}
+
+impl QuadraticForm {
+    /// From the products of p columns, and of the right side as the last, by rows.
+    pub fn new(all: &[f64], p: usize) -> QuadraticForm {
+        let w = p + 1;
+        let norms: Vec<f64> = (0..p)
+            .map(|j| all[j * w + j].max(f64::MIN_POSITIVE).sqrt())
+            .collect();
+        let entry = |i: usize, j: usize| all[i * w + j] / (norms[i] * norms[j]);
+        QuadraticForm {
+            p,
+            gram: (0..p * p).map(|k| entry(k / p, k % p)).collect(),
+            right: (0..p).map(|i| all[i * w + p] / norms[i]).collect(),
+            total: all[p * w + p],
+            norms,
+        }
+    }
+
+    pub fn row(&self, i: usize) -> &[f64] {
+        &self.gram[i * self.p..(i + 1) * self.p]
+    }
+
+    /// Least squares on a support.
+    pub fn least_squares(&self, support: &[usize]) -> SupportFit {
+        let Some(inverse) = self.inverse(support) else {
+            return SupportFit {
+                coefficients: vec![0.0; support.len()],
+                square: self.total,
+            };
+        };
+        let x = self.times_right(&inverse, support);
+        let gain: f64 = support
+            .iter()
+            .zip(&x)
+            .map(|(j, x)| self.right[*j] * x)
+            .sum();
+        SupportFit {
+            coefficients: support
+                .iter()
+                .zip(&x)
+                .map(|(j, x)| x / self.norms[*j])
+                .collect(),
+            square: self.total - gain,
+        }
+    }
+
+    fn times_right(&self, inverse: &[f64], support: &[usize]) -> Vec<f64> {
+        let k = support.len();
+        (0..k)
+            .map(|i| {
+                let row = inverse[i * k..(i + 1) * k].iter();
+                row.zip(support).map(|(x, j)| x * self.right[*j]).sum()
+            })
+            .collect()
+    }
+
+    /// (R_SS)⁻¹ by rows; `None` if it is singular beyond the ridge.
+    fn inverse(&self, support: &[usize]) -> Option<Vec<f64>> {
+        let k = support.len();
+        let mut a = vec![0.0; k * k];
+        for (i, r) in support.iter().enumerate() {
+            for (j, c) in support.iter().enumerate() {
+                a[i * k + j] =
+                    self.gram[r * self.p + c] + if i == j { QUADRATIC_FORM.ridge } else { 0.0 };
+            }
+        }
+        invert(&mut a, k).then_some(a)
+    }
+
+    /// Backward elimination from all columns: for each penalty the best support on the way.
+    ///
+    /// Where columns outnumber the data's rank the ridge decides what leaves first.
+    pub fn backward_elimination(&self, penalties: &[f64]) -> Vec<Vec<usize>> {
+        let p = self.p;
+        let mut a = self.gram.clone();
+        (0..p).for_each(|j| a[j * p + j] += 10.0 * QUADRATIC_FORM.ridge);
+        if !invert(&mut a, p) {
+            return Vec::new();
+        }
+        let mut x: Vec<f64> = (0..p)
+            .map(|i| dot(&a[i * p..(i + 1) * p], &self.right))
+            .collect();
+        let mut square = self.total - dot(&self.right, &x);
+        let mut active: Vec<usize> = (0..p).collect();
+        let mut best: Vec<(f64, Vec<usize>)> = vec![(f64::INFINITY, Vec::new()); penalties.len()];
+        while !active.is_empty() {
+            for (best, penalty) in best.iter_mut().zip(penalties) {
+                let value = square + penalty * active.len() as f64;
+                if value < best.0 {
+                    *best = (value, active.clone());
+                }
+            }
+            let cost = |j: &usize| x[*j] * x[*j] / a[j * p + j].max(f64::MIN_POSITIVE);
+            let Some(at) =
+                (0..active.len()).min_by(|i, j| cost(&active[*i]).total_cmp(&cost(&active[*j])))
+            else {
+                break;
+            };
+            let j = active[at];
+            square += cost(&j);
+            let (pivot, xj) = (a[j * p + j], x[j]);
+            let column: Vec<f64> = (0..p).map(|i| a[i * p + j]).collect();
+            active.remove(at);
+            for i in &active {
+                x[*i] -= column[*i] * (xj / pivot);
+                let factor = column[*i] / pivot;
+                for k in &active {
+                    a[i * p + k] -= factor * column[*k];
+                }
+            }
+        }
+        best.into_iter().map(|(_, s)| s).collect()
+    }
+
+    /// Applies the best single addition, removal or exchange until none helps. The last column stays.
+    pub fn steepest_descent(&self, start: &[usize], penalty: f64) -> Vec<usize> {
+        let mut support = start.to_vec();
+        let mut value = self.least_squares(&support).square + penalty * support.len() as f64;
+        for _ in 0..QUADRATIC_FORM.max_changes {
+            // Only one change can remove the last column, so the second best keeps one.
+            let best = self.single_changes(&support, penalty, 2);
+            let mut best = best.iter().map(|m| (m.change, m.applied(&support)));
+            let Some((change, next)) = best.find(|(_, next)| !next.is_empty()) else {
+                break;
+            };
+            if change >= -QUADRATIC_FORM.predicted_gain * penalty.max(1.0) {
+                break;
+            }
+            let after = self.least_squares(&next).square + penalty * next.len() as f64;
+            let better = after < value - QUADRATIC_FORM.gain * value.abs().max(1.0);
+            if !better {
+                break;
+            }
+            (support, value) = (next, after);
+        }
+        support
+    }
+
+    /// The `most` best single changes by the criterion, best first.
+    pub fn single_changes(
+        &self,
+        support: &[usize],
+        penalty: f64,
+        most: usize,
+    ) -> Vec<SingleChange> {
+        let (k, p) = (support.len(), self.p);
+        let Some(inverse) = self.inverse(support).filter(|_| p > 0) else {
+            return Vec::new();
+        };
+        let x = self.times_right(&inverse, support);
+        let square = self.total
+            - support
+                .iter()
+                .zip(&x)
+                .map(|(j, x)| self.right[*j] * x)
+                .sum::<f64>();
+        let square = square.max(0.0);
+        // Rows of R_SS⁻¹ R_S·, length p each.
+        let mut rows = vec![0.0; k * p];
+        let mut free = vec![1.0; p];
+        let mut along = self.right.clone();
+        wide(|| {
+            for (row, inverse) in rows.chunks_exact_mut(p).zip(inverse.chunks_exact(k.max(1))) {
+                for (weight, s) in inverse.iter().zip(support) {
+                    axpy(*weight, self.row(*s), row);
+                }
+            }
+            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(&x) {
+                let gram_row = self.row(*s);
+                for ((free, row), gram) in free.iter_mut().zip(row).zip(gram_row) {
+                    *free -= gram * row;
+                }
+                axpy(-x, gram_row, &mut along);
+            }
+        });
+        let loss: Vec<f64> = (0..k).map(|i| x[i] * x[i] / inverse[i * k + i]).collect();
+        let gain = |along: f64, free: f64, most: f64| match free > QUADRATIC_FORM.dependent {
+            true => (along * along / free).min(most),
+            false => 0.0,
+        };
+        let mut found = BestChanges::new(most);
+        let outside: Vec<usize> = (0..p).filter(|j| !support.contains(j)).collect();
+        for j in &outside {
+            let change = penalty - gain(along[*j], free[*j], square);
+            found.offer(Some(*j), None, change);
+        }
+        for (i, s) in support.iter().enumerate() {
+            found.offer(None, Some(*s), loss[i] - penalty);
+            let pivot = inverse[i * k + i];
+            let row = &rows[i * p..(i + 1) * p];
+            for j in &outside {
+                let gained = gain(
+                    along[*j] + x[i] / pivot * row[*j],
+                    free[*j] + row[*j] * row[*j] / pivot,
+                    square + loss[i],
+                );
+                found.offer(Some(*j), Some(*s), loss[i] - gained);
+            }
+        }
+        found.changes
+    }
+}
+
+/// The best changes offered, best first; the earlier of two that are equal.
+struct BestChanges {
+    most: usize,
+    changes: Vec<SingleChange>,
+}
+
+impl BestChanges {
+    fn new(most: usize) -> BestChanges {
+        let changes = Vec::new();
+        BestChanges { most, changes }
+    }
+
+    fn offer(&mut self, enters: Option<usize>, leaves: Option<usize>, change: f64) {
+        let full = self.changes.len() >= self.most;
+        if full && self.changes.last().is_some_and(|m| change >= m.change) {
+            return;
+        }
+        let place = self.changes.partition_point(|m| m.change <= change);
+        self.changes.insert(
+            place,
+            SingleChange {
+                enters,
+                leaves,
+                change,
+            },
+        );
+        self.changes.truncate(self.most);
+    }
+}
+
+impl SingleChange {
+    /// The support after the change, rising.
+    pub fn applied(&self, support: &[usize]) -> Vec<usize> {
+        let kept = support.iter().copied().filter(|j| Some(*j) != self.leaves);
+        let mut next: Vec<usize> = kept.chain(self.enters).collect();
+        next.sort_unstable();
+        next
+    }
+}
+
+/// Symmetric positive definite inverse in place, by Gauss–Jordan without pivoting.
+fn invert(a: &mut [f64], n: usize) -> bool {
+    wide(|| gauss_jordan(a, n))
+}
+
+#[inline(always)]
+fn gauss_jordan(a: &mut [f64], n: usize) -> bool {
+    for k in 0..n {
+        let pivot = a[k * n + k];
+        if pivot <= 0.0 || pivot.is_nan() {
+            return false;
+        }
+        let row: Vec<f64> = (0..n)
+            .map(|j| if j == k { 1.0 } else { a[k * n + j] } / pivot)
+            .collect();
+        for i in (0..n).filter(|i| *i != k) {
+            let factor = a[i * n + k];
+            if factor == 0.0 {
+                continue;
+            }
+            a[i * n + k] = 0.0;
+            axpy(-factor, &row, &mut a[i * n..(i + 1) * n]);
+        }
+        a[k * n..(k + 1) * n].copy_from_slice(&row);
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const ROWS: usize = 12;
+    const COLUMNS: usize = 6;
+
+    /// Columns of length [`ROWS`], the target as the last.
+    fn numbers() -> impl Strategy<Value = Vec<f64>> {
+        prop::collection::vec(-1.0..1.0, ROWS * (COLUMNS + 1))
+    }
+
+    /// From columns of lengths 1, 2, 4, …
+    fn form(numbers: &[f64]) -> QuadraticForm {
+        let columns: Vec<Vec<f64>> = (numbers.chunks_exact(ROWS).enumerate())
+            .map(|(j, c)| c.iter().map(|x| x * f64::from(1 << j)).collect())
+            .collect();
+        let products: Vec<f64> = (columns.iter())
+            .flat_map(|a| columns.iter().map(|b| dot(a, b)))
+            .collect();
+        QuadraticForm::new(&products, COLUMNS)
+    }
+
+    fn supports() -> impl Strategy<Value = Vec<usize>> {
+        prop::sample::subsequence((0..COLUMNS).collect::<Vec<_>>(), 0..COLUMNS)
+    }
+
+    fn criterion(form: &QuadraticForm, support: &[usize], penalty: f64) -> f64 {
+        form.least_squares(support).square + penalty * support.len() as f64
+    }
+
+    /// Of two columns that are not worth their penalty the better one is taken, though none at all were better still.
+    #[test]
+    fn the_last_column_is_exchanged() {
+        let columns: [&[f64]; 3] = [&[1.0, 0.0], &[0.0, 1.0], &[1.0, 2.0]];
+        let products: Vec<f64> = (columns.iter())
+            .flat_map(|a| columns.iter().map(|b| dot(a, b)))
+            .collect();
+        let form = QuadraticForm::new(&products, 2);
+        assert_eq!(form.steepest_descent(&[0], 100.0), [1]);
+    }
+
+    proptest! {
+        /// No other coefficients leave less, and what is left is what the columns leave.
+        #[test]
+        fn least_squares_are_the_least(numbers in numbers(), support in supports(), at in 0..COLUMNS, by in -1.0..1.0) {
+            let least = form(&numbers).least_squares(&support);
+            let left = |coefficients: &[f64]| -> f64 {
+                (0..ROWS)
+                    .map(|i| {
+                        let value = |j: usize| numbers[j * ROWS + i] * f64::from(1 << j);
+                        let fitted: f64 = support.iter().zip(coefficients).map(|(j, a)| a * value(*j)).sum();
+                        (value(COLUMNS) - fitted).powi(2)
+                    })
+                    .sum()
+            };
+            let found = left(&least.coefficients);
+            prop_assert!((found - least.square).abs() < 1e-6 * (1.0 + found), "{found} {}", least.square);
+            let mut other = least.coefficients;
+            if let Some(a) = other.get_mut(at) {
+                *a += by;
+            }
+            prop_assert!(left(&other) > found - 1e-6 * (1.0 + found));
+        }
+
+        /// What a move is said to change is what refitting the support changes; all there are, the best first.
+        #[test]
+        fn moves_change_what_they_say(numbers in numbers(), support in supports(), penalty in 0.0..500.0) {
+            let form = form(&numbers);
+            let before = criterion(&form, &support, penalty);
+            let moves = form.single_changes(&support, penalty, usize::MAX);
+            let (inside, outside) = (support.len(), COLUMNS - support.len());
+            prop_assert_eq!(moves.len(), inside + outside + inside * outside);
+            prop_assert!(moves.is_sorted_by(|a, b| a.change <= b.change));
+            for m in &moves {
+                let next = m.applied(&support);
+                let change = criterion(&form, &next, penalty) - before;
+                prop_assert!((change - m.change).abs() < 1e-5 * (1.0 + form.total), "{} {change}", m.change);
+            }
+            let best = form.single_changes(&support, penalty, 2);
+            prop_assert_eq!(best.len(), 2);
+            prop_assert!(best[0].change == moves[0].change && best[1].change == moves[1].change);
+        }
+
+        /// Where the search by single moves ends no single move helps, and it is no worse than where it began.
+        #[test]
+        fn nothing_single_improves_the_improved(numbers in numbers(), support in supports(), penalty in 1.0..500.0) {
+            let form = form(&numbers);
+            let end = form.steepest_descent(&support, penalty);
+            let value = criterion(&form, &end, penalty);
+            prop_assert!(value <= criterion(&form, &support, penalty) + 1e-9);
+            for m in form.single_changes(&end, penalty, usize::MAX) {
+                let next = m.applied(&end);
+                let gained = value - criterion(&form, &next, penalty);
+                prop_assert!(next.is_empty() || gained < 1e-4 * (1.0 + form.total), "{end:?} {next:?} {gained}");
+            }
+        }
+
+        /// The least is dropped first, and of what is left on the way each penalty gets its best.
+        #[test]
+        fn backwards_drops_what_is_missed_least(numbers in numbers(), penalties in prop::collection::vec(0.0..2000.0, 3)) {
+            let form = form(&numbers);
+            let mut way = vec![(0..COLUMNS).collect::<Vec<_>>()];
+            while way[way.len() - 1].len() > 1 {
+                let whole = &way[way.len() - 1];
+                let without = |k: &usize| -> Vec<usize> { whole.iter().copied().filter(|j| j != k).collect() };
+                let all = whole.iter().map(without);
+                let cost = |s: &Vec<usize>| form.least_squares(s).square;
+                way.extend(all.min_by(|a, b| cost(a).total_cmp(&cost(b))));
+            }
+            let all = form.backward_elimination(&penalties);
+            prop_assert_eq!(all.len(), penalties.len());
+            for (found, penalty) in all.iter().zip(&penalties) {
+                let best = way.iter().map(|s| criterion(&form, s, *penalty)).fold(f64::INFINITY, f64::min);
+                let value = criterion(&form, found, *penalty);
+                prop_assert!((value - best).abs() < 1e-5 * (1.0 + form.total), "{found:?} {value} {best}");
+            }
+        }
+    }
+}

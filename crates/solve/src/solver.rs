@@ -1,0 +1,19 @@
+//! What every solver implements.
+
+use sidc_progress::Observer;
+
+use crate::problem::{Problem, Solution};
+
+pub trait Solver: Sync {
+    /// What `--solver` takes.
+    fn name(&self) -> &'static str;
+    /// One line for help texts.
+    fn about(&self) -> &'static str;
+    /// True if it solves the stated problem and returns a dual point that can prove so. False for a heuristic: its answer fits, but
+    /// another may be smaller or sparser, and its dual point is zero.
+    fn exact(&self) -> bool {
+        true
+    }
+    /// Tells the observer of every iteration; where it ends the work, the answer is what there is by then.
+    fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution;
+}
