@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::exit_status;
 use crate::failure::Failure;
-use crate::inputs::result_and_records;
+use crate::inputs::result_and_records::ResultAndRecordsArgs;
 use crate::monitoring::monitor::Monitor;
 use crate::monitoring::progress_line::{ProgressLine, Work};
 use crate::outputs::files;
@@ -23,7 +23,7 @@ const EXAMPLES: &str = "Examples:
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(flatten)]
-    input: result_and_records::Args,
+    input: ResultAndRecordsArgs,
     /// Write the page here instead of on standard output
     #[arg(short, long)]
     output: Option<PathBuf>,

@@ -25,7 +25,7 @@ use sidc_system::simulate;
 
 /// A result and records, and how they are read.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct ResultAndRecordsArgs {
     /// Result of `sidc identify … -o R.json`, and one or more data files; each trajectory is a run of its own
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
@@ -54,7 +54,7 @@ pub struct ResultAndRecords {
     pub start: Vec<(Signal, f64)>,
 }
 
-impl Args {
+impl ResultAndRecordsArgs {
     pub fn monitor(&self) -> Monitor {
         Monitor::start(&self.verbosity, self.time_limit)
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::arguments::{assignments, names, quantities, time_ranges};
 use crate::exit_status;
 use crate::failure::Failure;
-use crate::inputs::result_and_records::{self, ResultAndRecords};
+use crate::inputs::result_and_records::{ResultAndRecords, ResultAndRecordsArgs};
 use crate::monitoring::monitor::Monitor;
 use crate::outputs::{diagnostics, files, stdout};
 use sidc_lang::source::Sources;
@@ -27,7 +27,7 @@ const EXAMPLES: &str = "Examples:
 #[command(after_help = EXAMPLES)]
 pub struct Args {
     #[command(flatten)]
-    input: result_and_records::Args,
+    input: ResultAndRecordsArgs,
     /// Write the simulated signals here, with inputs and measurements beside them (CSV)
     #[arg(short, long)]
     output: Option<PathBuf>,
