@@ -96,7 +96,7 @@ family! {
     /// The numerical rank of the columns, and when it is taken from the columns themselves.
     pub(crate) RANK: NumericalRank {
         /// Singular values that count as zero where only inner products of the columns are known.
-        product_tolerance: f64 = 1e-7, unit "of the largest", source "above 1.5e-8, the root of machine epsilon, to which products determine singular values";
+        product_tolerance: f64 = 1e-7, unit "of the largest", source "set by hand; inner products determine singular values to the root of machine epsilon, 1.5e-8";
         /// The same where the columns are factorised.
         column_tolerance: f64 = 1e-10, unit "of the largest", source "set by hand; not measured";
         /// Multiplications that a factorisation of the columns may take.
@@ -156,7 +156,7 @@ family! {
         /// Signals that simple terms are made of.
         signals: usize = 8, unit "signals", source "set by hand; not measured";
         /// Squared length off the library's span below which a term lies in it.
-        dependent: f64 = 1e-16, unit "of the squared length", source "the square of 1e-8, half of sixteen digits";
+        dependent: f64 = 1e-16, unit "of the squared length", source "set by hand; not measured";
         /// Part of the remaining residual by which a term has to do better than a simpler one.
         complexity: f64 = 1e-2, unit "of the squared residual", source "set by hand; not measured";
         /// Factor by which a missing term lowers the residual beyond the noise.
