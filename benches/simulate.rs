@@ -7,6 +7,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use sidc_data as data;
 use sidc_data::Limits;
 use sidc_lang::source::Sources;
+use sidc_progress::Unwatched;
 use sidc_system::result;
 use sidc_system::simulate;
 use sidc_system::simulate::{Options, Run, Source};
@@ -61,7 +62,7 @@ fn bench(c: &mut Criterion) {
             step,
             ..Options::default()
         };
-        simulate::simulate(&source, 0, &options, &mut |_| true).unwrap()
+        simulate::simulate(&source, 0, &options, &mut Unwatched).unwrap()
     };
     let mut group = c.benchmark_group("cart-pendulum");
     group.sample_size(10);

@@ -7,10 +7,10 @@
 //! The default solver is timed on all sizes, the others on the small ones. Peers are in `peers.py`.
 
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
+use sidc_progress::Unwatched;
 use sidc_solve::{Problem, SOLVERS};
 
 use sidc_testing::pendulum_regression::{Regression, Target, draw, regression};
@@ -48,7 +48,7 @@ fn time(c: &mut Criterion, solvers: usize, rows: usize, caps: [usize; 8]) {
             .warm_up_time(Duration::from_millis(100))
             .measurement_time(Duration::from_secs(2));
         group.bench_function(BenchmarkId::from_parameter(&size), |b| {
-            b.iter(|| black_box(solver.solve(&problem, &mut |_| ControlFlow::Continue(()))))
+            b.iter(|| black_box(solver.solve(&problem, &mut Unwatched)))
         });
         group.finish();
     }

@@ -12,6 +12,7 @@ use sidc_data as data;
 use sidc_data::Limits;
 use sidc_discover::trajectory;
 use sidc_lang::source::Sources;
+use sidc_progress::Unwatched;
 
 const STEP: f64 = 0.01;
 const NOISE: f64 = 0.08;
@@ -76,7 +77,7 @@ fn searches(c: &mut Criterion) {
         group.throughput(Throughput::Elements(samples as u64));
         let name = BenchmarkId::from_parameter(format!("{samples}x{terms}"));
         group.bench_function(name, |b| {
-            b.iter(|| trajectory::search(black_box(&problem), &mut || true));
+            b.iter(|| trajectory::search(black_box(&problem), &mut Unwatched));
         });
     }
     group.finish();

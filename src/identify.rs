@@ -1,11 +1,7 @@
 //! Model + data → discovery: the stages of the pipeline, one after another.
 
-use std::ops::ControlFlow;
-
-use sidc_discover as discover;
 use sidc_lang::diagnostic::Severity;
-use sidc_lang::term::{Signal, SignalNames};
-use sidc_progress::{Activity, Observer, Stop, Unwatched};
+use sidc_progress::{Observer, Unwatched};
 use sidc_system::discovery::Notice;
 use sidc_system::result::{self, Beside, Settings};
 
@@ -49,28 +45,18 @@ impl Model {
             &data.params,
             asked,
             &mut sources,
-            &mut |signal: Signal| {
-                let signal = &program.model.name(signal);
-                without_reason(observer.hear(Activity::Preparing { signal }))
-            },
+            observer,
         );
         let Some(measured) = measured else {
             return Err(Error::of(ErrorKind::Data, &found, &sources));
         };
-        let mut watch = |step: discover::Step| {
-            observer.hear(Activity::Equation {
-                place: step.equation,
-                stage: step.stage,
-            })
-        };
-        let discovery = pipeline::identify(program, &measured, &options.search, &mut watch);
+        let discovery = pipeline::identify(program, &measured, &options.search, observer);
         let mut discovery =
             discovery.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
         if options.verify {
-            pipeline::verify(program, &measured, &mut discovery, &mut watch);
+            pipeline::verify(program, &measured, &mut discovery, observer);
         }
-        let mut go_on = |time| observer.hear(Activity::Running { time }).is_continue();
-        let validation = pipeline::validate(program, &measured, &mut discovery, &mut go_on);
+        let validation = pipeline::validate(program, &measured, &mut discovery, observer);
         let said = self.findings().iter().chain(&found);
         let warnings = said.filter(|d| d.severity == Severity::Warning);
         let document = result::document(
@@ -132,13 +118,5 @@ impl Model {
             source: self.text.clone(),
             reading: pipeline::reading(program, measured),
         }
-    }
-}
-
-/// An answer for those who do not ask why.
-fn without_reason(answer: ControlFlow<Stop>) -> ControlFlow<()> {
-    match answer {
-        ControlFlow::Break(_) => ControlFlow::Break(()),
-        ControlFlow::Continue(()) => ControlFlow::Continue(()),
     }
 }

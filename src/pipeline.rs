@@ -3,11 +3,11 @@
 //! Each stage takes the one before and adds its diagnostics; nothing here reads files or prints.
 
 use sidc_data as data;
-use sidc_data::{Dataset, HoldOut, Provenance, Samples, SignalMonitor, Table, Window};
+use sidc_data::{Dataset, HoldOut, Provenance, Samples, Table, Window};
 use sidc_discover as discover;
 use sidc_discover::identifiability;
 use sidc_discover::trajectory::Problem;
-use sidc_discover::{Fitted, Method, Options, Refusal, Watch};
+use sidc_discover::{Fitted, Method, Options, Refusal};
 use sidc_lang as lang;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::library;
@@ -15,8 +15,9 @@ pub use sidc_lang::library::MEMORY;
 use sidc_lang::library::{GENERATORS, Library};
 use sidc_lang::model::{Equation, Model, RightSide};
 use sidc_lang::source::{FileId, Sources};
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Signal, SignalNames};
 use sidc_lang::{GeneratorSignature, Vocabulary};
+use sidc_progress::{Activity, Observer};
 use sidc_solve::threads;
 use sidc_system::discovery::Discovery;
 use sidc_system::validate;
@@ -134,14 +135,14 @@ pub struct Rows {
 }
 
 /// Program + tables → the problem of all equations together, or samples of every signal that they mention; no rows if
-/// `monitor` ended the work.
+/// the observer ended the work.
 pub fn measure(
     program: &Program,
     tables: &[Table],
     params: &[(String, Vec<f64>)],
     (rows, options): (&Rows, &Options),
     sources: &mut Sources,
-    monitor: SignalMonitor,
+    observer: &mut dyn Observer,
 ) -> Staged<Measured> {
     let (mut dataset, mut diagnostics) = data::bind(&program.model, tables, params, sources);
     if diagnostics.iter().any(Diagnostic::is_error) {
@@ -160,20 +161,21 @@ pub fn measure(
     };
     let (model, libraries) = (&program.model, &program.libraries);
     let first = model.equations.first().map_or(Signal::TIME, |e| e.target);
-    let together = |options: &Options, monitor: SignalMonitor| {
-        let mut go_on = || monitor(first).is_continue();
-        discover::joint(model, libraries, &dataset, options, &mut go_on)
+    let signal = &model.name(first);
+    let together = |options: &Options, observer: &mut dyn Observer| {
+        let _ = observer.hear(Activity::Preparing { signal });
+        discover::joint(model, libraries, &dataset, options, observer)
     };
-    let mut joint = together(options, monitor);
+    let mut joint = together(options, observer);
     let (samples, mut found, report) = match &joint {
         Ok(_) => Default::default(),
-        Err(_) => data::samples(&program.model, &dataset, &needed(program), monitor),
+        Err(_) => data::samples(&program.model, &dataset, &needed(program), observer),
     };
     let free = options.method == Method::Auto && options.samples.is_none() && !options.path;
     if free && found.iter().any(|d| d.code == "no-samples") {
         // Readings that are never complete, or too sparse for derivatives, may do for a trajectory.
         let method = Method::Joint;
-        joint = together(&Options { method, ..*options }, monitor).or(joint);
+        joint = together(&Options { method, ..*options }, observer).or(joint);
         found.retain(|d| !d.is_error() || joint.is_err());
     }
     if let Err(why) = &joint {
@@ -227,15 +229,15 @@ pub fn identify(
     program: &Program,
     measured: &Measured,
     options: &Options,
-    watch: Watch,
+    observer: &mut dyn Observer,
 ) -> Result<Discovery, Vec<Diagnostic>> {
     if let Some(problem) = &measured.joint {
-        let found = discover::discover_jointly(&program.model, problem, options, &mut *watch);
+        let found = discover::discover_jointly(&program.model, problem, options, &mut *observer);
         let (mut discovery, fitted) = found.unwrap_or_else(|| {
             let nothing = discover::nothing_fits(&program.model, problem);
             (nothing, Fitted::default())
         });
-        let found = (&mut discovery, watch);
+        let found = (&mut discovery, observer);
         evidence::weigh_fitted(program, measured, &fitted, options, found);
         return Ok(discovery);
     }
@@ -244,7 +246,7 @@ pub fn identify(
         &program.libraries,
         (&measured.dataset, &measured.samples),
         options,
-        &mut *watch,
+        &mut *observer,
     );
     let mut discovery = found.map_err(|bad| {
         bad.into_iter()
@@ -260,19 +262,19 @@ pub fn identify(
         samples: &measured.samples,
         read: None,
     };
-    evidence::weigh(program, rows, None, options, (&mut discovery, watch));
+    evidence::weigh(program, rows, None, options, (&mut discovery, observer));
     Ok(discovery)
 }
 
-/// What was found, run on the rows used and on those held out; `None` where none were. `go_on` hears the time reached in a run.
+/// What was found, run on the rows used and on those held out; `None` where none were. The observer hears the time reached in a run.
 pub fn validate(
     program: &Program,
     measured: &Measured,
     found: &mut Discovery,
-    go_on: &mut dyn FnMut(f64) -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<Validation> {
     let data = (&measured.dataset, &measured.held);
-    let runs = validate::validate((found, &program.model), data, go_on)?;
+    let runs = validate::validate((found, &program.model), data, observer)?;
     validate::doubt(&runs, found);
     Some(runs)
 }

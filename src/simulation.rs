@@ -4,7 +4,7 @@ use sidc_data as data;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
-use sidc_progress::{Activity, Observer, Unwatched};
+use sidc_progress::{Observer, Unwatched};
 use sidc_system::discovery::Discovery as FoundSystem;
 use sidc_system::simulate::{self, Options, Run, Source};
 
@@ -87,10 +87,9 @@ impl Discovery {
             model: &model,
             dataset: &dataset,
         };
-        let mut go_on = |time| observer.hear(Activity::Running { time }).is_continue();
         let mut runs = Vec::new();
         for record in 0..dataset.trajectories.len() {
-            let run = simulate::simulate(&source, record, &Options::default(), &mut go_on);
+            let run = simulate::simulate(&source, record, &Options::default(), observer);
             let run = run.map_err(|d| Error::of(ErrorKind::Data, &[d], &sources))?;
             runs.push(named(discovery, run));
         }

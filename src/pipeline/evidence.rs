@@ -12,9 +12,9 @@ use sidc_discover::identifiability;
 use sidc_discover::identifiability::Rows;
 use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
-use sidc_discover::{Fitted, Options, Step, Watch};
+use sidc_discover::{Fitted, Options};
 use sidc_lang::term::Signal;
-use sidc_progress::{Stage, Stop};
+use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
 use sidc_system::discovery::{Discovery, Equation, Identifiability, Stretches};
 
 /// Samples from which on readings are not differentiated only to say what is missing.
@@ -27,11 +27,11 @@ pub(super) fn weigh(
     rows: Rows,
     stretches: Option<&Stretches>,
     options: &Options,
-    (discovery, watch): (&mut Discovery, Watch),
+    (discovery, observer): (&mut Discovery, &mut dyn Observer),
 ) {
     let mut judged: Vec<Judged> = Vec::new();
     for place in 0..discovery.equations.len() {
-        if let ControlFlow::Break(stop) = asked(discovery, place, watch) {
+        if let ControlFlow::Break(stop) = asked(discovery, place, observer) {
             discover::unweighed(discovery, place, stop);
             break;
         }
@@ -63,12 +63,12 @@ pub(super) fn weigh(
 }
 
 /// Whether to weigh the equation at a place; nobody is asked again who said stop already.
-fn asked(discovery: &Discovery, place: usize, watch: Watch) -> ControlFlow<Stop> {
+fn asked(discovery: &Discovery, place: usize, observer: &mut dyn Observer) -> ControlFlow<Stop> {
     if discovery.was_stopped() {
         return ControlFlow::Continue(());
     }
-    watch(Step {
-        equation: place,
+    observer.hear(Activity::Equation {
+        place,
         stage: Stage::Weighing,
     })
 }
@@ -79,7 +79,7 @@ pub(super) fn weigh_fitted(
     measured: &Measured,
     fitted: &Fitted,
     options: &Options,
-    (discovery, watch): (&mut Discovery, Watch),
+    (discovery, observer): (&mut Discovery, &mut dyn Observer),
 ) {
     let dataset = &measured.dataset;
     let rows: usize = dataset.trajectories.iter().map(|t| t.time.len()).sum();
@@ -92,17 +92,14 @@ pub(super) fn weigh_fitted(
         signals.extend(targets.flat_map(around));
         signals.sort_unstable();
         signals.dedup();
-        data::samples(&program.model, dataset, &signals, &mut |_| {
-            ControlFlow::Continue(())
-        })
-        .0
+        data::samples(&program.model, dataset, &signals, &mut Unwatched).0
     });
     let rows = Rows {
         samples: &fitted.samples,
         read: read.as_ref(),
     };
     let stretches = fitted.stretches.as_ref();
-    weigh(program, rows, stretches, options, (discovery, watch));
+    weigh(program, rows, stretches, options, (discovery, observer));
 }
 
 /// What one equation's rows say.

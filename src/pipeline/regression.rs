@@ -120,7 +120,8 @@ impl Program {
     ///
     /// ```
     /// use sidc::pipeline::Program;
-    /// use sidc_solve::{SOLVERS, certify, unwatched};
+    /// use sidc_progress::Unwatched;
+    /// use sidc_solve::{SOLVERS, certify};
     ///
     /// // A ball falls through air: 0.05 v|v| of drag, found out of ten terms on six rows.
     /// let program = Program::compile("fall.sid", "state v\ndv ~ <1, v*abs(v)> * powers(v; 4)\n")?;
@@ -130,7 +131,7 @@ impl Program {
     ///
     /// let regression = program.regression("dv", &samples)?;
     /// let problem = regression.problem(0.0);
-    /// let solution = SOLVERS[0].solve(&problem, &mut unwatched);
+    /// let solution = SOLVERS[0].solve(&problem, &mut Unwatched);
     /// let found = program.terms("dv", &solution.coefficients);
     /// assert_eq!(found[0].0, "1");
     /// assert_eq!(found[1].0, "v*abs(v)");

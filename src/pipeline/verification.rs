@@ -4,32 +4,31 @@
 //! Never changes a term or a coefficient.
 
 use super::{Measured, Program};
+use sidc_discover::unverified;
 use sidc_discover::verify;
 use sidc_discover::verify::Case;
-use sidc_discover::{Step, Watch, unverified};
-use sidc_progress::{Stage, Stop};
+use sidc_progress::{EquationObserver, Observer, Stage, Stop};
 use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status, Verification};
 
-/// Checks every equation that was found, by other code and in other arithmetic. Where `watch` ends the work, equations that
-/// were not come to are doubted for it.
-pub fn verify(program: &Program, measured: &Measured, discovery: &mut Discovery, watch: Watch) {
-    let mut stopped = None;
+/// Checks every equation that was found, by other code and in other arithmetic. Where the observer ends the work, equations
+/// that were not reached are doubted for it.
+pub fn verify(
+    program: &Program,
+    measured: &Measured,
+    discovery: &mut Discovery,
+    observer: &mut dyn Observer,
+) {
+    let mut observer = EquationObserver::new(observer);
     for at in 0..discovery.equations.len() {
         let Some((place, case)) = case(program, measured, discovery, at) else {
             continue;
         };
-        let checked = match stopped {
-            Some(stop) => Err(stop),
-            None => one(&case, &mut |columns| {
-                let stage = Stage::Verifying(columns, case.library.slots());
-                let step = Step {
-                    equation: place,
-                    stage,
-                };
-                watch(step).break_value()
-            }),
+        observer.turn_to(place);
+        let checked = match observer.at(Stage::Verifying(0, case.library.slots())) {
+            Some(_) => None,
+            None => verify::verify(&case, &mut observer),
         };
-        stopped = checked.as_ref().err().copied();
+        let checked = observer.stop().map_or(Ok(checked), Err);
         if let Some(equation) = discovery.equations.get_mut(at) {
             attach(equation, checked);
         }
@@ -60,24 +59,6 @@ fn case<'a>(
         dataset: &measured.dataset,
     };
     Some((place, case))
-}
-
-fn one(
-    case: &Case,
-    watch: &mut dyn FnMut(usize) -> Option<Stop>,
-) -> Result<Option<Verification>, Stop> {
-    let mut stop = watch(0);
-    if let Some(stop) = stop {
-        return Err(stop);
-    }
-    let verified = verify::verify(case, &mut |columns| {
-        stop = watch(columns);
-        stop.is_none()
-    });
-    match stop {
-        Some(stop) => Err(stop),
-        None => Ok(verified),
-    }
 }
 
 fn attach(equation: &mut Equation, checked: Result<Option<Verification>, Stop>) {

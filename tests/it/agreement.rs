@@ -4,8 +4,8 @@
 //! optimal, whoever found it.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status};
 
@@ -177,7 +177,7 @@ impl Case {
             target: &self.target,
             tolerance: self.tolerance,
         };
-        solver.solve(&problem, &mut |_| ControlFlow::Continue(()))
+        solver.solve(&problem, &mut Unwatched)
     }
 
     /// ‖Da‖₁

@@ -1,10 +1,10 @@
 //! The heuristics behind `trait Solver`: right where theory says so, honest elsewhere, and never a proof.
 
-use std::ops::ControlFlow;
-
 use proptest::prelude::*;
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::{Collector, Dense, Dictionary, Strongest};
 use sidc_solve::{Problem, SOLVERS, Solution, Solver, Status, certify, least_squares};
+use sidc_testing::observers::{interrupting, solver_progress};
 
 use crate::solve::{combine, gaussian};
 use sidc_testing::pendulum_regression::{Random, Target, draw, regression};
@@ -24,7 +24,7 @@ fn run(
         target,
         tolerance,
     };
-    solver.solve(&problem, &mut |_| ControlFlow::Continue(()))
+    solver.solve(&problem, &mut Unwatched)
 }
 
 fn length(v: &[f64]) -> f64 {
@@ -267,7 +267,7 @@ fn columns_of_any_length_are_treated_alike() {
 }
 
 #[test]
-fn the_monitor_stops_them_and_is_asked_every_time() {
+fn an_observer_stops_them_and_is_asked_every_time() {
     let phi = gaussian(30, 25, 9, |_| 1.0);
     let y = combine(&phi, &planted(&phi, 6, 3));
     let problem = Problem {
@@ -277,15 +277,13 @@ fn the_monitor_stops_them_and_is_asked_every_time() {
     };
     for solver in heuristics() {
         let mut calls = 0;
-        let s = solver.solve(&problem, &mut |p| {
-            assert!(p.residual.is_finite());
+        let mut observer = interrupting(|activity| {
+            assert!(solver_progress(activity).residual.is_finite());
             calls += 1;
-            if calls == 3 {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            calls == 3
         });
+        let s = solver.solve(&problem, &mut observer);
+        drop(observer);
         assert_eq!(
             (s.status.clone(), calls),
             (Status::Interrupted, 3),

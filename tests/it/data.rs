@@ -2,8 +2,6 @@
 
 #![allow(clippy::expect_used, clippy::panic)]
 
-use std::ops::ControlFlow;
-
 use sidc_data as data;
 use sidc_data::{Dataset, Limits, Origin, Samples, Table};
 use sidc_lang::diagnostic::{Diagnostic, Severity};
@@ -13,6 +11,7 @@ use sidc_lang::model::{
 };
 use sidc_lang::source::{Sources, Span};
 use sidc_lang::term::{Expr, Signal, VarId};
+use sidc_progress::Unwatched;
 
 // ---- Models, built by hand: this stage does not know the parser. ----
 
@@ -489,8 +488,7 @@ fn undeclared_inputs_are_held_if_they_mostly_stand_still() {
 // ---- Samples. ----
 
 fn sampled(model: &Model, dataset: &Dataset, needed: &[Signal]) -> Samples {
-    let (samples, ds, _) =
-        data::samples(model, dataset, needed, &mut |_| ControlFlow::Continue(()));
+    let (samples, ds, _) = data::samples(model, dataset, needed, &mut Unwatched);
     assert!(!ds.iter().any(Diagnostic::is_error), "{ds:?}");
     samples
 }
@@ -599,10 +597,12 @@ fn rows_without_a_needed_signal_are_left_out() {
     let table = table(&mut sources, "run.csv", text);
     let (dataset, _) = data::bind(&model, &[table], &[], &mut sources);
     let dx = Signal::derivative(VarId(1), 1);
-    let (samples, ds, report) =
-        data::samples(&model, &dataset, &[Signal::new(VarId(1)), dx], &mut |_| {
-            ControlFlow::Continue(())
-        });
+    let (samples, ds, report) = data::samples(
+        &model,
+        &dataset,
+        &[Signal::new(VarId(1)), dx],
+        &mut Unwatched,
+    );
     assert_eq!(samples.len(), 59);
     assert_eq!(codes(&ds), ["rows-left-out"]);
     assert!(report.iter().any(|p| p.signal == dx && !p.measured));

@@ -1,9 +1,8 @@
 //! Tied problems against independent checks: every active set tried, and weak duality.
 
-use std::ops::ControlFlow;
-
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{
     FitBlock, Joint, JointSolution, Outcome, Problem, Row, Sense, certify_joint, fit, nearest,
@@ -176,7 +175,7 @@ proptest! {
             tolerance: if noisy { 0.3 } else { 0.0 },
         };
         let joint = Joint { blocks: vec![problem(0), problem(1)], rows: random_rows(cols, seed) };
-        let found = solve_joint(&joint, &[], &mut |_| ControlFlow::Continue(()));
+        let found = solve_joint(&joint, &[], &mut Unwatched);
         prop_assert_eq!(found.outcome, Outcome::Solved);
         let proof = certify_joint(&joint, &found.coefficients, &found.duals, &found.multipliers);
         // Clarabel stops at 1e-8; the rows then miss by as much.
@@ -286,7 +285,7 @@ fn columns_far_from_the_start_are_priced_in() {
         blocks: vec![problem(0), problem(1)],
         rows: vec![tie, sign],
     };
-    let found = solve_joint(&joint, &[], &mut |_| ControlFlow::Continue(()));
+    let found = solve_joint(&joint, &[], &mut Unwatched);
     assert_eq!(found.outcome, Outcome::Solved);
     for a in &found.coefficients {
         let large: Vec<usize> = a
@@ -315,7 +314,7 @@ fn data_that_no_column_can_reconcile_are_infeasible() {
         }],
         rows: vec![row(&[(0, 1, 1.0)], Sense::Equal, 0.0)],
     };
-    let found = solve_joint(&joint, &[], &mut |_| ControlFlow::Continue(()));
+    let found = solve_joint(&joint, &[], &mut Unwatched);
     assert_eq!(found.outcome, Outcome::Infeasible);
     // What is left of (1, 3, 5) beside its mean: √8 of √35.
     let left = nearest(&joint, &[])[0];

@@ -1,10 +1,10 @@
 //! The Lasso path: every knot against conditions and bounds that are computed here, from columns alone.
 
-use std::ops::ControlFlow;
-
 use proptest::prelude::*;
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{Knot, Problem, certify, certify_lasso, lasso, lasso_path};
+use sidc_testing::observers::interrupting;
 
 use sidc_testing::pendulum_regression::{Random, Target, draw, regression};
 
@@ -188,11 +188,11 @@ fn problem<'a>(phi: &'a Dense, y: &'a [f64], tolerance: f64) -> Problem<'a> {
 }
 
 fn path(p: &Problem) -> Vec<Knot> {
-    lasso_path(p, MOST, &mut |_| ControlFlow::Continue(()))
+    lasso_path(p, MOST, &mut Unwatched)
 }
 
 fn at(p: &Problem, penalty: f64) -> Option<Knot> {
-    lasso(p, penalty, &mut |_| ControlFlow::Continue(()))
+    lasso(p, penalty, &mut Unwatched)
 }
 
 /// Coefficient · length of every column, part of the way from one knot to the next.
@@ -346,21 +346,18 @@ fn a_path_may_be_cut() {
     let r = regression(&draw(60, 4), Target::Pendulum, [2; 8]);
     let p = problem(&r.dictionary, &r.target, 0.0);
     let whole = path(&p);
-    let few = lasso_path(&p, 4, &mut |_| ControlFlow::Continue(()));
+    let few = lasso_path(&p, 4, &mut Unwatched);
     assert_eq!(few.len(), 4);
     let penalties = |k: &[Knot]| -> Vec<f64> { k.iter().map(|k| k.penalty).collect() };
     assert_eq!(penalties(&few), penalties(&whole[..4]));
     let mut told = 0;
-    let stopped = lasso_path(&p, MOST, &mut |_| {
+    let mut observer = interrupting(|_| {
         told += 1;
-        if told > 3 {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        told > 3
     });
+    let stopped = lasso_path(&p, MOST, &mut observer);
     assert!(!stopped.is_empty() && stopped.len() < whole.len());
-    assert!(lasso(&p, 1e-3, &mut |_| ControlFlow::Break(())).is_none());
+    assert!(lasso(&p, 1e-3, &mut interrupting(|_| true)).is_none());
     for penalty in [0.0, -1.0, f64::NAN] {
         assert!(at(&p, penalty).is_none());
     }

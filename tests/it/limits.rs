@@ -7,12 +7,13 @@ use sidc::pipeline;
 use sidc::pipeline::{MEMORY, Measured, Program, Rows};
 use sidc_data as data;
 use sidc_data::Limits;
-use sidc_discover::{Options, Step};
+use sidc_discover::Options;
 use sidc_lang::source::Sources;
-use sidc_progress::{Stage, Stop};
+use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
 use sidc_solve::SOLVERS;
 use sidc_system::discovery::{Discovery, Reason, Status};
 use sidc_system::result::{Document, FailedEntry};
+use sidc_testing::observers::interrupting;
 
 use sidc_testing::program::{Run, file, sidc, sidc_in};
 
@@ -153,25 +154,23 @@ fn lorenz() -> (Program, Measured) {
     let mut sources = Sources::default();
     let model = sources.add("lorenz.sid", file(LORENZ[0]));
     let program = pipeline::compile(model, &sources, MEMORY).0.unwrap();
-    let measured = measure(&program, &mut sources, |_| ControlFlow::Continue(()));
+    let measured = measure(&program, &mut sources, &mut Unwatched);
     (program, measured)
 }
 
-fn measure(
-    program: &Program,
-    sources: &mut Sources,
-    mut monitor: impl FnMut(usize) -> ControlFlow<()>,
-) -> Measured {
+fn measure(program: &Program, sources: &mut Sources, observer: &mut dyn Observer) -> Measured {
     let text = file(LORENZ[1]);
     let table = data::read("lorenz.csv", text.as_bytes(), &Limits::default(), sources).unwrap();
-    let mut told = 0;
     let rows = Rows::default();
     let how = (&rows, &Options::default());
-    let staged = pipeline::measure(program, &[table], &[], how, sources, &mut |_| {
-        told += 1;
-        monitor(told)
-    });
+    let staged = pipeline::measure(program, &[table], &[], how, sources, observer);
     staged.0.unwrap()
+}
+
+/// A stage of the equation at a place.
+struct Step {
+    place: usize,
+    stage: Stage,
 }
 
 /// Identifies the Lorenz system until `ends` says stop; the steps told until then.
@@ -187,9 +186,14 @@ fn until(ends: impl Fn(&Step) -> bool, why: Stop) -> (Discovery, Vec<Step>) {
         robust: false,
     };
     let mut told = Vec::new();
-    let found = pipeline::identify(&program, &measured, &options, &mut |step| {
+    let found = pipeline::identify(&program, &measured, &options, &mut |activity: Activity| {
+        let Activity::Equation { place, stage } = activity else {
+            panic!("{activity:?}");
+        };
+        let step = Step { place, stage };
+        let end = ends(&step);
         told.push(step);
-        if ends(&step) {
+        if end {
             ControlFlow::Break(why)
         } else {
             ControlFlow::Continue(())
@@ -216,7 +220,7 @@ fn solving(step: &Step, iteration: usize) -> bool {
 fn every_stage_of_every_equation_is_told_in_order() {
     let (d, told) = until(|_| false, Stop::Interrupted);
     assert!(d.passes());
-    let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.equation, stage(s.stage))).collect();
+    let mut stages: Vec<(usize, u8)> = told.iter().map(|s| (s.place, stage(s.stage))).collect();
     // The evidence of all equations is weighed when all are found.
     let weighed = stages.split_off(stages.partition_point(|s| s.1 < 3));
     assert_eq!(weighed, [(0, 3), (1, 3), (2, 3)]);
@@ -237,11 +241,11 @@ fn stage(s: Stage) -> u8 {
 
 #[test]
 fn a_stop_between_equations_keeps_those_found() {
-    let (d, told) = until(|s| s.equation == 1, Stop::Interrupted);
+    let (d, told) = until(|s| s.place == 1, Stop::Interrupted);
     assert_eq!(d.equations[0].status, Status::Pass);
     assert_eq!((d.equations.len(), missing(&d, "interrupted")), (1, 2));
     assert_eq!(
-        told.iter().filter(|s| s.equation > 0).count(),
+        told.iter().filter(|s| s.place > 0).count(),
         1,
         "asked again after its stop"
     );
@@ -286,7 +290,7 @@ fn a_stop_while_choosing_is_a_doubt_too() {
 
 #[test]
 fn a_stop_while_evidence_is_weighed_doubts_what_was_not_weighed() {
-    let weighing = |s: &Step| s.equation == 1 && matches!(s.stage, Stage::Weighing);
+    let weighing = |s: &Step| s.place == 1 && matches!(s.stage, Stage::Weighing);
     let (d, told) = until(weighing, Stop::Interrupted);
     assert!(
         weighing(told.last().unwrap()),
@@ -319,14 +323,12 @@ fn a_stop_while_signals_are_prepared_leaves_no_rows() {
     let model = sources.add("lorenz.sid", file(LORENZ[0]));
     let program = pipeline::compile(model, &sources, MEMORY).0.unwrap();
     let mut told = 0;
-    let measured = measure(&program, &mut sources, |n| {
-        told = n;
-        if n == 2 {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+    let mut observer = interrupting(|_| {
+        told += 1;
+        told == 2
     });
+    let measured = measure(&program, &mut sources, &mut observer);
+    drop(observer);
     assert_eq!(told, 2, "asked again after its stop");
     assert!(measured.samples.is_empty() && measured.report.is_empty());
 }

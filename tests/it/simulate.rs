@@ -5,10 +5,12 @@ use sidc_data::Limits;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::{Observer, Unwatched};
 use sidc_system::result;
 use sidc_system::result::Opened;
 use sidc_system::simulate;
 use sidc_system::simulate::{FaultKind, Method, Options, Origin, Run, Source};
+use sidc_testing::observers::interrupting;
 
 /// A result document: variables as `kind name order`, equations as a target and its terms.
 pub fn document(time: &str, variables: &[&str], equations: &[(&str, &[(f64, &str)])]) -> String {
@@ -68,14 +70,14 @@ pub fn csv(rows: usize, step: f64, columns: &[(&str, &dyn Fn(f64) -> f64)]) -> S
 }
 
 pub fn run(opened: &Opened, csv: &str, options: &Options) -> Result<Run, Diagnostic> {
-    run_until(opened, csv, options, &mut |_| true)
+    run_until(opened, csv, options, &mut Unwatched)
 }
 
 fn run_until(
     opened: &Opened,
     csv: &str,
     options: &Options,
-    go_on: &mut dyn FnMut(f64) -> bool,
+    observer: &mut dyn Observer,
 ) -> Result<Run, Diagnostic> {
     let mut sources = Sources::default();
     let table = data::read("d.csv", csv.as_bytes(), &Limits::default(), &mut sources).unwrap();
@@ -89,7 +91,7 @@ fn run_until(
         model: &model,
         dataset: &dataset,
     };
-    simulate::simulate(&source, 0, options, go_on)
+    simulate::simulate(&source, 0, options, observer)
 }
 
 fn column<'a>(run: &'a Run, opened: &Opened, name: &str) -> &'a [f64] {
@@ -622,11 +624,11 @@ fn a_run_that_is_stopped_keeps_what_there_is() {
         ],
     );
     let mut questions = 0;
-    let mut go_on = |_| {
+    let mut observer = interrupting(|_| {
         questions += 1;
-        questions < 5
-    };
-    let run = run_until(&opened, &data, &Options::default(), &mut go_on).unwrap();
+        questions == 5
+    });
+    let run = run_until(&opened, &data, &Options::default(), &mut observer).unwrap();
     assert_eq!(run.fault().unwrap().kind, FaultKind::Stopped);
     assert!((10..1990).contains(&run.time.len()), "{}", run.time.len());
 }

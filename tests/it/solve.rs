@@ -1,12 +1,12 @@
 //! Solvers on problems with a known answer.
 
-use std::ops::ControlFlow;
-
 use proptest::prelude::*;
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::{Dense, Dictionary};
 use sidc_solve::{
     Certificate, Problem, SOLVERS, Solution, Status, certify, least_squares, polish, refine_dual,
 };
+use sidc_testing::observers::{interrupting, solver_progress};
 
 use sidc_testing::pendulum_regression::{Random, Regression, Target, draw, regression};
 
@@ -18,7 +18,7 @@ fn solve(solver: usize, dictionary: &dyn Dictionary, target: &[f64], tolerance: 
         target,
         tolerance,
     };
-    SOLVERS[solver].solve(&problem, &mut |_| ControlFlow::Continue(()))
+    SOLVERS[solver].solve(&problem, &mut Unwatched)
 }
 
 /// Places of the solvers that solve the problem stated; heuristics have tests of their own.
@@ -204,13 +204,8 @@ fn refined_dual_closes_the_gap_further() {
         target: &r.target,
         tolerance: 0.0,
     };
-    let s = SOLVERS[1].solve(&problem, &mut |p| {
-        if p.gap < 1e-3 {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
-    });
+    let mut observer = interrupting(|activity| solver_progress(activity).gap < 1e-3);
+    let s = SOLVERS[1].solve(&problem, &mut observer);
     assert_eq!(s.status, Status::Interrupted);
     let rough = certify(&problem, &s.coefficients, &s.dual);
     let support: Vec<usize> = {
@@ -410,7 +405,7 @@ fn values_that_are_not_finite_end_without_a_panic() {
 }
 
 #[test]
-fn monitor_can_stop_every_exact_solver() {
+fn an_observer_can_stop_every_exact_solver() {
     let phi = gaussian(20, 60, 9, |_| 1.0);
     let y = gaussian(20, 1, 10, |_| 1.0).values().to_vec();
     for solver in SOLVERS.iter().filter(|s| s.exact()) {
@@ -421,14 +416,10 @@ fn monitor_can_stop_every_exact_solver() {
                 target: &y,
                 tolerance: 0.0,
             },
-            &mut |_| {
+            &mut interrupting(|_| {
                 calls += 1;
-                if calls == 3 {
-                    ControlFlow::Break(())
-                } else {
-                    ControlFlow::Continue(())
-                }
-            },
+                calls == 3
+            }),
         );
         assert_eq!(
             (s.status, calls),
@@ -519,52 +510,5 @@ proptest! {
         let y = gaussian(rows, 1, seed + 1, |_| 1.0).values().to_vec();
         let floor = least_squares(&phi, &y).residual;
         all_agree(&phi, &y, floor + part * (length(&y) - floor))?;
-    }
-}
-
-#[test]
-#[ignore = "a survey to read, not a check"]
-fn survey() {
-    for (rows, level) in [
-        (40, 0.0),
-        (100, 0.0),
-        (375, 0.0),
-        (40, 1e-1),
-        (40, 1e-3),
-        (60, 1e-5),
-        (60, 1e-7),
-        (375, 1e-2),
-    ] {
-        for target in [Target::Cart, Target::Pendulum] {
-            for seed in 0..if rows > 100 { 1 } else { 2 } {
-                let r = regression(&draw(rows, seed), target, POWERS);
-                let mut random = Random::new(seed);
-                let noise: Vec<f64> = r.target.iter().map(|_| random.normal()).collect();
-                let size = level * length(&r.target) / length(&noise);
-                let y: Vec<f64> = r
-                    .target
-                    .iter()
-                    .zip(&noise)
-                    .map(|(y, n)| y + size * n)
-                    .collect();
-                let tolerance = level * length(&r.target);
-                let s = solve(0, &r.dictionary, &y, tolerance);
-                let c = certificate(&r.dictionary, &s, &y, tolerance);
-                let (right, wrong) = errors(&r, &s);
-                println!(
-                    "{rows} {level:e} {target:?} {seed}: {:?} {} it, gap {:.1e} excess {:.1e} |S| {} unique {} right {right:.1e} wrong {wrong:.1e}",
-                    s.status,
-                    s.iterations,
-                    c.gap,
-                    if tolerance > 0.0 {
-                        c.residual / tolerance - 1.0
-                    } else {
-                        c.relative_residual
-                    },
-                    c.support.len(),
-                    c.proves_unique
-                );
-            }
-        }
     }
 }

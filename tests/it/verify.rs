@@ -12,11 +12,12 @@ use sidc::pipeline::{MEMORY, Measured, Program, Rows};
 use sidc_data as data;
 use sidc_data::{Dataset, Samples};
 use sidc_discover::verify::{Case, verify};
-use sidc_discover::{Options, Step, discover};
+use sidc_discover::{Options, discover};
 use sidc_lang::source::Sources;
 use sidc_lang::term::Signal;
-use sidc_progress::Stop;
+use sidc_progress::{Activity, Stage, Stop, Unwatched};
 use sidc_system::discovery::{Discovery, Equation, Evidence, ReasonCode, Verification, Witness};
+use sidc_testing::observers::interrupting;
 
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{file, sidc};
@@ -46,10 +47,15 @@ impl Bench {
         let time: Vec<f64> = (0..rows).map(|k| k as f64).collect();
         let columns: [(&str, &[f64]); 3] = [("x", &x), ("y", &y), ("dx", &dx)];
         let samples = program.samples(&time, &columns).unwrap();
-        let go_on = &mut |_| ControlFlow::Continue(());
         let data = (&Dataset::default(), &samples);
         let options = Options::default();
-        let found = discover(&program.model, &program.libraries, data, &options, go_on);
+        let found = discover(
+            &program.model,
+            &program.libraries,
+            data,
+            &options,
+            &mut Unwatched,
+        );
         Bench {
             program,
             samples,
@@ -70,7 +76,7 @@ impl Bench {
             samples: &self.samples,
             dataset: &Dataset::default(),
         };
-        verify(&case, &mut |_| true).unwrap()
+        verify(&case, &mut Unwatched).unwrap()
     }
 }
 
@@ -268,12 +274,14 @@ fn a_stop_is_heard_and_leaves_a_reason() {
         samples: &bench.samples,
         dataset: &Dataset::default(),
     };
-    assert!(verify(&case, &mut |_| false).is_none());
+    assert!(verify(&case, &mut interrupting(|_| true)).is_none());
     let mut calls = 0;
-    let stopped = verify(&case, &mut |columns| {
+    let mut observer = interrupting(|activity| {
         calls += 1;
-        columns == 0
+        matches!(activity, Activity::Stage(Stage::Verifying(..)))
     });
+    let stopped = verify(&case, &mut observer);
+    drop(observer);
     assert!(stopped.is_none() && calls > 1);
 }
 
@@ -286,22 +294,21 @@ fn measured(name: &str) -> (Program, Measured) {
     let limits = data::Limits::default();
     let table = data::read("data.csv", text.as_bytes(), &limits, &mut sources).unwrap();
     let how = (&Rows::default(), &Options::default());
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let staged = pipeline::measure(&program, &[table], &[], how, &mut sources, go_on);
+    let staged = pipeline::measure(&program, &[table], &[], how, &mut sources, &mut Unwatched);
     (program, staged.0.unwrap())
 }
 
 /// What is found in it, verified after `change`.
 fn verified(name: &str, change: impl FnOnce(&mut Discovery), stop: Option<Stop>) -> Discovery {
     let (program, measured) = measured(name);
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let mut found = pipeline::identify(&program, &measured, &Options::default(), go_on).unwrap();
+    let mut found =
+        pipeline::identify(&program, &measured, &Options::default(), &mut Unwatched).unwrap();
     change(&mut found);
-    let watch = &mut |step: Step| match stop {
-        Some(stop) if step.equation > 0 => ControlFlow::Break(stop),
+    let mut observer = |activity: Activity| match (stop, activity) {
+        (Some(stop), Activity::Equation { place: 1.., .. }) => ControlFlow::Break(stop),
         _ => ControlFlow::Continue(()),
     };
-    pipeline::verify(&program, &measured, &mut found, watch);
+    pipeline::verify(&program, &measured, &mut found, &mut observer);
     found
 }
 

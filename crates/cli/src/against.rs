@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use super::limits::{self, Limits};
 use super::narrate::{Narrator, Talk};
-use super::progress::{Line, Work};
 use super::{Failure, hint, inputs, values};
 use sidc_data as data;
 use sidc_data::Dataset;
@@ -92,14 +91,6 @@ impl Against {
             files,
             given,
         })
-    }
-}
-
-/// Shows how far a run is, and ends it when time is up.
-pub fn watch(name: &str, line: &Line, limits: &Limits) -> impl FnMut(f64) -> bool {
-    |time| {
-        line.show(Work::Running(name.into(), time));
-        limits.go_on().is_continue()
     }
 }
 

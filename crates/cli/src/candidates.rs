@@ -7,6 +7,7 @@ use super::{Failure, inputs};
 use sidc_data::HoldOutRange;
 use sidc_lang::source::Sources;
 use sidc_lang::term::SignalNames;
+use sidc_progress::Activity;
 use sidc_system::result::CandidateEntry;
 use sidc_system::validate;
 use sidc_system::validate::{FOLLOWED, Merit, Validation, rank};
@@ -77,10 +78,10 @@ fn restarted(
     parts: usize,
     (shared, limits): (&[String], &Limits),
 ) -> Vec<Merit> {
-    let mut go_on = |_| limits.go_on().is_continue();
+    let mut observer = |_: Activity| limits.check();
     let one = |(candidate, found): (&Candidate, &Found)| {
         let (model, held) = (&candidate.program.model, &candidate.measured.held);
-        let runs = validate::restarted((&found.discovery, model), held, parts, &mut go_on);
+        let runs = validate::restarted((&found.discovery, model), held, parts, &mut observer);
         merit(found, Some(&runs), shared)
     };
     all.iter().zip(tried).map(one).collect()

@@ -16,6 +16,7 @@ use sidc_lang::library::{Block, Library, readable, readable_bytes};
 use sidc_lang::model::Model;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
+use sidc_progress::Activity;
 
 /// Check a model, and whether the data fit it
 #[derive(clap::Args)]
@@ -54,8 +55,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             &args.params,
             (&Rows::default(), &Options::default()),
             &mut sources,
-            &mut |signal| {
-                line.show(Work::Preparing(program.model.name(signal)));
+            &mut |activity: Activity| {
+                if let Activity::Preparing { signal } = activity {
+                    line.show(Work::Preparing(signal.into()));
+                }
                 ControlFlow::Continue(())
             },
         );

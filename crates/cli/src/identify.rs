@@ -6,14 +6,14 @@ use std::time::Duration;
 use super::check::counted;
 use super::inputs::{self, Inputs, Notes};
 use super::limits::{self, Limits};
-use super::narrate::{Narrator, Talk};
-use super::progress::{self, Work};
+use super::narrate::{Narrator, Talk, Watch};
+use super::progress;
 use super::values::{self, Held};
 use super::{Failure, answer, candidates, output, status};
 use sidc::pipeline;
 use sidc::pipeline::{Measured, Program, Rows};
 use sidc_data::{HoldOut, Table};
-use sidc_discover::{METHODS, Method, Options, Step};
+use sidc_discover::{METHODS, Method, Options};
 use sidc_lang::source::Sources;
 use sidc_lang::term::SignalNames;
 use sidc_solve::{SOLVERS, Solver};
@@ -212,16 +212,20 @@ fn prepare(
     (sources, limits): (&mut Sources, &Limits),
 ) -> Result<Candidate, Failure> {
     let line = args.talk.line(limits);
+    let mut watch = Watch {
+        line: &line,
+        limits,
+        narrator: &Narrator::silent(),
+        targets: &[],
+        record: "",
+    };
     let mut staged = pipeline::measure(
         &program,
         tables,
         &args.params,
         (rows, &args.options()),
         sources,
-        &mut |signal| {
-            line.show(Work::Preparing(program.model.name(signal)));
-            limits.go_on()
-        },
+        &mut watch,
     );
     drop(line);
     if args.method == Method::Weak {
@@ -256,13 +260,14 @@ pub(super) fn find(
 ) -> Result<Found, Failure> {
     let (program, measured) = (&candidate.program, &candidate.measured);
     let line = args.talk.line(limits);
-    let all = program.model.equations.len();
-    let mut watch = |step: Step| {
-        let equation = program.model.equations.get(step.equation);
-        let target = equation.map_or_else(String::new, |e| program.model.name(e.target));
-        narrator.at(&step, &target);
-        line.show(Work::Equation(step, target, all));
-        limits.check()
+    let equations = program.model.equations.iter();
+    let targets: Vec<String> = equations.map(|e| program.model.name(e.target)).collect();
+    let mut watch = Watch {
+        line: &line,
+        limits,
+        narrator,
+        targets: &targets,
+        record: "the data",
     };
     let found = pipeline::identify(program, measured, &args.options(), &mut watch);
     narrator.close();
@@ -275,11 +280,7 @@ pub(super) fn find(
         pipeline::verify(program, measured, &mut found, &mut watch);
         narrator.close();
     }
-    let mut go_on = |time| {
-        line.show(Work::Running("the data".into(), time));
-        limits.go_on().is_continue()
-    };
-    let validation = pipeline::validate(program, measured, &mut found, &mut go_on);
+    let validation = pipeline::validate(program, measured, &mut found, &mut watch);
     if validation.is_some() {
         narrator.done("run on data held out");
     }

@@ -1,6 +1,7 @@
 //! What a command that takes long says meanwhile: notes, a line of progress, and with `-v` every stage with its time.
 
 use std::cell::RefCell;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -8,11 +9,10 @@ use super::Failure;
 use super::check::counted;
 use super::inputs::{self, Notes};
 use super::limits::Limits;
-use super::progress::{self, Line};
+use super::progress::{self, Line, Work};
 use sidc_data::Table;
-use sidc_discover::Step;
 use sidc_lang::source::Sources;
-use sidc_progress::Stage;
+use sidc_progress::{Activity, Observer, Stage, Stop};
 use sidc_system::result::FileEntry;
 
 /// How much is said on stderr.
@@ -62,6 +62,39 @@ impl Talk {
     }
 }
 
+/// What long work of a command is watched by: it draws the line, writes stages that have ended, and ends the work at the limits.
+pub struct Watch<'a> {
+    pub line: &'a Line,
+    pub limits: &'a Limits,
+    pub narrator: &'a Narrator,
+    /// Targets of all equations.
+    pub targets: &'a [String],
+    /// What equations run along.
+    pub record: &'a str,
+}
+
+impl Observer for Watch<'_> {
+    fn hear(&mut self, activity: Activity) -> ControlFlow<Stop> {
+        match activity {
+            Activity::Preparing { signal } => self.line.show(Work::Preparing(signal.into())),
+            Activity::Equation { place, stage } => {
+                let target = self.targets.get(place).cloned().unwrap_or_default();
+                self.narrator.at(stage, &target);
+                let all = self.targets.len();
+                self.line.show(Work::Equation {
+                    place,
+                    all,
+                    target,
+                    stage,
+                });
+            }
+            Activity::Running { time } => self.line.show(Work::Running(self.record.into(), time)),
+            _ => {}
+        }
+        self.limits.check()
+    }
+}
+
 /// Speaks where it was asked to.
 pub struct Narrator {
     /// `None` where nobody listens.
@@ -76,6 +109,10 @@ struct Told {
 }
 
 impl Narrator {
+    pub fn silent() -> Self {
+        Narrator { told: None }
+    }
+
     fn new(wanted: bool) -> Self {
         let told = wanted.then(|| {
             RefCell::new(Told {
@@ -96,10 +133,10 @@ impl Narrator {
     }
 
     /// Work on an equation goes on; a line is written when its stage ends.
-    pub fn at(&self, step: &Step, target: &str) {
+    pub fn at(&self, stage: Stage, target: &str) {
         let Some(told) = &self.told else { return };
         let mut told = told.borrow_mut();
-        let stage = match step.stage {
+        let stage = match stage {
             // One line for all equations, once it is done.
             Stage::Weighing => return told.close(),
             Stage::Evaluating => "library evaluated",

@@ -8,7 +8,6 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use super::limits::{Clock, Limits};
-use sidc_discover::Step;
 use sidc_lang::number::significant;
 use sidc_progress::{SolverProgress, Stage};
 
@@ -27,8 +26,13 @@ pub enum Work {
     Reading(String, f64),
     /// The signal of this name is put together from the data, its derivatives estimated.
     Preparing(String),
-    /// The equation of this target, of so many.
-    Equation(Step, String, usize),
+    /// The equation at this place, of so many.
+    Equation {
+        place: usize,
+        all: usize,
+        target: String,
+        stage: Stage,
+    },
     /// Equations run along this record, and have reached this time.
     Running(String, f64),
     Drawing,
@@ -141,10 +145,12 @@ fn text(work: &Work, elapsed: Duration, limit: Option<Duration>) -> String {
     text.push_str(&match work {
         Work::Reading(name, share) => format!(": reading {name}, {:.0} %", 100.0 * share),
         Work::Preparing(signal) => format!(": preparing {signal}"),
-        Work::Equation(step, target, all) => {
-            let (place, stage) = (step.equation + 1, stage(step.stage));
-            format!(": {target} ({place} of {all}), {stage}")
-        }
+        Work::Equation {
+            place,
+            all,
+            target,
+            stage: at,
+        } => format!(": {target} ({} of {all}), {}", place + 1, stage(*at)),
         Work::Running(record, time) => {
             format!(": running along {record}, t = {}", significant(*time, 4))
         }
@@ -202,7 +208,13 @@ mod tests {
     use super::*;
 
     fn shown(stage: Stage, limit: Option<u64>) -> String {
-        let work = Work::Equation(Step { equation: 1, stage }, "ddtheta".into(), 2);
+        let target = "ddtheta".to_string();
+        let work = Work::Equation {
+            place: 1,
+            all: 2,
+            target,
+            stage,
+        };
         let limit = limit.map(Duration::from_secs);
         text(&work, Duration::from_millis(12_300), limit)
     }

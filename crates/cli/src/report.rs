@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::against::{Against, watch};
+use super::against::Against;
 use super::limits::Limits;
-use super::narrate::Narrator;
+use super::narrate::{Narrator, Watch};
 use super::progress::{Line, Work};
 use super::{Failure, output, status};
 use sidc_emit::report;
@@ -68,12 +68,18 @@ fn runs(
             if !runs.is_empty() && limits.go_on().is_break() {
                 return runs;
             }
-            let mut go_on = watch(&record.name, line, limits);
+            let mut watch = Watch {
+                line,
+                limits,
+                narrator,
+                targets: &[],
+                record: &record.name,
+            };
             let options = Options {
                 window,
                 ..Options::default()
             };
-            let run = simulate::simulate(source, trajectory, &options, &mut go_on);
+            let run = simulate::simulate(source, trajectory, &options, &mut watch);
             runs.push(RecordRun {
                 trajectory,
                 held_out: held,

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::against::{Against, Bound, watch};
+use super::against::{Against, Bound};
 use super::inputs;
 use super::limits::Limits;
-use super::narrate::{Narrator, Talk};
+use super::narrate::{Narrator, Talk, Watch};
 use super::{Failure, output, status, values};
 use sidc_lang::source::Sources;
 use sidc_system::simulate;
@@ -100,8 +100,14 @@ fn runs(
         if trajectory > 0 && limits.go_on().is_break() {
             break;
         }
-        let mut go_on = watch(&record.name, &line, limits);
-        let run = simulate::simulate(source, trajectory, options, &mut go_on)
+        let mut watch = Watch {
+            line: &line,
+            limits,
+            narrator,
+            targets: &[],
+            record: &record.name,
+        };
+        let run = simulate::simulate(source, trajectory, options, &mut watch)
             .map_err(|d| Failure::new(inputs::render(&[d], &Sources::default())))?;
         runs.push(run);
         narrator.done(&format!("run along {}", record.name));

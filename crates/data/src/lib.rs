@@ -29,7 +29,7 @@ pub use dataset::{
     Column, Dataset, HoldOut, HoldOutRange, Input, Origin, Samples, Trajectory, Window, hold_out,
     keep_window,
 };
-pub use sample_assembly::{Provenance, SignalMonitor, samples};
+pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
 pub use smoothing::{Smoothed, smooth};
 pub use time_axis::{contiguous_ranges, gaps, snap_to_even_grid};

@@ -16,6 +16,7 @@ pub mod weak_form;
 
 mod constrained;
 mod doubts;
+mod early_stop;
 mod joint;
 mod known_terms;
 mod options;
@@ -26,7 +27,6 @@ mod regression;
 mod row_weights;
 mod selection;
 mod statistics;
-mod watch;
 
 use crate::constrained::constraint_rows::{ConstraintRow, constraint_rows, coupled_groups};
 use crate::constrained::coupled_equations::CoupledGroup;
@@ -35,14 +35,15 @@ use crate::doubts::dependent_states::{doubt_dependent_states, states_in_samples}
 use crate::known_terms::{fixed_terms, stated};
 use crate::regression::task::Task;
 use crate::regression::weak_regression::WeakSystem;
-use crate::watch::Watcher;
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
+use sidc_progress::{EquationObserver, Observer};
 use sidc_system::discovery::{Discovery, Equation, Failed};
 
 pub use constrained::constraint_rows::check_constraints;
 pub use doubts::regression_rules::tie;
+pub use early_stop::{unverified, unweighed};
 pub use joint::no_fit::nothing_fits;
 pub use joint::{Fitted, discover_jointly, joint};
 pub use options::{METHODS, Method, Options};
@@ -50,7 +51,6 @@ pub use random::SplitMix;
 pub use refusal::{Refusal, Unevaluable};
 pub use regression::row_sampling::{Split, split};
 pub use row_weights::Weights;
-pub use watch::{Step, Watch, unverified, unweighed};
 
 /// Families of the numbers that decide, for the documentation.
 pub fn thresholds() -> Vec<sidc_thresholds::Table> {
@@ -72,12 +72,12 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
 /// Finds every equation of the model from rows of samples.
 ///
 /// `libraries` has one entry for each equation, `None` where the model states the equation. Equations that share constraints are
-/// solved together. If `watch` ends the work, the equations found so far stand and the others are listed as failed.
+/// solved together. If the observer ends the work, the equations found so far stand and the others are listed as failed.
 ///
 /// ```
-/// use std::ops::ControlFlow;
 /// use sidc_data::Dataset;
 /// use sidc_discover::{Options, discover};
+/// use sidc_progress::Unwatched;
 /// use sidc_system::discovery::Status;
 /// use sidc::pipeline::Program;
 ///
@@ -89,8 +89,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
 ///
 /// // Everything is measured, so there is no dataset to ask for more.
 /// let data = (&Dataset::default(), &samples);
-/// let go_on = &mut |_| ControlFlow::Continue(());
-/// let found = discover(&program.model, &program.libraries, data, &Options::default(), go_on);
+/// let found = discover(&program.model, &program.libraries, data, &Options::default(), &mut Unwatched);
 /// let found = found.map_err(|_| "a term has no value")?;
 /// let equation = &found.equations[0];
 /// assert_eq!((equation.status, equation.terms.len()), (Status::Pass, 1));
@@ -105,10 +104,10 @@ pub fn discover(
     libraries: &[Option<Library>],
     (dataset, samples): (&Dataset, &Samples),
     options: &Options,
-    watch: Watch,
+    observer: &mut dyn Observer,
 ) -> Result<Discovery, Vec<Refusal>> {
     let mut discovery = Discovery::of(model);
-    let mut watcher = Watcher::new(watch);
+    let mut watcher = EquationObserver::new(observer);
     let tied = constraint_rows(model, libraries);
     let groups = coupled_groups(&tied, model.equations.len());
     let task = |i: usize| -> Option<(usize, Task)> {

@@ -16,8 +16,12 @@ pub enum Activity<'a> {
     Preparing { signal: &'a str },
     /// Work on the equation at this place in the model begins or goes on; counted from 0.
     Equation { place: usize, stage: Stage },
+    /// The same for the equation at hand, from a part that does not know which one that is: a solver, the check of a proof.
+    Stage(Stage),
     /// Equations run along a record and have reached this time, in units of the model.
     Running { time: f64 },
+    /// What was said last goes on. Said so often that an early end takes effect soon.
+    Working,
 }
 
 /// What is done for one equation.
@@ -51,6 +55,13 @@ pub struct SolverProgress {
     pub violation: f64,
 }
 
+impl SolverProgress {
+    /// Told by a solver after every iteration.
+    pub fn tell(self, observer: &mut dyn Observer) -> ControlFlow<Stop> {
+        observer.hear(Activity::Stage(Stage::Solving(self)))
+    }
+}
+
 /// Why work ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
@@ -79,6 +90,11 @@ pub enum Stop {
 pub trait Observer {
     /// `Break` asks the work to end with what there is.
     fn hear(&mut self, activity: Activity) -> ControlFlow<Stop>;
+
+    /// Whether work that has nothing new to tell may go on.
+    fn go_on(&mut self) -> bool {
+        self.hear(Activity::Working).is_continue()
+    }
 }
 
 impl<F> Observer for F
@@ -97,5 +113,59 @@ pub struct Unwatched;
 impl Observer for Unwatched {
     fn hear(&mut self, _: Activity) -> ControlFlow<Stop> {
         ControlFlow::Continue(())
+    }
+}
+
+/// Tells an observer of the equation at hand, and remembers a stop, so that it is not asked again.
+pub struct EquationObserver<'a> {
+    observer: &'a mut dyn Observer,
+    place: usize,
+    stage: Stage,
+    stop: Option<Stop>,
+}
+
+impl<'a> EquationObserver<'a> {
+    pub fn new(observer: &'a mut dyn Observer) -> Self {
+        EquationObserver {
+            observer,
+            place: 0,
+            stage: Stage::Evaluating,
+            stop: None,
+        }
+    }
+
+    /// From here on, stages belong to the equation at this place.
+    pub fn turn_to(&mut self, place: usize) {
+        self.place = place;
+    }
+
+    /// Reports a stage; `Some` if the work is to stop.
+    pub fn at(&mut self, stage: Stage) -> Option<Stop> {
+        self.hear(Activity::Stage(stage)).break_value()
+    }
+
+    /// For work that belongs to this stage and does not say so itself.
+    pub fn during(&mut self, stage: Stage) -> &mut Self {
+        self.stage = stage;
+        self
+    }
+
+    pub fn stop(&self) -> Option<Stop> {
+        self.stop
+    }
+}
+
+impl Observer for EquationObserver<'_> {
+    fn hear(&mut self, activity: Activity) -> ControlFlow<Stop> {
+        if let Activity::Stage(stage) = activity {
+            self.stage = stage;
+        }
+        if self.stop.is_none() {
+            let (place, stage) = (self.place, self.stage);
+            let said = self.observer.hear(Activity::Equation { place, stage });
+            self.stop = said.break_value();
+        }
+        self.stop
+            .map_or(ControlFlow::Continue(()), ControlFlow::Break)
     }
 }

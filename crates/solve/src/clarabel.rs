@@ -4,7 +4,6 @@
 //! Clarabel fails on numerically dependent rows, so they are first reduced by a singular value decomposition. Here to
 //! check the default solver against, not for speed.
 
-use std::ops::ControlFlow;
 use std::sync::{Mutex, mpsc};
 
 use clarabel::algebra::CscMatrix;
@@ -13,11 +12,11 @@ use clarabel::solver::{
     SolverStatus, ZeroConeT,
 };
 
-use sidc_progress::SolverProgress;
+use sidc_progress::{Observer, SolverProgress};
 
 use super::frame::solve_reduced;
 use super::reduce::{Reduced, minus, nonzero, norm, times};
-use super::{Monitor, Problem, Solution, Solver, Status};
+use super::{Problem, Solution, Solver, Status};
 
 /// Rows kept: singular values above this part of the largest.
 const ROWS: f64 = 1e-9;
@@ -36,10 +35,10 @@ impl Solver for Clarabel {
         "Clarabel's conic interior point, a second opinion"
     }
 
-    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
+    fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
         solve_reduced(problem, |reduced, tolerance| {
             let programme = Programme::new(reduced, tolerance);
-            let end = programme.run(monitor)?;
+            let end = programme.run(observer)?;
             Some(programme.read(reduced, &end))
         })
     }
@@ -113,8 +112,8 @@ impl Programme {
         usize::from(self.tolerance > 0.0)
     }
 
-    /// Runs Clarabel on a thread of its own, which asks the monitor after each iteration; `None` if it fails to start.
-    fn run(&self, monitor: Monitor) -> Option<End> {
+    /// Runs Clarabel on a thread of its own, which asks the observer after each iteration; `None` if it fails to start.
+    fn run(&self, observer: &mut dyn Observer) -> Option<End> {
         let (ask, asked) = mpsc::channel::<SolverProgress>();
         let (answer, answered) = mpsc::channel::<bool>();
         let answered = Mutex::new(answered);
@@ -136,7 +135,7 @@ impl Programme {
         std::thread::scope(|scope| {
             let worker = scope.spawn(move || self.solve(stop));
             while let Ok(progress) = asked.recv() {
-                let stop = matches!(monitor(progress), ControlFlow::Break(()));
+                let stop = progress.tell(observer).is_break();
                 if answer.send(stop).is_err() {
                     break;
                 }

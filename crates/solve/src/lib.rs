@@ -27,9 +27,7 @@ pub mod threads;
 pub mod white;
 mod working_set;
 
-use std::ops::ControlFlow;
-
-use sidc_progress::SolverProgress;
+use sidc_progress::Observer;
 
 use crate::dictionary::Dictionary;
 
@@ -140,14 +138,6 @@ impl Status {
     }
 }
 
-/// Told after every iteration; `Break` asks the solver to stop and return what it has.
-pub type Monitor<'a> = &'a mut dyn FnMut(SolverProgress) -> ControlFlow<()>;
-
-/// A monitor for those who do not watch: never stops anything.
-pub fn unwatched(_: SolverProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
 pub trait Solver: Sync {
     /// What `--solver` takes.
     fn name(&self) -> &'static str;
@@ -158,7 +148,8 @@ pub trait Solver: Sync {
     fn exact(&self) -> bool {
         true
     }
-    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution;
+    /// Tells the observer of every iteration; where it ends the work, the answer is what there is by then.
+    fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution;
 }
 
 /// Every solver; the first is the default, heuristics come last.
@@ -168,13 +159,14 @@ pub static SOLVERS: &[&dyn Solver] = &[&Homotopy, &Clarabel, &Omp, &Stlsq];
 ///
 /// ```
 /// use sidc_solve::dictionary::Dense;
-/// use sidc_solve::{Problem, solver, unwatched};
+/// use sidc_progress::Unwatched;
+/// use sidc_solve::{Problem, solver};
 ///
 /// // Columns (1, 0, 0), (0, 1, 0) and (1, 1, 1): the target is twice the last.
 /// let phi = Dense::new(3, vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0]);
 /// let problem = Problem { dictionary: &phi, target: &[2.0, 2.0, 2.0], tolerance: 0.0 };
 /// for name in ["homotopy", "clarabel", "omp"] {
-///     let found = solver(name).map(|s| s.solve(&problem, &mut unwatched));
+///     let found = solver(name).map(|s| s.solve(&problem, &mut Unwatched));
 ///     assert!(found.is_some_and(|s| (s.coefficient(2) - 2.0).abs() < 1e-6));
 /// }
 /// assert!(solver("magic").is_none());

@@ -3,12 +3,12 @@
 //! Pati, Rezaiifar & Krishnaprasad (1993); Tropp & Gilbert (2007) say when it finds the sparsest answer. It asks a dictionary for
 //! its strongest column and single columns only, so Φ may be of any size. In: a [`Problem`]. Out: a fit without a proof; the dual is zero.
 
-use sidc_progress::SolverProgress;
+use sidc_progress::{Observer, SolverProgress};
 
 use super::frame::settle;
 use super::polish::polish;
 use super::reduce::{SHORTEST, add_scaled, dot, norm};
-use super::{CONSISTENT, Monitor, Problem, Solution, Solver, Status};
+use super::{CONSISTENT, Problem, Solution, Solver, Status};
 
 /// Most columns taken; with more, an answer is no longer sparse and the basis no longer cheap.
 const MOST: usize = 200;
@@ -31,13 +31,13 @@ impl Solver for Omp {
         false
     }
 
-    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
+    fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
         let size = match settle(problem) {
             Ok(size) => size,
             Err(settled) => return settled,
         };
         let mut pursuit = Pursuit::new(problem, size);
-        let end = pursuit.run(monitor);
+        let end = pursuit.run(observer);
         pursuit.finish(end)
     }
 }
@@ -84,7 +84,7 @@ impl<'a> Pursuit<'a> {
         }
     }
 
-    fn run(&mut self, monitor: Monitor) -> End {
+    fn run(&mut self, observer: &mut dyn Observer) -> End {
         let most = self.problem.dictionary.rows().min(MOST);
         loop {
             let left = norm(&self.residual);
@@ -97,7 +97,7 @@ impl<'a> Pursuit<'a> {
             if left <= self.allowed {
                 return End::Reached;
             }
-            if monitor(progress).is_break() {
+            if progress.tell(observer).is_break() {
                 return End::Interrupted;
             }
             if self.taken.len() >= most {

@@ -10,14 +10,14 @@
 
 use nalgebra::DMatrix;
 
-use sidc_progress::SolverProgress;
+use sidc_progress::{Observer, SolverProgress};
 
 use super::frame::settle;
 use super::polish::Pivoted;
 use super::reduce::{
     Range, add_scaled, minus, nonzero, norm, times, times_transposed, unit_columns, usable,
 };
-use super::{CONSISTENT, Monitor, Problem, Solution, Solver, Status};
+use super::{CONSISTENT, Problem, Solution, Solver, Status};
 
 /// Most entries M·N of Φ: it is copied and factorised whole.
 const MOST_ENTRIES: usize = 8_000_000;
@@ -42,7 +42,7 @@ impl Solver for Stlsq {
         false
     }
 
-    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
+    fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
         let dictionary = problem.dictionary;
         let (rows, cols) = (dictionary.rows(), dictionary.cols());
         if rows.saturating_mul(cols) > MOST_ENTRIES {
@@ -53,7 +53,7 @@ impl Solver for Stlsq {
             Err(settled) => return settled,
         };
         let mut ladder = Ladder::new(problem, size);
-        let finished = ladder.climb(monitor);
+        let finished = ladder.climb(observer);
         ladder.finish(problem, finished)
     }
 }
@@ -131,8 +131,8 @@ impl Ladder {
         }
     }
 
-    /// False if the monitor ended it.
-    fn climb(&mut self, monitor: Monitor) -> bool {
+    /// False if the observer ended it.
+    fn climb(&mut self, observer: &mut dyn Observer) -> bool {
         let mut fit = self.fit((0..self.kept.len()).collect());
         self.least = fit.residual;
         self.rungs.push(fit.clone());
@@ -145,7 +145,7 @@ impl Ladder {
                     residual: fit.residual,
                     ..SolverProgress::default()
                 };
-                if monitor(progress).is_break() {
+                if progress.tell(observer).is_break() {
                     return false;
                 }
                 let large = fit.above(threshold);
@@ -266,7 +266,7 @@ impl Factors {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use std::ops::ControlFlow;
+    use sidc_progress::Unwatched;
 
     use proptest::prelude::*;
 
@@ -298,7 +298,7 @@ mod tests {
             let problem = Problem { dictionary: &dictionary, target: &target, tolerance: 0.0 };
             let size = norm(&target);
             let mut ladder = Ladder::new(&problem, size);
-            prop_assert!(ladder.climb(&mut |_| ControlFlow::Continue(())));
+            prop_assert!(ladder.climb(&mut Unwatched));
             let by_hand = |f: &Fit| {
                 let coefficients: Vec<(usize, f64)> = (f.columns.iter().zip(&f.shares))
                     .map(|(j, s)| (ladder.kept[*j], s * size / ladder.norms[*j]))

@@ -80,7 +80,7 @@ fn restrict(dictionary: &dyn Dictionary, columns: &[usize]) -> Dense {
 
 #[cfg(test)]
 mod tests {
-    use std::ops::ControlFlow;
+    use sidc_progress::Unwatched;
 
     use super::*;
     use crate::planted::planted;
@@ -101,7 +101,7 @@ mod tests {
         let mut steps = 0;
         let found = grow(&problem, |small| {
             sizes.push(small.dictionary.cols());
-            let found = Clarabel.solve(small, &mut |_| ControlFlow::Continue(()));
+            let found = Clarabel.solve(small, &mut Unwatched);
             steps += found.iterations;
             found
         });
@@ -117,7 +117,7 @@ mod tests {
             "{sizes:?}"
         );
         assert!(sizes.last().is_some_and(|n| 2 * n < cols), "{sizes:?}");
-        let whole = Clarabel.solve(&problem, &mut |_| ControlFlow::Continue(()));
+        let whole = Clarabel.solve(&problem, &mut Unwatched);
         for (j, a) in whole.coefficients.iter().filter(|(_, a)| a.abs() > 1e-6) {
             assert!((found.coefficient(*j) - a).abs() < 1e-6, "{j}");
         }

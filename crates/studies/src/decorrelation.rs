@@ -2,14 +2,13 @@
 //!
 //! In: an angle, a noise, a number of draws. Out: how many draws each way got right. Prints nothing.
 
-use std::ops::ControlFlow;
-
 use sidc::pipeline::Program;
 use sidc_data::{Dataset, Samples};
 use sidc_discover::{Options, discover};
 use sidc_lang::term::Language;
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::{Dense, Dictionary};
-use sidc_solve::{Problem, SOLVERS, polish, unwatched};
+use sidc_solve::{Problem, SOLVERS, polish};
 
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::random::Random;
@@ -117,7 +116,7 @@ fn ways(program: &Program, samples: &Samples, noise: f64) -> Result<[bool; 4], S
         &program.libraries,
         (&Dataset::default(), samples),
         &options,
-        &mut |_| ControlFlow::Continue(()),
+        &mut Unwatched,
     );
     let chosen = found.is_ok_and(|d| {
         let terms = d.equations.iter().flat_map(|e| &e.terms);
@@ -182,7 +181,7 @@ fn solved(columns: &[Vec<f64>], y: &[f64], tolerance: f64) -> Vec<usize> {
         target: y,
         tolerance,
     };
-    let solution = SOLVERS[0].solve(&problem, &mut unwatched);
+    let solution = SOLVERS[0].solve(&problem, &mut Unwatched);
     let shares: Vec<f64> = problem.shares(&solution.coefficients).collect();
     let most = shares.iter().copied().fold(0.0, f64::max);
     let kept = solution.coefficients.iter().zip(&shares);

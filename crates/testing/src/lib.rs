@@ -10,6 +10,7 @@
 pub mod fuzzing;
 pub mod hang;
 pub mod integrate;
+pub mod observers;
 pub mod pendulum_regression;
 pub mod plants;
 pub mod program;

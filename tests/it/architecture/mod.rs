@@ -14,9 +14,9 @@ const CRATES: &[(&str, &[&str])] = &[
     ("thresholds", &[]),
     ("progress", &[]),
     ("lang", &["thresholds"]),
-    ("data", &["thresholds", "lang"]),
+    ("data", &["thresholds", "progress", "lang"]),
     ("solve", &["progress"]),
-    ("system", &["thresholds", "lang", "data"]),
+    ("system", &["thresholds", "progress", "lang", "data"]),
     (
         "discover",
         &["thresholds", "progress", "lang", "data", "solve", "system"],

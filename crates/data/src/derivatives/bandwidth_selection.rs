@@ -4,6 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use sidc_progress::Observer;
+
 use super::error_estimation::{Block, ErrorEstimator, FitAtRow};
 use super::estimate::{Estimate, Stopped};
 use super::local_polynomial::LocalFit;
@@ -46,7 +48,7 @@ pub(super) fn least_error(
     segments: &[Segment],
     order: usize,
     sigma: f64,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Result<Estimate, Stopped> {
     let longest = segments.iter().map(Segment::len).max().unwrap_or(0);
     let mut estimator = ErrorEstimator::new(grid, values, order, sigma);
@@ -70,7 +72,7 @@ pub(super) fn least_error(
     };
     let mut used: BTreeMap<LocalFit, usize> = BTreeMap::new();
     for part in blocks(segments, BLOCK_ROWS) {
-        if !go_on() {
+        if !observer.go_on() {
             return Err(Stopped);
         }
         let mut floor = (0, Vec::new());

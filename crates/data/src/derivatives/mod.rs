@@ -23,6 +23,8 @@ pub(crate) use difference_noise::{MEDIAN_OF_ABS_NORMAL, noise_level};
 pub(crate) use estimate::{Estimate, Stopped};
 pub(crate) use quantization_noise::quantization_noise;
 
+use sidc_progress::Observer;
+
 use crate::segmentation::Segment;
 use crate::time_axis::TimeGrid;
 
@@ -31,17 +33,17 @@ use crate::time_axis::TimeGrid;
 /// `noise` is the sensor's standard deviation if known; otherwise it is estimated. Linear in the samples on even grids.
 ///
 /// # Errors
-/// [`Stopped`] if `go_on`, which is called every few thousand samples, returns false.
+/// [`Stopped`] if the observer, called every few thousand samples, ends the work.
 pub(crate) fn differentiate(
     grid: &TimeGrid,
     values: &[f64],
     segments: &[Segment],
     order: usize,
     noise: Option<f64>,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Result<Estimate, Stopped> {
     let sigma = noise.unwrap_or_else(|| noise_level(grid, values, segments));
-    bandwidth_selection::least_error(grid, values, segments, order, sigma, go_on)
+    bandwidth_selection::least_error(grid, values, segments, order, sigma, observer)
 }
 
 #[cfg(test)]

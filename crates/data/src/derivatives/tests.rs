@@ -1,4 +1,5 @@
 use super::*;
+use sidc_progress::Unwatched;
 
 fn whole(n: usize) -> Vec<Segment> {
     vec![Segment {
@@ -86,7 +87,7 @@ fn score(time: &[f64], f: Function, order: usize, sigma: f64, seed: u64) -> Scor
         &whole(n),
         order,
         None,
-        &mut || true,
+        &mut Unwatched,
     )
     .unwrap();
     let truth: Vec<f64> = time.iter().map(|t| f(*t, order)).collect();
@@ -172,7 +173,8 @@ fn noisy_signals_are_within_twice_the_best_window_in_hindsight() {
                 let grid = TimeGrid::new(&time);
                 let miss =
                     |values: &[f64]| rms(values.iter().zip(&time).map(|(v, t)| v - f(*t, order)));
-                let ours = differentiate(&grid, &y, &whole(n), order, None, &mut || true).unwrap();
+                let ours =
+                    differentiate(&grid, &y, &whole(n), order, None, &mut Unwatched).unwrap();
                 let mut best = f64::INFINITY;
                 for degree in [2, 4, 6, 8] {
                     for points in [11, 17, 25, 41, 65, 101, 151, 251] {

@@ -1,13 +1,12 @@
 //! From a dataset to the rows that equations are found from: every needed signal, measured or estimated.
 //!
-//! In: a model, its dataset, the signals needed, a monitor. Out: [`Samples`], and where each signal comes from. Measured
+//! In: a model, its dataset, the signals needed, an observer. Out: [`Samples`], and where each signal comes from. Measured
 //! derivatives are used as measured; others are estimated from the highest measured one below. Nothing crosses a gap.
-
-use std::ops::ControlFlow;
 
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::{Activity, Observer};
 
 mod gathered_column;
 mod sampling_diagnostics;
@@ -25,17 +24,14 @@ use sampling_diagnostics::{
 use signal_estimates::{JumpCrossings, SignalEstimator, SignalValues};
 use thresholds::SAMPLING;
 
-/// Hears which signal is being prepared, at the start and every so often; `Break` ends the work without any rows.
-pub type SignalMonitor<'a> = &'a mut dyn FnMut(Signal) -> ControlFlow<()>;
-
 /// All `needed` signals at common instants, diagnostics, and where each signal comes from (sorted by signal).
 ///
-/// Rows at which a needed signal is unknown are left out. Errors among the diagnostics: `no-signal`, `no-samples`.
+/// Rows at which a needed signal is unknown are left out. Where the observer ends the work there are no rows. Errors among the diagnostics: `no-signal`, `no-samples`.
 pub fn samples(
     model: &Model,
     dataset: &Dataset,
     needed: &[Signal],
-    monitor: SignalMonitor,
+    observer: &mut dyn Observer,
 ) -> (Samples, Vec<Diagnostic>, Vec<Provenance>) {
     let mut needed = needed.to_vec();
     needed.sort();
@@ -49,9 +45,11 @@ pub fn samples(
         let estimator = SignalEstimator::new(model, dataset, trajectory);
         let mut found: Vec<SignalValues> = Vec::with_capacity(needed.len());
         for signal in &needed {
-            let mut go_on = || monitor(*signal).is_continue();
-            let known = match go_on() {
-                true => estimator.signal(*signal, &mut crossings, &mut go_on),
+            let preparing = Activity::Preparing {
+                signal: &model.name(*signal),
+            };
+            let known = match observer.hear(preparing).is_continue() {
+                true => estimator.signal(*signal, &mut crossings, observer),
                 false => Err(Stopped),
             };
             match known {

@@ -5,6 +5,7 @@
 
 use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::Observer;
 
 use super::thresholds::SAMPLING;
 use crate::dataset::{Dataset, Trajectory};
@@ -65,7 +66,7 @@ impl<'a> SignalEstimator<'a> {
         &self,
         s: Signal,
         crossings: &mut JumpCrossings,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Result<Option<SignalValues>, Stopped> {
         let measured = |values: Vec<f64>| SignalValues {
             values,
@@ -83,7 +84,7 @@ impl<'a> SignalEstimator<'a> {
         match below {
             Some((below, values)) if s.der - below.der <= SAMPLING.max_differentiations => {
                 let order = (s.der - below.der) as usize;
-                let estimate = self.derivative(values, below, order, crossings, go_on)?;
+                let estimate = self.derivative(values, below, order, crossings, observer)?;
                 Ok(Some(estimate))
             }
             _ => Ok(None),
@@ -118,12 +119,13 @@ impl<'a> SignalEstimator<'a> {
         below: Signal,
         order: usize,
         crossings: &mut JumpCrossings,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Result<SignalValues, Stopped> {
         let noise = self.model.noise(below);
         let missing: Vec<bool> = values.iter().map(|x| !x.is_finite()).collect();
         let within = segments(&missing, &self.gaps_and_jumps);
-        let mut e = derivatives::differentiate(&self.grid, values, &within, order, noise, go_on)?;
+        let mut e =
+            derivatives::differentiate(&self.grid, values, &within, order, noise, observer)?;
         // Inputs move the highest derivative of a variable at once.
         let highest = self.model.var(below.var).map_or(1, |v| v.order as usize);
         let driven = below.der as usize + order >= highest;
@@ -131,7 +133,7 @@ impl<'a> SignalEstimator<'a> {
         if self.has_jumps {
             let across = segments(&missing, &self.gaps);
             let wide =
-                derivatives::differentiate(&self.grid, values, &across, order, noise, go_on)?;
+                derivatives::differentiate(&self.grid, values, &across, order, noise, observer)?;
             self.cross_jumps(&mut e, wide, size);
             let short = within
                 .iter()

@@ -3,6 +3,8 @@
 //! In: a scaled channel, its outliers and the fit selected for it. Out: a [`Smoothed`]. Decides only whether there is anything
 //! to smooth.
 
+use sidc_progress::Unwatched;
+
 use super::information_smoother::{InformationSmoother, STATES, State};
 use super::noise_selection::SelectedFit;
 use super::scaled_channel::ScaledChannel;
@@ -135,14 +137,13 @@ impl ScaledChannel<'_> {
             (&mut out.curvature, curvature_error),
         ];
         for (order, (to, error)) in (1..).zip(derivatives) {
-            let go_on = &mut || true;
             let found = derivatives::differentiate(
                 &self.grid,
                 &self.values,
                 &segments,
                 order,
                 sigma,
-                go_on,
+                &mut Unwatched,
             );
             let Ok(found) = found else { continue };
             let rows = to.iter_mut().zip(error.iter_mut());

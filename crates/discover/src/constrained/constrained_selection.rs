@@ -4,6 +4,7 @@
 //! In: weighted targets, columns, rows. Out: the best supports with their fit. A term that an equality ties to a chosen one is
 //! chosen with it and costs nothing, since it is no further degree of freedom. Never relaxes a row.
 
+use sidc_progress::Observer;
 use std::collections::BTreeMap;
 
 use nalgebra::DMatrix;
@@ -86,7 +87,7 @@ impl ConstrainedSearch<'_> {
     pub fn run(
         &self,
         starts: &[Supports],
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Option<ConstrainedSelection> {
         let mut seen = BTreeMap::new();
         for start in starts {
@@ -95,7 +96,7 @@ impl ConstrainedSearch<'_> {
                 scored: &mut seen,
             };
             if let Some(start) = self.score(self.closure(start.clone()), descent.scored) {
-                descend(&mut descent, start, CONSTRAINED_SEARCH.max_moves, go_on);
+                descend(&mut descent, start, CONSTRAINED_SEARCH.max_moves, observer);
             }
         }
         let met = seen.into_values().flatten();
@@ -267,10 +268,10 @@ impl SubsetProblem for Descent<'_, '_> {
     fn neighbours(
         &mut self,
         subset: &ScoredSupports,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Vec<ScoredSupports> {
         let near = self.search.neighbours(&subset.supports).into_iter();
-        let near = near.take_while(|_| go_on());
+        let near = near.take_while(|_| observer.go_on());
         near.filter_map(|supports| self.search.score(supports, self.scored))
             .collect()
     }

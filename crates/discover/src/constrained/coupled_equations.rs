@@ -13,8 +13,8 @@ use crate::constrained::joint_certificate;
 use crate::refusal::Refusal;
 use crate::regression::estimate::Estimate;
 use crate::regression::task::Task;
-use crate::watch::Watcher;
 use sidc_lang::model::Constraint;
+use sidc_progress::EquationObserver;
 use sidc_solve::Row;
 use sidc_system::discovery::{Discovery, Equation, Failed, Reason};
 
@@ -40,7 +40,7 @@ impl<'a> CoupledGroup<'a> {
     pub fn run(
         &self,
         names: &Discovery,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Result<Concluded<'a>, Vec<Refusal>> {
         let (mut done, mut members, mut bad) = (Vec::new(), Vec::new(), Vec::new());
         for (place, task) in &self.tasks {
@@ -120,7 +120,7 @@ fn links<'a>(tied: &[&'a ConstraintRow<'a>], members: &[Member]) -> Vec<GroupCon
 fn solved<'c>(
     names: &Discovery,
     case: &CoupledProblem<'_, 'c, '_, '_>,
-    watcher: &mut Watcher,
+    watcher: &mut EquationObserver,
 ) -> Result<(Vec<Estimate>, Vec<usize>), Box<Refusal>> {
     let CoupledProblem {
         members,

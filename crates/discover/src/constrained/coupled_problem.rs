@@ -12,9 +12,8 @@ use crate::regression::design::Design;
 use crate::regression::estimate::Selected;
 use crate::regression::task::Task;
 use crate::selection::term_selection;
-use crate::watch::Watcher;
 use sidc_lang::model::{Coefficient, Constraint};
-use sidc_progress::Stage;
+use sidc_progress::{EquationObserver, Stage};
 use sidc_solve::{JointSolution, Row, Sense};
 use sidc_system::discovery::Discovery;
 
@@ -129,10 +128,10 @@ pub(crate) fn search(
     rows: &[Row],
     pools: &Supports,
     starts: &[Supports],
-    watcher: &mut Watcher,
+    watcher: &mut EquationObserver,
 ) -> Option<ConstrainedSelection> {
     let search = constrained_search(members, rows, pools);
-    search.run(starts, &mut || watcher.at(Stage::Choosing).is_none())
+    search.run(starts, watcher.during(Stage::Choosing))
 }
 
 /// `coef(dx, x) = -10, coef(dy, x) = 0`: the coefficients of a constraint in the free answers, known parts included.

@@ -13,7 +13,7 @@ use crate::regression::certificate::finite;
 use crate::regression::estimate::{Estimate, pairs};
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::statistics::norm;
-use crate::watch::Watcher;
+use sidc_progress::EquationObserver;
 use sidc_solve as solve;
 use sidc_solve::{
     Joint, JointProof, JointSolution, Outcome, Problem, Row, Status as Solved, certify_joint,
@@ -41,7 +41,7 @@ pub(crate) fn prove(
     rows: &[Row],
     mut chosen: ConstrainedSelection,
     free: &Supports,
-    watcher: &mut Watcher,
+    watcher: &mut EquationObserver,
 ) -> Result<(ConstrainedSelection, JointCertificate), Box<Refusal>> {
     let members = case.members;
     let mut tolerances: Vec<f64> = members.iter().map(|m| m.design.tolerance).collect();
@@ -63,7 +63,7 @@ pub(crate) fn prove(
         tolerances = data_conflict::relaxed_tolerances(names, case, &joint, &start)?;
     }
     let joint = self::joint(members, rows, &tolerances);
-    let solution = watcher.solving(|monitor| solve_joint(&joint, &start, monitor));
+    let solution = solve_joint(&joint, &start, watcher);
     let wider = pools(members, rows, Some(&solution));
     if solution.outcome == Outcome::Solved && wider != pools(members, rows, None) {
         let proposals = significant(members, &solution);
@@ -171,7 +171,7 @@ pub(crate) fn answer(
     member: &Member,
     chosen: &ConstrainedSelection,
     proved: &JointCertificate,
-    watcher: &Watcher,
+    watcher: &EquationObserver,
 ) -> Estimate {
     let support = chosen.supports[b].clone();
     let problem = member.design.problem();

@@ -5,7 +5,7 @@
 use crate::doubts::badly_fitted_rows::BadlyFittedRows;
 use crate::doubts::residual_autocorrelation::ResidualAutocorrelation;
 use crate::doubts::thresholds::DOUBTS;
-use crate::watch;
+use crate::early_stop;
 use sidc_progress::Stop;
 use sidc_solve::Status as Solved;
 use sidc_system::discovery::{Evidence, FoundTerm, Reason, ReasonCode};
@@ -64,7 +64,7 @@ fn noisy(e: &Evidence) -> bool {
 }
 
 fn stopped(c: &RegressionCase) -> Option<Reason> {
-    c.stopped.map(watch::doubt)
+    c.stopped.map(early_stop::doubt)
 }
 
 fn refused(c: &RegressionCase) -> Option<Reason> {

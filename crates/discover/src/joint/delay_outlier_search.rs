@@ -4,15 +4,15 @@
 
 use crate::joint::thresholds::SENSOR_SEARCH;
 use std::borrow::Cow;
+use std::ops::ControlFlow;
 
 use crate::doubts::trajectory_rules;
 use crate::options::Options;
 use crate::trajectory;
-use crate::trajectory::{DelayedInputs, Fit, Found, Law, Problem, SearchMonitor, SensorOffset};
-use crate::watch::Watcher;
+use crate::trajectory::{DelayedInputs, Fit, Found, Law, Problem, SearchObserver, SensorOffset};
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::VarId;
-use sidc_progress::Stage;
+use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
 
 /// The corrected problem and the answer to it.
 pub(crate) struct JointFit<'a> {
@@ -40,9 +40,10 @@ pub(crate) fn search_system<'a>(
     model: &Model,
     problem: &'a Problem,
     options: &Options,
-    watcher: &mut Watcher,
+    watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    let mut search = DelayOutlierSearch { watcher, at: 0 };
+    watcher.during(Stage::Refitting(0));
+    let mut search = DelayOutlierSearch { watcher, refits: 0 };
     let inputs = inputs(model, problem);
     let mut fit = search.first(problem, &inputs)?;
     if options.robust {
@@ -57,8 +58,8 @@ pub(crate) fn search_system<'a>(
 }
 
 struct DelayOutlierSearch<'a, 'w> {
-    watcher: &'a mut Watcher<'w>,
-    at: usize,
+    watcher: &'a mut EquationObserver<'w>,
+    refits: usize,
 }
 
 /// Guides one search of supports. With `inputs`, ends it at the first fit if a delay of these explains the residuals.
@@ -69,15 +70,16 @@ struct SearchGuide<'s, 'a, 'w> {
     late: Option<DelayedInputs>,
 }
 
-impl SearchMonitor for SearchGuide<'_, '_, '_> {
-    fn go_on(&mut self) -> bool {
-        self.search.go_on(self.laws)
+impl Observer for SearchGuide<'_, '_, '_> {
+    fn hear(&mut self, activity: Activity) -> ControlFlow<Stop> {
+        if let Activity::Stage(Stage::Refitting(_)) = activity {
+            self.search.count_refit(self.laws);
+        }
+        self.search.watcher.hear(Activity::Working)
     }
+}
 
-    fn in_time(&mut self) -> bool {
-        self.search.in_time()
-    }
-
+impl SearchObserver for SearchGuide<'_, '_, '_> {
     fn first(&mut self, problem: &Problem, fit: &Fit) -> bool {
         if let Some(inputs) = self.inputs.filter(|_| unexplained(problem, fit)) {
             let late = self.search.delay(problem, fit, inputs);
@@ -89,15 +91,12 @@ impl SearchMonitor for SearchGuide<'_, '_, '_> {
 }
 
 impl DelayOutlierSearch<'_, '_> {
-    fn go_on(&mut self, laws: &[Law]) -> bool {
-        // The search is for all laws at once; progress names them in turn.
-        self.watcher.turn_to(laws[self.at % laws.len()].equation);
-        self.at += 1;
-        self.watcher.at(Stage::Refitting(self.at)).is_none()
-    }
-
-    fn in_time(&mut self) -> bool {
-        self.watcher.at(Stage::Refitting(self.at)).is_none()
+    /// The search is for all laws at once; progress names them in turn.
+    fn count_refit(&mut self, laws: &[Law]) {
+        self.watcher
+            .turn_to(laws[self.refits % laws.len()].equation);
+        self.refits += 1;
+        self.watcher.during(Stage::Refitting(self.refits));
     }
 
     fn run(&mut self, problem: &Problem) -> Option<Found> {
@@ -147,8 +146,7 @@ impl DelayOutlierSearch<'_, '_> {
         let Some(found) = self.run(problem) else {
             return Some(fit);
         };
-        let without =
-            trajectory::criterion_without_delay(problem, &found.best, late, &mut || self.in_time());
+        let without = trajectory::criterion_without_delay(problem, &found.best, late, self.watcher);
         if without - fit.found.best.value >= fit.found.penalty {
             return Some(fit);
         }
@@ -160,9 +158,8 @@ impl DelayOutlierSearch<'_, '_> {
         if inputs.is_empty() {
             return None;
         }
-        let mut go_on = || self.in_time();
-        let proposals = trajectory::screen_delays(problem, fit.support(), inputs, &mut go_on);
-        trajectory::fit_delay(problem, fit, &proposals, &mut go_on)
+        let proposals = trajectory::screen_delays(problem, fit.support(), inputs, self.watcher);
+        trajectory::fit_delay(problem, fit, &proposals, self.watcher)
     }
 
     /// Removes readings that the laws found do not explain, and searches again, until no more are removed.
@@ -188,7 +185,7 @@ impl DelayOutlierSearch<'_, '_> {
         if best.support().len() > SENSOR_SEARCH.offset_terms || unexplained(&fit.problem, best) {
             return None;
         }
-        trajectory::find_sensor_offset(&fit.problem, best, &mut || self.in_time())
+        trajectory::find_sensor_offset(&fit.problem, best, self.watcher)
     }
 
     /// Shifts inputs in time if that explains the residuals, and searches again.
@@ -203,8 +200,7 @@ impl DelayOutlierSearch<'_, '_> {
             let Some(more) = self.delay(problem, best, inputs) else {
                 return;
             };
-            let before =
-                trajectory::criterion_without_delay(problem, best, &more, &mut || self.in_time());
+            let before = trajectory::criterion_without_delay(problem, best, &more, self.watcher);
             let more = DelayedInputs { gain: 0.0, ..more };
             let Some(mut late) = together(moved.as_ref(), more) else {
                 return;

@@ -11,6 +11,7 @@ pub(crate) mod thresholds;
 use std::sync::Arc;
 
 use crate::doubts::dependent_states::doubt_dependent_states;
+use crate::early_stop::{self, unweighed};
 use crate::joint::delay_outlier_search::{JointFit, search_system};
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
@@ -21,12 +22,11 @@ use crate::redundancy::doubt_redundant_equations;
 use crate::selection::screening::{CandidatePools, screen};
 use crate::trajectory;
 use crate::trajectory::{Channel, Found, Problem, System};
-use crate::watch::{self, Watch, Watcher, unweighed};
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
-use sidc_progress::Stage;
+use sidc_progress::{EquationObserver, Observer, Stage};
 use sidc_system::discovery::{Discovery, Failed, Status, Stretches, Witness};
 
 /// The joint estimation problem, where it is asked for or, by default, where the data are noisy.
@@ -38,7 +38,7 @@ pub fn joint(
     libraries: &[Option<Library>],
     dataset: &Dataset,
     options: &Options,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Result<Problem, String> {
     let asked = options.method == Method::Joint;
     if !asked {
@@ -68,7 +68,13 @@ pub fn joint(
     }
     let with = |system: System| bare.with_system(system, dataset, &noise, options.robust);
     let size = (bare.states(), bare.samples());
-    let pools = screen(model, libraries, size, &|s| with(s).map_err(missing), go_on)?;
+    let pools = screen(
+        model,
+        libraries,
+        size,
+        &|s| with(s).map_err(missing),
+        observer,
+    )?;
     let problem = with(make(&pools)?).map_err(missing)?;
     if let Some(term) = problem.first_undefined_column() {
         return Err(format!(
@@ -99,9 +105,9 @@ pub fn discover_jointly(
     model: &Model,
     problem: &Problem,
     options: &Options,
-    watch: Watch,
+    observer: &mut dyn Observer,
 ) -> Option<(Discovery, Fitted)> {
-    let mut watcher = Watcher::new(watch);
+    let mut watcher = EquationObserver::new(observer);
     let mut discovery = Discovery::of(model);
     let settled = search_system(model, problem, options, &mut watcher);
     let stopped = watcher.stop();
@@ -116,7 +122,7 @@ pub fn discover_jointly(
         for law in &problem.system.laws {
             discovery.failed.push(Failed {
                 target: law.target,
-                reasons: vec![watch::failure(stop)],
+                reasons: vec![early_stop::failure(stop)],
             });
         }
         return Some((discovery, Fitted::default()));
@@ -137,7 +143,7 @@ pub fn discover_jointly(
             continue;
         }
         let mut equation = report.equation(&discovery, law, known);
-        equation.reasons.extend(stopped.map(watch::doubt));
+        equation.reasons.extend(stopped.map(early_stop::doubt));
         if !equation.reasons.is_empty() {
             equation.status = Status::Doubt;
         }
@@ -153,10 +159,9 @@ pub fn discover_jointly(
     }
     doubt_redundant_equations(&mut discovery, &samples, None);
     doubt_dependent_states(&mut discovery, &measured_states(problem));
-    let mut go_on = || watcher.at(Stage::Weighing).is_none();
-    let stretches = match go_on() {
-        true => likelihood_by_stretch(problem, &found, &mut go_on),
-        false => None,
+    let stretches = match watcher.at(Stage::Weighing) {
+        None => likelihood_by_stretch(problem, &found, &mut watcher),
+        Some(_) => None,
     };
     if let Some(stop) = watcher.stop() {
         unweighed(&mut discovery, 0, stop);
@@ -168,9 +173,9 @@ pub fn discover_jointly(
 fn likelihood_by_stretch(
     problem: &Problem,
     found: &Found,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<Stretches> {
-    let pieces = trajectory::block_products(problem, &found.best, found.inefficiency, go_on)?;
+    let pieces = trajectory::block_products(problem, &found.best, found.inefficiency, observer)?;
     let system = &problem.system;
     let column = |j: &usize| {
         let law = &system.laws[system.law_of(*j)];

@@ -15,9 +15,8 @@ use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::screening::by_simplicity;
 use crate::selection::term_selection::{self, TermSelection};
 use crate::statistics::{autocorrelation_time, norm};
-use crate::watch::Watcher;
 use sidc_lang::term::{Signal, Term};
-use sidc_progress::Stage;
+use sidc_progress::{EquationObserver, Stage};
 use sidc_solve as solve;
 use sidc_solve::Polished;
 use sidc_system::discovery::{Discovery, Equation};
@@ -26,7 +25,7 @@ use sidc_system::discovery::{Discovery, Equation};
 pub(crate) struct Refit<'a, 'w, 't> {
     /// Tasks of the equations without constraints.
     pub tasks: Vec<Task<'t>>,
-    pub watcher: &'a mut Watcher<'w>,
+    pub watcher: &'a mut EquationObserver<'w>,
 }
 
 /// An equation that is independent of the others.
@@ -157,7 +156,12 @@ impl IndependentLawSearch<'_, '_> {
     }
 
     /// The best independent support.
-    fn best(&mut self, pool: &[usize], others: &[Signal], watcher: &mut Watcher) -> Option<Found> {
+    fn best(
+        &mut self,
+        pool: &[usize],
+        others: &[Signal],
+        watcher: &mut EquationObserver,
+    ) -> Option<Found> {
         // A law without the targets of the others is independent of them, and bounds the search.
         let mentions = |j: &usize| {
             let term = self.task.term(*j);
@@ -210,7 +214,7 @@ impl IndependentLawSearch<'_, '_> {
         &self,
         search: &BestSubsetSearch,
         forbidden: BTreeSet<usize>,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Option<Node> {
         if watcher.at(Stage::Choosing).is_some() {
             return None;
@@ -220,7 +224,7 @@ impl IndependentLawSearch<'_, '_> {
             .min(self.design.target.len().saturating_sub(1))
             .max(1);
         let without = search.without(&forbidden);
-        let found = without.run(most, &[], &mut || watcher.at(Stage::Choosing).is_none());
+        let found = without.run(most, &[], watcher.during(Stage::Choosing));
         let first = found.into_iter().find(|s| !s.support.is_empty())?;
         Some(Node {
             value: first.value,

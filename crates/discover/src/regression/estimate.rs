@@ -8,8 +8,7 @@ use crate::regression::design::Design;
 use crate::regression::task::Task;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::{self, TermSelection};
-use crate::watch::Watcher;
-use sidc_progress::{Stage, Stop};
+use sidc_progress::{EquationObserver, Stage, Stop};
 use sidc_solve as solve;
 use sidc_solve::{Polished, Problem, Solution, Status as Solved};
 use sidc_system::discovery::{Proof, Witness};
@@ -66,9 +65,9 @@ pub(crate) fn pairs(columns: &[usize], coefficients: &[f64]) -> Vec<(usize, f64)
 
 impl Task<'_> {
     /// Runs the solver, selects terms by the criterion and fits them.
-    pub fn select(&self, design: &mut Design, watcher: &mut Watcher) -> Selected {
+    pub fn select(&self, design: &mut Design, watcher: &mut EquationObserver) -> Selected {
         let problem = design.problem();
-        let solution = watcher.solving(|monitor| self.options.solver.solve(&problem, monitor));
+        let solution = self.options.solver.solve(&problem, watcher);
         let largest = largest_contribution(&problem, &solution);
         design.weights.raise_floor(largest);
         let (phi, weights) = (design.phi.as_ref(), &design.weights);
@@ -79,10 +78,13 @@ impl Task<'_> {
             weights.floor,
         );
         let proposals = &solution.coefficients;
-        let selection =
-            term_selection::select_terms(phi, &design.target, proposals, criterion, &mut || {
-                watcher.at(Stage::Choosing).is_none()
-            });
+        let selection = term_selection::select_terms(
+            phi,
+            &design.target,
+            proposals,
+            criterion,
+            watcher.during(Stage::Choosing),
+        );
         let cut = selection.cut || solution.status == Solved::Interrupted;
         Selected {
             polished: solve::polish(phi, &design.target, &selection.support),

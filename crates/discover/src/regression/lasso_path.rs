@@ -6,20 +6,19 @@ use crate::regression::design::Design;
 use crate::regression::task::Task;
 use crate::regression::thresholds::LASSO_PATH;
 use crate::statistics::norm;
-use crate::watch::Watcher;
+use sidc_progress::EquationObserver;
 use sidc_solve as solve;
 use sidc_solve::{Knot, Problem};
 use sidc_system::discovery::PathKnot;
 
 impl Task<'_> {
     /// The knots down to ε, if they were requested; none once the work is to stop.
-    pub fn lasso_path(&self, design: &Design, watcher: &mut Watcher) -> Vec<PathKnot> {
+    pub fn lasso_path(&self, design: &Design, watcher: &mut EquationObserver) -> Vec<PathKnot> {
         if !self.options.path || watcher.stop().is_some() {
             return Vec::new();
         }
         let problem = design.problem();
-        let knots =
-            watcher.solving(|monitor| solve::lasso_path(&problem, LASSO_PATH.max_knots, monitor));
+        let knots = solve::lasso_path(&problem, LASSO_PATH.max_knots, watcher);
         let largest = knots.first().map_or(1.0, |k| k.penalty);
         let last = knots.len().saturating_sub(1);
         let kept = knots.iter().enumerate();

@@ -15,8 +15,8 @@ pub(crate) mod thresholds;
 pub(crate) mod weak_regression;
 
 use crate::dictionary::BadValue;
-use crate::watch::Watcher;
 use design::Design;
+use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, Equation, Failed};
 use task::Task;
 
@@ -28,14 +28,19 @@ impl Task<'_> {
     pub fn run(
         &self,
         names: &Discovery,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Result<Result<Equation, Failed>, Box<BadValue>> {
         let found = self.design(names, watcher)?;
         Ok(found.map(|mut design| self.solve(names, &mut design, watcher)))
     }
 
     /// The equation from its design.
-    fn solve(&self, names: &Discovery, design: &mut Design, watcher: &mut Watcher) -> Equation {
+    fn solve(
+        &self,
+        names: &Discovery,
+        design: &mut Design,
+        watcher: &mut EquationObserver,
+    ) -> Equation {
         let selected = self.select(design, watcher);
         let estimate = self.estimate(design, &selected);
         let mut equation = self.conclude(names, design, &estimate);

@@ -5,6 +5,7 @@
 use std::cmp::Ordering;
 
 use crate::dictionary::{BadValue, compile, subtract};
+use crate::early_stop;
 use crate::options::{Method, Options};
 use crate::regression::design::{Design, RowKind};
 use crate::regression::memory_limit;
@@ -12,13 +13,12 @@ use crate::regression::row_sampling;
 use crate::regression::thresholds::WEAK_FORM;
 use crate::row_weights::Weights;
 use crate::statistics::{product, rms};
-use crate::watch::{self, Watcher};
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term};
-use sidc_progress::SolverProgress;
 use sidc_progress::Stage;
+use sidc_progress::{EquationObserver, SolverProgress};
 use sidc_system::discovery::{Discovery, Failed, FoundTerm, Reason, ReasonCode};
 
 /// One equation to be found: `target` = Σ known + Σ coefficient · term of the library.
@@ -40,10 +40,10 @@ impl Task<'_> {
     pub fn design(
         &self,
         names: &Discovery,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Result<Result<Design, Failed>, Box<BadValue>> {
         if let Some(stop) = watcher.at(Stage::Evaluating) {
-            return Ok(Err(self.failed(watch::failure(stop))));
+            return Ok(Err(self.failed(early_stop::failure(stop))));
         }
         if self.options.method == Method::Weak
             && let Some(weak) = self.weak_form()?
@@ -73,7 +73,7 @@ impl Task<'_> {
         let target = product(&y, &weights.row);
         let design = Design::new(RowKind::Samples { split, used, y }, weights, phi, target);
         if let Some(stop) = watcher.at(Stage::Solving(SolverProgress::default())) {
-            return Ok(Err(self.failed(watch::failure(stop))));
+            return Ok(Err(self.failed(early_stop::failure(stop))));
         }
         Ok(Ok(design))
     }

@@ -5,6 +5,7 @@
 //! stands. Never differentiates a noisy signal.
 
 use crate::dictionary::BadValue;
+use crate::early_stop;
 use crate::options::Method;
 use crate::refusal::Unevaluable;
 use crate::regression::design::{Design, RowKind};
@@ -15,11 +16,10 @@ use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::statistics::rms;
-use crate::watch::{self, Watcher};
 use crate::weak_form::{Weak, WeakFormInputs, Whitened};
 use sidc_data::Samples;
 use sidc_lang::term::Term;
-use sidc_progress::Stage;
+use sidc_progress::{EquationObserver, Stage};
 use sidc_solve as solve;
 use sidc_solve::Problem;
 use sidc_solve::dictionary::Dictionary;
@@ -88,7 +88,7 @@ impl<'a> WeakSystem<'a> {
     pub fn run(
         mut self,
         names: &Discovery,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Vec<(usize, Result<Equation, Failed>)> {
         for pass in 0..WEAK_FORM.max_passes {
             let mut changed = false;
@@ -150,7 +150,7 @@ impl Task<'_> {
         &self,
         weak: &Weak,
         before: Option<&WeakFit>,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Option<Iteration> {
         let mut best: Option<Iteration> = None;
         let mut initial_fits = self.initial_fits(weak, watcher);
@@ -166,10 +166,10 @@ impl Task<'_> {
         &self,
         best: Option<Iteration>,
         names: &Discovery,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Result<Equation, Failed> {
         if let (None, Some(stop)) = (&best, watcher.stop()) {
-            return Err(self.failed(watch::failure(stop)));
+            return Err(self.failed(early_stop::failure(stop)));
         }
         let best = best.and_then(|b| self.weak_design(&b.own, b.whitened));
         let Some(mut design) = best else {
@@ -179,7 +179,7 @@ impl Task<'_> {
     }
 
     /// Distinct first guesses: for every slack and every factor on the cost of a term.
-    fn initial_fits(&self, weak: &Weak, watcher: &mut Watcher) -> Vec<WeakFit> {
+    fn initial_fits(&self, weak: &Weak, watcher: &mut EquationObserver) -> Vec<WeakFit> {
         let mut out: Vec<WeakFit> = Vec::new();
         for slack in WEAK_FORM.initial_slacks {
             let Some(whitened) = weak.whitened(&[], slack) else {
@@ -202,7 +202,7 @@ impl Task<'_> {
         weak: &Weak,
         mut found: WeakFit,
         best: &mut Option<Iteration>,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) {
         let mut own = weak.clone();
         for round in 0..WEAK_FORM.max_iterations {
@@ -235,7 +235,12 @@ impl Task<'_> {
     }
 
     /// Selects terms where each costs `penalty_factor` times what the criterion says.
-    fn choose(&self, whitened: &Whitened, penalty_factor: f64, watcher: &mut Watcher) -> WeakFit {
+    fn choose(
+        &self,
+        whitened: &Whitened,
+        penalty_factor: f64,
+        watcher: &mut EquationObserver,
+    ) -> WeakFit {
         let phi = &whitened.columns;
         let mut criterion = InformationCriterion::new(
             phi.rows(),
@@ -250,16 +255,17 @@ impl Task<'_> {
                 target: &whitened.target,
                 tolerance: (phi.rows() as f64).sqrt(),
             };
-            watcher
-                .solving(|monitor| self.options.solver.solve(&problem, monitor))
-                .coefficients
+            self.options.solver.solve(&problem, watcher).coefficients
         } else {
             Vec::new()
         };
-        let selection =
-            term_selection::select_terms(phi, &whitened.target, &proposals, criterion, &mut || {
-                watcher.at(Stage::Choosing).is_none()
-            });
+        let selection = term_selection::select_terms(
+            phi,
+            &whitened.target,
+            &proposals,
+            criterion,
+            watcher.during(Stage::Choosing),
+        );
         let polished = solve::polish(phi, &whitened.target, &selection.support);
         let terms = selection.support.len() as f64;
         let columns = selection.support.iter().copied();
@@ -277,7 +283,7 @@ impl Task<'_> {
         &self,
         names: &Discovery,
         equation: &Equation,
-        watcher: &mut Watcher,
+        watcher: &mut EquationObserver,
     ) -> Option<Design> {
         let weak = match self.options.method {
             Method::Weak => self.weak_form().ok()?,

@@ -3,6 +3,7 @@
 //! In: weighted columns and target, reduced to few rows. Out: supports, best first. Works on columns orthogonalised by modified
 //! Gram–Schmidt and never on the Gram matrix, which would lose half of the digits of clean data.
 
+use sidc_progress::Observer;
 use std::collections::BTreeSet;
 
 use crate::selection::information_criterion::InformationCriterion;
@@ -77,12 +78,12 @@ impl BestSubsetSearch {
     }
 
     /// Distinct subsets of up to `max_terms` columns, best criterion first; `starts` join the search. The beam is quick and always
-    /// runs; the single changes after it end when `go_on` says no.
+    /// runs; the single changes after it end when the observer says so.
     pub fn run(
         &self,
         max_terms: usize,
         starts: &[Vec<usize>],
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Vec<ScoredSubset> {
         let mut found = Visited::default();
         found.add(self.subset(&self.start()));
@@ -97,7 +98,7 @@ impl BestSubsetSearch {
                 max_terms,
                 visited: &mut found,
             };
-            descend(&mut descent, best, usize::MAX, go_on);
+            descend(&mut descent, best, usize::MAX, observer);
         }
         found.sorted()
     }
@@ -152,11 +153,11 @@ impl BestSubsetSearch {
         &self,
         support: &[usize],
         max_terms: usize,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Vec<ScoredSubset> {
         let mut out = Vec::new();
         for gap in 0..=support.len() {
-            if !go_on() {
+            if !observer.go_on() {
                 break;
             }
             let kept: Vec<usize> = support
@@ -257,10 +258,10 @@ impl SubsetProblem for Descent<'_> {
     fn neighbours(
         &mut self,
         subset: &ScoredSubset,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Vec<ScoredSubset> {
         let search = self.search;
-        let neighbours = search.neighbours(&subset.support, self.max_terms, go_on);
+        let neighbours = search.neighbours(&subset.support, self.max_terms, observer);
         for neighbour in &neighbours {
             self.visited.add(neighbour.clone());
         }
@@ -307,6 +308,7 @@ fn project_off(column: &mut [f64], direction: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sidc_progress::Unwatched;
     use sidc_random::Numbers;
 
     #[test]
@@ -322,7 +324,7 @@ mod tests {
         let best = &BestSubsetSearch::new(rows, columns.clone(), target, 0.0, criterion).run(
             10,
             &[],
-            &mut || true,
+            &mut Unwatched,
         )[0];
         assert_eq!(best.support, vec![7, 19]);
     }
@@ -339,7 +341,7 @@ mod tests {
             let criterion = InformationCriterion::new(rows, 1.0, count, floor * floor);
             let search =
                 BestSubsetSearch::new(rows, columns.clone(), target.clone(), 0.0, criterion);
-            search.run(10, &[], &mut || true)[0].support.clone()
+            search.run(10, &[], &mut Unwatched)[0].support.clone()
         };
         assert_eq!(run(1e-4), vec![2]);
         assert_eq!(run(1e-9), vec![2, 5]);
@@ -352,7 +354,8 @@ mod tests {
         let columns = [one.clone(), one.clone(), Numbers(10).many(rows)].concat();
         let criterion = InformationCriterion::new(rows, 1.0, 3, 1e-20);
         let best =
-            &BestSubsetSearch::new(rows, columns, one, 0.0, criterion).run(3, &[], &mut || true)[0];
+            &BestSubsetSearch::new(rows, columns, one, 0.0, criterion).run(3, &[], &mut Unwatched)
+                [0];
         assert_eq!(best.support.len(), 1);
     }
 }

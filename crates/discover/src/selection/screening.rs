@@ -4,7 +4,7 @@
 //! simplest terms and of those that the Lasso path on a sketch proposes. Never decides among them; the likelihood does.
 
 use crate::selection::thresholds::SCREENING;
-use std::ops::ControlFlow;
+use sidc_progress::{Activity, Observer};
 
 use crate::trajectory;
 use crate::trajectory::System;
@@ -26,7 +26,7 @@ pub(crate) fn screen(
     libraries: &[Option<Library>],
     size: (usize, usize),
     with: &dyn Fn(System) -> Result<trajectory::Problem, String>,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Result<CandidatePools, String> {
     let all: usize = libraries.iter().flatten().map(Library::len).sum();
     let mut pools: CandidatePools = vec![None; libraries.len()];
@@ -62,7 +62,7 @@ pub(crate) fn screen(
         let system = System::new(model, libraries, &own)?;
         let slots: Vec<usize> = system.laws.iter().flat_map(|l| l.slots.clone()).collect();
         let problem = with(system)?;
-        let proposed = proposals(&problem, slots.len(), go_on);
+        let proposed = proposals(&problem, slots.len(), observer);
         let mut pool: Vec<usize> = proposed.into_iter().map(|j| slots[j]).collect();
         for slot in by_simplicity(library) {
             if pool.len() < searched.max(SCREENING.small_library) && !pool.contains(&slot) {
@@ -86,11 +86,11 @@ pub(crate) fn by_simplicity(library: &Library) -> Vec<usize> {
 fn proposals(
     problem: &trajectory::Problem,
     columns: usize,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Vec<usize> {
     let rows = (SCREENING.max_sketch_entries / columns)
         .clamp(SCREENING.min_sketch_rows, SCREENING.max_sketch_rows);
-    let Some(sketched) = problem.sketch(SCREENING.slack, rows, go_on) else {
+    let Some(sketched) = problem.sketch(SCREENING.slack, rows, observer) else {
         return Vec::new();
     };
     let phi = Dense::new(rows, sketched.columns);
@@ -99,10 +99,9 @@ fn proposals(
         target: &sketched.target,
         tolerance: 0.0,
     };
-    let knots = solve::lasso_path(&sketch, SCREENING.max_knots, &mut |_| match go_on() {
-        true => ControlFlow::Continue(()),
-        false => ControlFlow::Break(()),
-    });
+    // A solver's progress is not told: no equation is being solved yet.
+    let mut observer = |_: Activity| observer.hear(Activity::Working);
+    let knots = solve::lasso_path(&sketch, SCREENING.max_knots, &mut observer);
     let mut found: Vec<usize> = Vec::new();
     for j in knots.iter().filter_map(|k| k.enters) {
         if found.len() < SCREENING.max_proposals && !found.contains(&j) {

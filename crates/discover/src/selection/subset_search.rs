@@ -3,6 +3,7 @@
 //! In: a problem that scores subsets and lists their neighbours. Out: larger subsets, or the subset that no single change
 //! improves. Never fits anything itself.
 
+use sidc_progress::Observer;
 use std::collections::BTreeSet;
 
 use crate::selection::thresholds::SUBSET_SEARCH;
@@ -15,11 +16,11 @@ pub(crate) trait SubsetProblem {
     /// The criterion of a subset; smaller is better.
     fn criterion(&self, subset: &Self::Subset) -> f64;
 
-    /// Subsets one drop, addition or swap away, in a fixed order. Ends early, with those it has, when `go_on` says no.
+    /// Subsets one drop, addition or swap away, in a fixed order. Ends early, with those it has, when the observer says so.
     fn neighbours(
         &mut self,
         subset: &Self::Subset,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Vec<Self::Subset>;
 }
 
@@ -29,12 +30,12 @@ pub(crate) fn descend<P: SubsetProblem>(
     problem: &mut P,
     start: P::Subset,
     max_moves: usize,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) {
     let mut best = start;
     for _ in 0..max_moves {
         let before = problem.criterion(&best);
-        for neighbour in problem.neighbours(&best, go_on) {
+        for neighbour in problem.neighbours(&best, observer) {
             // The first of equals.
             if problem.criterion(&neighbour) < problem.criterion(&best) {
                 best = neighbour;

@@ -5,6 +5,7 @@
 
 use crate::selection::thresholds::TERM_SELECTION;
 use nalgebra::DMatrix;
+use sidc_progress::{Activity, Observer};
 
 use crate::selection::best_subset::{BestSubsetSearch, ScoredSubset};
 use crate::selection::information_criterion::InformationCriterion;
@@ -25,13 +26,13 @@ pub struct TermSelection {
     pub cut: bool,
 }
 
-/// Selects among all candidates, or among the proposals of the solver if there are too many, as long as `go_on` allows.
+/// Selects among all candidates, or among the proposals of the solver if there are too many, as long as the observer allows.
 pub fn select_terms(
     dictionary: &dyn Dictionary,
     target: &[f64],
     coefficients: &[(usize, f64)],
     criterion: InformationCriterion,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> TermSelection {
     let proposed = proposed_columns(dictionary, coefficients);
     let pool = candidate_pool(dictionary, &proposed);
@@ -45,11 +46,13 @@ pub fn select_terms(
         .min(dictionary.rows().saturating_sub(1))
         .max(1);
     let mut cut = false;
-    let found =
-        best_subset_search(dictionary, target, &pool, criterion).run(most, &[start], &mut || {
-            cut = !go_on();
-            !cut
-        });
+    let mut observer = |activity: Activity| {
+        let answer = observer.hear(activity);
+        cut = answer.is_break();
+        answer
+    };
+    let search = best_subset_search(dictionary, target, &pool, criterion);
+    let found = search.run(most, &[start], &mut observer);
     let named = |s: &ScoredSubset| -> Vec<usize> { s.support.iter().map(|i| pool[*i]).collect() };
     let Some(best) = found.first() else {
         return TermSelection {

@@ -1,39 +1,48 @@
 //! Two pieces of work on two threads that can be cancelled together.
 //!
-//! In: two closures, and `go_on`. Out: both results. Only the calling thread calls `go_on`; the other reads its last answer. Results do not
-//! depend on which thread is quicker.
+//! In: two closures and an observer. Out: both results. Only the calling thread calls the observer; the other reads its last answer. Results
+//! do not depend on which thread is quicker.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use sidc_progress::{Activity, Observer, Stop};
 use sidc_solve::threads;
 
-/// Called during long work, every few intervals: `false` cancels it.
-pub(crate) type GoOn<'a> = &'a mut dyn FnMut() -> bool;
-
-/// Time between two calls of `go_on` while the calling thread waits for the other.
+/// Time between two calls of the observer while the calling thread waits for the other.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both stop once `go_on` returns false.
+/// The answer to work once the other is stopped. The observer knows the true reason; this one is not used.
+const CANCELLED: ControlFlow<Stop> = ControlFlow::Break(Stop::Interrupted);
+
+/// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both stop once the observer
+/// ends the work.
 pub(crate) fn join<A, B: Send>(
-    go_on: GoOn,
-    a: impl FnOnce(GoOn) -> A,
-    b: impl FnOnce(GoOn) -> B + Send,
+    observer: &mut dyn Observer,
+    a: impl FnOnce(&mut dyn Observer) -> A,
+    b: impl FnOnce(&mut dyn Observer) -> B + Send,
 ) -> (A, B) {
     if threads::available() == 1 {
-        return (a(go_on), b(go_on));
+        return (a(observer), b(observer));
     }
     let (stopped, done) = (AtomicBool::new(false), AtomicBool::new(false));
-    let mut asks = || {
-        let on = !stopped.load(Ordering::Relaxed) && go_on();
-        stopped.store(!on, Ordering::Relaxed);
-        on
+    let mut asks = |activity: Activity| {
+        let answer = match stopped.load(Ordering::Relaxed) {
+            true => CANCELLED,
+            false => observer.hear(activity),
+        };
+        stopped.store(answer.is_break(), Ordering::Relaxed);
+        answer
     };
     let caller = thread::current();
     thread::scope(|scope| {
         let other = scope.spawn(|| {
-            let b = b(&mut || !stopped.load(Ordering::Relaxed));
+            let b = b(&mut |_: Activity| match stopped.load(Ordering::Relaxed) {
+                true => CANCELLED,
+                false => ControlFlow::Continue(()),
+            });
             done.store(true, Ordering::Release);
             caller.unpark();
             b
@@ -42,7 +51,7 @@ pub(crate) fn join<A, B: Send>(
         // `done` stays false if the other thread panics, hence the second condition.
         while !done.load(Ordering::Acquire) && !other.is_finished() {
             thread::park_timeout(POLL_INTERVAL);
-            asks();
+            asks.go_on();
         }
         match other.join() {
             Ok(b) => (a, b),

@@ -5,25 +5,26 @@
 
 use super::ball::Ball;
 use super::double_double::DoubleDouble;
-use super::equation_check::{EquationCheck, Monitor};
+use super::equation_check::EquationCheck;
 use super::messages;
 use super::pricing::{self, Pricing};
 use super::thresholds::VERIFICATION;
 use super::tolerance::within;
 use super::weighted_sums::{SumRequest, WeightedSums};
 use sidc_lang::term::Term;
+use sidc_progress::Observer;
 use sidc_system::discovery::{Verification, VerifiedProof};
 
 /// Rounding of the relative tolerance that is stated: some five units in the last place of 1.
 const STATED_ROUNDING: f64 = 1e-15;
 
 impl EquationCheck<'_> {
-    /// Checks the proof, if one is claimed. `None` if `monitor` ended it.
+    /// Checks the proof, if one is claimed. `None` if the observer ended it.
     pub(super) fn certificate(
         &self,
         own: &WeightedSums,
         out: &mut Verification,
-        monitor: Monitor,
+        observer: &mut dyn Observer,
     ) -> Option<()> {
         let claimed = &self.evidence.certificate;
         if claimed.constrained {
@@ -47,15 +48,12 @@ impl EquationCheck<'_> {
             Some(proposal) => {
                 out.open.push(messages::chosen(self.evidence.searched));
                 let slots = proposal.iter().map(|(j, _)| *j).collect();
-                (
-                    slots,
-                    Some(self.proposal_sums(proposal, &mut || monitor(0))?),
-                )
+                (slots, Some(self.proposal_sums(proposal, observer)?))
             }
         };
         let mut support: Vec<usize> = slots;
         support.sort_unstable();
-        let pricing = pricing::price(library, &self.rows, &self.witness.dual, &support, monitor)?;
+        let pricing = pricing::price(library, &self.rows, &self.witness.dual, &support, observer)?;
         out.columns = pricing.columns;
         let (coefficients, sums) = match &other {
             Some((coefficients, sums)) => (coefficients.clone(), sums),
@@ -71,7 +69,7 @@ impl EquationCheck<'_> {
     fn proposal_sums(
         &self,
         proposal: &[(usize, f64)],
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Option<(Vec<f64>, WeightedSums)> {
         let term =
             |(slot, a): &(usize, f64)| (self.case.library.term(*slot).unwrap_or_default(), *a);
@@ -84,7 +82,7 @@ impl EquationCheck<'_> {
             dual: &self.witness.dual,
             gram: false,
         };
-        let sums = self.rows.sums(&request, go_on)?;
+        let sums = self.rows.sums(&request, observer)?;
         Some((proposal.iter().map(|(_, a)| *a).collect(), sums))
     }
 

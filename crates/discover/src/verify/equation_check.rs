@@ -10,6 +10,7 @@ use super::weighted_sums::{SumRequest, WeightedRows, WeightedSums};
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::term::Term;
+use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, Equation, Evidence, Verification, Witness};
 
 /// Decimal digits that tell any two f64 apart.
@@ -27,9 +28,6 @@ pub struct Case<'a> {
     /// The readings: needed by an equation that was estimated with its trajectory.
     pub dataset: &'a Dataset,
 }
-
-/// Hears how many columns are done, and answers whether to go on.
-pub type Monitor<'a> = &'a mut dyn FnMut(usize) -> bool;
 
 /// One equation with what it is checked against.
 pub(super) struct EquationCheck<'a> {
@@ -65,12 +63,8 @@ impl<'a> EquationCheck<'a> {
         }
     }
 
-    /// The residual, and whether the coefficients are those of least squares. `None` if `go_on` ended it.
-    pub fn fit(
-        &self,
-        out: &mut Verification,
-        go_on: &mut dyn FnMut() -> bool,
-    ) -> Option<WeightedSums> {
+    /// The residual, and whether the coefficients are those of least squares. `None` if the observer ended it.
+    pub fn fit(&self, out: &mut Verification, observer: &mut dyn Observer) -> Option<WeightedSums> {
         let (known, found) = (self.terms(true), self.terms(false));
         let request = SumRequest {
             target: self.case.equation.target,
@@ -79,7 +73,7 @@ impl<'a> EquationCheck<'a> {
             dual: &self.witness.dual,
             gram: true,
         };
-        let sums = self.rows.sums(&request, go_on)?;
+        let sums = self.rows.sums(&request, observer)?;
         let size = sums.target.value.hi;
         let contributions: Vec<f64> = (found.iter().zip(&sums.norms))
             .map(|((_, a), n)| a.abs() * n.size())

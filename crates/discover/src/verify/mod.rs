@@ -20,5 +20,5 @@ mod trajectory_check;
 mod verification;
 mod weighted_sums;
 
-pub use equation_check::{Case, Monitor};
+pub use equation_check::Case;
 pub use verification::{verify, work};

@@ -4,6 +4,7 @@
 //! from the factors of their terms, a tile at a time; only the values of the atoms are kept, where they are few. Sums are compensated
 //! (Ogita, Rump & Oishi 2005), as if made in twice the digits; bounds on the errors of the entries are summed beside them.
 
+use sidc_progress::{Activity, Observer, Stage};
 use std::collections::BTreeMap;
 
 use super::ball::Ball;
@@ -41,13 +42,13 @@ pub fn work(library: &Library, rows: usize) -> u128 {
     library.slots() as u128 * rows as u128
 }
 
-/// Prices all columns. `go_on` hears how many slots are done; `None` if it ended the work. `support` is in rising order.
+/// Prices all columns. The observer hears how many slots are done; `None` if it ended the work. `support` is in rising order.
 pub fn price(
     library: &Library,
     rows: &WeightedRows,
     dual: &[f64],
     support: &[usize],
-    go_on: &mut dyn FnMut(usize) -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<Pricing> {
     let atoms = Atoms::new(library, rows);
     let length = dual.iter().map(|l| l * l).sum::<f64>().sqrt() * (1.0 + 1e-9);
@@ -62,7 +63,7 @@ pub fn price(
     };
     let mut first_slot = 0;
     for block in library.blocks() {
-        pricer.block(block, first_slot, go_on)?;
+        pricer.block(block, first_slot, observer)?;
         first_slot += block.slots();
     }
     Some(pricer.pricing)
@@ -85,7 +86,7 @@ impl Pricer<'_> {
         &mut self,
         block: &Block,
         first_slot: usize,
-        go_on: &mut dyn FnMut(usize) -> bool,
+        observer: &mut dyn Observer,
     ) -> Option<()> {
         let across = block.right.len();
         let swapped = block.left.len() > across;
@@ -117,9 +118,8 @@ impl Pricer<'_> {
                     self.add_column(first_slot + slot, &sum);
                 }
                 done += terms.len();
-                if !go_on(done) {
-                    return None;
-                }
+                let verifying = Stage::Verifying(done, self.library.slots());
+                observer.hear(Activity::Stage(verifying)).continue_value()?;
             }
         }
         Some(())

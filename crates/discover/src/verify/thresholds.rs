@@ -48,7 +48,7 @@ family! {
 }
 
 family! {
-    /// Sizes of the work between two looks at the monitor, and in memory.
+    /// Sizes of the work between two looks at the observer, and in memory.
     pub(crate) TILES: VerificationTiles {
         /// Numbers of a tile of columns.
         numbers: usize = 130_000, unit "numbers", source "1 MB, which the cache of a core holds";
@@ -56,8 +56,8 @@ family! {
         columns: usize = 256, unit "columns", source "set by hand; not measured";
         /// Values of atoms that are kept for all rows.
         atom_bytes: usize = 64_000_000, unit "bytes", source "set by hand; not measured";
-        /// Rows between two questions to the monitor.
-        monitored_rows: usize = 256, unit "rows", source "set by hand; not measured";
+        /// Rows between two questions to the observer.
+        observed_rows: usize = 256, unit "rows", source "set by hand; not measured";
     }
 }
 

@@ -13,6 +13,7 @@ use super::tolerance::within;
 use super::weighted_sums::WeightedRows;
 use sidc_data::Samples;
 use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::Observer;
 use sidc_system::discovery::{ChannelFit, Evidence, Together, Verification};
 
 /// An equation with its trajectory.
@@ -24,14 +25,14 @@ pub struct TrajectoryCheck<'a> {
 }
 
 impl TrajectoryCheck<'_> {
-    /// `None` if `go_on` ended it.
-    pub fn run(&self, out: &mut Verification, go_on: &mut dyn FnMut() -> bool) -> Option<()> {
+    /// `None` if the observer ended it.
+    pub fn run(&self, out: &mut Verification, observer: &mut dyn Observer) -> Option<()> {
         out.open.push(messages::likelihood());
         out.rows = self.samples.len();
         if out.rows != self.evidence.rows {
             out.fails.push(messages::rows(out.rows, self.evidence.rows));
         }
-        let miss = self.equation_residual(go_on)?;
+        let miss = self.equation_residual(observer)?;
         out.along = Some(miss);
         if !within(miss, VERIFICATION.trajectory) {
             let target = self.case.names.name(self.case.equation.target);
@@ -44,13 +45,13 @@ impl TrajectoryCheck<'_> {
     }
 
     /// Root mean square of target minus terms along the trajectory, over that of the largest of them in each row.
-    fn equation_residual(&self, go_on: &mut dyn FnMut() -> bool) -> Option<f64> {
+    fn equation_residual(&self, observer: &mut dyn Observer) -> Option<f64> {
         let used: Vec<usize> = (0..self.samples.len()).collect();
         let weights = vec![1.0; used.len()];
         let rows = WeightedRows::new(self.samples, &used, &weights)?;
         let (mut square, mut size) = (DoubleDouble::ZERO, 0.0);
         for row in 0..rows.len() {
-            if !go_on() {
+            if !observer.go_on() {
                 return None;
             }
             let at = rows.at(row);

@@ -3,11 +3,12 @@
 //! In: a case. Out: its [`Verification`]. An equation from rows is compared with least squares and its certificate; an equation that was
 //! estimated with its trajectory is compared with that.
 
-use super::equation_check::{Case, EquationCheck, Monitor};
+use super::equation_check::{Case, EquationCheck};
 use super::messages;
 use super::pricing;
 use super::trajectory_check::TrajectoryCheck;
 use super::weighted_sums::WeightedRows;
+use sidc_progress::Observer;
 use sidc_system::discovery::Verification;
 
 /// Products in 106 bits that checking an equation takes.
@@ -18,12 +19,12 @@ pub fn work(case: &Case) -> u128 {
     proved.map_or(0, |w| pricing::work(case.library, w.rows.len()))
 }
 
-/// Checks an equation; `None` where `monitor` ended it, or nothing was found.
+/// Checks an equation; `None` where the observer ended it, or nothing was found.
 ///
 /// ```
-/// use std::ops::ControlFlow;
 /// use sidc_data::Dataset;
 /// use sidc_discover::{Options, discover};
+/// use sidc_progress::Unwatched;
 /// use sidc::pipeline::Program;
 /// use sidc_discover::verify::{Case, verify};
 ///
@@ -33,8 +34,7 @@ pub fn work(case: &Case) -> u128 {
 /// let time: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
 /// let samples = program.samples(&time, &[("x", &x), ("dx", &dx)])?;
 /// let data = (&Dataset::default(), &samples);
-/// let go_on = &mut |_| ControlFlow::Continue(());
-/// let found = discover(&program.model, &program.libraries, data, &Options::default(), go_on);
+/// let found = discover(&program.model, &program.libraries, data, &Options::default(), &mut Unwatched);
 /// let found = found.map_err(|_| "a term has no value")?;
 ///
 /// let case = Case {
@@ -44,17 +44,17 @@ pub fn work(case: &Case) -> u128 {
 ///     samples: &samples,
 ///     dataset: &Dataset::default(),
 /// };
-/// let verified = verify(&case, &mut |_| true).ok_or("stopped")?;
+/// let verified = verify(&case, &mut Unwatched).ok_or("stopped")?;
 /// assert!(verified.holds && verified.digits.is_some_and(|d| d > 10.0));
 ///
 /// // A coefficient with a wrong fifth digit is found.
 /// let mut wrong = found.equations[0].clone();
 /// wrong.terms[0].coefficient *= 1.00001;
-/// let verified = verify(&Case { equation: &wrong, ..case }, &mut |_| true).ok_or("stopped")?;
+/// let verified = verify(&Case { equation: &wrong, ..case }, &mut Unwatched).ok_or("stopped")?;
 /// assert!(!verified.holds && verified.fails.iter().any(|f| f.contains("least squares")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
+pub fn verify(case: &Case, observer: &mut dyn Observer) -> Option<Verification> {
     let evidence = case.equation.evidence.as_ref()?;
     let mut out = Verification {
         rows: evidence.rows,
@@ -72,7 +72,7 @@ pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
             together,
             samples,
         };
-        check.run(&mut out, &mut || monitor(0))?;
+        check.run(&mut out, observer)?;
         out.holds = out.fails.is_empty();
         return Some(out);
     }
@@ -88,8 +88,8 @@ pub fn verify(case: &Case, monitor: Monitor) -> Option<Verification> {
         rows,
     };
     check.statements(&mut out);
-    let sums = check.fit(&mut out, &mut || monitor(0))?;
-    check.certificate(&sums, &mut out, monitor)?;
+    let sums = check.fit(&mut out, observer)?;
+    check.certificate(&sums, &mut out, observer)?;
     out.holds = out.fails.is_empty();
     Some(out)
 }

@@ -8,6 +8,7 @@ use super::term_evaluation;
 use super::thresholds::TILES;
 use sidc_data::Samples;
 use sidc_lang::term::{Signal, Term};
+use sidc_progress::Observer;
 
 /// Squares of smaller numbers may fall below the range of f64, which ends at 4.9e-324 = (2.2e-162)².
 const UNDERFLOWING: f64 = 1e-161;
@@ -111,12 +112,8 @@ impl<'a> WeightedRows<'a> {
         }
     }
 
-    /// Sums over all rows; `None` if `go_on` ended it.
-    pub fn sums(
-        &self,
-        request: &SumRequest,
-        go_on: &mut dyn FnMut() -> bool,
-    ) -> Option<WeightedSums> {
+    /// Sums over all rows; `None` if the observer ended it.
+    pub fn sums(&self, request: &SumRequest, observer: &mut dyn Observer) -> Option<WeightedSums> {
         let k = request.found.len();
         let (mut target, mut residual, mut dual) = (
             SquareSum::default(),
@@ -129,7 +126,7 @@ impl<'a> WeightedRows<'a> {
         let (mut product, mut product_error, mut product_size) = (DoubleDouble::ZERO, 0.0, 0.0);
         let mut values = vec![Ball::default(); k];
         for row in 0..self.len() {
-            if row % TILES.monitored_rows == 0 && !go_on() {
+            if row % TILES.observed_rows == 0 && !observer.go_on() {
                 return None;
             }
             let (at, weight) = (self.at(row), self.weight(row));

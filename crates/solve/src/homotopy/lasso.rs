@@ -5,10 +5,11 @@
 
 use super::super::frame::{is_finite, settle};
 use super::super::reduce::norm;
-use super::super::{CONSISTENT, Monitor, Problem, Status};
+use super::super::{CONSISTENT, Problem, Status};
 use super::path::{End, Goal, Place, Turn};
 use super::rounds::{Look, Rounds};
 use super::unit;
+use sidc_progress::Observer;
 
 /// Excess over |φ_jᵀλ| ≤ ‖φ_j‖ with which a place is no knot.
 const BROKEN: f64 = 1e-9;
@@ -31,8 +32,8 @@ pub struct Knot {
 }
 
 /// The answer at one penalty τ > 0, in the units of y, over columns of length one; a = 0 where τ ≥ max |φ_jᵀy|/‖φ_j‖.
-/// The problem's own ε is not looked at. `None` if values are not finite, the monitor stops it, or rounding ends the path.
-pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> {
+/// The problem's own ε is not looked at. `None` if values are not finite, the observer stops it, or rounding ends the path.
+pub fn lasso(problem: &Problem, penalty: f64, observer: &mut dyn Observer) -> Option<Knot> {
     let size = norm(problem.target);
     if !is_finite(problem, size) || penalty.is_nan() || penalty <= 0.0 {
         return None;
@@ -46,14 +47,14 @@ pub fn lasso(problem: &Problem, penalty: f64, monitor: Monitor) -> Option<Knot> 
     let Some(mut rounds) = rounds.filter(|r| r.level() > goal.penalty) else {
         return Some(nothing(problem, penalty, size));
     };
-    let (place, status) = rounds.run(monitor);
+    let (place, status) = rounds.run(observer);
     (status == Status::Solved).then(|| knot(&rounds, &place, size))
 }
 
 /// All knots from a = 0 down to the problem's ε, at most `most`; the last is where ε is met, at τ = 0 if that leaves nothing of y.
-/// Empty where a = 0 meets ε. Shorter where the monitor stops it, where rounding ends the path, or where ε is out of reach: the
+/// Empty where a = 0 meets ε. Shorter where the observer stops it, where rounding ends the path, or where ε is out of reach: the
 /// path then ends in a least-squares fit at τ = 0, which is no knot. Every knot is priced over all columns.
-pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot> {
+pub fn lasso_path(problem: &Problem, most: usize, observer: &mut dyn Observer) -> Vec<Knot> {
     let mut knots: Vec<Knot> = Vec::new();
     let Ok(size) = settle(problem) else {
         return knots;
@@ -71,7 +72,7 @@ pub fn lasso_path(problem: &Problem, most: usize, monitor: Monitor) -> Vec<Knot>
         ..nothing(problem, rounds.level() * size, size)
     });
     while knots.len() < most {
-        let place = rounds.walk(1, monitor);
+        let place = rounds.walk(1, observer);
         match (place.end, rounds.look(&place)) {
             (End::Interrupted, _) | (_, Look::Fails) => break,
             // Knots at smaller penalties were met without the columns that joined.

@@ -14,9 +14,10 @@ pub use lasso::{Knot, lasso, lasso_path};
 
 use super::frame::settle;
 use super::least_squares::inconsistent;
-use super::{Monitor, Problem, Solution, Solver, Status};
+use super::{Problem, Solution, Solver, Status};
 use path::Goal;
 use rounds::Rounds;
+use sidc_progress::Observer;
 
 /// Most entries of Φ that least squares looks at: a second's work.
 const AFFORDABLE: usize = 1_000_000;
@@ -34,7 +35,7 @@ impl Solver for Homotopy {
         "Lasso path on a growing working set, for libraries of any size (default)"
     }
 
-    fn solve(&self, problem: &Problem, monitor: Monitor) -> Solution {
+    fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
         let size = match settle(problem) {
             Ok(size) => size,
             Err(settled) => return settled,
@@ -47,7 +48,7 @@ impl Solver for Homotopy {
         let Some(mut rounds) = Rounds::new(problem.dictionary, &target, goal) else {
             return Solution::zero(problem, Status::Inconsistent { residual: size });
         };
-        let (place, status) = rounds.run(monitor);
+        let (place, status) = rounds.run(observer);
         let solution = Solution {
             coefficients: rounds.raw(&place.coefficients, size),
             dual: rounds.centred(&place),
@@ -83,6 +84,7 @@ fn unit(target: &[f64], size: f64) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use sidc_progress::{Activity, Stop, Unwatched};
     use std::ops::ControlFlow;
 
     use super::*;
@@ -104,16 +106,16 @@ mod tests {
             target: &target,
             tolerance: 0.05 * norm(&target),
         };
-        let whole = Homotopy.solve(&problem, &mut |_| ControlFlow::Continue(()));
+        let whole = Homotopy.solve(&problem, &mut Unwatched);
         assert_eq!(whole.status, Status::Solved);
         let mut held = Vec::new();
         for stop in 1..whole.iterations {
             let mut calls = 0;
-            let found = Homotopy.solve(&problem, &mut |_| {
+            let found = Homotopy.solve(&problem, &mut |_: Activity| {
                 calls += 1;
                 match calls < stop {
                     true => ControlFlow::Continue(()),
-                    false => ControlFlow::Break(()),
+                    false => ControlFlow::Break(Stop::Interrupted),
                 }
             });
             assert_eq!(found.status, Status::Interrupted);
@@ -136,7 +138,7 @@ mod tests {
                 target: &target,
                 tolerance: 0.0,
             };
-            let found = Homotopy.solve(&problem, &mut |_| ControlFlow::Continue(()));
+            let found = Homotopy.solve(&problem, &mut Unwatched);
             let proof = crate::certify(&problem, &found.coefficients, &found.dual);
             assert!(proof.proves_unique && proof.margin > 0.02, "{proof:?}");
         }

@@ -2,10 +2,10 @@
 //!
 //! In: a problem, its target of length one. Out: the end of the path with what it proves. Φ is only ever priced, never stored.
 
-use sidc_progress::SolverProgress;
+use sidc_progress::{Observer, SolverProgress};
 
 use super::super::pool::Pool;
-use super::super::{CONSISTENT, Monitor, Status};
+use super::super::{CONSISTENT, Status};
 use super::centre::centre;
 use super::path::{End, Goal, Path, Place, VIOLATION};
 use crate::dictionary::{Dictionary, Strongest};
@@ -68,9 +68,9 @@ impl<'a> Rounds<'a> {
     }
 
     /// Rounds until the last.
-    pub fn run(&mut self, monitor: Monitor) -> (Place, Status) {
+    pub fn run(&mut self, observer: &mut dyn Observer) -> (Place, Status) {
         loop {
-            let (place, verdict) = self.play(monitor);
+            let (place, verdict) = self.play(observer);
             if let Some(status) = verdict {
                 return (place, status);
             }
@@ -88,9 +88,9 @@ impl<'a> Rounds<'a> {
     }
 
     /// One round; a status if it was the last.
-    fn play(&mut self, monitor: Monitor) -> (Place, Option<Status>) {
+    fn play(&mut self, observer: &mut dyn Observer) -> (Place, Option<Status>) {
         let apart = self.dictionary.cols() / (2 * self.pool.len());
-        let place = self.walk(apart.clamp(STRIDE.0, STRIDE.1), monitor);
+        let place = self.walk(apart.clamp(STRIDE.0, STRIDE.1), observer);
         let look = match place.end {
             End::Interrupted | End::Lost => Look::Stays,
             _ => self.look(&place),
@@ -126,7 +126,7 @@ impl<'a> Rounds<'a> {
     }
 
     /// At most `stride` steps.
-    pub fn walk(&mut self, stride: usize, monitor: Monitor) -> Place {
+    pub fn walk(&mut self, stride: usize, observer: &mut dyn Observer) -> Place {
         self.round += 1;
         let (round, violation) = (self.round, self.violation);
         let mut iteration = self.path.steps;
@@ -139,7 +139,7 @@ impl<'a> Rounds<'a> {
                 residual,
                 violation,
             };
-            monitor(progress).is_continue()
+            progress.tell(observer).is_continue()
         })
     }
 

@@ -10,13 +10,11 @@ mod least_distance;
 mod programme;
 mod rows;
 
-use std::ops::ControlFlow;
-
 use self::programme::{End, Goal, Programme};
-use sidc_progress::SolverProgress;
+use sidc_progress::{Observer, SolverProgress};
 
+use super::Problem;
 use super::reduce::{nonzero, norm};
-use super::{Monitor, Problem};
 
 pub use certificate::{JointProof, certify_joint};
 pub use fit::{Fit, FitBlock, fit};
@@ -87,7 +85,11 @@ const REACHED: f64 = 1e-7;
 
 /// Solves by column generation (Bertsimas & Tsitsiklis, section 6.1): a conic programme on a working set, then every column of the
 /// dictionaries is priced with its dual point. `start` proposes columns of each block.
-pub fn solve_joint(joint: &Joint, start: &[Vec<usize>], monitor: Monitor) -> JointSolution {
+pub fn solve_joint(
+    joint: &Joint,
+    start: &[Vec<usize>],
+    observer: &mut dyn Observer,
+) -> JointSolution {
     let mut sets = working_sets(joint, start);
     let mut iterations = 0;
     for round in 1..=ROUNDS {
@@ -115,7 +117,7 @@ pub fn solve_joint(joint: &Joint, start: &[Vec<usize>], monitor: Monitor) -> Joi
             iteration: iterations,
             ..SolverProgress::default()
         };
-        if matches!(monitor(progress), ControlFlow::Break(())) {
+        if progress.tell(observer).is_break() {
             return end.solution(Outcome::Interrupted, iterations);
         }
         if grown != Priced::Added {

@@ -8,7 +8,6 @@
 //! motion at 100 Hz. "Exact" is the true support, nothing else, with every coefficient to 1e-8.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -18,6 +17,7 @@ use sidc::pipeline::Program;
 use sidc_data::{Dataset, Samples};
 use sidc_discover::{Options, discover};
 use sidc_lang::term::{Language, SignalNames};
+use sidc_progress::Unwatched;
 use sidc_solve::{SOLVERS, solver};
 use sidc_studies::success_plot::{Curve, svg};
 use sidc_system::discovery::{Discovery, Status};
@@ -123,7 +123,7 @@ fn one(program: &Program, draw: u64, options: &Options) -> Result<Outcome, Box<d
         &program.libraries,
         (&Dataset::default(), &samples),
         options,
-        &mut |_| ControlFlow::Continue(()),
+        &mut Unwatched,
     )
     .map_err(|_| "a term is not finite")?;
     let seconds = start.elapsed().as_secs_f64();

@@ -11,11 +11,11 @@
 
 use std::error::Error;
 use std::fs;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
 
 use serde_json::{Value, json};
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::Dense;
 use sidc_solve::{Problem, SOLVERS, Solution, certify};
 
@@ -99,7 +99,7 @@ fn solve(folder: &Path, name: &str) -> Result<Value, Box<dyn Error>> {
     };
     let run = || -> (f64, Solution) {
         let start = Instant::now();
-        let solution = solver.solve(&problem, &mut |_| ControlFlow::Continue(()));
+        let solution = solver.solve(&problem, &mut Unwatched);
         (start.elapsed().as_secs_f64(), solution)
     };
     let (mut seconds, solution) = run();

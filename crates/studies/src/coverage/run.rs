@@ -2,14 +2,13 @@
 //!
 //! In: a case, a level, a number of draws. Out: a [`Draw`] each, in order of the seeds. What it calls is what `sidc identify` calls.
 
-use std::ops::ControlFlow;
-
 use sidc::pipeline;
 use sidc_data::{Limits, read};
 use sidc_discover::Options;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, SignalNames};
+use sidc_progress::Unwatched;
 use sidc_system::discovery::Discovery;
 
 use super::case::Case;
@@ -76,11 +75,17 @@ fn identify(case: &Case, level: f64, seed: u64) -> Result<Discovery, String> {
     }
     let options = Options::default();
     let rows = pipeline::Rows::default();
-    let on = &mut |_| ControlFlow::Continue(());
-    let staged = pipeline::measure(&program, &tables, &[], (&rows, &options), &mut sources, on);
+    let staged = pipeline::measure(
+        &program,
+        &tables,
+        &[],
+        (&rows, &options),
+        &mut sources,
+        &mut Unwatched,
+    );
     let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
-    let on = &mut |_| ControlFlow::Continue(());
-    pipeline::identify(&program, &measured, &options, on).map_err(|d| render(&d, &sources, false))
+    pipeline::identify(&program, &measured, &options, &mut Unwatched)
+        .map_err(|d| render(&d, &sources, false))
 }
 
 fn marked(case: &Case, found: &Discovery) -> Marked {

@@ -8,8 +8,8 @@ use sidc_discover::Options;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, SignalNames};
+use sidc_progress::Unwatched;
 use sidc_system::discovery::{Cause, Discovery, FoundTerm, Mark, Status};
-use std::ops::ControlFlow;
 
 use super::cases::Case;
 
@@ -113,11 +113,9 @@ pub fn identify(case: &Case) -> Result<Discovery, String> {
         &[],
         (&sidc::pipeline::Rows::default(), &options),
         &mut sources,
-        &mut |_| ControlFlow::Continue(()),
+        &mut Unwatched,
     );
     let measured = staged.0.ok_or_else(|| render(&staged.1, &sources, false))?;
-    let found = pipeline::identify(&program, &measured, &options, &mut |_| {
-        ControlFlow::Continue(())
-    });
+    let found = pipeline::identify(&program, &measured, &options, &mut Unwatched);
     found.map_err(|d| render(&d, &sources, false))
 }

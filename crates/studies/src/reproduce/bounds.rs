@@ -1,6 +1,7 @@
 //! Noise bounds: the error of basis pursuit denoising against ε, beside that of least squares on the true terms.
 
-use sidc_solve::{SOLVERS, polish, unwatched};
+use sidc_progress::Unwatched;
+use sidc_solve::{SOLVERS, polish};
 
 use super::phase::{bound, spoil};
 use super::plot::{Axis, Figure, Look, Mark, Panel};
@@ -103,7 +104,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
 
 fn errors(law: &Law, regression: &Regression, tolerance: f64) -> [f64; 4] {
     let length = regression.target.iter().map(|y| y * y).sum::<f64>().sqrt();
-    let solution = SOLVERS[0].solve(&regression.problem(tolerance), &mut unwatched);
+    let solution = SOLVERS[0].solve(&regression.problem(tolerance), &mut Unwatched);
     let answer = super::setup::Answer::of(law, regression, &solution);
     let norms = regression.dictionary.norms();
     let columns: Vec<usize> = law.truth.iter().filter_map(|t| t.column).collect();

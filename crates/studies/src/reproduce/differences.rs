@@ -4,7 +4,8 @@
 //! that allows a residual.
 
 use sidc::pipeline::Regression;
-use sidc_solve::{SOLVERS, Solution, Status, unwatched};
+use sidc_progress::Unwatched;
+use sidc_solve::{SOLVERS, Solution, Status};
 
 use super::plot::{Axis, Figure, Look, Mark, Panel};
 use super::setup::{Answer, Law, Setup, draw};
@@ -39,7 +40,7 @@ fn tolerated(law: &Law, regression: &Regression) -> Vec<Stage> {
     let length = regression.target.iter().map(|y| y * y).sum::<f64>().sqrt();
     let stage = |k: i32| {
         let left = 10_f64.powf(-f64::from(k) / PARTS);
-        let found = SOLVERS[0].solve(&regression.problem(left * length), &mut unwatched);
+        let found = SOLVERS[0].solve(&regression.problem(left * length), &mut Unwatched);
         Stage {
             left,
             coefficients: coefficients(law, regression, found.coefficients),

@@ -4,8 +4,8 @@ use sidc::pipeline::Program;
 use sidc_data::Dataset;
 use sidc_discover::{Options, discover};
 use sidc_lang::term::Language;
-use sidc_solve::{solver, unwatched};
-use std::ops::ControlFlow;
+use sidc_progress::Unwatched;
+use sidc_solve::solver;
 
 use super::plot::{Axis, Figure, Mark, Panel, short};
 use super::record::Record;
@@ -142,7 +142,7 @@ fn found(
     };
     let regression = setup.regression(law, &record)?;
     let problem = regression.problem(bound(sigma, record.len()));
-    let solution = solver.solve(&problem, &mut unwatched);
+    let solution = solver.solve(&problem, &mut Unwatched);
     Ok(Answer::of(law, &regression, &solution).ranked)
 }
 
@@ -156,8 +156,13 @@ fn identified(program: &Program, law: &Law, record: &Record, sigma: f64) -> Resu
         samples: Some(record.len()),
         ..Options::default()
     };
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let discovery = discover(&program.model, &program.libraries, data, &options, go_on);
+    let discovery = discover(
+        &program.model,
+        &program.libraries,
+        data,
+        &options,
+        &mut Unwatched,
+    );
     let discovery = discovery.map_err(|_| "a term is not finite")?;
     let terms = discovery.equations.iter().flat_map(|e| &e.terms);
     let mut names: Vec<String> = terms.map(|t| Language(&discovery).term(&t.term)).collect();

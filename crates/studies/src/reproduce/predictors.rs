@@ -3,8 +3,9 @@
 //! Those that need the law (its columns, its signs) are no use before it is known; they say what the others should have said.
 
 use sidc::pipeline::Regression;
+use sidc_progress::Unwatched;
 use sidc_solve::dictionary::Dictionary;
-use sidc_solve::{SOLVERS, certify, polish, unwatched};
+use sidc_solve::{SOLVERS, certify, polish};
 
 use super::excitation::medians;
 use super::isometry::Unit;
@@ -103,7 +104,7 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
 /// How far all columns off the support stay from their bound, by the dual point of the answer.
 fn certified(regression: &Regression) -> f64 {
     let problem = regression.problem(0.0);
-    let found = SOLVERS[0].solve(&problem, &mut unwatched);
+    let found = SOLVERS[0].solve(&problem, &mut Unwatched);
     certify(&problem, &found.coefficients, &found.dual).margin
 }
 

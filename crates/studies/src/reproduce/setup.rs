@@ -4,7 +4,8 @@
 
 use sidc::pipeline::{Program, Regression};
 use sidc_discover::split;
-use sidc_solve::{SOLVERS, Solution, unwatched};
+use sidc_progress::Unwatched;
+use sidc_solve::{SOLVERS, Solution};
 
 use super::Fault;
 use super::record::Record;
@@ -102,7 +103,7 @@ impl Setup {
     /// Basis pursuit on the rows of a record, nothing done afterwards.
     pub fn pursue(&self, law: &Law, record: &Record) -> Result<Answer, Fault> {
         let regression = self.regression(law, record)?;
-        let solution = SOLVERS[0].solve(&regression.problem(0.0), &mut unwatched);
+        let solution = SOLVERS[0].solve(&regression.problem(0.0), &mut Unwatched);
         Ok(Answer::of(law, &regression, &solution))
     }
 }

@@ -4,8 +4,9 @@ use crate::simulate::compiled::plant::{Plant, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::simulate::inputs::interpolation::InputSegment;
 use sidc_lang::term::Signal;
+use sidc_progress::{Activity, Observer};
 
-/// Evaluations between two calls of `go_on`.
+/// Evaluations between two reports to the observer.
 const CALLS_PER_CHECK: u64 = 2048;
 
 /// The right side ẋ = f(t, x) along a stretch on which every input is a straight segment.
@@ -91,7 +92,7 @@ pub(super) struct Guard<'a> {
     /// Evaluations that the run may take.
     pub budget: u64,
     last_check: u64,
-    go_on: &'a mut dyn FnMut(f64) -> bool,
+    observer: &'a mut dyn Observer,
 }
 
 impl<'a> Guard<'a> {
@@ -100,7 +101,7 @@ impl<'a> Guard<'a> {
         bounds: Vec<f64>,
         names: Vec<Signal>,
         budget: u64,
-        go_on: &'a mut dyn FnMut(f64) -> bool,
+        observer: &'a mut dyn Observer,
     ) -> Guard<'a> {
         Guard {
             sizes,
@@ -108,7 +109,7 @@ impl<'a> Guard<'a> {
             names,
             budget,
             last_check: 0,
-            go_on,
+            observer,
         }
     }
 
@@ -126,7 +127,7 @@ impl<'a> Guard<'a> {
         }
         if calls >= self.last_check + CALLS_PER_CHECK || calls < self.last_check {
             self.last_check = calls;
-            if !(self.go_on)(t) {
+            if self.observer.hear(Activity::Running { time: t }).is_break() {
                 return Err((FaultKind::Stopped, t));
             }
         }

@@ -24,11 +24,12 @@ use sidc_data::{Dataset, Trajectory};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
 use sidc_lang::term::Signal;
+use sidc_progress::Observer;
 
 /// Simulates one trajectory of the dataset, or the part of it in the options' window.
 ///
-/// The first rows give the initial state, its inputs are applied, the other readings are compared. `go_on` is called
-/// every few thousand evaluations with the time reached; `false` ends the run. A run that ends early is no error: see
+/// The first rows give the initial state, its inputs are applied, the other readings are compared. `observer` hears
+/// the time reached every few thousand evaluations, and may end the run. A run that ends early is no error: see
 /// [`Run::fault`].
 ///
 /// # Errors
@@ -37,7 +38,7 @@ pub fn simulate(
     source: &Source,
     trajectory: usize,
     options: &Options,
-    go_on: &mut dyn FnMut(f64) -> bool,
+    observer: &mut dyn Observer,
 ) -> Result<Run, Diagnostic> {
     let d = source.discovery;
     if d.equations.is_empty() {
@@ -76,7 +77,7 @@ pub fn simulate(
         sizes: sizes.collect(),
         options,
     };
-    let mut run = whole.run(go_on, &mut notes)?;
+    let mut run = whole.run(observer, &mut notes)?;
     run.notes = notes;
     Ok(run)
 }
@@ -97,7 +98,7 @@ struct RecordSimulation<'a> {
 impl RecordSimulation<'_> {
     fn run(
         &self,
-        go_on: &mut dyn FnMut(f64) -> bool,
+        observer: &mut dyn Observer,
         notes: &mut Vec<Diagnostic>,
     ) -> Result<Run, Diagnostic> {
         let rows = self.record.len();
@@ -113,7 +114,7 @@ impl RecordSimulation<'_> {
         let legs = legs(&self.record.time, self.d.discrete, driven);
         let mut end = 0;
         for (i, range) in legs.iter().enumerate() {
-            let leg = match self.leg(range.clone(), i == 0, &mut run, go_on) {
+            let leg = match self.leg(range.clone(), i == 0, &mut run, observer) {
                 Ok(leg) => leg,
                 Err(why) if i == 0 => return Err(why),
                 Err(_) => {
@@ -176,7 +177,7 @@ impl RecordSimulation<'_> {
         rows: std::ops::Range<usize>,
         first: bool,
         run: &mut Run,
-        go_on: &mut dyn FnMut(f64) -> bool,
+        observer: &mut dyn Observer,
     ) -> Result<Leg, Diagnostic> {
         let given: &[(Signal, f64)] = if first { &self.options.start } else { &[] };
         let form = &self.plant.form;
@@ -199,9 +200,9 @@ impl RecordSimulation<'_> {
         let begin = rows.start + from;
         let guess = self.guess(&part, from);
         let leg = self.leg_setup(begin..rows.end, &guess);
-        let (starts, settled) = self.start(&leg, &found, (begin, from), go_on);
+        let (starts, settled) = self.start(&leg, &found, (begin, from), observer);
         let x: Vec<f64> = starts.iter().map(|s| s.value).collect();
-        let path = self.path(&leg, &x, begin, self.budget(rows.len()), go_on);
+        let path = self.path(&leg, &x, begin, self.budget(rows.len()), observer);
         let count = path.rows.len();
         let fault = path.fault.clone();
         run.fill(begin, &path, &self.plain());
@@ -263,7 +264,7 @@ impl RecordSimulation<'_> {
         x: &[f64],
         begin: usize,
         budget: u64,
-        go_on: &mut dyn FnMut(f64) -> bool,
+        observer: &mut dyn Observer,
     ) -> Path {
         let state = &self.plant.form.state;
         let largest = self.sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
@@ -271,7 +272,7 @@ impl RecordSimulation<'_> {
         let bounds = largest
             .map(|s| (BUDGET.blow_up * s).min(f64::MAX))
             .collect();
-        let mut guard = Guard::new(self.sizes.clone(), bounds, state.clone(), budget, go_on);
+        let mut guard = Guard::new(self.sizes.clone(), bounds, state.clone(), budget, observer);
         if !self.d.discrete {
             return integrate(leg, x, &mut guard);
         }
@@ -306,7 +307,7 @@ impl RecordSimulation<'_> {
         leg: &continuous_time::LegSetup,
         candidates: &Candidates,
         (begin, from): (usize, usize),
-        go_on: &mut dyn FnMut(f64) -> bool,
+        observer: &mut dyn Observer,
     ) -> (Vec<Start>, usize) {
         let raw = candidates::at_row(&candidates.raw, from);
         let mut starts = candidates::at_row(&candidates.smooth, from);
@@ -328,7 +329,7 @@ impl RecordSimulation<'_> {
                 step: None,
                 ..*leg
             };
-            let path = self.path(&short, x, begin, BUDGET.trial_evaluations, go_on);
+            let path = self.path(&short, x, begin, BUDGET.trial_evaluations, observer);
             path.fault.is_none().then_some(path.rows)
         };
         let values = |starts: &[Start]| starts.iter().map(|s| s.value).collect::<Vec<f64>>();

@@ -14,6 +14,7 @@ use crate::simulate;
 use crate::simulate::{EXACT, Figures, Options, Run, Source};
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Model;
+use sidc_progress::Observer;
 
 pub use free_run_doubts::doubt;
 pub use model_ranking::{FOLLOWED, Merit, Ranking, rank};
@@ -41,17 +42,17 @@ pub struct FreeRun {
 
 /// Runs the equations on the data used and on those held out; `None` where nothing was held out.
 ///
-/// `go_on` is called with the time reached in a run; `false` ends it, and what was simulated by then counts.
+/// `observer` hears the time reached in a run. Where it ends the run, what was simulated by then counts.
 pub fn validate(
     (d, model): (&Discovery, &Model),
     (used, held): (&Dataset, &Dataset),
-    go_on: &mut dyn FnMut(f64) -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<Validation> {
     if held.trajectories.is_empty() {
         return None;
     }
-    let mut runs = run_all((d, model), used, false, go_on);
-    runs.extend(run_all((d, model), held, true, go_on));
+    let mut runs = run_all((d, model), used, false, observer);
+    runs.extend(run_all((d, model), held, true, observer));
     Some(Validation { runs })
 }
 
@@ -60,7 +61,7 @@ pub fn restarted(
     (d, model): (&Discovery, &Model),
     held: &Dataset,
     parts: usize,
-    go_on: &mut dyn FnMut(f64) -> bool,
+    observer: &mut dyn Observer,
 ) -> Validation {
     let cut = |t: &Trajectory| -> Vec<Trajectory> {
         let at = |k: usize| k * t.len() / parts.max(1);
@@ -71,7 +72,7 @@ pub fn restarted(
         inputs: held.inputs.clone(),
     };
     Validation {
-        runs: run_all((d, model), &pieces, true, go_on),
+        runs: run_all((d, model), &pieces, true, observer),
     }
 }
 
@@ -79,14 +80,14 @@ fn run_all(
     (d, model): (&Discovery, &Model),
     dataset: &Dataset,
     held_out: bool,
-    go_on: &mut dyn FnMut(f64) -> bool,
+    observer: &mut dyn Observer,
 ) -> Vec<FreeRun> {
     let source = Source {
         discovery: d,
         model,
         dataset,
     };
-    let mut one = |record| simulate::simulate(&source, record, &Options::default(), go_on).ok();
+    let mut one = |record| simulate::simulate(&source, record, &Options::default(), observer).ok();
     let all = (0..dataset.trajectories.len()).filter_map(&mut one);
     all.map(|run| free_run(d, &run, held_out)).collect()
 }

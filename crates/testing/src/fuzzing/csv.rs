@@ -3,7 +3,6 @@
 //! Promises: a table or reasons that can be shown; cells that are what their columns say; a table that is written and read again is the
 //! same; signals without what is not finite; time linear in the length.
 
-use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
 use super::clock::Pace;
@@ -14,6 +13,7 @@ use sidc_data::{Limits, Table};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
+use sidc_progress::Unwatched;
 
 const MODELS: [&str; 3] = [
     "state x : order 2\ninput u\nddx ~ poly(x, dx, u; 1)\n",
@@ -144,8 +144,7 @@ fn binds(table: &Table, which: usize, mut sources: Sources) {
         assert!(t.columns.iter().all(|(_, values)| values.len() == t.len()));
     }
     let wanted = pipeline::needed(program);
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let (samples, said, _) = data::samples(&program.model, &dataset, &wanted, go_on);
+    let (samples, said, _) = data::samples(&program.model, &dataset, &wanted, &mut Unwatched);
     render(&said, &sources, false);
     for column in &samples.columns {
         assert_eq!(column.values.len(), samples.len());

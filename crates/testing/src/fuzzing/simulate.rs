@@ -3,6 +3,8 @@
 //! Promises: the document opens; a run or one refusal; it ends soon after it is told to; whatever is shown is a number, and where a run
 //! ends early it says why.
 
+use std::ops::ControlFlow;
+
 use super::bytes::Bytes;
 use sidc_data as data;
 use sidc_data::Limits;
@@ -10,6 +12,7 @@ use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::Signal;
+use sidc_progress::{Activity, Stop};
 use sidc_system::discovery::Form;
 use sidc_system::result;
 use sidc_system::simulate;
@@ -91,13 +94,16 @@ pub fn simulate(data: &[u8]) {
         dataset: &dataset,
     };
     let mut asked = 0;
-    let run = simulate::simulate(&source, 0, &options, &mut |_| {
+    let run = simulate::simulate(&source, 0, &options, &mut |_: Activity| {
         asked += 1;
         assert!(
             asked < PATIENCE.0 + PATIENCE.1,
             "it does not stop\n{document}"
         );
-        asked < PATIENCE.0
+        match asked < PATIENCE.0 {
+            true => ControlFlow::Continue(()),
+            false => ControlFlow::Break(Stop::Interrupted),
+        }
     });
     match run {
         Ok(run) => is_sound(&run, &outputs, &document),

@@ -3,10 +3,10 @@
 //! In: a problem and its fit. Out: normal equations of the columns found and of those nearest to replacing one, for each block. Each
 //! block has a free first state, so all blocks together know a little less than the whole.
 
+use sidc_progress::Observer;
 use std::ops::Range;
 
 use super::gauss_newton::Fit;
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::least_squares::NormalEquations;
 use crate::trajectory::model::{Problem, Record, segments};
 use crate::trajectory::thresholds::RESIDUALS;
@@ -22,15 +22,15 @@ pub struct BlockProducts {
     pub whole: Vec<f64>,
 }
 
-/// `None` where the records are too short to be divided, the laws diverge, or `go_on` cancels.
+/// `None` where the records are too short to be divided, the laws diverge, or the observer ends the work.
 pub fn block_products(
     problem: &Problem,
     fit: &Fit,
     inefficiency: f64,
-    go_on: GoOn,
+    observer: &mut dyn Observer,
 ) -> Option<BlockProducts> {
     let point = &fit.point;
-    let (form, whole) = problem.quadratic_and_products(point, go_on).ok()?;
+    let (form, whole) = problem.quadratic_and_products(point, observer).ok()?;
     let mut columns = point.support.clone();
     for m in form.moves(&point.support, 0.0, 4 * RESIDUALS.block_rivals) {
         columns.extend(m.comes.filter(|j| !columns.contains(j)));
@@ -56,7 +56,7 @@ pub fn block_products(
     let products = blocks.iter().map(|block| {
         let mut normal_equations = NormalEquations::new(all);
         problem
-            .linearise(point, block, &mut normal_equations, go_on)
+            .linearise(point, block, &mut normal_equations, observer)
             .ok()?;
         Some(part(&normal_equations.shifted(&point.active()), share))
     });

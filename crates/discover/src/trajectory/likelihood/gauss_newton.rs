@@ -4,11 +4,11 @@
 //! solves for the coefficients and substitutes back; the noise of each sensor is then taken from its residuals.
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::IncrementalQr;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::GAUSS_NEWTON;
+use sidc_progress::Observer;
 
 /// A fitted support.
 #[derive(Clone, Debug)]
@@ -60,13 +60,13 @@ impl Fit {
 }
 
 /// Fits the support of `from` from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
-/// `beat`. `None` where the laws diverge, the trajectory leaves the data, or `go_on` cancels.
+/// `beat`. `None` where the laws diverge, the trajectory leaves the data, or the observer ends the work.
 pub(crate) fn fit(
     problem: &Problem,
     from: LinearizationPoint,
     criterion: &PenalizedLikelihood,
     beat: f64,
-    go_on: GoOn,
+    observer: &mut dyn Observer,
 ) -> Option<Fit> {
     let code = CompiledLaws::new(&problem.system, &from.support);
     let k = from.support.len();
@@ -76,7 +76,9 @@ pub(crate) fn fit(
     let mut found = None;
     for left in (0..GAUSS_NEWTON.max_steps).rev() {
         let mut qr = IncrementalQr::new(k);
-        let eliminated = problem.eliminate_all(&code, &point, &mut qr, go_on).ok()?;
+        let eliminated = problem
+            .eliminate_all(&code, &point, &mut qr, observer)
+            .ok()?;
         let solved = qr.solve();
         let step = &solved.coefficients;
         let mut farthest = 0.0f64;

@@ -4,12 +4,12 @@
 //! smoothed trajectories and integrated from sample to sample (Simpson's rule); these integrals are compared with the readings, each with
 //! its own noise. This is the weak form with all test functions at once. Chooses no terms.
 
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::integration::INTERVALS_AT_ONCE;
 use crate::trajectory::least_squares::{
     CountSketch, InformationFilter, NormalEquations, ProcessEquation, RowSink, SketchedProblem,
 };
 use crate::trajectory::model::{Problem, Record, SmoothedTrajectory};
+use sidc_progress::Observer;
 use sidc_solve::quadratic::Quadratic;
 
 /// Calls `take` with every sample and the process equation that starts there (`None` at the last sample). Returns `None` once `take`
@@ -160,10 +160,10 @@ impl Problem {
         &self,
         sigma: &[f64],
         slack: f64,
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Option<Quadratic> {
         let mut normal_equations = NormalEquations::new(self.all.outputs());
-        self.integral_matching_rows((sigma, slack), &mut normal_equations, go_on)?;
+        self.integral_matching_rows((sigma, slack), &mut normal_equations, observer)?;
         Some(Quadratic::new(
             &normal_equations.shifted(&[]),
             self.all.outputs(),
@@ -174,7 +174,7 @@ impl Problem {
         &self,
         (sigma, slack): (&[f64], f64),
         sink: &mut impl RowSink,
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Option<()> {
         for (r, (record, curve)) in self.records.iter().zip(&self.smoothed).enumerate() {
             let sigma = &sigma[self.sensors.of(r)];
@@ -185,7 +185,7 @@ impl Problem {
                 if let Some(link) = link {
                     filter.time_update(&link);
                 }
-                k % INTERVALS_AT_ONCE > 0 || go_on()
+                k % INTERVALS_AT_ONCE > 0 || observer.go_on()
             })?;
             filter.end();
         }
@@ -197,10 +197,10 @@ impl Problem {
         &self,
         slack: f64,
         rows: usize,
-        go_on: &mut dyn FnMut() -> bool,
+        observer: &mut dyn Observer,
     ) -> Option<SketchedProblem> {
         let mut sketch = CountSketch::new(self.all.outputs(), rows);
-        self.integral_matching_rows((&self.noise, slack), &mut sketch, go_on)?;
+        self.integral_matching_rows((&self.noise, slack), &mut sketch, observer)?;
         Some(sketch.end())
     }
 }

@@ -3,9 +3,9 @@
 //! In: a problem and a point. Out: the quadratic form of all columns, or the rows and eliminated states of the active ones. Chooses no
 //! terms.
 
+use sidc_progress::Observer;
 use std::ops::Range;
 
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::integration::{
     CompiledLaws, Diverged, INTERVALS_AT_ONCE, IntervalBlock, ShootingIntegrator, Workspace,
 };
@@ -28,9 +28,9 @@ impl Problem {
     pub(crate) fn quadratic_form(
         &self,
         at: &LinearizationPoint,
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Result<Quadratic, Diverged> {
-        Ok(self.quadratic_and_products(at, go_on)?.0)
+        Ok(self.quadratic_and_products(at, observer)?.0)
     }
 
     /// The same with its normal equations, the right side last.
@@ -40,12 +40,12 @@ impl Problem {
     pub(crate) fn quadratic_and_products(
         &self,
         at: &LinearizationPoint,
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Result<(Quadratic, Vec<f64>), Diverged> {
         let mut normal_equations = NormalEquations::new(self.all.outputs());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
         let parts = segments(&lengths);
-        self.linearise(at, &parts, &mut normal_equations, go_on)?;
+        self.linearise(at, &parts, &mut normal_equations, observer)?;
         let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
         let share = self.samples() as f64 / used as f64;
         let mut products = normal_equations.shifted(&at.active());
@@ -63,11 +63,11 @@ impl Problem {
         at: &LinearizationPoint,
         parts: &[(usize, Range<usize>)],
         sink: &mut impl RowSink,
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Result<(), Diverged> {
         let code = CompiledLaws::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
-        self.eliminate((&code, all), at, sink, (false, parts), go_on)?;
+        self.eliminate((&code, all), at, sink, (false, parts), observer)?;
         Ok(())
     }
 
@@ -80,11 +80,11 @@ impl Problem {
         code: &CompiledLaws,
         at: &LinearizationPoint,
         sink: &mut impl RowSink,
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Result<Vec<EliminatedStates>, Diverged> {
         let whole = self.records.iter().map(|r| 0..r.len());
         let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
-        self.eliminate((code, None), at, sink, (true, &whole), go_on)
+        self.eliminate((code, None), at, sink, (true, &whole), observer)
     }
 
     /// The same on parts of records, for all columns if `all` is given; `keep` the eliminated states or not.
@@ -94,7 +94,7 @@ impl Problem {
         at: &LinearizationPoint,
         sink: &mut impl RowSink,
         (keep, parts): (bool, &[(usize, Range<usize>)]),
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Result<Vec<EliminatedStates>, Diverged> {
         let integrator = ShootingIntegrator {
             laws: code,
@@ -112,7 +112,7 @@ impl Problem {
             let mut filter = InformationFilter::new(&stiffness, sink, keep);
             let last = samples.end - 1;
             for from in (samples.start..last).step_by(INTERVALS_AT_ONCE) {
-                if !go_on() {
+                if !observer.go_on() {
                     return Err(Diverged);
                 }
                 let intervals = from..(from + INTERVALS_AT_ONCE).min(last);

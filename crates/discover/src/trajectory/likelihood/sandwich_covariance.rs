@@ -6,25 +6,25 @@
 //! that of an autoregression.
 
 use super::gauss_newton::Fit;
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::IncrementalQr;
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::RESIDUALS;
+use sidc_progress::Observer;
 use sidc_solve::Memory;
 
-/// Sets the variances; they stay as they are if the laws diverge or `go_on` cancels.
-pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, go_on: GoOn) {
-    if let Some(variances) = variances(problem, fit, go_on) {
+/// Sets the variances; they stay as they are if the laws diverge or the observer ends the work.
+pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, observer: &mut dyn Observer) {
+    if let Some(variances) = variances(problem, fit, observer) {
         fit.variances = variances;
     }
 }
 
-fn variances(problem: &Problem, fit: &Fit, go_on: GoOn) -> Option<Vec<f64>> {
+fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Option<Vec<f64>> {
     let code = CompiledLaws::new(&problem.system, fit.support());
     let mut qr = IncrementalQr::new(fit.support().len());
     let eliminated = problem
-        .eliminate_all(&code, &fit.point, &mut qr, go_on)
+        .eliminate_all(&code, &fit.point, &mut qr, observer)
         .ok()?;
     let n = problem.states();
     let memories: Vec<Memory> = (0..n)

@@ -6,11 +6,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::beam_search::{Subset, best_subsets};
-use super::monitor::SearchMonitor;
-use crate::trajectory::cancellation::{GoOn, join};
+use crate::trajectory::cancellation::join;
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::SEARCH;
+use sidc_progress::{Activity, Observer, Stage};
 use sidc_solve::quadratic::Quadratic;
 
 /// The search at one level of the noise floor.
@@ -36,15 +36,15 @@ impl<'a> SearchLevel<'a> {
         }
     }
 
-    /// Fits the supports that are new, two at a time, until the monitor says stop; true if one became the best.
+    /// Fits the supports that are new, two at a time, until the observer ends it; true if one became the best.
     pub fn fit(
         &mut self,
         points: impl IntoIterator<Item = LinearizationPoint>,
-        monitor: &mut dyn SearchMonitor,
+        observer: &mut dyn Observer,
     ) -> bool {
         let mut points = points.into_iter();
         let mut better = false;
-        while monitor.in_time() {
+        while observer.go_on() {
             let mut pair: Vec<LinearizationPoint> = Vec::new();
             while pair.len() < 2 {
                 let Some(point) = points.next() else { break };
@@ -55,18 +55,18 @@ impl<'a> SearchLevel<'a> {
             }
             let (problem, criterion) = (self.problem, &self.criterion);
             let beat = self.best.first().map_or(f64::INFINITY, |f| f.value);
-            let one = |p: LinearizationPoint, go_on: GoOn| {
-                (p.support.clone(), fit(problem, p, criterion, beat, go_on))
+            let one = |p: LinearizationPoint, observer: &mut dyn Observer| {
+                (
+                    p.support.clone(),
+                    fit(problem, p, criterion, beat, observer),
+                )
             };
             let (second, first) = (pair.pop(), pair.pop());
             let found = match (first, second) {
-                (Some(a), Some(b)) => <[_; 2]>::from(join(
-                    &mut || monitor.in_time(),
-                    |go| one(a, go),
-                    |go| one(b, go),
-                ))
-                .into(),
-                (None, Some(b)) => vec![one(b, &mut || monitor.in_time())],
+                (Some(a), Some(b)) => {
+                    <[_; 2]>::from(join(observer, |go| one(a, go), |go| one(b, go))).into()
+                }
+                (None, Some(b)) => vec![one(b, observer)],
                 _ => return better,
             };
             for (support, found) in found {
@@ -89,16 +89,14 @@ impl<'a> SearchLevel<'a> {
     }
 
     /// The best fit and the quadratic form about it, which is computed once.
-    fn best_and_form(&mut self, monitor: &mut dyn SearchMonitor) -> Option<(Fit, Arc<Quadratic>)> {
+    fn best_and_form(&mut self, observer: &mut dyn Observer) -> Option<(Fit, Arc<Quadratic>)> {
         let best = self.best.first()?.clone();
         if let Some((support, form)) = &self.form
             && support == best.support()
         {
             return Some((best, form.clone()));
         }
-        let form = self
-            .problem
-            .quadratic_form(&best.point, &mut || monitor.in_time());
+        let form = self.problem.quadratic_form(&best.point, observer);
         let form = Arc::new(form.ok()?);
         self.form = Some((best.support().to_vec(), form.clone()));
         Some((best, form))
@@ -113,15 +111,20 @@ impl<'a> SearchLevel<'a> {
             .collect()
     }
 
+    fn may_refit(&self, observer: &mut dyn Observer) -> bool {
+        let refitting = Stage::Refitting(self.tried.len());
+        observer.hear(Activity::Stage(refitting)).is_continue()
+    }
+
     /// First supports, from integral matching: best subsets of each law, at several prices of a term.
-    pub fn propose_and_fit_initial(&mut self, monitor: &mut dyn SearchMonitor) {
+    pub fn propose_and_fit_initial(&mut self, observer: &mut dyn Observer) {
         let problem = self.problem;
         let sigma = self.sigma(&problem.noise);
         let [first, second] = SEARCH.initial_slacks;
         let (first, second) = join(
-            &mut || monitor.in_time(),
-            |go_on| problem.integral_matching_form(&sigma, first, go_on),
-            |go_on| problem.integral_matching_form(&sigma, second, go_on),
+            observer,
+            |observer| problem.integral_matching_form(&sigma, first, observer),
+            |observer| problem.integral_matching_form(&sigma, second, observer),
         );
         for form in [first, second].into_iter().flatten() {
             let sizes: Vec<Vec<Subset>> = (problem.ranges.iter())
@@ -142,27 +145,27 @@ impl<'a> SearchLevel<'a> {
                 at_minimum(&form, &problem.initial_point(&sigma), support)
             };
             let points = SEARCH.initial_prices.map(point);
-            self.fit(points, monitor);
-            let Some((best, form)) = self.best_and_form(monitor) else {
+            self.fit(points, observer);
+            let Some((best, form)) = self.best_and_form(observer) else {
                 continue;
             };
             if let Some(support) = form.backward(&[self.criterion.penalty]).into_iter().next() {
                 let support = form.improve(&support, self.criterion.penalty);
-                self.fit([at_minimum(&form, &best.point, support)], monitor);
+                self.fit([at_minimum(&form, &best.point, support)], observer);
             }
         }
     }
 
     /// Follows improvements among the supports that the quadratic form proposes, until there is none. The `last` level fits rivals too,
     /// and with `prune` the support without each of its terms.
-    pub fn improve(&mut self, (last, prune): (bool, bool), monitor: &mut dyn SearchMonitor) {
+    pub fn improve(&mut self, (last, prune): (bool, bool), observer: &mut dyn Observer) {
         let mut fits = 0;
-        while fits < SEARCH.max_fits && monitor.go_on() {
-            let Some((current, form)) = self.best_and_form(monitor) else {
+        while fits < SEARCH.max_fits && self.may_refit(observer) {
+            let Some((current, form)) = self.best_and_form(observer) else {
                 return;
             };
             let point = |support| at_minimum(&form, &current.point, support);
-            let proposals = self.proposals(&form, current.support(), monitor);
+            let proposals = self.proposals(&form, current.support(), observer);
             let near = proposals
                 .iter()
                 .take_while(|(change, _)| *change <= SEARCH.max_predicted_loss);
@@ -170,11 +173,11 @@ impl<'a> SearchLevel<'a> {
             let mut better = false;
             for pair in near[..near.len().min(SEARCH.max_fits - fits)].chunks(2) {
                 fits += pair.len();
-                better = self.fit(pair.iter().cloned().map(point), monitor);
+                better = self.fit(pair.iter().cloned().map(point), observer);
                 if better {
                     break;
                 }
-                if !monitor.go_on() {
+                if !self.may_refit(observer) {
                     return;
                 }
             }
@@ -183,12 +186,12 @@ impl<'a> SearchLevel<'a> {
                 let rivals = proposals.into_iter().filter(|(_, s)| new(s));
                 let near = rivals.take_while(|(change, _)| *change < SEARCH.rival_loss);
                 let near: Vec<Vec<usize>> = near.take(SEARCH.max_rivals).map(|(_, s)| s).collect();
-                better = self.fit(near.into_iter().map(point), monitor);
+                better = self.fit(near.into_iter().map(point), observer);
             }
             let support = current.support();
             if !better && last && prune && support.len() <= SEARCH.max_pruned_terms {
                 let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
-                better = self.fit(support.iter().map(|j| point(without(j))), monitor);
+                better = self.fit(support.iter().map(|j| point(without(j))), observer);
             }
             if !better {
                 return;
@@ -201,7 +204,7 @@ impl<'a> SearchLevel<'a> {
         &self,
         form: &Quadratic,
         support: &[usize],
-        monitor: &mut dyn SearchMonitor,
+        observer: &mut dyn Observer,
     ) -> Vec<(f64, Vec<usize>)> {
         let penalty = self.criterion.penalty;
         let value = |s: &[usize]| form.least(s).square + penalty * s.len() as f64;
@@ -217,7 +220,7 @@ impl<'a> SearchLevel<'a> {
         let strongest =
             (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
         for (backward, strength) in form.backward(&strengths).into_iter().zip(strengths) {
-            if !monitor.in_time() {
+            if !observer.go_on() {
                 break;
             }
             let starts = [backward, strongest.into_iter().collect(), support.to_vec()];
@@ -236,7 +239,7 @@ impl<'a> SearchLevel<'a> {
         }
         let mut combined = support.to_vec();
         for range in &self.problem.ranges {
-            if range.is_empty() || !monitor.in_time() {
+            if range.is_empty() || !observer.go_on() {
                 continue;
             }
             let others: Vec<usize> = support

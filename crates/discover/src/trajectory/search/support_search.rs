@@ -4,11 +4,12 @@
 //! come the few terms that explain most, then those that explain what is left.
 
 use super::level::SearchLevel;
-use super::monitor::{FitBudget, SearchMonitor};
+use super::search_observer::{FitBudget, SearchObserver};
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, set_variances};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::residuals::statistical_inefficiency;
 use crate::trajectory::thresholds::SEARCH;
+use sidc_progress::Observer;
 
 /// The result of a search.
 #[derive(Debug)]
@@ -27,18 +28,18 @@ pub struct Found {
 /// Searches the support of all laws together. `None` if nothing could be fitted.
 ///
 /// Long records are searched on segments first. The support found there, and what is proposed about it, is then fitted on all samples.
-pub fn search(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Found> {
+pub fn search(problem: &Problem, observer: &mut dyn SearchObserver) -> Option<Found> {
     let mut found = match problem.on_segments() {
-        None => search_with_inefficiency(problem, monitor)?,
+        None => search_with_inefficiency(problem, observer)?,
         Some(short) => {
-            let found = search_with_inefficiency(&short, monitor)?;
+            let found = search_with_inefficiency(&short, observer)?;
             let start = LinearizationPoint {
                 paths: problem.initial_point(&[]).paths,
                 ..found.best.point.clone()
             };
             let level = (found.inefficiency, false);
-            let all = match monitor.in_time() {
-                true => continuation(problem, vec![start.clone()], level, monitor),
+            let all = match observer.go_on() {
+                true => continuation(problem, vec![start.clone()], level, observer),
                 false => None,
             };
             // After a stop, the support found on segments is still fitted on all samples once: without that it is no answer.
@@ -52,20 +53,20 @@ pub fn search(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Foun
             }
         }
     };
-    set_variances(problem, &mut found.best, &mut || monitor.in_time());
+    set_variances(problem, &mut found.best, observer);
     Some(found)
 }
 
 /// Laws that are only nearly right leave coloured residuals. The choice is then made again with a price of terms for the effective
 /// number of readings.
-fn search_with_inefficiency(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Found> {
-    let found = continuation(problem, Vec::new(), (1.0, true), monitor)?;
+fn search_with_inefficiency(problem: &Problem, observer: &mut dyn SearchObserver) -> Option<Found> {
+    let found = continuation(problem, Vec::new(), (1.0, true), observer)?;
     let inefficiency = statistical_inefficiency(problem, &found.best);
-    if inefficiency <= SEARCH.max_inefficiency || !monitor.go_on() {
+    if inefficiency <= SEARCH.max_inefficiency || !observer.go_on() {
         return Some(found);
     }
     let start = vec![found.best.point.clone()];
-    let Some(again) = continuation(problem, start, (inefficiency, true), monitor) else {
+    let Some(again) = continuation(problem, start, (inefficiency, true), observer) else {
         return Some(found);
     };
     Some(Found {
@@ -80,7 +81,7 @@ fn continuation(
     problem: &Problem,
     start: Vec<LinearizationPoint>,
     (inefficiency, fresh): (f64, bool),
-    monitor: &mut dyn SearchMonitor,
+    observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
     let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
     let noisiest = (0..problem.noise.len())
@@ -112,15 +113,15 @@ fn continuation(
             sigma: sigma.clone(),
             ..point
         });
-        level.fit(points.collect::<Vec<_>>(), monitor);
+        level.fit(points.collect::<Vec<_>>(), observer);
         if level.best.is_empty() || fresh && (place == 0 || last) {
-            level.propose_and_fit_initial(monitor);
+            level.propose_and_fit_initial(observer);
         }
         let first = level.best.first().filter(|_| anew && place == 0);
-        if first.is_some_and(|fit| !monitor.first(problem, fit)) {
+        if first.is_some_and(|fit| !observer.first(problem, fit)) {
             return None;
         }
-        level.improve((last, fresh), monitor);
+        level.improve((last, fresh), observer);
         tried += level.tried.len();
         let mut rivals: Vec<(Vec<usize>, f64)> = level
             .tried
@@ -148,11 +149,11 @@ pub(crate) fn final_criterion(problem: &Problem) -> PenalizedLikelihood {
 }
 
 /// The best fit of the supports that integral matching proposes, under the highest floor.
-pub(crate) fn initial_fit(problem: &Problem, monitor: &mut dyn SearchMonitor) -> Option<Fit> {
+pub(crate) fn initial_fit(problem: &Problem, observer: &mut dyn Observer) -> Option<Fit> {
     let mut level = SearchLevel::new(
         problem,
         PenalizedLikelihood::at_floor(problem, SEARCH.floors[0], 1.0),
     );
-    level.propose_and_fit_initial(monitor);
+    level.propose_and_fit_initial(observer);
     level.best.into_iter().next()
 }

@@ -4,11 +4,12 @@
 //! leave least, with those terms. Cheap, since the columns are few. Accepts no delay.
 
 use super::time_shift::{moved, reach};
-use crate::trajectory::cancellation::{GoOn, join};
+use crate::trajectory::cancellation::join;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::search::final_criterion;
 use crate::trajectory::thresholds::{DELAYS, SEARCH};
 use sidc_lang::term::VarId;
+use sidc_progress::Observer;
 use sidc_solve::quadratic::Quadratic;
 
 /// A delay to be fitted.
@@ -23,19 +24,19 @@ pub struct DelayProposal {
 }
 
 /// The best delay of all inputs together and of each input, best first. The terms of `support` are among the columns. Sets of inputs are
-/// left out once `go_on` cancels.
+/// left out once the observer ends the work.
 pub fn screen_delays(
     problem: &Problem,
     support: &[usize],
     inputs: &[VarId],
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Vec<DelayProposal> {
     let mut sets: Vec<Vec<VarId>> = inputs.iter().map(|v| vec![*v]).collect();
     if inputs.len() > 1 {
         sets.insert(0, inputs.to_vec());
     }
     let screen = DelayScreen::new(problem, support, inputs);
-    let best = |set| screen.best(set, go_on);
+    let best = |set| screen.best(set, observer);
     let mut found: Vec<DelayProposal> = sets.into_iter().filter_map(best).collect();
     found.sort_by(|a, b| a.value.total_cmp(&b.value));
     found
@@ -72,27 +73,27 @@ impl DelayScreen {
         }
     }
 
-    fn best(&self, inputs: Vec<VarId>, go_on: GoOn) -> Option<DelayProposal> {
+    fn best(&self, inputs: Vec<VarId>, observer: &mut dyn Observer) -> Option<DelayProposal> {
         let tried = || DELAYS.screened.into_iter().filter(|s| *s <= self.reach);
-        let side = |sign: f64, go_on: GoOn| -> Option<Vec<(f64, f64)>> {
+        let side = |sign: f64, observer: &mut dyn Observer| -> Option<Vec<(f64, f64)>> {
             let delays = tried().map(|s| sign * s as f64);
             delays
-                .map(|s| Some((s, self.left(&inputs, s, go_on)?)))
+                .map(|s| Some((s, self.left(&inputs, s, observer)?)))
                 .collect()
         };
         let (later, earlier) = join(
-            &mut || go_on(),
-            |go_on| side(1.0, go_on),
-            |go_on| side(-1.0, go_on),
+            observer,
+            |observer| side(1.0, observer),
+            |observer| side(-1.0, observer),
         );
-        let mut best = (0.0, self.left(&inputs, 0.0, go_on)?);
+        let mut best = (0.0, self.left(&inputs, 0.0, observer)?);
         for (samples, value) in later?.into_iter().chain(earlier?) {
             if value < best.1 {
                 best = (samples, value);
             }
         }
         let (samples, value) = best;
-        let form = self.form(&inputs, samples, go_on)?;
+        let form = self.form(&inputs, samples, observer)?;
         let support = self.support(&form);
         Some(DelayProposal {
             samples,
@@ -107,14 +108,19 @@ impl DelayScreen {
     }
 
     /// The quadratic form with inputs delayed.
-    fn form(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<Quadratic> {
+    fn form(
+        &self,
+        inputs: &[VarId],
+        samples: f64,
+        observer: &mut dyn Observer,
+    ) -> Option<Quadratic> {
         let moved = moved(&self.few, inputs, samples, self.reach);
-        moved.integral_matching_form(&self.sigma, SEARCH.initial_slacks[0], go_on)
+        moved.integral_matching_form(&self.sigma, SEARCH.initial_slacks[0], observer)
     }
 
     /// χ² with all columns: they are too few to imitate a delay.
-    fn left(&self, inputs: &[VarId], samples: f64, go_on: GoOn) -> Option<f64> {
-        let form = self.form(inputs, samples, go_on)?;
+    fn left(&self, inputs: &[VarId], samples: f64, observer: &mut dyn Observer) -> Option<f64> {
+        let form = self.form(inputs, samples, observer)?;
         Some(form.least(&(0..form.p).collect::<Vec<_>>()).square)
     }
 

@@ -5,12 +5,12 @@
 
 use super::delay_screening::DelayProposal;
 use super::time_shift::{cut, cut_point, moved, reach, shifted, step};
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::search::{final_criterion, initial_fit};
 use crate::trajectory::thresholds::DELAYS;
 use sidc_lang::term::VarId;
+use sidc_progress::Observer;
 
 /// Inputs with a delay.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub fn fit_delay(
     problem: &Problem,
     found: &Fit,
     proposals: &[DelayProposal],
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<DelayedInputs> {
     let reach = reach(problem);
     let base = cut(problem, reach, reach);
@@ -38,37 +38,38 @@ pub fn fit_delay(
     let own = cut_point(problem, &found.point, (reach, reach));
     let as_found = criterion.value_at(&base, &own) + found.law_misfit;
     let undelayed =
-        fit(&base, own.clone(), &criterion, f64::INFINITY, go_on).map_or(as_found, |f| f.value);
+        fit(&base, own.clone(), &criterion, f64::INFINITY, observer).map_or(as_found, |f| f.value);
     let few = found.support().len() <= DELAYS.max_terms * problem.system.laws.len();
-    let trial = |proposal: &DelayProposal, start: LinearizationPoint, go_on: GoOn| {
-        let mut trial = DelayTrial {
-            problem,
-            inputs: &proposal.inputs,
-            reach,
-            criterion: &criterion,
-            start,
-            best: (0.0, undelayed),
+    let trial =
+        |proposal: &DelayProposal, start: LinearizationPoint, observer: &mut dyn Observer| {
+            let mut trial = DelayTrial {
+                problem,
+                inputs: &proposal.inputs,
+                reach,
+                criterion: &criterion,
+                start,
+                best: (0.0, undelayed),
+            };
+            trial.refine(proposal.samples, observer);
+            (undelayed - trial.best.1 > criterion.penalty)
+                .then_some((trial.best, proposal.inputs.clone()))
         };
-        trial.refine(proposal.samples, go_on);
-        (undelayed - trial.best.1 > criterion.penalty)
-            .then_some((trial.best, proposal.inputs.clone()))
-    };
     let mut all = Vec::new();
     for proposal in proposals.iter().take(DELAYS.max_sets) {
         all.extend(trial(
             proposal,
             cut_point(problem, &proposal.start, (reach, reach)),
-            go_on,
+            observer,
         ));
         if few {
-            all.extend(trial(proposal, own.clone(), go_on));
+            all.extend(trial(proposal, own.clone(), observer));
         }
     }
     if all.is_empty() {
         let proposal = proposals.first().filter(|p| p.samples != 0.0)?;
         let moved = moved(problem, &proposal.inputs, proposal.samples, reach);
-        let start = initial_fit(&moved, &mut || go_on())?.point;
-        all.extend(trial(proposal, start, go_on));
+        let start = initial_fit(&moved, observer)?.point;
+        all.extend(trial(proposal, start, observer));
     }
     let best = all.into_iter().min_by(|a, b| a.0.1.total_cmp(&b.0.1));
     let ((samples, value), inputs) = best.filter(|b| b.0.0 != 0.0)?;
@@ -85,7 +86,7 @@ pub fn criterion_without_delay(
     problem: &Problem,
     found: &Fit,
     late: &DelayedInputs,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> f64 {
     let (front, back) = ends(late);
     let problem_cut = cut(problem, front, back);
@@ -95,7 +96,7 @@ pub fn criterion_without_delay(
         start,
         &final_criterion(&problem_cut),
         f64::INFINITY,
-        go_on,
+        observer,
     );
     fitted.map_or(f64::INFINITY, |f| f.value)
 }
@@ -128,13 +129,13 @@ struct DelayTrial<'a> {
 }
 
 impl DelayTrial<'_> {
-    fn try_delay(&mut self, samples: f64, go_on: GoOn) {
+    fn try_delay(&mut self, samples: f64, observer: &mut dyn Observer) {
         if samples.abs() > self.reach as f64 {
             return;
         }
         let problem = moved(self.problem, self.inputs, samples, self.reach);
         let start = self.start.clone();
-        let Some(found) = fit(&problem, start, self.criterion, f64::INFINITY, go_on) else {
+        let Some(found) = fit(&problem, start, self.criterion, f64::INFINITY, observer) else {
             return;
         };
         if found.value < self.best.1 {
@@ -144,19 +145,19 @@ impl DelayTrial<'_> {
     }
 
     /// Searches about a proposed delay in falling steps; no delay is tried too.
-    fn refine(&mut self, proposed: f64, go_on: &mut dyn FnMut() -> bool) {
-        self.try_delay(proposed, go_on);
-        if proposed != 0.0 && go_on() {
-            self.try_delay(0.0, go_on);
+    fn refine(&mut self, proposed: f64, observer: &mut dyn Observer) {
+        self.try_delay(proposed, observer);
+        if proposed != 0.0 && observer.go_on() {
+            self.try_delay(0.0, observer);
         }
         let smallest = if self.held() { 1.0 } else { 0.0 };
         for part in DELAYS.steps.into_iter().filter(|p| *p >= smallest) {
             let middle = self.best.0;
             for sign in [1.0, -1.0] {
-                if !go_on() {
+                if !observer.go_on() {
                     return;
                 }
-                self.try_delay(middle + sign * part, go_on);
+                self.try_delay(middle + sign * part, observer);
             }
         }
     }

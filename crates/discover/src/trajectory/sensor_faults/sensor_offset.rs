@@ -3,12 +3,12 @@
 //! In: a problem and the fit of a support. Out: the offset of one state that makes at least two terms superfluous, if there is one.
 //! Candidates for b come from a term and its derivative by the state: φ(x − b) = φ(x) − b φ′(x) + ….
 
-use crate::trajectory::cancellation::GoOn;
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::search::final_criterion;
 use crate::trajectory::thresholds::OFFSETS;
 use sidc_lang::term::{Expr, Signal, Term};
+use sidc_progress::Observer;
 
 /// An offset that makes terms superfluous.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +27,7 @@ pub struct SensorOffset {
 pub fn find_sensor_offset(
     problem: &Problem,
     found: &Fit,
-    go_on: &mut dyn FnMut() -> bool,
+    observer: &mut dyn Observer,
 ) -> Option<SensorOffset> {
     let criterion = final_criterion(problem);
     let mut best: Option<SensorOffset> = None;
@@ -42,7 +42,7 @@ pub fn find_sensor_offset(
             continue;
         }
         for (value, column) in candidates(problem, found, signal) {
-            if !go_on() {
+            if !observer.go_on() {
                 return best;
             }
             let trial = OffsetTrial {
@@ -51,7 +51,8 @@ pub fn find_sensor_offset(
                 criterion: &criterion,
                 hopeless: found.value + OFFSETS.hopeless * criterion.penalty,
             };
-            let Some((value, fitted)) = trial.fit_and_prune(value, (found, column), go_on) else {
+            let Some((value, fitted)) = trial.fit_and_prune(value, (found, column), observer)
+            else {
                 continue;
             };
             let gain = found.value - fitted.value - criterion.penalty;
@@ -119,10 +120,10 @@ impl OffsetTrial<'_> {
         &self,
         value: f64,
         (found, without): (&Fit, usize),
-        go_on: GoOn,
+        observer: &mut dyn Observer,
     ) -> Option<(f64, Fit)> {
         let start = self.moved(&found.point, value);
-        let (mut value, mut fitted) = self.minimise(value, dropped(&start, without), go_on)?;
+        let (mut value, mut fitted) = self.minimise(value, dropped(&start, without), observer)?;
         loop {
             let weak = |i: &usize| {
                 let error = fitted.variances[*i].sqrt();
@@ -133,7 +134,7 @@ impl OffsetTrial<'_> {
             order.sort_by(|i, j| strength(i).total_cmp(&strength(j)));
             let next = order.first().and_then(|i| {
                 let column = fitted.support()[*i];
-                self.minimise(value, dropped(&fitted.point, column), go_on)
+                self.minimise(value, dropped(&fitted.point, column), observer)
             });
             match next.filter(|(_, f)| f.value < fitted.value && !f.support().is_empty()) {
                 Some(better) => (value, fitted) = better,
@@ -143,7 +144,12 @@ impl OffsetTrial<'_> {
     }
 
     /// Minimises the criterion over the offset by successive parabolic interpolation.
-    fn minimise(&self, value: f64, start: LinearizationPoint, go_on: GoOn) -> Option<(f64, Fit)> {
+    fn minimise(
+        &self,
+        value: f64,
+        start: LinearizationPoint,
+        observer: &mut dyn Observer,
+    ) -> Option<(f64, Fit)> {
         let mut at = |v: f64, from: &LinearizationPoint, before: f64| {
             let problem = self.shifted(v);
             fit(
@@ -151,7 +157,7 @@ impl OffsetTrial<'_> {
                 self.moved(from, v - before),
                 self.criterion,
                 self.hopeless,
-                go_on,
+                observer,
             )
         };
         let mut middle = at(value, &start, value).filter(|f| f.value < self.hopeless)?;

@@ -22,6 +22,7 @@ use sidc_discover::dictionary;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::Language;
+use sidc_progress::{Activity, Stage, Stop};
 use sidc_solve::{Certificate, Homotopy, Problem, Solution, Solver, certify};
 
 /// Largest relative error of a coefficient that counts as exact.
@@ -110,9 +111,11 @@ fn row(case: &Case) -> Outcome<String> {
     };
     let mut rounds = 0;
     let start = Instant::now();
-    let solution = Homotopy.solve(&problem, &mut |p| {
-        rounds = rounds.max(p.round);
-        ControlFlow::Continue(())
+    let solution = Homotopy.solve(&problem, &mut |activity: Activity| {
+        if let Activity::Stage(Stage::Solving(p)) = activity {
+            rounds = rounds.max(p.round);
+        }
+        ControlFlow::<Stop>::Continue(())
     });
     let solve = start.elapsed();
     let (in_pricing, pricings, pool) = counted.taken();

@@ -5,7 +5,6 @@
 //! which all are known becomes the start. Knows no equations.
 
 use crate::simulate::thresholds::INITIAL_STATE;
-use std::ops::ControlFlow;
 
 use crate::simulate::run::{Origin, Start};
 use crate::simulate::scores::goodness_of_fit::deviation;
@@ -13,6 +12,7 @@ use sidc_data as data;
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Model;
 use sidc_lang::term::Signal;
+use sidc_progress::Unwatched;
 
 /// One component of the state: its value at every row of a leg.
 #[derive(Clone, Debug)]
@@ -158,8 +158,7 @@ fn smoothed(
 /// A signal along a leg as `identify` estimates it, with its errors; NaN where unknown.
 pub(crate) fn series(model: &Model, leg: &Dataset, signal: Signal) -> Option<(Vec<f64>, Vec<f64>)> {
     let trajectory = leg.trajectories.first()?;
-    let go_on = &mut |_| ControlFlow::Continue(());
-    let (samples, _, _) = data::samples(model, leg, &[signal], go_on);
+    let (samples, _, _) = data::samples(model, leg, &[signal], &mut Unwatched);
     let column = samples.column(signal)?;
     let mut values = vec![f64::NAN; trajectory.len()];
     let mut errors = vec![0.0; trajectory.len()];

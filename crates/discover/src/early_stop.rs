@@ -1,0 +1,48 @@
+//! The doubts and failures of equations that were cut short.
+//!
+//! In: why the work ended. Out: reasons.
+
+use sidc_progress::Stop;
+use sidc_system::discovery::{Discovery, Reason, ReasonCode, Status};
+
+/// The doubt of an equation that was cut short.
+pub(crate) fn doubt(stop: Stop) -> Reason {
+    reason(
+        stop,
+        "before the search was through; this is the best there was",
+    )
+}
+
+/// The doubt of an equation that was not verified in time.
+pub fn unverified(stop: Stop) -> Reason {
+    reason(stop, "before the equation was verified")
+}
+
+/// The failure of an equation that was not reached.
+pub(crate) fn failure(stop: Stop) -> Reason {
+    reason(stop, "before there was an answer")
+}
+
+fn reason(stop: Stop, before: &str) -> Reason {
+    match stop {
+        Stop::Interrupted => Reason::new(ReasonCode::Interrupted, format!("interrupted {before}")),
+        Stop::TimeLimit(limit) => {
+            let limit = limit.as_secs_f64();
+            let text = format!("stopped by the time limit of {limit} s {before}");
+            Reason::new(ReasonCode::TimeLimit, text)
+        }
+    }
+}
+
+/// Doubts every found equation from place `first` on: its evidence was not computed because of the stop.
+pub fn unweighed(d: &mut Discovery, first: usize, stop: Stop) {
+    for e in d.equations.iter_mut().skip(first) {
+        if e.status != Status::Known && !e.was_stopped() {
+            e.status = Status::Doubt;
+            e.reasons.push(reason(
+                stop,
+                "before the evidence was weighed; what the data tell apart is not known",
+            ));
+        }
+    }
+}
