@@ -33,7 +33,7 @@ use crate::time_axis::TimeGrid;
 /// `noise` is the sensor's standard deviation if known; otherwise it is estimated. Linear in the samples on even grids.
 ///
 /// # Errors
-/// [`Stopped`] if the observer, asked every few thousand samples, says so.
+/// [`Stopped`] if the observer, called every few thousand samples, ends the work.
 pub(crate) fn differentiate(
     grid: &TimeGrid,
     values: &[f64],

@@ -12,7 +12,7 @@ use sidc_solve::{Knot, Problem};
 use sidc_system::discovery::PathKnot;
 
 impl Task<'_> {
-    /// The knots down to ε, if they were asked for; none once the work is to stop.
+    /// The knots down to ε, if they were requested; none once the work is to stop.
     pub fn lasso_path(&self, design: &Design, watcher: &mut EquationObserver) -> Vec<PathKnot> {
         if !self.options.path || watcher.stop().is_some() {
             return Vec::new();

@@ -1,6 +1,7 @@
 //! Two pieces of work on two threads that can be cancelled together.
 //!
-//! In: two closures and an observer. Out: both results. Only the calling thread tells the observer; the other reads the last answer. Results do not depend on which thread is quicker.
+//! In: two closures and an observer. Out: both results. Only the calling thread calls the observer; the other reads its last answer. Results
+//! do not depend on which thread is quicker.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,14 +11,14 @@ use std::time::Duration;
 use sidc_progress::{Activity, Observer, Stop};
 use sidc_solve::threads;
 
-/// Time between two questions while the calling thread waits for the other.
+/// Time between two calls of the observer while the calling thread waits for the other.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// What work hears once the other is stopped. The observer knows the reason; nobody reads this one.
+/// The answer to work once the other is stopped. The observer knows the true reason; this one is not used.
 const CANCELLED: ControlFlow<Stop> = ControlFlow::Break(Stop::Interrupted);
 
-/// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both are told to stop once the
-/// observer says so.
+/// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both stop once the observer
+/// ends the work.
 pub(crate) fn join<A, B: Send>(
     observer: &mut dyn Observer,
     a: impl FnOnce(&mut dyn Observer) -> A,
