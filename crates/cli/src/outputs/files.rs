@@ -34,9 +34,8 @@ pub fn check_writable<'a>(
             shown(read)
         )));
     }
-    // A process that Ctrl-C ended here would leave its temporary file.
-    let _whole = interrupts::hold_off();
-    temporary(&target.folder)
+    // Without a name, so that nothing is left if the process ends here.
+    tempfile::tempfile_in(&target.folder)
         .map(drop)
         .map_err(|e| fail(path, &e))
 }
@@ -56,7 +55,7 @@ pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
     let Some(target) = Target::of(path)? else {
         return std::fs::write(path, text).map_err(|e| fail(&e));
     };
-    // As in `check_writable`.
+    // A process that Ctrl-C ended here would leave its temporary file.
     let _whole = interrupts::hold_off();
     let mut file = temporary(&target.folder).map_err(|e| fail(&e))?;
     file.write_all(text.as_bytes()).map_err(|e| fail(&e))?;
