@@ -118,7 +118,7 @@ fn price(c: &mut Criterion) {
         group.sample_size(10);
         group.throughput(Throughput::Elements((rows * phi.cols()) as u64));
         group.bench_function(name("price"), |b| {
-            b.iter(|| black_box(phi.strongest(&lambda, 100, 1.0)));
+            b.iter(|| black_box(phi.price(&lambda, 100, 1.0)));
         });
         group.bench_function(name("compile"), |b| {
             b.iter(|| compile(&library, &samples, None).map(|phi| black_box(phi.cols())));
