@@ -1,10 +1,10 @@
-//! Sums of planted columns, for the unit tests of solvers.
+//! Random problems with a planted support, for unit tests.
 
 use sidc_random::Numbers;
 
 use crate::dictionary::{Dense, Dictionary};
 
-/// Φ of so many rows and columns, and a target that is a sum over some columns with coefficients within 1 of `about`.
+/// A random Φ, and a target in the span of the support, with coefficients within 1 of `about`.
 pub fn planted(
     numbers: &mut Numbers,
     (rows, cols): (usize, usize),

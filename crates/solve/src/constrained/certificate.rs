@@ -118,7 +118,7 @@ fn correlations_of(
     coefficients: &[(usize, f64)],
 ) -> (f64, f64) {
     let problem = &constrained.blocks[e];
-    let size = norm(problem.target);
+    let target_norm = norm(problem.target);
     let mut constrained_columns = constrained.named_columns(e);
     constrained_columns.sort_unstable();
     constrained_columns.dedup();
@@ -128,7 +128,7 @@ fn correlations_of(
     let priced = problem.dictionary.price(lambda, most, 0.0).columns;
     let free = priced.into_iter();
     let free = free.filter(|(j, _)| constrained_columns.binary_search(j).is_err());
-    correlations.extend(free.map(|(j, c)| (j, c.abs() * size)));
+    correlations.extend(free.map(|(j, c)| (j, c.abs() * target_norm)));
     let mut column = vec![0.0; lambda.len()];
     for j in constrained_columns {
         problem.dictionary.column(j, &mut column);
@@ -139,7 +139,7 @@ fn correlations_of(
             .map(|(_, _, p)| p)
             .sum();
         let length = problem.dictionary.norms()[j];
-        let correlation = (dot(&column, lambda) + multiplier_part).abs() * size;
+        let correlation = (dot(&column, lambda) + multiplier_part).abs() * target_norm;
         // A column of zeros costs nothing, so its multipliers must cancel.
         let correlation = match (length > 0.0, correlation > 0.0) {
             (true, _) => correlation / length,

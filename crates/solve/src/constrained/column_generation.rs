@@ -20,23 +20,23 @@ pub fn solve_constrained(
     let mut iterations = 0;
     for round in 1..=CONSTRAINED.max_rounds {
         let program = ConicProgram::new(problem, &sets);
-        let end = program.run(Objective::OneNorm);
-        iterations += end.iterations;
-        let grown = if end.infeasible {
+        let found = program.run(Objective::OneNorm);
+        iterations += found.iterations;
+        let pricing = if found.infeasible {
             let least = program.run(Objective::Residuals);
             iterations += least.iterations;
-            let grown = add_columns(problem, &mut sets, &least, CONSTRAINED.correlated);
-            if grown != Pricing::Added {
+            let pricing = add_columns(problem, &mut sets, &least, CONSTRAINED.correlated);
+            if pricing != Pricing::Added {
                 let feasible = least.excess.iter().all(|e| *e <= CONSTRAINED.reached);
-                let outcome = match feasible || !least.solved || grown == Pricing::NoRoom {
+                let outcome = match feasible || !least.solved || pricing == Pricing::NoRoom {
                     true => Outcome::Inaccurate,
                     false => Outcome::Infeasible,
                 };
-                return end.solution(outcome, iterations);
+                return found.solution(outcome, iterations);
             }
-            grown
+            pricing
         } else {
-            add_columns(problem, &mut sets, &end, 1.0 + CONSTRAINED.violation)
+            add_columns(problem, &mut sets, &found, 1.0 + CONSTRAINED.violation)
         };
         let progress = SolverProgress {
             round,
@@ -44,18 +44,18 @@ pub fn solve_constrained(
             ..SolverProgress::default()
         };
         if progress.tell(observer).is_break() {
-            return end.solution(Outcome::Interrupted, iterations);
+            return found.solution(Outcome::Interrupted, iterations);
         }
-        if grown != Pricing::Added {
-            let outcome = match end.solved && grown == Pricing::Feasible {
+        if pricing != Pricing::Added {
+            let outcome = match found.solved && pricing == Pricing::Feasible {
                 true => Outcome::Solved,
                 false => Outcome::Inaccurate,
             };
-            return end.solution(outcome, iterations);
+            return found.solution(outcome, iterations);
         }
     }
-    let end = ConicProgram::new(problem, &sets).run(Objective::OneNorm);
-    end.solution(Outcome::Inaccurate, iterations + end.iterations)
+    let found = ConicProgram::new(problem, &sets).run(Objective::OneNorm);
+    found.solution(Outcome::Inaccurate, iterations + found.iterations)
 }
 
 /// The least residuals ‖Φ_e a_e − y_e‖/‖y_e‖ that the constraints allow; ε_e/‖y_e‖ for a block that reaches its ε. Where blocks
@@ -64,11 +64,11 @@ pub fn least_residuals(problem: &ConstrainedProblem, start: &[Vec<usize>]) -> Ve
     let mut sets = working_sets(problem, start);
     let mut excess = Vec::new();
     for _ in 0..CONSTRAINED.max_rounds {
-        let end = ConicProgram::new(problem, &sets).run(Objective::Residuals);
-        excess.clone_from(&end.excess);
-        let reached = end.solved && excess.iter().all(|e| *e <= CONSTRAINED.reached);
+        let found = ConicProgram::new(problem, &sets).run(Objective::Residuals);
+        excess.clone_from(&found.excess);
+        let reached = found.solved && excess.iter().all(|e| *e <= CONSTRAINED.reached);
         if reached
-            || add_columns(problem, &mut sets, &end, CONSTRAINED.correlated) != Pricing::Added
+            || add_columns(problem, &mut sets, &found, CONSTRAINED.correlated) != Pricing::Added
         {
             break;
         }
@@ -93,11 +93,11 @@ fn working_sets(constrained: &ConstrainedProblem, start: &[Vec<usize>]) -> Vec<V
                 let norms = problem.dictionary.norms();
                 set.extend((0..n).filter(|j| norms[*j] > 0.0));
             } else {
-                let priced_columns =
+                let priced =
                     problem
                         .dictionary
                         .price(problem.target, CONSTRAINED.added_columns, 0.0);
-                set.extend(priced_columns.columns.iter().map(|(j, _)| *j));
+                set.extend(priced.columns.iter().map(|(j, _)| *j));
             }
             set.sort_unstable();
             set.dedup();
@@ -123,27 +123,27 @@ fn add_columns(
     solution: &ConicSolution,
     bound: f64,
 ) -> Pricing {
-    let mut priced = Pricing::Feasible;
+    let mut pricing = Pricing::Feasible;
     for ((problem, set), lambda) in constrained.blocks.iter().zip(sets).zip(&solution.duals) {
-        let size = norm(problem.target);
-        let scaled: Vec<f64> = lambda.iter().map(|l| l * size).collect();
+        let target_norm = norm(problem.target);
+        let scaled: Vec<f64> = lambda.iter().map(|l| l * target_norm).collect();
         let wanted = CONSTRAINED.added_columns + set.len();
-        let priced_columns = problem.dictionary.price(&scaled, wanted, bound);
-        let fresh = priced_columns.columns.iter().map(|(j, _)| *j);
-        let fresh: Vec<usize> = fresh
+        let priced = problem.dictionary.price(&scaled, wanted, bound);
+        let entering = priced.columns.iter().map(|(j, _)| *j);
+        let entering: Vec<usize> = entering
             .filter(|j| set.binary_search(j).is_err())
             .take(CONSTRAINED.added_columns)
             .collect();
-        if fresh.is_empty() {
+        if entering.is_empty() {
             continue;
         }
         if set.len() < CONSTRAINED.max_columns {
-            set.extend(fresh);
+            set.extend(entering);
             set.sort_unstable();
-            priced = Pricing::Added;
-        } else if priced == Pricing::Feasible {
-            priced = Pricing::NoRoom;
+            pricing = Pricing::Added;
+        } else if pricing == Pricing::Feasible {
+            pricing = Pricing::NoRoom;
         }
     }
-    priced
+    pricing
 }

@@ -31,7 +31,7 @@ pub(super) struct ConicProgram<'a> {
     rows: &'a [LinearConstraint],
     blocks: Vec<Block>,
     /// Largest weight of each constraint in scaled coordinates, by which the constraint is divided.
-    sizes: Vec<f64>,
+    scales: Vec<f64>,
 }
 
 /// One problem on its working set, scaled.
@@ -39,7 +39,7 @@ struct Block {
     columns: Vec<usize>,
     lengths: Vec<f64>,
     /// ‖y‖
-    size: f64,
+    target_norm: f64,
     /// ε/‖y‖
     tolerance: f64,
     /// r × n
@@ -82,10 +82,10 @@ impl<'a> ConicProgram<'a> {
         let mut program = ConicProgram {
             rows: &constrained.rows,
             blocks: blocks.map(|(p, set)| Block::new(p, set)).collect(),
-            sizes: Vec::new(),
+            scales: Vec::new(),
         };
         let rows = constrained.rows.iter();
-        program.sizes = rows
+        program.scales = rows
             .map(|r| {
                 let weights = program.scaled(r).into_iter();
                 nonzero(weights.fold(0.0, |m: f64, (_, w)| m.max(w.abs())))
@@ -106,16 +106,16 @@ impl<'a> ConicProgram<'a> {
             ..DefaultSettings::default()
         };
         let (matrix, right) = layout.matrix();
-        let none = CscMatrix::zeros((layout.variables, layout.variables));
-        let made = DefaultSolver::new(
-            &none,
+        let no_quadratic_term = CscMatrix::zeros((layout.variables, layout.variables));
+        let solver = DefaultSolver::new(
+            &no_quadratic_term,
             &layout.cost,
             &matrix,
             &right,
             &layout.cones,
             settings,
         );
-        let Ok(mut solver) = made else {
+        let Ok(mut solver) = solver else {
             return self.zero(false);
         };
         solver.solve();
@@ -131,17 +131,18 @@ impl<'a> ConicProgram<'a> {
                 let block = self.blocks.get(*b)?;
                 let k = block.columns.binary_search(column).ok()?;
                 let before: usize = self.blocks.iter().take(*b).map(|b| b.columns.len()).sum();
-                Some((before + k, w * block.size / block.lengths.get(k)?))
+                Some((before + k, w * block.target_norm / block.lengths.get(k)?))
             })
             .collect()
     }
 
-    fn count(&self) -> usize {
+    fn variables(&self) -> usize {
         self.blocks.iter().map(|b| b.columns.len()).sum()
     }
 
+    /// Writes blocks, constraints and bounds, in the order that [`ConicProgram::read`] expects.
     fn fill(&self, layout: &mut Layout, objective: Objective) {
-        let n = self.count();
+        let n = self.variables();
         let first = layout.first_x;
         let mut at = first;
         for (e, block) in self.blocks.iter().enumerate() {
@@ -169,13 +170,13 @@ impl<'a> ConicProgram<'a> {
             at += block.columns.len();
         }
         for equal in [true, false] {
-            let rows = self.rows.iter().zip(&self.sizes);
+            let rows = self.rows.iter().zip(&self.scales);
             let chosen = rows.filter(|(r, _)| (r.sense == Sense::Equal) == equal);
             let mut count = 0;
-            for (row, size) in chosen {
-                let place = layout.row(row.right / size);
+            for (row, scale) in chosen {
+                let place = layout.row(row.right / scale);
                 for (k, w) in self.scaled(row) {
-                    layout.put(place, first + k, w / size);
+                    layout.put(place, first + k, w / scale);
                 }
                 count += 1;
             }
@@ -210,6 +211,7 @@ impl<'a> ConicProgram<'a> {
         layout.cones.push(NonnegativeConeT(rest));
     }
 
+    /// Back to coefficients and dual points of the problem.
     fn read(
         &self,
         layout: &Layout,
@@ -218,10 +220,10 @@ impl<'a> ConicProgram<'a> {
         status: SolverStatus,
         iterations: u32,
     ) -> ConicSolution {
-        let mut end = self.zero(false);
-        end.iterations = iterations as usize;
-        end.solved = status == SolverStatus::Solved;
-        end.infeasible = matches!(
+        let mut found = self.zero(false);
+        found.iterations = iterations as usize;
+        found.solved = status == SolverStatus::Solved;
+        found.infeasible = matches!(
             status,
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible
         );
@@ -248,26 +250,31 @@ impl<'a> ConicProgram<'a> {
                 );
                 row += 1;
             }
-            lambda.iter_mut().for_each(|l| *l /= block.size);
-            if let Some(dual) = end.duals.get_mut(e) {
+            lambda.iter_mut().for_each(|l| *l /= block.target_norm);
+            if let Some(dual) = found.duals.get_mut(e) {
                 *dual = lambda;
             }
-            if let Some(coefficients) = end.coefficients.get_mut(e) {
+            if let Some(coefficients) = found.coefficients.get_mut(e) {
                 *coefficients = block.raw(&scaled);
             }
-            if let Some(excess) = end.excess.get_mut(e) {
+            if let Some(excess) = found.excess.get_mut(e) {
                 *excess = (block.residual(&scaled) - block.tolerance).max(0.0);
             }
         }
         for equal in [true, false] {
-            for ((m, r), size) in end.multipliers.iter_mut().zip(self.rows).zip(&self.sizes) {
+            for ((m, r), scale) in found
+                .multipliers
+                .iter_mut()
+                .zip(self.rows)
+                .zip(&self.scales)
+            {
                 if (r.sense == Sense::Equal) == equal {
-                    *m = -number(z, row).unwrap_or(0.0) / size;
+                    *m = -number(z, row).unwrap_or(0.0) / scale;
                     row += 1;
                 }
             }
         }
-        end
+        found
     }
 
     /// No coefficients, and a dual point of zero.
@@ -292,8 +299,8 @@ impl Block {
         let dictionary = problem.dictionary;
         let norms = columns.iter().map(|&j| dictionary.norms().get(j));
         let lengths: Vec<f64> = norms.map(|n| nonzero(n.copied().unwrap_or(0.0))).collect();
-        let size = nonzero(norm(problem.target));
-        let y = quotient(problem.target, size);
+        let target_norm = nonzero(norm(problem.target));
+        let y = quotient(problem.target, target_norm);
         let unit = unit_columns(dictionary, columns, &lengths);
         let range = Range::new(&unit);
         let largest = range.values.first().copied().unwrap_or(0.0);
@@ -314,8 +321,8 @@ impl Block {
         Block {
             columns: columns.to_vec(),
             lengths,
-            size,
-            tolerance: problem.tolerance / size,
+            target_norm,
+            tolerance: problem.tolerance / target_norm,
             matrix: basis.transpose() * &unit,
             target: times_transposed(&basis, &y),
             basis,
@@ -332,7 +339,7 @@ impl Block {
     fn raw(&self, x: &[f64]) -> Vec<(usize, f64)> {
         let scaled = self.columns.iter().zip(&self.lengths).zip(x);
         scaled
-            .map(|((j, length), x)| (*j, x * self.size / length))
+            .map(|((j, length), x)| (*j, x * self.target_norm / length))
             .filter(|(_, a)| a.is_finite() && *a != 0.0)
             .collect()
     }
@@ -350,7 +357,7 @@ struct Layout {
 
 impl Layout {
     fn new(program: &ConicProgram, objective: Objective) -> Layout {
-        let (n, blocks) = (program.count(), program.blocks.len());
+        let (n, blocks) = (program.variables(), program.blocks.len());
         let (first_x, extra) = match objective {
             Objective::OneNorm => (n, 0),
             Objective::Residuals => (0, blocks),

@@ -41,8 +41,8 @@ pub(super) fn eliminate(n: usize, planes: &[&Hyperplane]) -> Option<SolutionSpac
     while let Some((row, variable)) = pivot(&rows, pivots.len(), n) {
         let place = pivots.len();
         rows.swap(place, row);
-        let size = rows[place][variable];
-        rows[place].iter_mut().for_each(|w| *w /= size);
+        let pivot = rows[place][variable];
+        rows[place].iter_mut().for_each(|w| *w /= pivot);
         let lead = rows[place].clone();
         for (k, other) in rows.iter_mut().enumerate() {
             let factor = other[variable];

@@ -57,9 +57,13 @@ pub(super) fn least_distance(spaces: &[HalfSpace]) -> Option<Vec<f64>> {
     }
     for ((k, column), x) in nonzero.iter().zip(&columns).zip(&solution) {
         // v = Σ x·(unit normal)/(size · last), in the unit of distance.
-        let share = column.last().copied().unwrap_or(0.0);
+        let last_entry = column.last().copied().unwrap_or(0.0);
         let height = spaces[*k].height / lengths[*k] / unit;
-        let size = if height != 0.0 { height / share } else { 1.0 };
+        let size = if height != 0.0 {
+            height / last_entry
+        } else {
+            1.0
+        };
         multipliers[*k] = unit * x / (size * last * lengths[*k]);
     }
     Some(multipliers)
@@ -94,20 +98,20 @@ fn nonnegative_least_squares(columns: &[Vec<f64>], f: &[f64]) -> Vec<f64> {
             if target.iter().all(|t| *t > 0.0) {
                 break;
             }
-            let gone = |k: &usize, t: f64| t <= 0.0 && x[*k] <= LINEAR_CONSTRAINTS.gradient;
-            let stay: Vec<usize> = passive
+            let leaves = |k: &usize, t: f64| t <= 0.0 && x[*k] <= LINEAR_CONSTRAINTS.gradient;
+            let remaining: Vec<usize> = passive
                 .iter()
                 .zip(&target)
-                .filter(|(k, t)| !gone(k, **t))
+                .filter(|(k, t)| !leaves(k, **t))
                 .map(|(k, _)| *k)
                 .collect();
-            for k in passive.iter().filter(|k| !stay.contains(k)) {
+            for k in passive.iter().filter(|k| !remaining.contains(k)) {
                 x[*k] = 0.0;
             }
-            if stay.len() == passive.len() {
+            if remaining.len() == passive.len() {
                 return x;
             }
-            passive = stay;
+            passive = remaining;
         }
     }
     x

@@ -21,7 +21,7 @@ pub struct QuadraticForm {
 
 /// The least squares of a support.
 pub struct SupportFit {
-    /// Of the columns as they are, in the order of the support.
+    /// For columns that are not scaled, in the order of the support.
     pub coefficients: Vec<f64>,
     /// χ²
     pub square: f64,
@@ -80,6 +80,7 @@ impl QuadraticForm {
         }
     }
 
+    /// (R_SS)⁻¹ c_S
     fn times_right(&self, inverse: &[f64], support: &[usize]) -> Vec<f64> {
         let k = support.len();
         (0..k)
@@ -105,7 +106,7 @@ impl QuadraticForm {
 
     /// Backward elimination from all columns: for each penalty the best support on the way.
     ///
-    /// Where columns outnumber the data's rank the ridge decides what leaves first.
+    /// Where columns outnumber the rank of the data, the ridge decides which one leaves first.
     pub fn backward_elimination(&self, penalties: &[f64]) -> Vec<Vec<usize>> {
         let p = self.p;
         let mut a = self.gram.clone();
@@ -191,7 +192,8 @@ impl QuadraticForm {
                 .map(|(j, x)| self.right[*j] * x)
                 .sum::<f64>();
         let square = square.max(0.0);
-        // Rows of R_SS⁻¹ R_S·, length p each.
+        // Rows of R_SS⁻¹ R_S·, length p each; of every column the squared length outside the support and its product with the
+        // residual.
         let mut rows = vec![0.0; k * p];
         let mut free = vec![1.0; p];
         let mut along = self.right.clone();

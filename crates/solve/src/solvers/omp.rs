@@ -30,11 +30,11 @@ impl Solver for Omp {
     }
 
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
-        let size = match presolve(problem) {
-            Ok(size) => size,
+        let target_norm = match presolve(problem) {
+            Ok(target_norm) => target_norm,
             Err(solved) => return solved,
         };
-        let mut pursuit = Pursuit::new(problem, size);
+        let mut pursuit = Pursuit::new(problem, target_norm);
         let end = pursuit.run(observer);
         pursuit.finish(end)
     }
@@ -55,7 +55,7 @@ enum End {
 struct Pursuit<'a> {
     problem: &'a Problem<'a>,
     /// ‖y‖₂
-    size: f64,
+    target_norm: f64,
     /// Residual that counts as within ε, relative to ‖y‖.
     allowed: f64,
     /// Columns that are too short to divide by; they may have the largest correlation, and are skipped.
@@ -69,32 +69,32 @@ struct Pursuit<'a> {
 }
 
 impl<'a> Pursuit<'a> {
-    fn new(problem: &'a Problem<'a>, size: f64) -> Pursuit<'a> {
+    fn new(problem: &'a Problem<'a>, target_norm: f64) -> Pursuit<'a> {
         let norms = problem.dictionary.norms().iter();
         Pursuit {
             problem,
-            size,
-            allowed: (problem.tolerance / size).max(CERTIFICATES.consistent),
+            target_norm,
+            allowed: (problem.tolerance / target_norm).max(CERTIFICATES.consistent),
             short_columns: norms
                 .filter(|n| **n > 0.0 && **n <= NUMERICAL_RANK.zero_column)
                 .count(),
             selected: Vec::new(),
             basis: Vec::new(),
-            residual: quotient(problem.target, size),
+            residual: quotient(problem.target, target_norm),
         }
     }
 
     fn run(&mut self, observer: &mut dyn Observer) -> End {
         let most = self.problem.dictionary.rows().min(HEURISTICS.omp_columns);
         loop {
-            let left = norm(&self.residual);
+            let residual = norm(&self.residual);
             let progress = SolverProgress {
                 iteration: self.selected.len(),
                 gap: f64::INFINITY,
-                residual: left,
+                residual,
                 ..SolverProgress::default()
             };
-            if left <= self.allowed {
+            if residual <= self.allowed {
                 return End::Reached;
             }
             if progress.tell(observer).is_break() {
@@ -103,14 +103,14 @@ impl<'a> Pursuit<'a> {
             if self.selected.len() >= most {
                 return End::Stopped;
             }
-            if let Err(end) = self.step(left) {
+            if let Err(end) = self.step(residual) {
                 return end;
             }
         }
     }
 
     /// Adds the column of largest correlation and projects the residual off it.
-    fn step(&mut self, left: f64) -> Result<(), End> {
+    fn step(&mut self, residual: f64) -> Result<(), End> {
         let dictionary = self.problem.dictionary;
         let priced = dictionary.price(&self.residual, 1 + self.short_columns, 0.0);
         let mut usable = priced.columns.into_iter();
@@ -119,7 +119,7 @@ impl<'a> Pursuit<'a> {
         if !correlation.is_finite() {
             return Err(End::Stopped);
         }
-        if correlation.abs() <= NUMERICAL_RANK.dependent * left {
+        if correlation.abs() <= NUMERICAL_RANK.dependent * residual {
             return Err(End::Exhausted);
         }
         let direction = self.outside(column).ok_or(End::Exhausted)?;
@@ -159,14 +159,14 @@ impl<'a> Pursuit<'a> {
     fn finish(&self, end: End) -> Solution {
         let mut support = self.selected.clone();
         support.sort_unstable();
-        let y = quotient(self.problem.target, self.size);
+        let y = quotient(self.problem.target, self.target_norm);
         let fit = refit(self.problem.dictionary, &y, &support);
         let raw = support.into_iter().zip(&fit.coefficients);
-        let raw: Vec<(usize, f64)> = raw.map(|(j, a)| (j, a * self.size)).collect();
+        let raw: Vec<(usize, f64)> = raw.map(|(j, a)| (j, a * self.target_norm)).collect();
         if raw.iter().any(|(_, a)| !a.is_finite()) {
             return Solution::zero(self.problem, Status::broken_down());
         }
-        let residual = self.size * fit.residual;
+        let residual = self.target_norm * fit.residual;
         let status = match end {
             End::Interrupted => Status::Interrupted,
             _ if fit.residual <= self.allowed => Status::Solved,

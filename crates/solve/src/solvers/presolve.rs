@@ -5,18 +5,18 @@ use crate::problem::{Problem, Solution, Status};
 
 /// ‖y‖₂, or the solution where no iteration is needed: a value that is not finite, or a target within ε.
 pub(super) fn presolve(problem: &Problem) -> Result<f64, Solution> {
-    let size = norm(problem.target);
-    if !is_finite(problem, size) {
+    let target_norm = norm(problem.target);
+    if !is_finite(problem, target_norm) {
         return Err(Solution::zero(problem, Status::broken_down()));
     }
-    if size <= problem.tolerance {
+    if target_norm <= problem.tolerance {
         return Err(Solution::zero(problem, Status::Solved));
     }
-    Ok(size)
+    Ok(target_norm)
 }
 
-/// Whether Φ, ε and ‖y‖ = `size` are numbers.
-pub(super) fn is_finite(problem: &Problem, size: f64) -> bool {
+/// Whether Φ, ε and ‖y‖ = `target_norm` are numbers.
+pub(super) fn is_finite(problem: &Problem, target_norm: f64) -> bool {
     let norms = problem.dictionary.norms();
-    size.is_finite() && problem.tolerance.is_finite() && norms.iter().all(|n| n.is_finite())
+    target_norm.is_finite() && problem.tolerance.is_finite() && norms.iter().all(|n| n.is_finite())
 }

@@ -21,7 +21,7 @@ pub(super) struct ReducedProblem {
     /// q, length r; with `unreachable` it has length one.
     pub target: Vec<f64>,
     /// ‖y‖₂; zero when the target is.
-    pub size: f64,
+    pub target_norm: f64,
     /// Length of the part of y/‖y‖ that no combination of columns reaches.
     pub unreachable: f64,
     /// ε/‖y‖ for the whole residual.
@@ -38,11 +38,11 @@ impl ReducedProblem {
     /// The dictionary, the target and the tolerance must be finite.
     pub fn new(problem: &Problem) -> ReducedProblem {
         let dictionary = problem.dictionary;
-        let size = norm(problem.target);
+        let target_norm = norm(problem.target);
         let kept = usable_columns(dictionary);
         let norms: Vec<f64> = kept.iter().map(|&j| dictionary.norms()[j]).collect();
         let unit = unit_columns(dictionary, &kept, &norms);
-        let y = quotient(problem.target, nonzero(size));
+        let y = quotient(problem.target, nonzero(target_norm));
         let range = Range::new(&unit);
         let mut unreachable_direction = range.outside(&y);
         let unreachable = norm(&unreachable_direction);
@@ -53,9 +53,9 @@ impl ReducedProblem {
             matrix: range.basis.transpose() * &unit,
             target: times_transposed(&range.basis, &y),
             singular_values: range.values,
-            size,
+            target_norm,
             unreachable,
-            tolerance: problem.tolerance / nonzero(size),
+            tolerance: problem.tolerance / nonzero(target_norm),
             kept,
             norms,
             basis: range.basis,
@@ -75,7 +75,7 @@ impl ReducedProblem {
     /// a in model units from x; what is zero or overflows is left out.
     pub fn coefficients(&self, x: &[f64]) -> Vec<(usize, f64)> {
         let raw = self.kept.iter().zip(&self.norms).zip(x);
-        raw.map(|((&j, &n), &x)| (j, x * self.size / n))
+        raw.map(|((&j, &n), &x)| (j, x * self.target_norm / n))
             .filter(|(_, a)| a.is_finite() && *a != 0.0)
             .collect()
     }

@@ -43,11 +43,11 @@ impl Solver for Stlsq {
         if rows.saturating_mul(cols) > HEURISTICS.stlsq_entries {
             return Solution::zero(problem, refusal(rows, cols));
         }
-        let size = match presolve(problem) {
-            Ok(size) => size,
+        let target_norm = match presolve(problem) {
+            Ok(target_norm) => target_norm,
             Err(solved) => return solved,
         };
-        let mut elimination = Elimination::new(problem, size);
+        let mut elimination = Elimination::new(problem, target_norm);
         let finished = elimination.run(observer);
         elimination.finish(problem, finished)
     }
@@ -100,18 +100,18 @@ struct Elimination {
     /// y/‖y‖
     target: Vec<f64>,
     /// ‖y‖₂
-    size: f64,
+    target_norm: f64,
     /// Residual that counts as within ε, relative to ‖y‖.
     allowed: f64,
     /// Residual of the fit on all of Φ, relative to ‖y‖.
     least_residual: f64,
     /// The last fit at every threshold, all of Φ first. Their supports are nested.
-    fits_kept: Vec<Fit>,
+    threshold_fits: Vec<Fit>,
     fits: usize,
 }
 
 impl Elimination {
-    fn new(problem: &Problem, size: f64) -> Elimination {
+    fn new(problem: &Problem, target_norm: f64) -> Elimination {
         let kept = usable_columns(problem.dictionary);
         let norms: Vec<f64> = kept
             .iter()
@@ -121,11 +121,11 @@ impl Elimination {
             unit: unit_columns(problem.dictionary, &kept, &norms),
             kept,
             norms,
-            target: quotient(problem.target, size),
-            size,
-            allowed: (problem.tolerance / size).max(CERTIFICATES.consistent),
+            target: quotient(problem.target, target_norm),
+            target_norm,
+            allowed: (problem.tolerance / target_norm).max(CERTIFICATES.consistent),
             least_residual: 1.0,
-            fits_kept: Vec::new(),
+            threshold_fits: Vec::new(),
             fits: 0,
         }
     }
@@ -134,7 +134,7 @@ impl Elimination {
     fn run(&mut self, observer: &mut dyn Observer) -> bool {
         let mut fit = self.fit((0..self.kept.len()).collect());
         self.least_residual = fit.residual;
-        self.fits_kept.push(fit.clone());
+        self.threshold_fits.push(fit.clone());
         for exponent in (1..=HEURISTICS.stlsq_thresholds).rev() {
             let threshold = 0.5_f64.powi(exponent);
             for _ in 0..HEURISTICS.stlsq_fits {
@@ -153,7 +153,7 @@ impl Elimination {
                 }
                 fit = self.fit(large);
             }
-            self.fits_kept.push(fit.clone());
+            self.threshold_fits.push(fit.clone());
         }
         true
     }
@@ -174,7 +174,10 @@ impl Elimination {
 
     /// The sparsest within ε, otherwise the best by the Bayesian criterion; of equal ones the one that fits better.
     fn choose(&self) -> Option<&Fit> {
-        let within = self.fits_kept.iter().filter(|f| f.residual <= self.allowed);
+        let within = self
+            .threshold_fits
+            .iter()
+            .filter(|f| f.residual <= self.allowed);
         let by_size = |a: &&Fit, b: &&Fit| {
             let sizes = a.terms().cmp(&b.terms());
             sizes.then(a.residual.total_cmp(&b.residual))
@@ -182,7 +185,7 @@ impl Elimination {
         let by_criterion = |a: &&Fit, b: &&Fit| self.criterion(a).total_cmp(&self.criterion(b));
         within
             .min_by(by_size)
-            .or_else(|| self.fits_kept.iter().min_by(by_criterion))
+            .or_else(|| self.threshold_fits.iter().min_by(by_criterion))
     }
 
     /// The Bayesian criterion (Schwarz 1978). A residual below rounding counts as rounding.
@@ -199,7 +202,7 @@ impl Elimination {
             return solution;
         };
         let found = best.columns.iter().zip(&best.contributions);
-        let raw = found.map(|(&j, s)| (self.kept[j], s * self.size / self.norms[j]));
+        let raw = found.map(|(&j, s)| (self.kept[j], s * self.target_norm / self.norms[j]));
         let coefficients: Vec<(usize, f64)> = raw.filter(|(_, a)| *a != 0.0).collect();
         if coefficients.iter().any(|(_, a)| !a.is_finite()) {
             return solution;
@@ -211,7 +214,7 @@ impl Elimination {
             Status::Solved
         } else {
             Status::Inconsistent {
-                residual: self.least_residual * self.size,
+                residual: self.least_residual * self.target_norm,
             }
         };
         solution
@@ -235,7 +238,7 @@ fn least_squares(unit: &DMatrix<f64>, y: &[f64]) -> Vec<f64> {
 enum Factors {
     /// More columns than rows: U, Σ and Uᵀ P, for the minimiser of least norm.
     Wide(Range, DMatrix<f64>),
-    /// RankRevealingQr QR, with zeros at dependent columns.
+    /// Rank-revealing QR, with zeros at dependent columns.
     Tall(RankRevealingQr),
 }
 
@@ -295,25 +298,25 @@ mod tests {
             let dictionary = Dense::new(ROWS, columns.to_vec());
             let target: Vec<f64> = target.iter().zip(columns).map(|(y, x)| y + 3.0 * x).collect();
             let problem = Problem { dictionary: &dictionary, target: &target, tolerance: 0.0 };
-            let size = norm(&target);
-            let mut elimination = Elimination::new(&problem, size);
+            let target_norm = norm(&target);
+            let mut elimination = Elimination::new(&problem, target_norm);
             prop_assert!(elimination.run(&mut Unwatched));
             let by_hand = |f: &Fit| {
                 let coefficients: Vec<(usize, f64)> = (f.columns.iter().zip(&f.contributions))
-                    .map(|(j, s)| (elimination.kept[*j], s * size / elimination.norms[*j]))
+                    .map(|(j, s)| (elimination.kept[*j], s * target_norm / elimination.norms[*j]))
                     .collect();
                 let rss = norm(&problem.residual(&coefficients)).powi(2);
                 let m = ROWS as f64;
                 m * (rss / m).ln() + f.columns.len() as f64 * m.ln()
             };
             let chosen = by_hand(elimination.choose().unwrap());
-            for fit in &elimination.fits_kept {
+            for fit in &elimination.threshold_fits {
                 prop_assert!(chosen <= by_hand(fit) + 1e-9);
                 // The target has unit length inside, which shifts all of them alike.
                 let shift = by_hand(fit) - elimination.criterion(fit);
-                prop_assert!((shift - ROWS as f64 * (size * size).ln()).abs() < 1e-6, "{shift}");
+                prop_assert!((shift - ROWS as f64 * (target_norm * target_norm).ln()).abs() < 1e-6, "{shift}");
             }
-            let counts: Vec<usize> = elimination.fits_kept.iter().map(|f| f.columns.len()).collect();
+            let counts: Vec<usize> = elimination.threshold_fits.iter().map(|f| f.columns.len()).collect();
             prop_assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
             prop_assert!(elimination.fits <= COLUMNS + 1, "{}", elimination.fits);
         }

@@ -24,25 +24,30 @@ impl Solver for Homotopy {
     }
 
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
-        let size = match presolve(problem) {
-            Ok(size) => size,
+        let target_norm = match presolve(problem) {
+            Ok(target_norm) => target_norm,
             Err(solved) => return solved,
         };
-        let target = quotient(problem.target, size);
+        let target = quotient(problem.target, target_norm);
         let goal = Goal {
-            tolerance: problem.tolerance / size,
+            tolerance: problem.tolerance / target_norm,
             penalty: 0.0,
         };
         let Some(mut path) = ColumnGeneration::new(problem.dictionary, &target, goal) else {
-            return Solution::zero(problem, Status::Inconsistent { residual: size });
+            return Solution::zero(
+                problem,
+                Status::Inconsistent {
+                    residual: target_norm,
+                },
+            );
         };
         let (point, status) = path.run(observer);
         let solution = Solution {
-            coefficients: path.raw(&point.coefficients, size),
+            coefficients: path.raw(&point.coefficients, target_norm),
             dual: path.interior_dual(&point),
             status: match status {
                 Status::Inconsistent { residual } => Status::Inconsistent {
-                    residual: residual * size,
+                    residual: residual * target_norm,
                 },
                 other => other,
             },

@@ -63,19 +63,19 @@ impl<'a> ColumnGeneration<'a> {
         self.violation
     }
 
-    /// ColumnGeneration until the last.
+    /// Rounds until the path ends.
     pub fn run(&mut self, observer: &mut dyn Observer) -> (PathPoint, Status) {
         loop {
-            let (point, verdict) = self.round(observer);
-            if let Some(status) = verdict {
+            let (point, status) = self.round(observer);
+            if let Some(status) = status {
                 return (point, status);
             }
         }
     }
 
     /// Coefficients in raw units from those of unit columns.
-    pub fn raw(&self, coefficients: &[(usize, f64)], size: f64) -> Vec<(usize, f64)> {
-        self.set.raw(coefficients, size)
+    pub fn raw(&self, coefficients: &[(usize, f64)], target_norm: f64) -> Vec<(usize, f64)> {
+        self.set.raw(coefficients, target_norm)
     }
 
     /// Index in the dictionary of a column of the working set.
@@ -95,21 +95,21 @@ impl<'a> ColumnGeneration<'a> {
             Stop::Interrupted | Stop::Breakdown => Pricing::PathStays,
             _ => self.price_all(&point),
         };
-        let verdict = match pricing {
+        let status = match pricing {
             Pricing::PathChanged => None,
-            Pricing::PathStays => verdict(&point),
+            Pricing::PathStays => final_status(&point),
             Pricing::Breakdown => Some(inaccurate(&point)),
         };
-        match (&verdict, &self.optimal) {
+        match (&status, &self.optimal) {
             // The last point is optimal over the working set only; the one before, over all columns.
             (Some(Status::Interrupted | Status::Inaccurate { .. }), Some(optimal)) => {
-                (optimal.clone(), verdict)
+                (optimal.clone(), status)
             }
             (None, _) if self.violation <= HOMOTOPY.violation && point.stop == Stop::PricingDue => {
                 self.optimal = Some(point.clone());
-                (point, verdict)
+                (point, status)
             }
-            _ => (point, verdict),
+            _ => (point, status),
         }
     }
 
@@ -176,7 +176,7 @@ impl<'a> ColumnGeneration<'a> {
     /// Columns that would change the path: those that correlate with the unexplained part, where no active column does, and those
     /// whose bounds λ violates.
     fn violating(&mut self, point: &PathPoint) -> Priced {
-        if point.stop == Stop::NothingCorrelates {
+        if point.stop == Stop::ResidualOrthogonal {
             let related = self.dictionary.price(
                 &point.unexplained,
                 HOMOTOPY.added_columns,
@@ -207,14 +207,14 @@ pub(super) enum Pricing {
     Breakdown,
 }
 
-fn verdict(point: &PathPoint) -> Option<Status> {
+fn final_status(point: &PathPoint) -> Option<Status> {
     match point.stop {
         Stop::PricingDue => None,
         Stop::Goal => Some(Status::Solved),
-        Stop::NothingCorrelates if point.residual <= CERTIFICATES.consistent => {
+        Stop::ResidualOrthogonal if point.residual <= CERTIFICATES.consistent => {
             Some(Status::Solved)
         }
-        Stop::NothingCorrelates => Some(Status::Inconsistent {
+        Stop::ResidualOrthogonal => Some(Status::Inconsistent {
             residual: point.residual,
         }),
         Stop::Breakdown => Some(inaccurate(point)),

@@ -31,21 +31,21 @@ pub struct Knot {
 /// The answer at one penalty τ > 0, in the units of y, over columns of length one; a = 0 where τ ≥ max |φ_jᵀy|/‖φ_j‖.
 /// The problem's own ε is ignored. `None` if values are not finite, the observer stops it, or rounding ends the path.
 pub fn lasso(problem: &Problem, penalty: f64, observer: &mut dyn Observer) -> Option<Knot> {
-    let size = norm(problem.target);
-    if !is_finite(problem, size) || penalty.is_nan() || penalty <= 0.0 {
+    let target_norm = norm(problem.target);
+    if !is_finite(problem, target_norm) || penalty.is_nan() || penalty <= 0.0 {
         return None;
     }
-    let target = quotient(problem.target, size);
+    let target = quotient(problem.target, target_norm);
     let goal = Goal {
         tolerance: 0.0,
-        penalty: penalty / size,
+        penalty: penalty / target_norm,
     };
     let path = ColumnGeneration::new(problem.dictionary, &target, goal);
     let Some(mut path) = path.filter(|r| r.penalty() > goal.penalty) else {
-        return Some(zero(problem, penalty, size));
+        return Some(zero(problem, penalty, target_norm));
     };
     let (point, status) = path.run(observer);
-    (status == Status::Solved).then(|| knot(&path, &point, size))
+    (status == Status::Solved).then(|| knot(&path, &point, target_norm))
 }
 
 /// All knots from a = 0 down to the problem's ε, at most `most`. The last is where ε is met, at τ = 0 if the residual is zero.
@@ -53,12 +53,12 @@ pub fn lasso(problem: &Problem, penalty: f64, observer: &mut dyn Observer) -> Op
 /// path then ends in a least-squares fit at τ = 0, which is no knot. Every knot is priced over all columns.
 pub fn lasso_path(problem: &Problem, most: usize, observer: &mut dyn Observer) -> Vec<Knot> {
     let mut knots: Vec<Knot> = Vec::new();
-    let Ok(size) = presolve(problem) else {
+    let Ok(target_norm) = presolve(problem) else {
         return knots;
     };
-    let target = quotient(problem.target, size);
+    let target = quotient(problem.target, target_norm);
     let goal = Goal {
-        tolerance: problem.tolerance / size,
+        tolerance: problem.tolerance / target_norm,
         penalty: 0.0,
     };
     let Some(mut path) = ColumnGeneration::new(problem.dictionary, &target, goal) else {
@@ -66,24 +66,26 @@ pub fn lasso_path(problem: &Problem, most: usize, observer: &mut dyn Observer) -
     };
     knots.push(Knot {
         enters: path.column(0),
-        ..zero(problem, path.penalty() * size, size)
+        ..zero(problem, path.penalty() * target_norm, target_norm)
     });
     while knots.len() < most {
         let point = path.advance(1, observer);
         match (point.stop, path.price_all(&point)) {
             (Stop::Interrupted, _) | (_, Pricing::Breakdown) => break,
             // Knots at smaller penalties were found without the columns that entered.
-            (_, Pricing::PathChanged) => knots.retain(|k| k.penalty >= path.penalty() * size),
+            (_, Pricing::PathChanged) => {
+                knots.retain(|k| k.penalty >= path.penalty() * target_norm)
+            }
             (Stop::Breakdown, Pricing::PathStays) => break,
             // A column of the working set violates its bound: its step was lost in rounding.
             (_, Pricing::PathStays) if path.violation() > HOMOTOPY.knot_violation => break,
-            (Stop::NothingCorrelates, Pricing::PathStays)
+            (Stop::ResidualOrthogonal, Pricing::PathStays)
                 if point.residual > CERTIFICATES.consistent =>
             {
                 break;
             }
             (end, Pricing::PathStays) => {
-                knots.push(knot(&path, &point, size));
+                knots.push(knot(&path, &point, target_norm));
                 if end != Stop::PricingDue {
                     break;
                 }
@@ -95,10 +97,10 @@ pub fn lasso_path(problem: &Problem, most: usize, observer: &mut dyn Observer) -
 }
 
 /// a = 0
-fn zero(problem: &Problem, penalty: f64, size: f64) -> Knot {
+fn zero(problem: &Problem, penalty: f64, target_norm: f64) -> Knot {
     Knot {
         penalty,
-        residual: size,
+        residual: target_norm,
         coefficients: Vec::new(),
         dual: problem.target.iter().map(|y| y / penalty).collect(),
         enters: None,
@@ -106,11 +108,11 @@ fn zero(problem: &Problem, penalty: f64, size: f64) -> Knot {
     }
 }
 
-fn knot(path: &ColumnGeneration, point: &PathPoint, size: f64) -> Knot {
+fn knot(path: &ColumnGeneration, point: &PathPoint, target_norm: f64) -> Knot {
     Knot {
-        penalty: point.penalty * size,
-        residual: point.residual * size,
-        coefficients: path.raw(&point.coefficients, size),
+        penalty: point.penalty * target_norm,
+        residual: point.residual * target_norm,
+        coefficients: path.raw(&point.coefficients, target_norm),
         dual: point.lambda.clone(),
         enters: match point.change {
             ActiveSetChange::Enters(k) => path.column(k),

@@ -26,8 +26,8 @@ const KNOTS_AT_ONCE: usize = 64;
 pub(super) enum Stop {
     /// The residual is ε, or zero.
     Goal,
-    /// No column of the working set correlates with the residual.
-    NothingCorrelates,
+    /// The residual is orthogonal to all columns of the working set.
+    ResidualOrthogonal,
     /// The step limit was reached, or the active columns became dependent.
     Breakdown,
     Interrupted,
@@ -99,7 +99,7 @@ pub(super) struct Path<'a> {
     pub steps: usize,
 }
 
-/// One segment's geometry.
+/// The answers between two knots, as functions of τ.
 struct Segment {
     /// b
     least_squares: Vec<f64>,
@@ -164,7 +164,7 @@ impl<'a> Path<'a> {
             }
             let Some((event, penalty)) = self.next(&segment, set) else {
                 self.push_knot(&segment, 0.0);
-                return segment.point(self, self.penalty, Stop::NothingCorrelates);
+                return segment.point(self, self.penalty, Stop::ResidualOrthogonal);
             };
             self.push_knot(&segment, penalty);
             match event {
@@ -334,9 +334,9 @@ impl<'a> Path<'a> {
         for k in 0..set.len() {
             let sign = cd[k].signum();
             // A column that has just left its bound moves away from it; only rounding says otherwise.
-            let just_left = self.change == ActiveSetChange::Leaves(k, sign)
+            let excluded = self.change == ActiveSetChange::Leaves(k, sign)
                 || self.dependent.contains(&(k, sign));
-            if !is_out[k] || cd[k].abs() <= flat || just_left {
+            if !is_out[k] || cd[k].abs() <= flat || excluded {
                 continue;
             }
             let u = ((sign - cw[k]) / cd[k]).max(now);
@@ -385,7 +385,7 @@ impl Segment {
 
     fn point(&self, path: &Path, penalty: f64, stop: Stop) -> PathPoint {
         // Where no column correlates, the answer is the least-squares fit.
-        let penalty = if stop == Stop::NothingCorrelates {
+        let penalty = if stop == Stop::ResidualOrthogonal {
             0.0
         } else {
             penalty

@@ -76,11 +76,11 @@ impl<'a> WorkingSet<'a> {
     }
 
     /// Coefficients of the raw columns, by rising column, from (place in the working set, coefficient of the unit column).
-    pub fn raw(&self, unit: &[(usize, f64)], size: f64) -> Vec<(usize, f64)> {
+    pub fn raw(&self, unit: &[(usize, f64)], target_norm: f64) -> Vec<(usize, f64)> {
         let norms = self.dictionary.norms();
         let raw = unit.iter().map(|(k, x)| {
             let j = self.columns[*k];
-            (j, x * size / norms[j])
+            (j, x * target_norm / norms[j])
         });
         let mut raw: Vec<(usize, f64)> = raw.filter(|(_, a)| a.is_finite() && *a != 0.0).collect();
         raw.sort_unstable_by_key(|(j, _)| *j);
