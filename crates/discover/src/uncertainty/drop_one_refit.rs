@@ -2,8 +2,8 @@
 //!
 //! In: the regression of an equation, the column of the term. Out: the terms that replace it, those no longer needed, and the loss.
 
-use super::identity_test::is_identity;
 use super::target_regression::TargetRegression;
+use super::term_identity::is_identity;
 use sidc_lang::term::{Language, Term};
 use sidc_system::discovery::{Discovery, Without};
 

@@ -5,12 +5,12 @@
 
 mod confidence_intervals;
 mod drop_one_refit;
-mod identity_test;
 mod omitted_terms;
 mod row_blocks;
 mod stability_selection;
 mod target_regression;
 mod term_assessment;
+mod term_identity;
 pub(crate) mod thresholds;
 
 #[cfg(test)]

@@ -5,10 +5,10 @@
 
 mod figure;
 mod markup;
+mod report_contents;
 mod sections;
-mod subject;
 
-pub use subject::{RecordRun, Subject, run_windows};
+pub use report_contents::{RecordRun, Subject, run_windows};
 
 use crate::report::sections::{
     coefficients, collinearity, data_coverage, equations, error_by_terms, phase_portraits,

@@ -4,11 +4,11 @@
 //! what a number is counted in, and the number stays what it is.
 
 mod exponent;
-mod si_table;
 mod simplify;
 mod term_units;
 mod unit;
 mod unit_parser;
+mod unit_table;
 
 pub use exponent::Exponent;
 pub use term_units::{coefficient, derivative, of_term};

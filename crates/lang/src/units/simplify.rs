@@ -3,8 +3,8 @@
 //! In: a quotient of units. Out: the same unit in other symbols; never another scale.
 
 use crate::thresholds::UNITS;
-use crate::units::si_table::{KNOWN, Symbol};
 use crate::units::unit::Unit;
+use crate::units::unit_table::{KNOWN, Symbol};
 
 impl Unit {
     /// `A/(V*s)` is `1/H`, `m/(N*s^2)` is `1/kg`. Radians are left out; symbols that are not SI base or derived units stay.

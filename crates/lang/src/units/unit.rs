@@ -8,7 +8,7 @@ use std::fmt::{Display, Formatter};
 
 use crate::thresholds::UNITS;
 use crate::units::exponent::Exponent;
-use crate::units::si_table::Symbol;
+use crate::units::unit_table::Symbol;
 
 /// A product of powers of symbols, each once, in the order of print; empty is the pure number 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use crate::thresholds::UNITS;
 use crate::units::exponent::Exponent;
-use crate::units::si_table::{Symbol, likely_meant};
 use crate::units::unit::Unit;
+use crate::units::unit_table::{Symbol, likely_meant};
 
 /// Why a text is not a unit.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,25 +4,25 @@
 //! estimates coefficients, reads no files, prints nothing.
 
 mod compiled;
+mod contiguous_legs;
 mod diagnostics;
 mod fault;
 mod flow;
 mod initial_state;
 mod inputs;
 mod integrate;
-mod legs;
+mod record_simulation;
 mod required_signals;
 mod run;
 mod scores;
 mod stiff;
 pub mod thresholds;
-mod whole_record;
 
 pub use fault::{Fault, FaultKind};
+pub use record_simulation::simulate;
 pub use required_signals::reads;
 pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Work};
 pub use scores::document::{EXACT, Figures};
-pub use whole_record::simulate;
 
 use crate::discovery::Discovery;
 use sidc_data::Dataset;

@@ -4,7 +4,7 @@
 //! In: rows [a | right], one by one. Out: a short matrix by columns, for libraries too large to keep all rows or all products of columns.
 //! The same rows give the same sketch.
 
-use super::srif::RowSink;
+use super::square_root_information_filter::RowSink;
 
 /// A sketch that grows by rows.
 pub(crate) struct CountSketch {

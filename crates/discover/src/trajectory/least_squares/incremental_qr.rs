@@ -3,7 +3,7 @@
 //! In: rows [a | right]. Out: coefficients, residual, covariances. Rows wait in a buffer and are reduced many at once by Householder
 //! reflections (Golub & Van Loan, section 5.2).
 
-use super::srif::RowSink;
+use super::square_root_information_filter::RowSink;
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 use sidc_solve::simd::{axpy, wide};
 

@@ -6,10 +6,12 @@
 mod count_sketch;
 mod incremental_qr;
 mod normal_equations;
-mod srif;
+mod square_root_information_filter;
 
 pub(crate) use count_sketch::CountSketch;
 pub use count_sketch::SketchedProblem;
 pub(crate) use incremental_qr::IncrementalQr;
 pub(crate) use normal_equations::NormalEquations;
-pub(crate) use srif::{EliminatedStates, InformationFilter, Measurement, ProcessEquation, RowSink};
+pub(crate) use square_root_information_filter::{
+    EliminatedStates, InformationFilter, Measurement, ProcessEquation, RowSink,
+};

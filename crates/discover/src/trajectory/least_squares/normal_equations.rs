@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DMatrixView};
 
-use super::srif::RowSink;
+use super::square_root_information_filter::RowSink;
 use sidc_solve::linalg::{add_products, transposed};
 
 /// Rows that are gathered before they are multiplied.

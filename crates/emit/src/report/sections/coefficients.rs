@@ -1,8 +1,8 @@
 //! Coefficients: interval, stability, mark, and the best equation without the term.
 
 use crate::report::markup::{lead, number, section};
+use crate::report::report_contents::Subject;
 use crate::report::sections::equations::reading;
-use crate::report::subject::Subject;
 use crate::text::coefficient_inference::without;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::{MathMl, escape};

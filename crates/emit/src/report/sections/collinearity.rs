@@ -1,7 +1,7 @@
 //! Collinearity of the terms: cosines, the relations behind them, and supports that fit as well.
 
 use crate::report::markup::{lead, number, section};
-use crate::report::subject::Subject;
+use crate::report::report_contents::Subject;
 use crate::typeset::mathml::{MathMl, escape};
 use sidc_system::discovery::{Alike, Equation, Identifiability};
 

@@ -5,7 +5,7 @@ use crate::report::figure::density_grid::DensityGrid;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH};
 use crate::report::figure::plot::path;
 use crate::report::markup::{lead, number, section};
-use crate::report::subject::{RecordRun, Subject};
+use crate::report::report_contents::{RecordRun, Subject};
 use crate::typeset::mathml::escape;
 use sidc_data::Trajectory;
 use sidc_lang::model::VarKind;

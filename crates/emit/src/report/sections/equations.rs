@@ -1,8 +1,8 @@
 //! The equations, typeset, each with its proof and fit.
 
 use crate::report::markup::{lead, section};
+use crate::report::report_contents::Subject;
 use crate::report::sections::verdict::badge;
-use crate::report::subject::Subject;
 use crate::text::evidence;
 use crate::text::matrices::consequences;
 use crate::typeset::mathml::{MathMl, escape};

@@ -4,7 +4,7 @@ use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, number, section};
-use crate::report::subject::Subject;
+use crate::report::report_contents::Subject;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_system::result::{CandidateEntry, EquationEntry};

@@ -5,7 +5,7 @@ use crate::report::figure::density_grid::{CurvePath, curve};
 use crate::report::figure::downsampling::{dots, is_sparse};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, section};
-use crate::report::subject::{Record, Subject};
+use crate::report::report_contents::{Record, Subject};
 use crate::typeset::mathml::escape;
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Signal, SignalNames, VarId};

@@ -1,7 +1,7 @@
 //! How to reproduce the result: files by content, settings, the command, the model.
 
 use crate::report::markup::{lead, number, paragraph, section};
-use crate::report::subject::Subject;
+use crate::report::report_contents::Subject;
 use crate::typeset::mathml::escape;
 use sidc_system::result::{EquationEntry, FileEntry, Settings};
 

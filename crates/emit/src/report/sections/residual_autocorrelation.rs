@@ -4,7 +4,7 @@ use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH, height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{counted, lead, number, section};
-use crate::report::subject::{Record, Subject};
+use crate::report::report_contents::{Record, Subject};
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};

@@ -4,7 +4,7 @@ use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{dots, is_sparse, line};
 use crate::report::figure::plot::{Plot, path, shade};
 use crate::report::markup::{counted, fixed, grouped, lead, number, section};
-use crate::report::subject::{Record, Role, Subject};
+use crate::report::report_contents::{Record, Role, Subject};
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};

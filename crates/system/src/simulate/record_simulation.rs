@@ -6,6 +6,7 @@
 use crate::discovery::{Discovery, Form};
 use crate::simulate::Source;
 use crate::simulate::compiled::plant::Plant;
+use crate::simulate::contiguous_legs::{legs, undefined_outputs};
 use crate::simulate::diagnostics as refuse;
 use crate::simulate::fault::FaultKind;
 use crate::simulate::flow::Guard;
@@ -15,7 +16,6 @@ use crate::simulate::inputs::sources::{self, Inputs};
 use crate::simulate::integrate::continuous_time::{self, integrate};
 use crate::simulate::integrate::discrete_time::{self, LagSource};
 use crate::simulate::integrate::trajectory::Path;
-use crate::simulate::legs::{legs, undefined_outputs};
 use crate::simulate::run::{Leg, Options, Origin, Run, Start};
 use crate::simulate::scores::goodness_of_fit::score;
 use crate::simulate::thresholds::{BUDGET, INITIAL_STATE};
