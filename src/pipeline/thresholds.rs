@@ -8,9 +8,9 @@ family! {
     /// Work between the stages.
     pub(crate) BUDGET: PipelineBudget {
         /// Equations from which on libraries are expanded one after another, without a thread for each.
-        parallel_libraries: usize = 8, unit "equations", source "set by hand; not measured";
+        parallel_libraries: usize = 8, unit "equations", source "set by hand";
         /// Samples from which on readings are not differentiated just to say what a library lacks.
-        differentiated_samples: usize = 20_000, unit "samples", source "set by hand; not measured";
+        differentiated_samples: usize = 20_000, unit "samples", source "set by hand";
     }
 }
 

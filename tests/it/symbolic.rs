@@ -6,7 +6,8 @@ use proptest::test_runner::RngSeed;
 use sidc_emit as emit;
 use sidc_lang::term::{Expr, Func, Signal, VarId};
 use sidc_system::algebra;
-use sidc_system::algebra::{Fraction, LONGEST, Unsolved};
+use sidc_system::algebra::thresholds::SYMBOLIC;
+use sidc_system::algebra::{Fraction, Unsolved};
 use sidc_system::discovery::{Discovery, Form};
 use sidc_system::result;
 
@@ -292,7 +293,7 @@ fn what_is_too_long_or_has_no_solution_says_why() {
         ("(a + b + c)^4", 1.0),
     ];
     match solved(&coupled(3, long)) {
-        Err(Unsolved::ManyTerms(Some(n))) => assert!(n > LONGEST),
+        Err(Unsolved::ManyTerms(Some(n))) => assert!(n > SYMBOLIC.longest),
         other => panic!("{other:?}"),
     }
     let huge: Sum<'static> = &[("(a + b + c + e)^40*(1 + a^2 + b^3)^30", 1.0)];

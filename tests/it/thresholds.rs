@@ -3,40 +3,44 @@
 use std::collections::BTreeSet;
 
 use sidc_testing::program::{file, root};
-
-/// A program has no library that a test could ask.
-#[path = "../../crates/cli/src/thresholds.rs"]
-mod command_line;
+use sidc_testing::thresholds::{CONSTANTS, FACTORS, STUDY, Sensitivity, outcome, parts, read};
 
 const PAGE: &str = "docs/thresholds.md";
 
 const OPENING: &str = "# Numbers that decide
 
 Every threshold of a verdict, budget of a search and parameter of a method, with its unit and where it comes from. This page is written from the code:
-`SIDC_WRITE_DOCS=1 cargo test -p sidc-cli --test it thresholds` writes it anew, and a test compares it. \"set by hand; not measured\" means what it says: no
-experiment has fixed the number yet.
+`SIDC_WRITE_DOCS=1 cargo test -p sidc-cli --test it thresholds` writes it anew, and a test compares it.
+
+The column \"× ½, × 2\" says how far each number can be moved: the answers that changed when it was halved and when it was doubled, of all cases that read its family.
+`0, 2 of 31` means that half of it changed none of 31 answers, and twice of it two. A case is a command line over the gallery or over a record with something the matter;
+its answer is what a user acts on: exit status, terms, coefficients to three digits, statuses and the codes of reasons, marks of terms, values of simulated and
+smoothed signals, words of messages. Whole numbers are rounded, and move by at least one; lists are moved as a whole. A run that takes ten times its time counts as changed.
+\"set by hand\" means what it says: no experiment has fixed the number, and this column is what is known of it.
+
+    cargo run --release -p sidc-studies --bin thresholds                 # what is missing; some 25 minutes for all on a core
+    cargo run --release -p sidc-studies --bin thresholds -- GaussNewton  # a family anew
+    cargo run --release -p sidc-studies --bin thresholds -- --cases      # the cases, and the families that each reads
+
+It writes [thresholds-study.csv](thresholds-study.csv), which names the cases that changed and what of them changed. \"not run\" stands at numbers that are newer than that table, \"not
+reached\" where no case reads the family, \"constant\" where the build of the study cannot move a number, since constants need it. [What was learned](robustness.md#numbers-moved).
 ";
 
-fn tables() -> Vec<(&'static str, Vec<sidc_thresholds::Table>)> {
-    vec![
-        ("Language", sidc_lang::thresholds()),
-        ("Data", sidc_data::thresholds()),
-        ("Solvers", sidc_solve::thresholds()),
-        ("System", sidc_system::thresholds()),
-        ("Discovery", sidc_discover::thresholds()),
-        ("Output", sidc_emit::thresholds()),
-        ("Library", sidc::pipeline::thresholds()),
-        ("Command line", command_line::thresholds()),
-    ]
+fn study() -> Vec<Sensitivity> {
+    read(&file(STUDY))
 }
 
 #[test]
 fn thresholds_are_documented_as_they_are() {
     let mut page = OPENING.to_string();
-    for (part, tables) in tables() {
+    let study = study();
+    for (part, tables) in parts() {
         page.push_str(&format!("\n# {part}\n"));
         for table in tables {
-            page.push_str(&format!("\n{}", table.markdown()));
+            page.push_str(&format!(
+                "\n{}",
+                table.markdown(|number| outcome(&study, table.name, number))
+            ));
         }
     }
     if std::env::var_os("SIDC_WRITE_DOCS").is_some() {
@@ -50,8 +54,8 @@ fn thresholds_are_documented_as_they_are() {
 
 #[test]
 fn every_threshold_has_a_name_of_its_own_and_a_source() {
-    for (_, tables) in tables() {
-        let mut families = BTreeSet::new();
+    let mut families = BTreeSet::new();
+    for (_, tables) in parts() {
         for table in tables {
             assert!(families.insert(table.name), "{}", table.name);
             let mut names = BTreeSet::new();
@@ -61,5 +65,31 @@ fn every_threshold_has_a_name_of_its_own_and_a_source() {
                 assert!(told.iter().all(|text| !text.is_empty()), "{t:?}");
             }
         }
+    }
+}
+
+/// What a new number lacks is "not run" on the page, and what was run with another value too; a number that is gone takes its rows along.
+#[test]
+fn the_study_names_numbers_that_exist_and_moves_them_by_all_factors() {
+    let tables = parts().into_iter().flat_map(|(_, tables)| tables);
+    let all: BTreeSet<(&str, &str)> = tables
+        .flat_map(|t| t.thresholds.into_iter().map(move |n| (t.name, n.name)))
+        .collect();
+    let study = study();
+    for row in &study {
+        let number = (row.family.as_str(), row.name.as_str());
+        assert!(all.contains(&number), "{STUDY}: {number:?} is no number");
+        assert!(
+            !CONSTANTS.contains(&number),
+            "{STUDY}: {number:?} is constant"
+        );
+        let same = |r: &&Sensitivity| {
+            (r.family.as_str(), r.name.as_str(), &r.value) == (number.0, number.1, &row.value)
+        };
+        let factors: Vec<f64> = study.iter().filter(same).map(|r| r.factor).collect();
+        assert_eq!(factors, FACTORS, "{STUDY}: {number:?}");
+    }
+    for number in CONSTANTS {
+        assert!(all.contains(number), "{number:?} is no number");
     }
 }

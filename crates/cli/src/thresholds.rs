@@ -15,9 +15,9 @@ family! {
         /// Largest model; whatever it says is understood in seconds.
         model: u64 = 1 << 20, unit "bytes", source "set by hand: far beyond any model written by hand";
         /// Largest result document.
-        result: u64 = 64 << 20, unit "bytes", source "set by hand; not measured";
+        result: u64 = 64 << 20, unit "bytes", source "set by hand";
         /// Longest number of a point, arithmetic included (`30*pi/180`); messages show as much of a wrong one.
-        point_value: usize = 80, unit "characters", source "set by hand; not measured";
+        point_value: usize = 80, unit "characters", source "set by hand";
     }
 }
 
@@ -25,11 +25,11 @@ family! {
     /// How several models for the same data are compared.
     pub(crate) MODEL_COMPARISON: ModelComparison {
         /// Part of every record, at its end, that is held out unless the user says what is.
-        held_out: f64 = 0.25, unit "of the rows", source "set by hand; not measured";
+        held_out: f64 = 0.25, unit "of the rows", source "set by hand";
         /// How often the records held out are halved until some model follows them.
-        halvings: usize = 6, unit "", source "set by hand; not measured";
+        halvings: usize = 6, unit "", source "set by hand";
         /// Rows that the shortest part of a record keeps.
-        rows: usize = 40, unit "rows", source "set by hand; not measured";
+        rows: usize = 40, unit "rows", source "set by hand";
     }
 }
 
@@ -37,13 +37,13 @@ family! {
     /// When a user hears how far the work is.
     pub(crate) PROGRESS: Progress {
         /// Work that ends sooner shows no progress line.
-        delay: Duration = Duration::from_secs(1), unit "", source "set by hand; not measured";
+        delay: Duration = Duration::from_secs(1), unit "", source "set by hand";
         /// Time between two drawings of the line.
-        period: Duration = Duration::from_millis(200), unit "", source "set by hand; not measured";
+        period: Duration = Duration::from_millis(200), unit "", source "set by hand";
         /// Verifications from this size on are announced.
         announced_products: u128 = 1_000_000_000, unit "products in 106 bits", source "set by hand: some ten seconds";
         /// Speed from which the announced time follows.
-        products_per_second: f64 = 1e8, unit "products in 106 bits per second", source "set by hand; not measured";
+        products_per_second: f64 = 1e8, unit "products in 106 bits per second", source "set by hand";
     }
 }
 
@@ -51,9 +51,9 @@ family! {
     /// How much of a long list is printed.
     pub(crate) LISTS: Lists {
         /// Starts of one free run.
-        starts: usize = 3, unit "starts", source "set by hand; not measured";
+        starts: usize = 3, unit "starts", source "set by hand";
         /// Signals with their units.
-        units: usize = 24, unit "signals", source "set by hand; not measured";
+        units: usize = 24, unit "signals", source "set by hand";
     }
 }
 

@@ -14,9 +14,9 @@ sidc_thresholds::family! {
     /// How inputs are taken to move between samples.
     pub(crate) INTERSAMPLE: IntersampleThresholds {
         /// Consecutive differences of an undeclared input that are zero if it is held.
-        held: f64 = 0.5, unit "of all differences", source "set by hand; not measured";
+        held: f64 = 0.5, unit "of all differences", source "set by hand";
         /// Rows on either side whose jumps and corners add to the error of a derivative.
-        reach: usize = 3, unit "rows", source "set by hand; not measured";
+        reach: usize = 3, unit "rows", source "set by hand";
     }
 }
 

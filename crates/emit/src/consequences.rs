@@ -6,7 +6,8 @@
 use crate::thresholds::PRINTED;
 use sidc_lang::term::{Expr, Signal, Term};
 use sidc_system::algebra;
-use sidc_system::algebra::{Fraction, LARGEST_TIE, LONGEST, Linear, Point, Unsolved};
+use sidc_system::algebra::thresholds::SYMBOLIC;
+use sidc_system::algebra::{Fraction, Linear, Point, Unsolved};
 use sidc_system::discovery::{Discovery, Form};
 
 /// What follows from the equations.
@@ -83,10 +84,12 @@ fn reason(why: Unsolved) -> String {
             "some unknown does not occur linearly, so there is no mass matrix either".into()
         }
         Unsolved::ManyUnknowns(n) => {
-            format!("{n} equations are tied, and more than {LARGEST_TIE} are not solved in symbols")
+            let most = SYMBOLIC.largest_tie;
+            format!("{n} equations are tied, and more than {most} are not solved in symbols")
         }
         Unsolved::ManyTerms(Some(n)) => {
-            format!("it has {n} terms, and more than {LONGEST} are not printed")
+            let most = SYMBOLIC.longest;
+            format!("it has {n} terms, and more than {most} are not printed")
         }
         Unsolved::ManyTerms(None) => "it has thousands of terms".into(),
         Unsolved::Singular => {

@@ -8,17 +8,17 @@ family! {
     /// What the text of an answer mentions when not all evidence is requested.
     pub(crate) PRINTED: PrintedEvidence {
         /// Half width of a 95 % interval from which it is printed.
-        visible_interval: f64 = 1e-6, unit "of the coefficient", source "set by hand; not measured";
+        visible_interval: f64 = 1e-6, unit "of the coefficient", source "set by hand";
         /// A term that was left out is mentioned if its gain is at most this much below its price.
         near_miss: f64 = 3.0, unit "units of the criterion", source "odds of e^1.5 to 1, since the criterion counts twice the log likelihood; set by hand";
         /// Loss of the criterion from which it is printed only as over 1000.
-        large_loss: f64 = 1000.0, unit "units of the criterion", source "set by hand; not measured";
+        large_loss: f64 = 1000.0, unit "units of the criterion", source "set by hand";
         /// Excess of the residual over the tolerance at which a solution path still counts as complete.
-        path_tolerance: f64 = 1e-6, unit "of the tolerance", source "set by hand; not measured";
+        path_tolerance: f64 = 1e-6, unit "of the tolerance", source "set by hand";
         /// The same for a tolerance of zero.
-        path_rounding: f64 = 1e-9, unit "of the target", source "set by hand; not measured";
+        path_rounding: f64 = 1e-9, unit "of the target", source "set by hand";
         /// States of a linear system up to which A and B are printed with the equations.
-        printed_states: usize = 12, unit "states", source "set by hand; not measured";
+        printed_states: usize = 12, unit "states", source "set by hand";
     }
 }
 
@@ -26,19 +26,19 @@ family! {
     /// Figures of the report.
     pub(crate) FIGURES: ReportFigures {
         /// Error of a free run below which it is rounding, so that its autocorrelation means nothing.
-        exact_run: f64 = 1e-6, unit "of the signal's spread", source "set by hand; not measured";
+        exact_run: f64 = 1e-6, unit "of the signal's spread", source "set by hand";
         /// Lags of an autocorrelation.
-        lags: usize = 40, unit "rows", source "set by hand; not measured";
+        lags: usize = 40, unit "rows", source "set by hand";
         /// Readings up to which each is drawn as a dot.
-        dots: usize = 120, unit "readings", source "set by hand; not measured";
+        dots: usize = 120, unit "readings", source "set by hand";
         /// How far the vertical axis follows a simulation beyond the measured range.
-        overshoot: f64 = 0.35, unit "of the measured range", source "set by hand; not measured";
+        overshoot: f64 = 0.35, unit "of the measured range", source "set by hand";
         /// Largest deviation from a coefficient that is drawn.
-        deviation: f64 = 1.5, unit "of the coefficient", source "set by hand; not measured";
+        deviation: f64 = 1.5, unit "of the coefficient", source "set by hand";
         /// Width of an interval below which it is rounding.
-        interval_rounding: f64 = 1e-12, unit "of the coefficient", source "set by hand; not measured";
+        interval_rounding: f64 = 1e-12, unit "of the coefficient", source "set by hand";
         /// Least span of an axis of errors, so that a difference of one decibel looks small.
-        error_span: f64 = 20.0, unit "dB", source "set by hand; not measured";
+        error_span: f64 = 20.0, unit "dB", source "set by hand";
     }
 }
 

@@ -19,11 +19,11 @@ family! {
         /// Variables that a model declares.
         variables: usize = 10_000, unit "variables", source "set by hand; at most 65,535, the range of a variable's number";
         /// Highest derivative of a variable.
-        order: u8 = 9, unit "", source "set by hand; not measured";
+        order: u8 = 9, unit "", source "set by hand";
         /// Names that one range `x1..xN` stands for.
         range: usize = 10_000, unit "names", source "set by hand: one range can declare every variable of a model";
         /// Factors of one product: its normal form is sorted at each factor.
-        factors: usize = 1_000, unit "factors", source "set by hand; not measured";
+        factors: usize = 1_000, unit "factors", source "set by hand";
         /// Differences of libraries in one sum, and libraries in one product: each nests the result one level deeper.
         chain: usize = 200, unit "operators", source "set by hand, below the limit of depth";
         /// Single terms and libraries in one product.
@@ -31,7 +31,7 @@ family! {
         /// Operands of one sum or product in a data block: each nests the result one level deeper.
         column_chain: usize = 200, unit "operands", source "set by hand, below the limit of depth";
         /// Samples that `lag` looks back.
-        lag: f64 = 1e6, unit "samples", source "set by hand; not measured";
+        lag: f64 = 1e6, unit "samples", source "set by hand";
         /// Symmetries of a model.
         symmetries: usize = 64, unit "symmetries", source "each is one bit of a 64-bit word";
         /// Constraints of a model: they are compared with each other before any data are read.
@@ -45,31 +45,31 @@ family! {
     /// How much is shown when a model has mistakes.
     pub(crate) MESSAGES: MessageLimits {
         /// Width at which notes and help are wrapped.
-        width: usize = 110, unit "characters", source "set by hand; not measured";
+        width: usize = 110, unit "characters", source "set by hand";
         /// Findings of one severity that are shown; the others are counted.
         findings: usize = 50, unit "findings", source "set by hand: a file with more has one mistake made many times";
         /// Longest text of a message that is shown whole; names from files have any length.
-        text: usize = 4_000, unit "characters", source "set by hand; not measured";
+        text: usize = 4_000, unit "characters", source "set by hand";
         /// Longest source line that is shown whole.
-        line: usize = 300, unit "bytes", source "set by hand; not measured";
+        line: usize = 300, unit "bytes", source "set by hand";
         /// What is shown of a long line before a marked place.
-        before_place: usize = 60, unit "bytes", source "set by hand; not measured";
+        before_place: usize = 60, unit "bytes", source "set by hand";
         /// What is shown of a long marked place itself.
-        place: usize = 100, unit "bytes", source "set by hand; not measured";
+        place: usize = 100, unit "bytes", source "set by hand";
         /// What is shown of a long line behind a marked place.
-        after_place: usize = 40, unit "bytes", source "set by hand; not measured";
+        after_place: usize = 40, unit "bytes", source "set by hand";
         /// Unknown names that are reported: each costs a search among all names.
         unknown_names: usize = 40, unit "names", source "set by hand: beyond, the model has one mistake and not hundreds";
         /// Sums and arguments with wrong units that are reported.
         unit_faults: usize = 20, unit "findings", source "set by hand: beyond, one unit is wrong and not all of these sums";
         /// Operands that are repeated in a suggested unit fix, together.
-        unit_fix: usize = 40, unit "bytes", source "set by hand; not measured";
+        unit_fix: usize = 40, unit "bytes", source "set by hand";
         /// Names in scope that are listed for an unknown name.
-        scope_names: usize = 24, unit "names", source "set by hand; not measured";
+        scope_names: usize = 24, unit "names", source "set by hand";
         /// Names of states or of a symmetry that are listed in a note.
-        listed_names: usize = 8, unit "names", source "set by hand; not measured";
+        listed_names: usize = 8, unit "names", source "set by hand";
         /// Names that an example equation mentions.
-        example_names: usize = 6, unit "names", source "set by hand; not measured";
+        example_names: usize = 6, unit "names", source "set by hand";
         /// Characters of an index in brackets that is recognised as one, as in `x[k+1]`.
         index: usize = 40, unit "characters", source "set by hand: no line is read again and again";
     }
@@ -81,29 +81,32 @@ family! {
         /// Edits (insertion, deletion, substitution, transposition: Damerau 1964) forgiven in a name of any length.
         edits: usize = 1, unit "edits", source "Damerau 1964: four of five misspellings are one edit";
         /// Characters for which one more edit is forgiven.
-        characters_per_edit: usize = 4, unit "characters", source "set by hand; not measured";
+        characters_per_edit: usize = 4, unit "characters", source "set by hand";
         /// Shortest written-out unit name in which one edit is forgiven.
-        unit_name: usize = 5, unit "letters", source "set by hand; not measured";
+        unit_name: usize = 5, unit "letters", source "set by hand";
     }
 }
+
+/// Bytes that the libraries of a model may take, if nothing else is said. A constant, which callers may use in constants of theirs.
+pub const MEMORY: u64 = 4_000_000_000;
 
 family! {
     /// Sizes at which sets of terms are refused, listed or kept as products.
     pub(crate) LIBRARY: LibraryLimits {
         /// Terms of one list: of factors that share atoms, or of a generator that does not factor.
-        listed_terms: u128 = 200_000, unit "terms", source "set by hand; not measured";
+        listed_terms: u128 = 200_000, unit "terms", source "set by hand";
         /// Products that a set may fall into.
-        products: usize = 10_000, unit "products", source "set by hand; not measured";
+        products: usize = 10_000, unit "products", source "set by hand";
         /// Memory of all libraries of a model, if nothing else is said.
-        memory: u64 = 4_000_000_000, unit "bytes", source "set by hand; not measured";
+        memory: u64 = MEMORY, unit "bytes", source "set by hand";
         /// Sets up to this size become one list, in order of degree. Tests take the ways of large sets with small ones.
         small_set: u128 = if cfg!(test) { 12 } else { 1_000 }, unit "terms", source "set by hand: a dictionary of a thousand columns costs little to store";
         /// Blocks with fewer slots are listed term by term: calling them would cost more than storing their columns.
-        small_block: usize = if cfg!(test) { 6 } else { 256 }, unit "slots", source "set by hand; not measured";
+        small_block: usize = if cfg!(test) { 6 } else { 256 }, unit "slots", source "set by hand";
         /// Intersections that inclusion and exclusion looks at, about a tenth of a second.
         intersections: usize = 50_000, unit "steps", source "set by hand for its time; not measured again";
         /// Terms among which an intersection of two products is searched.
-        search: u128 = 2_000_000, unit "terms", source "set by hand; not measured";
+        search: u128 = 2_000_000, unit "terms", source "set by hand";
         /// Pairs of degrees that one histogram adds up, about half a second.
         degree_pairs: usize = 30_000_000, unit "pairs", source "set by hand for its time; not measured again";
         /// Pairs of products that are searched for cos² + sin² = 1, about a tenth of a second.
@@ -119,9 +122,9 @@ family! {
     /// Which texts are units, and which units are the same.
     pub(crate) UNITS: UnitLimits {
         /// Longest text of a unit.
-        text: usize = 200, unit "bytes", source "set by hand; not measured";
+        text: usize = 200, unit "bytes", source "set by hand";
         /// Brackets inside brackets.
-        nesting: usize = 16, unit "levels", source "set by hand; not measured";
+        nesting: usize = 16, unit "levels", source "set by hand";
         /// Largest exponent and largest denominator of one.
         exponent: i32 = 100, unit "", source "set by hand: no law of physics comes near";
         /// Distance from a fraction within which a float stands for it, times the largest exponent.

@@ -10,7 +10,7 @@ family! {
     pub(crate) NUMERICAL_RANK: NumericalRank {
         /// Part of a column of length one outside the span of others, or pivot relative to the first, below which a column is
         /// dependent on the others.
-        dependent: f64 = 1e-11, unit "", source "set by hand; not measured";
+        dependent: f64 = 1e-11, unit "", source "set by hand";
         /// Singular value below which a matrix has lost a rank.
         singular_value: f64 = 1e-13, unit "of the largest", source "set by hand, some hundred roundings of a column of length one";
         /// Length below which a column counts as all zero, so that dividing by it does not overflow.
@@ -26,9 +26,9 @@ family! {
         /// Dimension up to which singular values are always computed by rotations.
         jacobi_dimension: usize = 64, unit "rows or columns", source "set by hand: rotations cost some ten times as much as bidiagonalisation";
         /// Steps of the QR iteration for singular values.
-        qr_steps: usize = 100, unit "steps for each singular value", source "set by hand; not measured";
+        qr_steps: usize = 100, unit "steps for each singular value", source "set by hand";
         /// Error of A − UΣVᵀ, and of UᵀU − I, above which a decomposition is rejected.
-        reconstruction_error: f64 = 1e-12, unit "of the norm of A", source "set by hand; not measured";
+        reconstruction_error: f64 = 1e-12, unit "of the norm of A", source "set by hand";
         /// Squared part of a column norm that is left below which the norm is computed anew instead of updated.
         norm_update: f64 = 1e-8, unit "", source "about the root of the machine epsilon (Drmač & Bujanović 2008, LAPACK working note 176)";
         /// Bisections for the largest eigenvalue when eigenvalues are counted.
@@ -42,9 +42,9 @@ family! {
         /// Work below which a second thread costs more than it saves.
         min_work: usize = 2_000_000, unit "multiplications", source "set by hand: starting a thread takes some 30 µs";
         /// Numbers of a stored matrix that a thread prices before it asks for more.
-        dense_task: usize = 131_072, unit "numbers", source "set by hand; not measured";
+        dense_task: usize = 131_072, unit "numbers", source "set by hand";
         /// Work on products of factors that a thread does before it asks for more.
-        factored_task: usize = 4_000_000, unit "multiplications", source "set by hand; not measured";
+        factored_task: usize = 4_000_000, unit "multiplications", source "set by hand";
     }
 }
 
@@ -52,15 +52,15 @@ family! {
     /// What a residual, a duality gap and a coefficient prove.
     pub(crate) CERTIFICATES: Certificates {
         /// With ε = 0, a residual up to this is rounding and no contradiction.
-        consistent: f64 = 1e-9, unit "of the target", source "set by hand; not measured";
+        consistent: f64 = 1e-9, unit "of the target", source "set by hand";
         /// |a_j|‖φ_j‖ above which a column belongs to the support.
-        support: f64 = 1e-6, unit "of the largest", source "set by hand; not measured";
+        support: f64 = 1e-6, unit "of the largest", source "set by hand";
         /// Relative duality gap that proves optimality.
-        optimal_gap: f64 = 1e-6, unit "", source "set by hand; not measured";
+        optimal_gap: f64 = 1e-6, unit "", source "set by hand";
         /// Residual allowed beyond ε.
-        feasible: f64 = 1e-6, unit "of ε, or of the target where ε = 0", source "set by hand; not measured";
+        feasible: f64 = 1e-6, unit "of ε, or of the target where ε = 0", source "set by hand";
         /// Bound on the part of another minimiser's 1-norm off the support below which the support is unique.
-        off_support: f64 = 1e-3, unit "of the 1-norm", source "set by hand; not measured";
+        off_support: f64 = 1e-3, unit "of the 1-norm", source "set by hand";
     }
 }
 
@@ -70,37 +70,37 @@ family! {
         /// Length of the unexplained part of the target that counts as rounding.
         explained: f64 = 1e-13, unit "of the target", source "set by hand, some hundred roundings";
         /// Correlation with the unexplained part below which a column meets no bound.
-        flat: f64 = 1e-10, unit "of the length of that part", source "set by hand; not measured";
+        flat: f64 = 1e-10, unit "of the length of that part", source "set by hand";
         /// The same bound where the unexplained part is itself nearly rounding.
         rounding: f64 = 2e-15, unit "of the target", source "set by hand, some ten roundings";
         /// Coefficient of the wrong sign that counts as rounding.
-        negligible: f64 = 1e-10, unit "of the largest coefficient", source "set by hand; not measured";
+        negligible: f64 = 1e-10, unit "of the largest coefficient", source "set by hand";
         /// Excess over |φᵀλ| ≤ 1 from which a column should have entered.
-        violation: f64 = 1e-10, unit "", source "set by hand; not measured";
+        violation: f64 = 1e-10, unit "", source "set by hand";
         /// Excess over |φᵀλ| ≤ 1 from which a point of the path is no knot.
-        knot_violation: f64 = 1e-9, unit "", source "set by hand; not measured";
+        knot_violation: f64 = 1e-9, unit "", source "set by hand";
         /// Work of one path. Longer paths fit noise: an ill-posed problem.
         max_work: f64 = 1e10, unit "multiplications", source "set by hand; exact data and honest ε take tens to thousands of steps";
         /// Steps of one path for each row.
         steps_per_row: usize = 100, unit "steps", source "set by hand; no path was seen that needs more";
         /// Steps that every path may take.
-        min_steps: usize = 1500, unit "steps", source "set by hand; not measured";
+        min_steps: usize = 1500, unit "steps", source "set by hand";
         /// Columns of the first working set.
-        initial_columns: usize = 256, unit "columns", source "set by hand; not measured";
+        initial_columns: usize = 256, unit "columns", source "set by hand";
         /// Columns that enter the working set in one round.
-        added_columns: usize = 256, unit "columns", source "set by hand; not measured";
+        added_columns: usize = 256, unit "columns", source "set by hand";
         /// Once a bound is broken, correlation from which columns enter too: the path is about to meet them.
-        near_bound: f64 = 0.9, unit "", source "set by hand; not measured";
+        near_bound: f64 = 0.9, unit "", source "set by hand";
         /// Least steps between two pricings of all columns.
-        min_stride: usize = 8, unit "steps", source "set by hand; not measured";
+        min_stride: usize = 8, unit "steps", source "set by hand";
         /// Most steps between two pricings of all columns.
-        max_stride: usize = 64, unit "steps", source "set by hand; not measured";
+        max_stride: usize = 64, unit "steps", source "set by hand";
         /// Correlation with the residual below which a column explains none of it.
-        unrelated: f64 = 1e-9, unit "", source "set by hand; not measured";
+        unrelated: f64 = 1e-9, unit "", source "set by hand";
         /// Coefficient above which a column belongs to the support that the dual point is centred about.
-        support: f64 = 1e-9, unit "of the largest coefficient", source "set by hand; not measured";
+        support: f64 = 1e-9, unit "of the largest coefficient", source "set by hand";
         /// Distance to a bound that counts as on it.
-        on_bound: f64 = 1e-3, unit "", source "set by hand; not measured";
+        on_bound: f64 = 1e-3, unit "", source "set by hand";
         /// Ternary steps of the line search that centres the dual point.
         line_search: usize = 30, unit "steps", source "(2/3)^30 = 5e-6 of the interval is left";
         /// Entries of Φ up to which least squares checks a path that ended short of ε.
@@ -114,15 +114,15 @@ family! {
         /// Entries of Φ up to which it is stored whole.
         stored_entries: usize = 5_000_000, unit "numbers", source "set by hand: 40 MB";
         /// Columns of the first working set for each row.
-        initial_columns: usize = 4, unit "columns per row", source "set by hand; not measured";
+        initial_columns: usize = 4, unit "columns per row", source "set by hand";
         /// Columns that enter in one round for each row.
-        added_columns: usize = 2, unit "columns per row", source "set by hand; not measured";
+        added_columns: usize = 2, unit "columns per row", source "set by hand";
         /// Rounds of solving and pricing.
-        max_rounds: usize = 100, unit "rounds", source "set by hand; not measured";
+        max_rounds: usize = 100, unit "rounds", source "set by hand";
         /// Excess over |φ_jᵀλ| ≤ ‖φ_j‖ that a solver's own accuracy may leave.
-        violation: f64 = 1e-8, unit "", source "set by hand; not measured";
+        violation: f64 = 1e-8, unit "", source "set by hand";
         /// Correlation with the residual below which a column explains none of it.
-        unrelated: f64 = 1e-7, unit "", source "set by hand; not measured";
+        unrelated: f64 = 1e-7, unit "", source "set by hand";
     }
 }
 
@@ -130,9 +130,9 @@ family! {
     /// Conic programs for Clarabel.
     pub(crate) CONIC: Conic {
         /// Singular value below which a row is left out: Clarabel fails on dependent rows.
-        singular_value: f64 = 1e-9, unit "of the largest", source "set by hand; not measured";
+        singular_value: f64 = 1e-9, unit "of the largest", source "set by hand";
         /// Residual beyond ε up to which its "solved" is believed.
-        residual: f64 = 1e-6, unit "of ε, or of the target where ε = 0", source "set by hand; not measured";
+        residual: f64 = 1e-6, unit "of ε, or of the target where ε = 0", source "set by hand";
     }
 }
 
@@ -140,13 +140,13 @@ family! {
     /// The heuristic solvers.
     pub(crate) HEURISTICS: Heuristics {
         /// Columns that orthogonal matching pursuit takes: with more, an answer is not sparse and the basis not cheap.
-        omp_columns: usize = 200, unit "columns", source "set by hand; not measured";
+        omp_columns: usize = 200, unit "columns", source "set by hand";
         /// Entries of Φ that thresholded least squares stores and factorises.
         stlsq_entries: usize = 8_000_000, unit "numbers", source "set by hand: 64 MB";
         /// Thresholds, each twice the one before; the last is one half of the largest contribution.
-        stlsq_thresholds: i32 = 20, unit "thresholds", source "set by hand; not measured";
+        stlsq_thresholds: i32 = 20, unit "thresholds", source "set by hand";
         /// Fits at one threshold.
-        stlsq_fits: usize = 20, unit "fits", source "set by hand; not measured";
+        stlsq_fits: usize = 20, unit "fits", source "set by hand";
     }
 }
 
@@ -156,19 +156,22 @@ family! {
         /// Largest order, for each factor of ten in the number of rows.
         max_order: f64 = 10.0, unit "lags · log₁₀ of the rows", source "the default of the function ar in R";
         /// Weight before the first row below which a filtered sum is complete.
-        negligible_weight: f64 = 1e-3, unit "of the largest weight", source "set by hand; not measured";
+        negligible_weight: f64 = 1e-3, unit "of the largest weight", source "set by hand";
         /// Rows before the first over which a filtered sum is followed, or as many as there are.
-        rows_before: usize = 1000, unit "rows", source "set by hand; not measured";
+        rows_before: usize = 1000, unit "rows", source "set by hand";
     }
 }
+
+/// Lags of the autocorrelations that are looked at: a constant, because arrays have this length.
+pub const WHITENESS_LAGS: usize = 8;
 
 family! {
     /// When residuals count as white.
     pub(crate) WHITENESS: Whiteness {
         /// Lags of the autocorrelations that are looked at.
-        lags: usize = 8, unit "rows", source "set by hand; not measured";
+        lags: usize = WHITENESS_LAGS, unit "rows", source "set by hand";
         /// Deviation of their sum of squares that chance may cause.
-        deviations: f64 = 5.0, unit "standard deviations", source "set by hand; not measured";
+        deviations: f64 = 5.0, unit "standard deviations", source "set by hand";
     }
 }
 
@@ -176,15 +179,15 @@ family! {
     /// Best subsets on a quadratic form. Columns have length one.
     pub QUADRATIC_FORM: QuadraticFormNumbers {
         /// Squared length outside the chosen columns below which a column is dependent on them.
-        dependent: f64 = 1e-7, unit "", source "set by hand; not measured";
+        dependent: f64 = 1e-7, unit "", source "set by hand";
         /// Ridge that keeps the inverse of dependent columns finite.
-        ridge: f64 = 1e-12, unit "", source "set by hand; not measured";
+        ridge: f64 = 1e-12, unit "", source "set by hand";
         /// Steps of steepest descent by single changes.
-        max_changes: usize = 60, unit "changes", source "set by hand; not measured";
+        max_changes: usize = 60, unit "changes", source "set by hand";
         /// Predicted gain below which the descent ends.
-        predicted_gain: f64 = 1e-6, unit "of the penalty, at least of 1", source "set by hand; not measured";
+        predicted_gain: f64 = 1e-6, unit "of the penalty, at least of 1", source "set by hand";
         /// Actual gain below which the descent ends.
-        gain: f64 = 1e-9, unit "of the criterion, at least of 1", source "set by hand; not measured";
+        gain: f64 = 1e-9, unit "of the criterion, at least of 1", source "set by hand";
     }
 }
 
@@ -192,19 +195,19 @@ family! {
     /// Basis pursuit on several blocks under linear constraints.
     pub(crate) CONSTRAINED: Constrained {
         /// Rounds of solving and pricing.
-        max_rounds: usize = 40, unit "rounds", source "set by hand; not measured";
+        max_rounds: usize = 40, unit "rounds", source "set by hand";
         /// Columns that enter a block in one round.
-        added_columns: usize = 100, unit "columns", source "set by hand; not measured";
+        added_columns: usize = 100, unit "columns", source "set by hand";
         /// Columns up to which a block takes part whole.
-        whole_block: usize = 200, unit "columns", source "set by hand; not measured";
+        whole_block: usize = 200, unit "columns", source "set by hand";
         /// Columns of a block that take part.
-        max_columns: usize = 1500, unit "columns", source "set by hand; not measured";
+        max_columns: usize = 1500, unit "columns", source "set by hand";
         /// Excess of a reduced cost over 1 from which a column enters.
-        violation: f64 = 1e-7, unit "", source "set by hand; not measured";
+        violation: f64 = 1e-7, unit "", source "set by hand";
         /// Correlation from which a column may shorten the residual, where the least residual is sought.
-        correlated: f64 = 1e-6, unit "", source "set by hand; not measured";
+        correlated: f64 = 1e-6, unit "", source "set by hand";
         /// Residual beyond ε that the conic solver's accuracy may leave.
-        reached: f64 = 1e-7, unit "of the target", source "set by hand; not measured";
+        reached: f64 = 1e-7, unit "of the target", source "set by hand";
     }
 }
 
@@ -212,19 +215,19 @@ family! {
     /// Linear equations and inequalities between coefficients.
     pub(crate) LINEAR_CONSTRAINTS: LinearConstraints {
         /// By how much an inequality may be missed.
-        violation: f64 = 1e-10, unit "of its largest summand", source "set by hand; not measured";
+        violation: f64 = 1e-10, unit "of its largest summand", source "set by hand";
         /// Multiplier from which an inequality is active.
-        active: f64 = 1e-9, unit "of the largest multiplier", source "set by hand; not measured";
+        active: f64 = 1e-9, unit "of the largest multiplier", source "set by hand";
         /// Right side that is left of a dependent equation above which it is a contradiction.
-        contradiction: f64 = 1e-9, unit "of the largest right side", source "set by hand; not measured";
+        contradiction: f64 = 1e-9, unit "of the largest right side", source "set by hand";
         /// By how much strict inequalities are tightened where rows contradict each other.
-        strict: f64 = 1e-5, unit "of the largest right side", source "set by hand; not measured";
+        strict: f64 = 1e-5, unit "of the largest right side", source "set by hand";
         /// Weight of a free coefficient in an inequality that counts as rounding.
         rounding: f64 = 1e-13, unit "of the largest weight", source "set by hand, some hundred roundings";
         /// Gradient below which a multiplier stays zero.
-        gradient: f64 = 1e-12, unit "of the right side", source "set by hand; not measured";
+        gradient: f64 = 1e-12, unit "of the right side", source "set by hand";
         /// Residual of the last row below which no point satisfies the inequalities.
-        empty: f64 = 1e-9, unit "of the right side", source "set by hand; not measured";
+        empty: f64 = 1e-9, unit "of the right side", source "set by hand";
     }
 }
 

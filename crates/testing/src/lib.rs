@@ -2,7 +2,7 @@
 //!
 //! [`integrate`], [`random`], [`table`] and [`plants`] simulate known systems and write their records, and use nothing of the
 //! compiler: the data it is tested on must not come from its own code. [`program`] runs the built `sidc`, [`runtimes`] finds the
-//! languages and browsers that its output is run with, [`hang`] ends work that does not end, [`fuzzing`] says what must hold for any input
+//! languages and browsers that its output is run with, [`thresholds`] the numbers that decide, [`hang`] ends work that does not end, [`fuzzing`] says what must hold for any input
 //! at all.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -17,3 +17,4 @@ pub mod program;
 pub mod random;
 pub mod runtimes;
 pub mod table;
+pub mod thresholds;

@@ -1,5 +1,6 @@
 //! The built program, run as a user runs it: from the repository's root, with its outputs in a folder that goes away.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -80,6 +81,17 @@ pub fn file(path: &str) -> String {
 pub fn error_codes(found: &[Diagnostic]) -> Vec<&'static str> {
     let errors = found.iter().filter(|d| d.is_error());
     errors.map(|d| d.code).collect()
+}
+
+/// `bad-cell` of `error[bad-cell]: …`, warnings too; each once.
+pub fn codes_in(text: &str) -> Vec<String> {
+    let codes = text.lines().filter_map(|line| {
+        let rest = line
+            .strip_prefix("error[")
+            .or(line.strip_prefix("warning["))?;
+        Some(rest.split_once(']')?.0.to_string())
+    });
+    codes.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// A text in words and numbers, in turn.

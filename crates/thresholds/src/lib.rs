@@ -2,8 +2,14 @@
 //!
 //! A family of them is one record, declared by [`family!`] with a name, a value, a unit and a source for each. The tables in
 //! docs/thresholds.md are written from these records. Knows nobody.
+//!
+//! A build with `RUSTFLAGS="--cfg vary_thresholds"` reads a factor for one number from the environment (`vary.rs`): the study
+//! `thresholds` measures with it how far each number can be moved before an answer changes. Every other build has constants.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+#[cfg(vary_thresholds)]
+pub mod vary;
 
 /// One number of a family, as the documentation prints it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,7 +69,16 @@ macro_rules! family {
         }
 
         $(#[doc = $about])+
+        #[cfg(not(vary_thresholds))]
         $vis const $constant: $family = $family { $($name: $value),+ };
+        $(#[doc = $about])+
+        #[cfg(vary_thresholds)]
+        $vis static $constant: std::sync::LazyLock<$family> = std::sync::LazyLock::new(|| {
+            $crate::vary::record_read(stringify!($family));
+            $family {
+                $($name: $crate::vary::varied(stringify!($family), stringify!($name), $value)),+
+            }
+        });
 
         impl $family {
             /// Every number of the family, for the documentation.
@@ -91,18 +106,18 @@ pub fn sentence(lines: &[&str]) -> String {
 }
 
 impl Table {
-    /// The family as a section of Markdown.
-    pub fn markdown(&self) -> String {
+    /// The family as a section of Markdown. `moved` says what the study of thresholds found of a number.
+    pub fn markdown(&self, moved: impl Fn(&Threshold) -> String) -> String {
         let mut out = format!(
-            "## {}\n\n{}\n\n| name | value | unit | decides | source |\n|---|---|---|---|---|\n",
+            "## {}\n\n{}\n\n| name | value | unit | decides | × ½, × 2 | source |\n|---|---|---|---|---|---|\n",
             self.name, self.about
         );
         let cell = |text: &str| text.replace('|', "\\|");
         for t in &self.thresholds {
             let (unit, meaning, source) = (cell(t.unit), cell(&t.meaning), cell(t.source));
-            let (name, value) = (t.name, &t.value);
+            let (name, value, moved) = (t.name, &t.value, moved(t));
             out.push_str(&format!(
-                "| `{name}` | {value} | {unit} | {meaning} | {source} |\n"
+                "| `{name}` | {value} | {unit} | {meaning} | {moved} | {source} |\n"
             ));
         }
         out
@@ -123,10 +138,12 @@ mod tests {
     #[test]
     fn a_family_is_a_record_and_a_table() {
         assert_eq!(SAMPLE.tie, 0.5);
-        let text = Sample::table().markdown();
+        let text = Sample::table().markdown(|_| "0, 1 of 2".into());
         assert!(text.starts_with("## Sample\n\nTwo lines.\n"), "{text}");
         assert!(
-            text.ends_with("| `tie` | 0.5 |  | The \\|φᵀλ\\| of a tie. | by definition |\n"),
+            text.ends_with(
+                "| `tie` | 0.5 |  | The \\|φᵀλ\\| of a tie. | 0, 1 of 2 | by definition |\n"
+            ),
             "{text}"
         );
     }

@@ -8,27 +8,27 @@ sidc_thresholds::family! {
         /// Largest value that can be computed with.
         max_size: f64 = 1e100, unit "of the model's unit", source "products of three values stay below 1e308";
         /// Change of a parameter that is rounding.
-        param_tolerance: f64 = 1e-12, unit "of its value", source "set by hand; not measured";
+        param_tolerance: f64 = 1e-12, unit "of its value", source "set by hand";
         /// Least range of an angle that may be wrapped.
-        wrapped_min_range: f64 = 0.75, unit "turns", source "set by hand; not measured";
+        wrapped_min_range: f64 = 0.75, unit "turns", source "set by hand";
         /// Largest range of an angle that may be wrapped.
-        wrapped_max_range: f64 = 1.02, unit "turns", source "set by hand; not measured";
+        wrapped_max_range: f64 = 1.02, unit "turns", source "set by hand";
         /// Step from which an angle has wrapped.
-        wrapped_step: f64 = 0.75, unit "turns", source "set by hand; not measured";
+        wrapped_step: f64 = 0.75, unit "turns", source "set by hand";
         /// Step up to which an angle has moved; between the two it is no angle.
-        moved_step: f64 = 0.25, unit "turns", source "set by hand; not measured";
+        moved_step: f64 = 0.25, unit "turns", source "set by hand";
         /// Correlation with the slope below which a measured derivative is another signal.
-        slope_correlation: f64 = 0.5, unit "", source "set by hand; not measured";
+        slope_correlation: f64 = 0.5, unit "", source "set by hand";
         /// Correlation from which a factor between the two is reported.
-        factor_correlation: f64 = 0.9, unit "", source "set by hand; not measured";
+        factor_correlation: f64 = 0.9, unit "", source "set by hand";
         /// Deviation of that factor from 1 that is not mentioned.
-        factor_tolerance: f64 = 0.1, unit "", source "set by hand; not measured";
+        factor_tolerance: f64 = 0.1, unit "", source "set by hand";
         /// Deviation from a ratio of units that still explains a factor.
-        unit_tolerance: f64 = 0.05, unit "of the ratio", source "set by hand; not measured";
+        unit_tolerance: f64 = 0.05, unit "of the ratio", source "set by hand";
         /// Intervals that a record is cut into to compare rises with areas, where that gives no more than the next number's steps.
-        intervals: usize = 50, unit "intervals", source "set by hand; not measured";
+        intervals: usize = 50, unit "intervals", source "set by hand";
         /// Most steps of one such interval.
-        max_interval: usize = 20, unit "steps", source "set by hand; not measured";
+        max_interval: usize = 20, unit "steps", source "set by hand";
     }
 }
 
@@ -36,14 +36,14 @@ sidc_thresholds::family! {
     /// When sampling times are found strange.
     pub(crate) TIMES: TimeChecks {
         /// Correction of rounded times that is not mentioned, since no result depends on it.
-        silent_correction: f64 = 1e-3, unit "median steps", source "set by hand; not measured";
+        silent_correction: f64 = 1e-3, unit "median steps", source "set by hand";
         /// Difference between the shortest and the longest step that is even.
-        even_steps: f64 = 0.01, unit "median steps", source "set by hand; not measured";
+        even_steps: f64 = 0.01, unit "median steps", source "set by hand";
         /// Deviation of a step in discrete time from a whole number of samples.
-        whole_step: f64 = 0.05, unit "median steps", source "set by hand; not measured";
+        whole_step: f64 = 0.05, unit "median steps", source "set by hand";
         /// A time that falls back to within this part of the time passed starts a new record.
-        restart: f64 = 0.1, unit "of the time passed", source "set by hand; not measured";
+        restart: f64 = 0.1, unit "of the time passed", source "set by hand";
         /// Longest table in which a column that numbers the runs is looked for.
-        max_rows_compared: usize = 200_000, unit "rows", source "set by hand; not measured";
+        max_rows_compared: usize = 200_000, unit "rows", source "set by hand";
     }
 }

@@ -4,17 +4,17 @@ sidc_thresholds::family! {
     /// What the columns of a table are taken for, and how large a first model gets.
     pub(crate) DRAFT: DraftThresholds {
         /// Most columns: every pair of them is compared, and a longer draft would not be read.
-        max_columns: usize = 100, unit "columns", source "set by hand; not measured";
+        max_columns: usize = 100, unit "columns", source "set by hand";
         /// Most candidate terms of one equation, so that a first search is quick.
-        max_candidate_terms: usize = 80, unit "terms", source "set by hand; not measured";
+        max_candidate_terms: usize = 80, unit "terms", source "set by hand";
         /// Fewest differences by which a column may be held between samples.
-        min_differences: usize = 10, unit "differences", source "set by hand; not measured";
+        min_differences: usize = 10, unit "differences", source "set by hand";
         /// Range of a column, relative to its size, that is constant.
-        constant: f64 = 1e-12, unit "", source "set by hand; not measured";
+        constant: f64 = 1e-12, unit "", source "set by hand";
         /// Jump of an angle that wraps.
-        wrapped_step: f64 = 0.75, unit "turns", source "set by hand; not measured";
+        wrapped_step: f64 = 0.75, unit "turns", source "set by hand";
         /// Largest range of an angle that wraps.
-        wrapped_range: f64 = 1.001, unit "turns", source "set by hand; not measured";
+        wrapped_range: f64 = 1.001, unit "turns", source "set by hand";
     }
 }
 
@@ -22,11 +22,11 @@ sidc_thresholds::family! {
     /// When a column is the rate of another.
     pub(crate) RATE: RateThresholds {
         /// Rms of the slope that the rate may leave unexplained.
-        unexplained: f64 = 0.15, unit "of the slope's rms", source "set by hand; not measured";
+        unexplained: f64 = 0.15, unit "of the slope's rms", source "set by hand";
         /// Deviation of a measured factor from a ratio of units.
         unit_tolerance: f64 = 0.02, unit "of the ratio", source "2π/60 and 0.1 are 5 % apart";
         /// Fewest rows that are compared.
-        min_rows: usize = 20, unit "rows", source "set by hand; not measured";
+        min_rows: usize = 20, unit "rows", source "set by hand";
     }
 }
 
@@ -34,16 +34,16 @@ sidc_thresholds::family! {
     /// Whether the law of a state is of first or of second order.
     pub(crate) LAW_ORDER: LawOrderThresholds {
         /// Part of the variance of the rate that the other signals explain if the law is of first order.
-        explained: f64 = 0.8, unit "of the variance", source "set by hand; not measured";
+        explained: f64 = 0.8, unit "of the variance", source "set by hand";
         /// Rows that are looked at.
-        max_rows: usize = 1500, unit "rows", source "set by hand; not measured";
+        max_rows: usize = 1500, unit "rows", source "set by hand";
         /// Signals whose products are tried.
-        max_signals: usize = 8, unit "signals", source "set by hand; not measured";
+        max_signals: usize = 8, unit "signals", source "set by hand";
         /// Movement over one difference, in the mean, that is visible in noise.
-        visible: f64 = 0.05, unit "standard deviations", source "set by hand; not measured";
+        visible: f64 = 0.05, unit "standard deviations", source "set by hand";
         /// Fewest rows beyond the two ends.
-        min_rows: usize = 30, unit "rows", source "set by hand; not measured";
+        min_rows: usize = 30, unit "rows", source "set by hand";
         /// Singular values below this are zero.
-        rank_tolerance: f64 = 1e-9, unit "", source "set by hand; not measured";
+        rank_tolerance: f64 = 1e-9, unit "", source "set by hand";
     }
 }

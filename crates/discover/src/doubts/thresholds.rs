@@ -8,35 +8,35 @@ family! {
     /// Doubts of an equation from rows, and those that both methods share.
     pub(crate) DOUBTS: Doubts {
         /// Residual above which too much of the target is left unexplained.
-        poor_fit: f64 = 0.1, unit "of the target", source "set by hand; not measured";
+        poor_fit: f64 = 0.1, unit "of the target", source "set by hand";
         /// Residual above which a term is missing.
-        misfit: f64 = 5.0, unit "of the error of the data", source "set by hand; not measured";
+        misfit: f64 = 5.0, unit "of the error of the data", source "set by hand";
         /// Estimated error of a derivative above which it is hardly known.
-        rough_target: f64 = 0.1, unit "of the target", source "set by hand; not measured";
+        rough_target: f64 = 0.1, unit "of the target", source "set by hand";
         /// Residual below which a misfit does not matter.
-        negligible_residual: f64 = 1e-4, unit "of the target", source "set by hand; not measured";
+        negligible_residual: f64 = 1e-4, unit "of the target", source "set by hand";
         /// Residual above which data count as noisy.
-        noisy: f64 = 1e-6, unit "of the target", source "set by hand; not measured";
+        noisy: f64 = 1e-6, unit "of the target", source "set by hand";
         /// Autocorrelation of residuals that matters, however certain it is.
-        autocorrelation: f64 = 0.05, unit "", source "set by hand; not measured";
+        autocorrelation: f64 = 0.05, unit "", source "set by hand";
         /// Held-out residual above which an equation does not carry over.
-        overfit: f64 = 2.0, unit "of the residual in the fit", source "set by hand; not measured";
+        overfit: f64 = 2.0, unit "of the residual in the fit", source "set by hand";
         /// Least residual that held-out rows are compared with.
-        held_out_rounding: f64 = 1e-7, unit "of the target", source "set by hand; not measured";
+        held_out_rounding: f64 = 1e-7, unit "of the target", source "set by hand";
         /// Noisy rows for each term below which another law may fit by chance.
-        rows_per_term: usize = 15, unit "rows or readings", source "set by hand; not measured";
+        rows_per_term: usize = 15, unit "rows or readings", source "set by hand";
         /// Rows for each term below which a law is not sparse.
-        sparse_rows: usize = 3, unit "rows", source "set by hand; not measured";
+        sparse_rows: usize = 3, unit "rows", source "set by hand";
         /// Standard error above which a term could as well be absent.
-        uncertain: f64 = 0.3, unit "of the coefficient", source "set by hand; not measured";
+        uncertain: f64 = 0.3, unit "of the coefficient", source "set by hand";
         /// Condition number of the unit columns above which a support is numerically dependent.
-        condition: f64 = 1e8, unit "", source "set by hand; not measured";
+        condition: f64 = 1e8, unit "", source "set by hand";
         /// Least 1 − max |φᵀλ| that separates a support from the other columns.
-        margin: f64 = 1e-6, unit "", source "set by hand; not measured";
+        margin: f64 = 1e-6, unit "", source "set by hand";
         /// Library of which a law that uses all is doubted.
-        exhausted_terms: usize = 4, unit "terms", source "set by hand; not measured";
+        exhausted_terms: usize = 4, unit "terms", source "set by hand";
         /// Library of which a law that uses more than half is doubted.
-        half_used_terms: usize = 10, unit "terms", source "set by hand; not measured";
+        half_used_terms: usize = 10, unit "terms", source "set by hand";
     }
 }
 
@@ -44,11 +44,11 @@ family! {
     /// Single rows that an equation misses.
     pub(crate) BADLY_FITTED_ROWS: BadlyFitted {
         /// Miss of a row that matters.
-        large: f64 = 0.5, unit "of the target", source "set by hand; not measured";
+        large: f64 = 0.5, unit "of the target", source "set by hand";
         /// Miss of a row that errors of the estimated size do not explain.
-        certain: f64 = 10.0, unit "errors of the row", source "set by hand; not measured";
+        certain: f64 = 10.0, unit "errors of the row", source "set by hand";
         /// Pairs of successive rows below which autocorrelation is not judged.
-        min_neighbours: usize = 50, unit "pairs of rows", source "set by hand; not measured";
+        min_neighbours: usize = 50, unit "pairs of rows", source "set by hand";
     }
 }
 
@@ -56,11 +56,11 @@ family! {
     /// Linear relations between the states.
     pub(crate) DEPENDENT_STATES: DependentStates {
         /// Variance below which a combination of states is constant; the noise itself is known to some 5 %.
-        constant: f64 = 1.15, unit "variances of the noise", source "set by hand; not measured";
+        constant: f64 = 1.15, unit "variances of the noise", source "set by hand";
         /// Noise of data that have none.
-        clean_noise: f64 = 1e-7, unit "of the spread", source "set by hand; not measured";
+        clean_noise: f64 = 1e-7, unit "of the spread", source "set by hand";
         /// Contribution from which a state is named.
-        named: f64 = 0.02, unit "of the largest contribution", source "set by hand; not measured";
+        named: f64 = 0.02, unit "of the largest contribution", source "set by hand";
     }
 }
 
@@ -68,11 +68,11 @@ family! {
     /// Doubts of equations that were estimated with their trajectory.
     pub(crate) TRAJECTORY_DOUBTS: TrajectoryDoubts {
         /// Residual above which little is explained.
-        poor_fit: f64 = 0.3, unit "noise over spread", source "set by hand; not measured";
+        poor_fit: f64 = 0.3, unit "noise over spread", source "set by hand";
         /// Residual above which something is missing.
-        misfit: f64 = 1.25, unit "of the sensor's noise", source "set by hand; not measured";
+        misfit: f64 = 1.25, unit "of the sensor's noise", source "set by hand";
         /// Residual below which what is left is rounding.
-        negligible_residual: f64 = 1e-6, unit "of the spread", source "set by hand; not measured";
+        negligible_residual: f64 = 1e-6, unit "of the spread", source "set by hand";
     }
 }
 

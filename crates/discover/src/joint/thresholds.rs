@@ -8,13 +8,13 @@ family! {
     /// When all equations are estimated together, and what is reported.
     pub(crate) JOINT: JointEstimate {
         /// Noise below which differentiating loses nothing, and each equation can be proved alone.
-        clean_data: f64 = 1e-6, unit "noise over spread", source "set by hand; not measured";
+        clean_data: f64 = 1e-6, unit "noise over spread", source "set by hand";
         /// Loss up to which it is reported what a term earns.
-        weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand; not measured";
+        weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand";
         /// Difference below which a support with more terms is a tie: simplicity decides.
-        larger_tie: f64 = 2.0, unit "of the criterion", source "set by hand; not measured";
+        larger_tie: f64 = 2.0, unit "of the criterion", source "set by hand";
         /// Spread of the readings below which a state does not move.
-        no_motion: f64 = 1.2, unit "of the noise", source "set by hand; not measured";
+        no_motion: f64 = 1.2, unit "of the noise", source "set by hand";
     }
 }
 
@@ -22,13 +22,13 @@ family! {
     /// Searches repeated for outliers, delays and offsets of sensors.
     pub(crate) SENSOR_SEARCH: SensorSearch {
         /// Searches until the readings left out no longer change.
-        outlier_rounds: usize = 3, unit "searches", source "set by hand; not measured";
+        outlier_rounds: usize = 3, unit "searches", source "set by hand";
         /// Searches for a delay: the first answer, found without it, may not show it exactly.
-        delay_rounds: usize = 2, unit "searches", source "set by hand; not measured";
+        delay_rounds: usize = 2, unit "searches", source "set by hand";
         /// Gain from which a delay is taken before terms are added.
-        early_delay_gain: f64 = 0.05, unit "of the criterion, each reading", source "set by hand; not measured";
+        early_delay_gain: f64 = 0.05, unit "of the criterion, each reading", source "set by hand";
         /// Terms up to which offsets are looked for: each costs fits.
-        offset_terms: usize = 24, unit "terms", source "set by hand; not measured";
+        offset_terms: usize = 24, unit "terms", source "set by hand";
     }
 }
 

@@ -48,7 +48,9 @@ impl IndependentLaw {
     pub fn bearable(&self, before: f64) -> bool {
         let little =
             self.worse <= TERM_SELECTION.tie || self.residual <= INDEPENDENT_LAW.bearable * before;
-        self.growth <= INDEPENDENT_LAW.growth && little
+        // Of an exact law only rounding grows.
+        let exact = self.residual * self.growth <= INDEPENDENT_LAW.exact;
+        (exact || self.growth <= INDEPENDENT_LAW.growth) && little
     }
 }
 

@@ -8,21 +8,21 @@ family! {
     /// When readings are enough, coarse, or too many to be searched at once.
     pub(crate) RECORDS: Records {
         /// Fewest samples of an uninterrupted piece of a trajectory that is used.
-        min_samples: usize = 4, unit "samples", source "set by hand; not measured";
+        min_samples: usize = 4, unit "samples", source "set by hand";
         /// Fewest readings of every measured state for which a trajectory has noise levels of its own.
         min_readings_of_own_noise: usize = 50, unit "readings", source "a standard deviation from m readings has a relative error of 1/sqrt(2 m): a tenth at 50";
         /// Distance of a reading from a quantization grid that rounding in print may make.
-        grid_tolerance: f64 = 0.05, unit "quantization steps", source "set by hand; not measured";
+        grid_tolerance: f64 = 0.05, unit "quantization steps", source "set by hand";
         /// Fewest readings a distinct value for which a grid is accepted.
-        readings_per_value: usize = 2, unit "readings", source "set by hand; not measured";
+        readings_per_value: usize = 2, unit "readings", source "set by hand";
         /// Noise from which quantization errors count as white.
         dither: f64 = 0.5, unit "quantization steps", source "Widrow and Kollar 2008, Quantization Noise (dither); the value is set by hand";
         /// Samples up to which all records are searched whole.
-        max_searched_samples: usize = 10_000, unit "samples", source "set by hand; not measured";
+        max_searched_samples: usize = 10_000, unit "samples", source "set by hand";
         /// Longest segment of a record that is searched in parts.
-        segment_samples: usize = 1_000, unit "samples", source "set by hand; not measured";
+        segment_samples: usize = 1_000, unit "samples", source "set by hand";
         /// Shortest segment that is used.
-        min_segment_samples: usize = 50, unit "samples", source "set by hand; not measured";
+        min_segment_samples: usize = 50, unit "samples", source "set by hand";
     }
 }
 
@@ -30,27 +30,27 @@ family! {
     /// How laws are integrated between samples, and how far a trajectory may depart from them.
     pub(crate) SHOOTING: Shooting {
         /// Standard deviation by which a state may slip from the laws between samples: it allows for rounding and chaos.
-        slack: f64 = 3e-3, unit "noise of the sensor", source "set by hand; not measured";
+        slack: f64 = 3e-3, unit "noise of the sensor", source "set by hand";
         /// The same summed over a record (it grows with the root of the number of samples).
-        slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand; not measured";
+        slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand";
         /// Standard deviation of the loose hold on a state that nothing reads at a sample.
-        unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand; not measured";
+        unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand";
         /// Integration error allowed over an interval.
-        accuracy: f64 = 0.01, unit "noise of the sensor", source "set by hand; not measured";
+        accuracy: f64 = 0.01, unit "noise of the sensor", source "set by hand";
         /// Finest integration error that is requested.
-        min_accuracy: f64 = 1e-11, unit "spread of the state", source "set by hand; not measured";
+        min_accuracy: f64 = 1e-11, unit "spread of the state", source "set by hand";
         /// Most Runge-Kutta steps of an interval.
-        max_steps: usize = 64, unit "steps", source "set by hand; not measured";
+        max_steps: usize = 64, unit "steps", source "set by hand";
         /// Error of a Runge-Kutta step over the fifth power of its length in time constants.
         step_error: f64 = 1.0 / 120.0, unit "", source "the first term of exp that order four leaves out: 1/5!";
         /// Newton steps for laws that contain rates.
-        newton_steps: usize = 8, unit "steps", source "set by hand; not measured";
+        newton_steps: usize = 8, unit "steps", source "set by hand";
         /// Relative change of a rate at which Newton's method ends.
-        newton_converged: f64 = 1e-12, unit "", source "set by hand; not measured";
+        newton_converged: f64 = 1e-12, unit "", source "set by hand";
         /// Relative change that is accepted after the last step.
-        newton_accepted: f64 = 1e-6, unit "", source "set by hand; not measured";
+        newton_accepted: f64 = 1e-6, unit "", source "set by hand";
         /// Pivot, relative to the largest entry, below which laws cannot be solved for their rates.
-        singular_pivot: f64 = 1e-10, unit "", source "set by hand; not measured";
+        singular_pivot: f64 = 1e-10, unit "", source "set by hand";
     }
 }
 
@@ -58,25 +58,25 @@ family! {
     /// When a Gauss-Newton fit of one support ends.
     pub(crate) GAUSS_NEWTON: GaussNewton {
         /// Most steps.
-        max_steps: usize = 8, unit "steps", source "set by hand; not measured";
+        max_steps: usize = 8, unit "steps", source "set by hand";
         /// Largest step of a state at which the fit has converged.
-        state_step: f64 = 0.02, unit "noise of the sensor", source "set by hand; not measured";
+        state_step: f64 = 0.02, unit "noise of the sensor", source "set by hand";
         /// Largest step of the logarithm of a noise at which the fit has converged.
-        log_noise_step: f64 = 1e-3, unit "", source "set by hand; not measured";
+        log_noise_step: f64 = 1e-3, unit "", source "set by hand";
         /// Change of the criterion that decides nothing.
-        criterion_step: f64 = 0.02, unit "criterion", source "set by hand; not measured";
+        criterion_step: f64 = 0.02, unit "criterion", source "set by hand";
         /// A fit is given up if it stays behind the best one by more than this.
-        hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand; not measured";
+        hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand";
         /// Gain that each remaining step is credited with when that is judged, in gains of the last step.
-        hopeless_gain: f64 = 2.0, unit "", source "set by hand; not measured";
+        hopeless_gain: f64 = 2.0, unit "", source "set by hand";
         /// Distance from the readings at which a trajectory has left the data.
-        lost_spread: f64 = 2.0, unit "spread of the state", source "set by hand; not measured";
+        lost_spread: f64 = 2.0, unit "spread of the state", source "set by hand";
         /// Added to it, times the relative noise.
-        lost_noise: f64 = 10.0, unit "noise of the sensor", source "set by hand; not measured";
+        lost_noise: f64 = 10.0, unit "noise of the sensor", source "set by hand";
         /// The same for states without a reading, measured from the smoothed trajectory.
-        lost_unread: f64 = 6.0, unit "spread of the state", source "set by hand; not measured";
+        lost_unread: f64 = 6.0, unit "spread of the state", source "set by hand";
         /// Diagonal entry of R, relative to the norm of its column, below which the column depends on those before it.
-        dependent_pivot: f64 = 1e-10, unit "", source "set by hand; not measured";
+        dependent_pivot: f64 = 1e-10, unit "", source "set by hand";
     }
 }
 
@@ -84,13 +84,13 @@ family! {
     /// The price of a term, and the least noise.
     pub(crate) CRITERION: Criterion {
         /// Price of a term over the logarithm of the number of readings; 1 would be the Bayesian criterion (Schwarz 1978).
-        term_price: f64 = 1.5, unit "ln(readings)", source "set by hand; not measured";
+        term_price: f64 = 1.5, unit "ln(readings)", source "set by hand";
         /// Fewest readings in that logarithm.
-        min_readings: f64 = 4.0, unit "readings", source "set by hand; not measured";
+        min_readings: f64 = 4.0, unit "readings", source "set by hand";
         /// What a term that the model's author wrote out costs less than one that a generator made.
         written_discount: f64 = 0.5, unit "criterion", source "odds of e^(1/4) to 1; set by hand, not measured";
         /// Least floor under the noise.
-        min_floor: f64 = 0.5, unit "noise that smoothing sees", source "set by hand; not measured";
+        min_floor: f64 = 0.5, unit "noise that smoothing sees", source "set by hand";
     }
 }
 
@@ -98,47 +98,47 @@ family! {
     /// Budgets of the search for supports.
     pub(crate) SEARCH: Search {
         /// Floors under the noise, level after level.
-        floors: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5], unit "spread of the state", source "set by hand; not measured";
+        floors: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5], unit "spread of the state", source "set by hand";
         /// A floor is skipped unless it is this many times the largest noise that smoothing shows.
-        floor_over_noise: f64 = 1.5, unit "", source "set by hand; not measured";
+        floor_over_noise: f64 = 1.5, unit "", source "set by hand";
         /// Slack of the laws in the two first linearisations.
-        initial_slacks: [f64; 2] = [0.3, 0.03], unit "noise of the sensor", source "set by hand; not measured";
+        initial_slacks: [f64; 2] = [0.3, 0.03], unit "noise of the sensor", source "set by hand";
         /// Prices of a term for which the first linearisations propose supports.
-        initial_prices: [f64; 3] = [1.0, 4.0, 16.0], unit "price of a term", source "set by hand; not measured";
+        initial_prices: [f64; 3] = [1.0, 4.0, 16.0], unit "price of a term", source "set by hand";
         /// Prices for which backward elimination proposes supports about a fit.
-        prices: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], unit "price of a term", source "set by hand; not measured";
+        prices: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], unit "price of a term", source "set by hand";
         /// Price above which a proposal is fitted whatever the linearised likelihood says of it.
-        sparse_price: f64 = 2.0, unit "price of a term", source "set by hand; not measured";
+        sparse_price: f64 = 2.0, unit "price of a term", source "set by hand";
         /// Most terms of a law that the beam search reaches.
-        max_beam_terms: usize = 7, unit "terms", source "set by hand; not measured";
+        max_beam_terms: usize = 7, unit "terms", source "set by hand";
         /// Supports that the beam keeps of each size above two.
-        beam_width: usize = 200, unit "supports", source "set by hand; not measured";
+        beam_width: usize = 200, unit "supports", source "set by hand";
         /// Supports that the beam keeps of one and two terms.
-        beam_width_pairs: usize = 500, unit "supports", source "set by hand; not measured";
+        beam_width_pairs: usize = 500, unit "supports", source "set by hand";
         /// Supports that the beam reports of each size.
-        beam_reported: usize = 8, unit "supports", source "set by hand; not measured";
+        beam_reported: usize = 8, unit "supports", source "set by hand";
         /// Best subsets of each law that are proposed.
-        subsets_proposed: usize = 4, unit "supports", source "set by hand; not measured";
+        subsets_proposed: usize = 4, unit "supports", source "set by hand";
         /// Single additions, removals and exchanges that are proposed.
-        moves_proposed: usize = 6, unit "supports", source "set by hand; not measured";
+        moves_proposed: usize = 6, unit "supports", source "set by hand";
         /// Most fits of a level, beside the first ones and those carried over.
-        max_fits: usize = 40, unit "fits", source "set by hand; not measured";
+        max_fits: usize = 40, unit "fits", source "set by hand";
         /// Predicted loss up to which a proposal is fitted.
-        max_predicted_loss: f64 = 3.0, unit "criterion", source "set by hand; not measured";
+        max_predicted_loss: f64 = 3.0, unit "criterion", source "set by hand";
         /// Predicted loss up to which a rival is fitted at the end.
         rival_loss: f64 = 6.0, unit "criterion", source "Kass and Raftery 1995, section 3.2: 6 is strong evidence";
         /// Most rivals fitted at the end.
-        max_rivals: usize = 12, unit "fits", source "set by hand; not measured";
+        max_rivals: usize = 12, unit "fits", source "set by hand";
         /// Fits carried over to the next level.
-        carried: usize = 3, unit "fits", source "set by hand; not measured";
+        carried: usize = 3, unit "fits", source "set by hand";
         /// Improvement below which a fit is no better.
-        min_gain: f64 = 1e-3, unit "criterion", source "set by hand; not measured";
+        min_gain: f64 = 1e-3, unit "criterion", source "set by hand";
         /// Most terms of a support for which each is tried without at the end.
-        max_pruned_terms: usize = 30, unit "terms", source "set by hand; not measured";
+        max_pruned_terms: usize = 30, unit "terms", source "set by hand";
         /// Statistical inefficiency of the residuals above which supports are selected again.
-        max_inefficiency: f64 = 1.5, unit "readings", source "set by hand; not measured";
+        max_inefficiency: f64 = 1.5, unit "readings", source "set by hand";
         /// Blocks of intervals that the last fit of a stopped search may take: a second or two.
-        grace_blocks: usize = 5_000, unit "blocks", source "set by hand; not measured";
+        grace_blocks: usize = 5_000, unit "blocks", source "set by hand";
     }
 }
 
@@ -146,31 +146,31 @@ family! {
     /// What residuals say of noise, memory and outliers.
     pub(crate) RESIDUALS: Residuals {
         /// Autocorrelation below which residuals count as white, however sure it is.
-        white: f64 = 0.05, unit "", source "set by hand; not measured";
+        white: f64 = 0.05, unit "", source "set by hand";
         /// Residual below which it is arithmetic.
-        arithmetic: f64 = 1e-6, unit "spread of the state", source "set by hand; not measured";
+        arithmetic: f64 = 1e-6, unit "spread of the state", source "set by hand";
         /// Lags summed, over the integrated autocorrelation time so far.
         lag_window: f64 = 5.0, unit "", source "Sokal 1997, Monte Carlo methods in statistical mechanics, section 3 (automatic windowing)";
         /// Least noise in standard errors, over the noise that the fit went by.
-        min_noise: f64 = 0.1, unit "noise of the fit", source "set by hand; not measured";
+        min_noise: f64 = 0.1, unit "noise of the fit", source "set by hand";
         /// Ratio of residuals from which files count as having different sensors.
-        files_differ: f64 = 1.5, unit "", source "set by hand; not measured";
+        files_differ: f64 = 1.5, unit "", source "set by hand";
         /// Robust distance beyond which a reading is an outlier.
-        outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand; not measured";
+        outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand";
         /// Distance of its neighbours, relative to its own, up to which a reading is an outlier and not a misfit of the laws.
-        neighbours: f64 = 0.6, unit "", source "set by hand; not measured";
+        neighbours: f64 = 0.6, unit "", source "set by hand";
         /// Largest share of outliers; a channel with more has another distribution.
-        max_outliers: f64 = 0.2, unit "readings", source "set by hand; not measured";
+        max_outliers: f64 = 0.2, unit "readings", source "set by hand";
         /// Readings of which a normal distribution puts one beyond the distance of an outlier.
         readings_per_chance_outlier: f64 = 1.7e6, unit "readings", source "1/(2 Phi(-5)) = 1.74e6, Phi the normal distribution";
         /// Blocks of the records that stability is judged on.
-        max_blocks: usize = 10, unit "blocks", source "set by hand; not measured";
+        max_blocks: usize = 10, unit "blocks", source "set by hand";
         /// Fewest blocks of which halves are drawn.
-        min_blocks: usize = 4, unit "blocks", source "set by hand; not measured";
+        min_blocks: usize = 4, unit "blocks", source "set by hand";
         /// Samples of a block a state: its free first state then takes an eighth of its information.
         block_samples: usize = 8, unit "samples", source "n of 8 n readings determine the first state: an eighth";
         /// Columns beside those found whose products are kept.
-        block_rivals: usize = 100, unit "columns", source "set by hand; not measured";
+        block_rivals: usize = 100, unit "columns", source "set by hand";
     }
 }
 
@@ -178,19 +178,19 @@ family! {
     /// Which delays of inputs are tried.
     pub(crate) DELAYS: Delays {
         /// Delays that are screened, to both sides.
-        screened: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20], unit "samples", source "set by hand; not measured";
+        screened: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20], unit "samples", source "set by hand";
         /// Simplest columns of each law that are screened: as many without inputs, and as many with them.
-        simple_columns: usize = 8, unit "columns", source "set by hand; not measured";
+        simple_columns: usize = 8, unit "columns", source "set by hand";
         /// Fewest of them with each input.
-        columns_per_input: usize = 2, unit "columns", source "set by hand; not measured";
+        columns_per_input: usize = 2, unit "columns", source "set by hand";
         /// Steps about a proposed delay; held inputs take whole samples only.
-        steps: [f64; 4] = [2.0, 1.0, 0.5, 0.25], unit "samples", source "set by hand; not measured";
+        steps: [f64; 4] = [2.0, 1.0, 0.5, 0.25], unit "samples", source "set by hand";
         /// Most terms a law of a support that is fitted with delays as it is.
-        max_terms: usize = 8, unit "terms", source "set by hand; not measured";
+        max_terms: usize = 8, unit "terms", source "set by hand";
         /// Sets of inputs whose delays are fitted.
-        max_sets: usize = 2, unit "sets", source "set by hand; not measured";
+        max_sets: usize = 2, unit "sets", source "set by hand";
         /// A record is cut by at most one part in so many.
-        max_cut: usize = 5, unit "", source "set by hand; not measured";
+        max_cut: usize = 5, unit "", source "set by hand";
     }
 }
 
@@ -198,25 +198,25 @@ family! {
     /// Which offsets of sensors are tried.
     pub(crate) OFFSETS: Offsets {
         /// Offsets tried for each state.
-        max_candidates: usize = 2, unit "offsets", source "set by hand; not measured";
+        max_candidates: usize = 2, unit "offsets", source "set by hand";
         /// Relative distance within which two candidates are one.
-        same: f64 = 0.2, unit "", source "set by hand; not measured";
+        same: f64 = 0.2, unit "", source "set by hand";
         /// Most parabolas laid through the criterion.
-        max_parabolas: usize = 4, unit "parabolas", source "set by hand; not measured";
+        max_parabolas: usize = 4, unit "parabolas", source "set by hand";
         /// First step, relative to the offset.
-        first_step: f64 = 0.1, unit "", source "set by hand; not measured";
+        first_step: f64 = 0.1, unit "", source "set by hand";
         /// Longest move of a parabola, in steps.
-        max_move: f64 = 4.0, unit "steps", source "set by hand; not measured";
+        max_move: f64 = 4.0, unit "steps", source "set by hand";
         /// Shortest next step, in steps.
-        min_step: f64 = 0.05, unit "steps", source "set by hand; not measured";
+        min_step: f64 = 0.05, unit "steps", source "set by hand";
         /// Change of the criterion at which the offset has converged.
         converged: f64 = 0.5, unit "criterion", source "a move of one standard error changes it by 1: this is less";
         /// Fewest terms that an offset has to explain.
-        min_terms: usize = 2, unit "terms", source "set by hand; not measured";
+        min_terms: usize = 2, unit "terms", source "set by hand";
         /// How much worse the first fit with an offset may be.
-        hopeless: f64 = 30.0, unit "price of a term", source "set by hand; not measured";
+        hopeless: f64 = 30.0, unit "price of a term", source "set by hand";
         /// Relative standard error from which a term may be dropped.
-        weak: f64 = 0.1, unit "", source "set by hand; not measured";
+        weak: f64 = 0.1, unit "", source "set by hand";
     }
 }
 

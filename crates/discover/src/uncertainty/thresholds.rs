@@ -8,13 +8,13 @@ family! {
     /// The blocks of rows on whose normal equations supports are compared.
     pub(crate) ROW_BLOCKS: RowBlocks {
         /// Blocks that the rows are cut into.
-        blocks: usize = 20, unit "blocks", source "set by hand; not measured";
+        blocks: usize = 20, unit "blocks", source "set by hand";
         /// Rows of a block, at least.
-        min_rows: usize = 2, unit "rows", source "set by hand; not measured";
+        min_rows: usize = 2, unit "rows", source "set by hand";
         /// Columns off the support that may replace a term.
-        alternatives: usize = 100, unit "columns", source "set by hand; not measured";
+        alternatives: usize = 100, unit "columns", source "set by hand";
         /// Residual variance below which inner products, which carry half the digits of their columns, hold rounding only.
-        rounding: f64 = 1e-9, unit "of the target's mean square", source "set by hand; not measured";
+        rounding: f64 = 1e-9, unit "of the target's mean square", source "set by hand";
     }
 }
 
@@ -22,9 +22,9 @@ family! {
     /// Complementary pairs stability selection (Shah & Samworth 2013).
     pub(crate) STABILITY_SELECTION: StabilitySelection {
         /// Random divisions of the blocks into two halves.
-        complementary_pairs: usize = 25, unit "pairs of halves", source "set by hand; not measured";
+        complementary_pairs: usize = 25, unit "pairs of halves", source "set by hand";
         /// Blocks below which no halves are drawn.
-        min_blocks: usize = 4, unit "blocks", source "set by hand; not measured";
+        min_blocks: usize = 4, unit "blocks", source "set by hand";
     }
 }
 
@@ -32,15 +32,15 @@ family! {
     /// Whether a term equals a combination of others for all values of its signals.
     pub(crate) IDENTITY_TEST: IdentityTest {
         /// Random points at which both are compared.
-        points: usize = 40, unit "points", source "set by hand; not measured";
+        points: usize = 40, unit "points", source "set by hand";
         /// Terms of the combination.
-        max_terms: usize = 6, unit "terms", source "set by hand; not measured";
+        max_terms: usize = 6, unit "terms", source "set by hand";
         /// Residual below which the two are equal.
-        residual: f64 = 1e-9, unit "of the term", source "set by hand; not measured";
+        residual: f64 = 1e-9, unit "of the term", source "set by hand";
         /// Singular values below this count as zero.
-        singular: f64 = 1e-12, unit "", source "set by hand; not measured";
+        singular: f64 = 1e-12, unit "", source "set by hand";
         /// Ranges of the random values: of either sign, and where roots and logarithms are defined.
-        ranges: [(f64, f64); 2] = [(-2.0, 2.0), (0.3, 2.0)], unit "", source "set by hand; not measured";
+        ranges: [(f64, f64); 2] = [(-2.0, 2.0), (0.3, 2.0)], unit "", source "set by hand";
     }
 }
 
@@ -48,11 +48,11 @@ family! {
     /// The omitted terms that come nearest to being selected.
     pub(crate) OMITTED_TERMS: OmittedTerms {
         /// Terms that are named.
-        named: usize = 4, unit "terms", source "set by hand; not measured";
+        named: usize = 4, unit "terms", source "set by hand";
         /// Changes of the support that are compared.
-        moves: usize = 8, unit "for each column", source "set by hand; not measured";
+        moves: usize = 8, unit "for each column", source "set by hand";
         /// Difference of gain below which two omitted terms do equally well, in parts of a tie.
-        similar: f64 = 0.5, unit "of Marks.tied", source "set by hand; not measured";
+        similar: f64 = 0.5, unit "of Marks.tied", source "set by hand";
     }
 }
 

@@ -9,15 +9,15 @@ family! {
     /// they are stated a second time because a verification shares nothing with what it checks.
     pub(crate) VERIFICATION: VerificationTolerances {
         /// Distance of a coefficient from the least-squares one.
-        coefficient: f64 = 1e-6, unit "of the coefficient", source "set by hand; not measured";
+        coefficient: f64 = 1e-6, unit "of the coefficient", source "set by hand";
         /// Rounding of a fit in f64 with orthogonal columns.
         fit_rounding: f64 = 1e-13, unit "of the largest term", source "450 machine epsilons; set by hand, not measured";
         /// Distance of the residual from the one that is stated.
-        residual: f64 = 1e-3, unit "of the residual", source "set by hand; not measured";
+        residual: f64 = 1e-3, unit "of the residual", source "set by hand";
         /// Rows of a fitted trajectory may miss the equation by this much, since its rates were solved for in f64.
-        trajectory: f64 = 1e-9, unit "of the largest part", source "set by hand; not measured";
+        trajectory: f64 = 1e-9, unit "of the largest part", source "set by hand";
         /// Distance of the residual of a sensor from the one that is stated.
-        readings: f64 = 1e-6, unit "of the residual", source "set by hand; not measured";
+        readings: f64 = 1e-6, unit "of the residual", source "set by hand";
         /// Duality gap up to which the 1-norm counts as the smallest.
         gap: f64 = 1e-6, unit "of the 1-norm", source "the limit of the certificates that are checked";
         /// Part of its 1-norm that any other minimiser may have off the support of a unique one.
@@ -25,7 +25,7 @@ family! {
         /// Residual beyond ε that counts as feasible.
         feasibility: f64 = 1e-6, unit "of ε, or of the target where ε is zero", source "the limit of the certificates that are checked";
         /// Distance of the largest correlation from the one that is stated.
-        correlation: f64 = 1e-6, unit "", source "set by hand; not measured";
+        correlation: f64 = 1e-6, unit "", source "set by hand";
         /// Pivot of a unit column from which on it counts as independent of those before it.
         independence: f64 = 1e-11, unit "", source "set by hand, far above the square root of the rounding of a Gram matrix, √2⁻¹⁰² = 4e-16";
     }
@@ -53,11 +53,11 @@ family! {
         /// Numbers of a tile of columns.
         numbers: usize = 130_000, unit "numbers", source "1 MB, which the cache of a core holds";
         /// Columns of a tile.
-        columns: usize = 256, unit "columns", source "set by hand; not measured";
+        columns: usize = 256, unit "columns", source "set by hand";
         /// Values of atoms that are kept for all rows.
-        atom_bytes: usize = 64_000_000, unit "bytes", source "set by hand; not measured";
+        atom_bytes: usize = 64_000_000, unit "bytes", source "set by hand";
         /// Rows between two questions to the observer.
-        observed_rows: usize = 256, unit "rows", source "set by hand; not measured";
+        observed_rows: usize = 256, unit "rows", source "set by hand";
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! In: instants of a segment. Out: weights of its samples. Sees no values.
 
-use super::thresholds::WEAK_FORM;
+use super::thresholds::STENCIL_POINTS;
 
 /// Number of derivatives, from order 0 to order 3.
 pub(super) const DERIVATIVES: usize = 4;
@@ -10,25 +10,25 @@ pub(super) const DERIVATIVES: usize = 4;
 /// Weights of `stencil_points` samples from `first` on, for each order of derivative.
 pub(super) struct Stencil {
     pub first: usize,
-    pub weights: [[f64; WEAK_FORM.stencil_points]; DERIVATIVES],
+    pub weights: [[f64; STENCIL_POINTS]; DERIVATIVES],
 }
 
 impl Stencil {
     /// At instant `at`, between sample `interval` and the next; the segment has at least `stencil_points` samples.
     pub fn new(time: &[f64], interval: usize, at: f64) -> Stencil {
-        let half = WEAK_FORM.stencil_points / 2 - 1;
+        let half = STENCIL_POINTS / 2 - 1;
         let first = interval
             .saturating_sub(half)
-            .min(time.len().saturating_sub(WEAK_FORM.stencil_points));
+            .min(time.len().saturating_sub(STENCIL_POINTS));
         Stencil {
             first,
-            weights: fornberg(&time[first..first + WEAK_FORM.stencil_points], at),
+            weights: fornberg(&time[first..first + STENCIL_POINTS], at),
         }
     }
 
     /// The derivative of this order of the polynomial through `values`.
     pub fn apply(&self, order: usize, values: &[f64]) -> f64 {
-        let window = &values[self.first..self.first + WEAK_FORM.stencil_points];
+        let window = &values[self.first..self.first + STENCIL_POINTS];
         self.weights[order]
             .iter()
             .zip(window)
@@ -38,11 +38,11 @@ impl Stencil {
 }
 
 /// Weights for every order at `at`, by Fornberg's recursion and in his letters.
-fn fornberg(x: &[f64], at: f64) -> [[f64; WEAK_FORM.stencil_points]; DERIVATIVES] {
-    let mut c = [[0.0; WEAK_FORM.stencil_points]; DERIVATIVES];
+fn fornberg(x: &[f64], at: f64) -> [[f64; STENCIL_POINTS]; DERIVATIVES] {
+    let mut c = [[0.0; STENCIL_POINTS]; DERIVATIVES];
     c[0][0] = 1.0;
     let (mut c1, mut c4) = (1.0, x[0] - at);
-    for i in 1..WEAK_FORM.stencil_points {
+    for i in 1..STENCIL_POINTS {
         let most = i.min(DERIVATIVES - 1);
         let (mut c2, c5) = (1.0, c4);
         c4 = x[i] - at;

@@ -20,17 +20,14 @@ mod tests;
 use crate::diagnostic::Diagnostic;
 use crate::model::{LibExpr, Model};
 use crate::term::{Expr, Signal, Term};
-use crate::thresholds::LIBRARY;
 
+pub use crate::thresholds::MEMORY;
 pub use block::Block;
 pub use candidates::Library;
 pub use generators::generator::{Exponents, Generator, Misuse};
 pub use generators::{GENERATORS, generator};
 pub use readable::{readable, readable_bytes};
 pub use sets::selection_rule::restrictions;
-
-/// Bytes that the libraries of a model may take, if nothing else is said.
-pub const MEMORY: u64 = LIBRARY.memory;
 
 /// Expands the library of one equation. The libraries of all equations share `memory` bytes equally.
 ///

@@ -2,8 +2,7 @@
 
 use crate::thresholds::WHITENESS;
 
-/// Lags looked at.
-pub const WHITENESS_LAGS: usize = WHITENESS.lags;
+pub use crate::thresholds::WHITENESS_LAGS;
 
 /// Root mean square of the autocorrelations at lags 1 … [`WHITENESS_LAGS`]: 0 for white residuals.
 pub fn rms_autocorrelation(correlations: &[f64; WHITENESS_LAGS]) -> f64 {

@@ -11,19 +11,14 @@ use crate::algebra::trigonometric_identity::simplified;
 use crate::discovery::Form;
 use sidc_lang::term::Expr;
 
-/// The largest number of unknowns that are solved for together.
-pub const LARGEST_TIE: usize = SYMBOLIC.largest_tie;
-/// The largest number of terms, of all numerators and the longest denominator.
-pub const LONGEST: usize = SYMBOLIC.longest;
-
 /// Why there is no solution in symbols.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unsolved {
     /// Some unknown does not occur linearly.
     Nonlinear,
-    /// More than [`LARGEST_TIE`] unknowns: their number.
+    /// More than [`largest_tie`](super::thresholds::Symbolic::largest_tie) unknowns: their number.
     ManyUnknowns(usize),
-    /// More than [`LONGEST`] terms: their number, where it is known.
+    /// More than [`longest`](super::thresholds::Symbolic::longest) terms: their number, where it is known.
     ManyTerms(Option<usize>),
     /// det M is identically zero.
     Singular,
@@ -37,14 +32,14 @@ pub fn solved(form: &Form, block: &Block) -> Result<Vec<Fraction>, Unsolved> {
     if !block.linear {
         return Err(Unsolved::Nonlinear);
     }
-    if block.rows.len() > LARGEST_TIE {
+    if block.rows.len() > SYMBOLIC.largest_tie {
         return Err(Unsolved::ManyUnknowns(block.rows.len()));
     }
     let all = cramer(form, &block.rows).ok_or(Unsolved::ManyTerms(None))?;
     let all = all.ok_or(Unsolved::Singular)?;
     let above: usize = all.iter().map(|f| f.sum.terms().len()).sum();
     let below = all.iter().map(|f| f.below.terms().len()).max().unwrap_or(0);
-    match above + below <= LONGEST {
+    match above + below <= SYMBOLIC.longest {
         true => Ok(all),
         false => Err(Unsolved::ManyTerms(Some(above + below))),
     }

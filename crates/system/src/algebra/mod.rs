@@ -16,7 +16,7 @@ mod trigonometric_identity;
 
 pub use affine::affine;
 pub use connected_components::{Block, blocks};
-pub use cramer::{LARGEST_TIE, LONGEST, Unsolved, solved};
+pub use cramer::{Unsolved, solved};
 pub use eigenvalues::{Mode, Stability, controllable_dimension, modes, stability};
 pub use expand::expanded;
 pub use fraction::Fraction;

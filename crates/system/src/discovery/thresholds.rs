@@ -20,9 +20,9 @@ sidc_thresholds::family! {
     /// Newton's method for equations that are not linear in their highest derivatives. Emitted code uses the same numbers.
     pub NEWTON: Newton {
         /// Steps for one instant.
-        iterations: usize = 50, unit "steps", source "set by hand; not measured";
+        iterations: usize = 50, unit "steps", source "set by hand";
         /// Size of the last step.
-        step: f64 = 1e-12, unit "of the largest unknown", source "set by hand; not measured";
+        step: f64 = 1e-12, unit "of the largest unknown", source "set by hand";
     }
 }
 

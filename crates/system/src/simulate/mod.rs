@@ -21,7 +21,7 @@ pub mod thresholds;
 pub use fault::{Fault, FaultKind};
 pub use record_simulation::simulate;
 pub use required_signals::reads;
-pub use run::{BOUND, Leg, METHODS, Method, Options, Origin, Run, Score, Start, Work};
+pub use run::{Leg, METHODS, Method, Options, Origin, Run, Score, Start, Work};
 pub use scores::document::{EXACT, Figures};
 
 use crate::discovery::Discovery;

@@ -21,9 +21,6 @@ pub struct Options {
     pub bound: f64,
 }
 
-/// The default of [`Options::bound`].
-pub const BOUND: f64 = SCORES.bound;
-
 impl Default for Options {
     fn default() -> Self {
         Options {
@@ -31,7 +28,7 @@ impl Default for Options {
             window: (None, None),
             method: Method::Auto,
             step: None,
-            bound: BOUND,
+            bound: SCORES.bound,
         }
     }
 }

@@ -17,7 +17,7 @@ use sidc_lang::model::Model;
 use sidc_progress::Observer;
 
 pub use free_run_doubts::doubt;
-pub use model_ranking::{FOLLOWED, Merit, Ranking, rank};
+pub use model_ranking::{Merit, Ranking, rank};
 
 /// Free runs from the measured start of each record or part of one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -4,10 +4,6 @@
 
 use crate::validate::thresholds::RANKING;
 
-/// Error in decibels above which a candidate does not follow its data. If none does, shorter runs are compared: chaos separates even the
-/// right model from its data in the end.
-pub const FOLLOWED: f64 = RANKING.followed;
-
 /// What a candidate is ranked by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Merit {

@@ -10,7 +10,8 @@ use sidc::Validation;
 use sidc_lang::term::SignalNames;
 use sidc_system::result::CandidateEntry;
 use sidc_system::validate;
-use sidc_system::validate::{FOLLOWED, Merit, rank};
+use sidc_system::validate::thresholds::RANKING;
+use sidc_system::validate::{Merit, rank};
 
 /// Identifies all candidates, or all up to the first whose error is at most `until`, and chooses the best. Where no candidate
 /// follows the records held out, these are cut into halves, quarters, … until one does.
@@ -40,7 +41,7 @@ pub fn best<'a>(
     if enough.is_none() {
         for halving in 1..=MODEL_COMPARISON.halvings {
             let parts = 1 << halving;
-            let followed = merits.iter().any(|m| m.error <= FOLLOWED);
+            let followed = merits.iter().any(|m| m.error <= RANKING.followed);
             if followed || rows(&all[0], parts) < MODEL_COMPARISON.rows {
                 break;
             }

@@ -10,7 +10,8 @@ use crate::monitoring::monitor::Monitor;
 use crate::outputs::{diagnostics, files, stdout};
 use sidc_lang::source::Sources;
 use sidc_system::simulate;
-use sidc_system::simulate::{BOUND, METHODS, Method, Options, Run, Source};
+use sidc_system::simulate::thresholds::SCORES;
+use sidc_system::simulate::{METHODS, Method, Options, Run, Source};
 
 mod document;
 mod table;
@@ -47,7 +48,7 @@ pub struct Args {
     #[arg(long, value_parser = method, default_value = METHODS[0].0, conflicts_with = "step")]
     method: Method,
     /// Error up to which a run counts as following, in standard deviations of the measured signal
-    #[arg(long, value_parser = quantities::positive, default_value_t = BOUND)]
+    #[arg(long, value_parser = quantities::positive, default_value_t = SCORES.bound)]
     bound: f64,
 }
 

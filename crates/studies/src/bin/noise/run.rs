@@ -3,7 +3,6 @@
 //! In: a case, a record, the binary with its options. Out: an [`Outcome`] of numbers and names. Tests the program as a
 //! user starts it, and knows nothing of its inside but the result document.
 
-use std::collections::BTreeSet;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -11,6 +10,7 @@ use std::time::Instant;
 
 use sidc_system::discovery::{Reason, Status};
 use sidc_system::result::{Document, EquationEntry};
+use sidc_testing::program::codes_in;
 
 use super::cases::{Case, Law};
 use super::sensors::Record;
@@ -124,17 +124,6 @@ pub fn run(
             .collect(),
         said,
     })
-}
-
-/// `bad-cell` of `error[bad-cell]: …`, warnings too; each once.
-fn codes_in(text: &str) -> Vec<String> {
-    let codes = text.lines().filter_map(|line| {
-        let rest = line
-            .strip_prefix("error[")
-            .or(line.strip_prefix("warning["))?;
-        Some(rest.split_once(']')?.0.to_string())
-    });
-    codes.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 fn judge(case: &Case, (target, truth): &Law, document: Option<&Document>) -> Judged {
