@@ -110,3 +110,29 @@ impl Panel {
         gemm(-1.0, &self.v, &along, 1.0, part.as_view_mut());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::PivotedQr;
+    use crate::linalg::products::tests::matrix;
+
+    #[test]
+    fn factors_multiply_back() {
+        for (m, n) in [(1, 1), (5, 2), (2, 5), (100, 60), (60, 100)] {
+            let a = matrix(m, n);
+            let qr = Qr::new(a.clone());
+            assert!((qr.q_mul(qr.r.clone()) - &a).amax() < 1e-13, "{m} {n}");
+            let pivoted = PivotedQr::new(m, a.as_slice().to_vec());
+            let sizes: Vec<f64> = (0..m.min(n)).map(|i| pivoted.r(i, i).abs()).collect();
+            assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
+            for (j, column) in pivoted.order.iter().enumerate() {
+                let r = (0..=j.min(m - 1)).map(|i| pivoted.r(i, j)).collect();
+                let back = DMatrix::from_vec(m, 1, pivoted.q_mul(r));
+                assert!((back - a.columns(*column, 1)).amax() < 1e-13);
+                let r = pivoted.q_tr_mul(a.column(*column).as_slice().to_vec());
+                assert!((r[0] - pivoted.r(0, j)).abs() < 1e-13);
+            }
+        }
+    }
+}
