@@ -16,7 +16,7 @@ use crate::time_axis::TimeGrid;
 /// Samples worked on at once: bounds memory, and how long a request to stop waits.
 const BLOCK_ROWS: usize = 16_384;
 /// Replaces zero in logarithms.
-const TINY: f64 = 1e-300;
+const SMALLEST_SQUARE: f64 = 1e-300;
 
 /// Widths of least-squares windows, samples.
 const WIDTHS: [usize; 12] = [7, 9, 13, 17, 23, 33, 47, 65, 91, 129, 181, 257];
@@ -191,8 +191,8 @@ fn rank(
                 *least = (*square, Some(*choice));
             }
             if square.is_finite() {
-                excess += (square.max(TINY) / least.0.max(TINY)).ln();
-                level += square.max(TINY).ln();
+                excess += (square.max(SMALLEST_SQUARE) / least.0.max(SMALLEST_SQUARE)).ln();
+                level += square.max(SMALLEST_SQUARE).ln();
                 fitting += 1.0;
             }
         }
@@ -214,7 +214,7 @@ fn rank(
         let logs = squares
             .iter()
             .zip(&worst)
-            .map(|(s, w)| s.min(*w).max(TINY).ln());
+            .map(|(s, w)| s.min(*w).max(SMALLEST_SQUARE).ln());
         logs.sum()
     };
     let best = tried

@@ -36,7 +36,7 @@ pub struct Certificate {
     pub rank: usize,
     /// Their condition number.
     pub condition: f64,
-    /// Feasible, and the gap closed, within [`CERTIFICATES`].
+    /// Feasible, and the gap closed, within `CERTIFICATES`.
     pub proves_optimal: bool,
     /// Optimal, the support has full rank, and `off_support` is within its bound.
     pub proves_unique: bool,
