@@ -10,12 +10,12 @@ use sidc_data::{Dataset, Samples};
 use sidc_discover as discover;
 use sidc_discover::Options;
 use sidc_discover::identifiability;
-use sidc_discover::identifiability::Rows;
+use sidc_discover::identifiability::{Assessment, Rows};
 use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
 use sidc_lang::term::Signal;
 use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
-use sidc_system::discovery::{Discovery, Equation, Identifiability, Stretches};
+use sidc_system::discovery::{Discovery, Equation, Stretches};
 
 use super::program::{Program, needed};
 use super::thresholds::BUDGET;
@@ -54,6 +54,7 @@ impl Weighing<'_> {
         for part in own.chain(self.stretches) {
             uncertainty::assess_terms(part, discovery);
         }
+        uncertainty::doubt_unneeded_terms(discovery);
         uncertainty::mark_terms(discovery);
         for failed in &mut discovery.failed {
             let sought = self.program.sought(failed.target);
@@ -116,7 +117,7 @@ pub(super) fn readings(
 /// What one equation's rows say.
 #[derive(Default)]
 struct Judged {
-    told: Option<Identifiability>,
+    told: Option<Assessment>,
     stretches: Option<Stretches>,
     /// Independent readings behind its coefficients.
     readings: Option<f64>,

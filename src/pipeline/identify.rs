@@ -28,6 +28,7 @@ pub fn identify(
     observer: &mut dyn Observer,
 ) -> Result<Discovery, Vec<Diagnostic>> {
     let search = &options.search;
+    let program = measured.searched(program);
     if let Some(problem) = &measured.joint {
         let found = discover::discover_jointly(&program.model, problem, search, observer);
         let (mut discovery, fitted) = found.unwrap_or_else(|| {

@@ -6,11 +6,11 @@
 use sidc_data as data;
 use sidc_data::{Dataset, Provenance, Samples, Table};
 use sidc_discover as discover;
-use sidc_discover::Method;
 use sidc_discover::trajectory::Problem;
+use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
-use sidc_lang::term::{Signal, SignalNames};
+use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::{Activity, Observer};
 
 use super::program::{Program, Staged, finish, needed};
@@ -28,6 +28,8 @@ pub struct Measured {
     pub joint: Option<Problem>,
     /// What was measured and what was estimated.
     pub report: Vec<Provenance>,
+    /// The program without the candidates that are their target in other words; `None` where there are none.
+    narrowed: Option<Program>,
 }
 
 /// Tables that were read from files, as data.
@@ -44,7 +46,7 @@ pub fn measure(
     sources: &mut Sources,
     observer: &mut dyn Observer,
 ) -> Staged<Measured> {
-    let Program { model, libraries } = program;
+    let model = &program.model;
     let (mut dataset, mut diagnostics) = data::bind(model, &data.tables, &data.params, sources);
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
@@ -62,12 +64,12 @@ pub fn measure(
     };
     let first = model.equations.first().map_or(Signal::TIME, |e| e.target);
     let signal = &model.name(first);
-    let together = |search: &discover::Options, observer: &mut dyn Observer| {
+    let together = |program: &Program, search: &discover::Options, observer: &mut dyn Observer| {
         let _ = observer.hear(Activity::Preparing { signal });
-        discover::joint(model, libraries, &dataset, search, observer)
+        discover::joint(model, &program.libraries, &dataset, search, observer)
     };
     let search = &options.search;
-    let mut joint = together(search, observer);
+    let mut joint = together(program, search, observer);
     let (samples, mut found, report) = match &joint {
         Ok(_) => Default::default(),
         Err(_) => data::samples(model, &dataset, &needed(program), observer),
@@ -77,9 +79,19 @@ pub fn measure(
         // A trajectory can be estimated from readings that are never complete, or too sparse for derivatives.
         let method = Method::Joint;
         let jointly = discover::Options { method, ..*search };
-        joint = together(&jointly, observer).or(joint);
+        joint = together(program, &jointly, observer).or(joint);
         found.retain(|d| !d.is_error() || joint.is_err());
     }
+    let copies = match &joint {
+        Ok(problem) => problem.target_copies(),
+        Err(_) => copies_in_samples(program, &samples),
+    };
+    let narrowed = (!copies.is_empty()).then(|| program.without(&copies));
+    if let Some(program) = narrowed.as_ref().filter(|_| joint.is_ok()) {
+        let method = Method::Joint;
+        joint = together(program, &discover::Options { method, ..*search }, observer);
+    }
+    diagnostics.extend(copies.iter().map(|c| left_out(program, c)));
     if let Err(why) = &joint {
         if search.method == Method::Joint {
             diagnostics.push(not_joint(why));
@@ -96,9 +108,33 @@ pub fn measure(
             samples,
             joint,
             report,
+            narrowed,
         },
         diagnostics,
     )
+}
+
+fn copies_in_samples(program: &Program, samples: &Samples) -> Vec<TargetCopy> {
+    let equations = program.model.equations.iter().zip(&program.libraries);
+    let copies = equations
+        .enumerate()
+        .flat_map(|(place, (equation, library))| {
+            let of = |l| discover::copies_in_samples(place, equation.target, l, samples);
+            library.as_ref().map(of).unwrap_or_default()
+        });
+    copies.collect()
+}
+
+fn left_out(program: &Program, copy: &TargetCopy) -> Diagnostic {
+    let target = program.model.equations.get(copy.equation).map(|e| e.target);
+    let target = target.map_or_else(String::new, |t| program.model.name(t));
+    let term = Language(&program.model).term(&copy.term);
+    Diagnostic::warning(
+        "target-copied",
+        format!("{term} is {target} itself in other words, along these data: it is left out of the library"),
+    )
+    .fact(format!("it would explain {target} by {target}, whatever the law is"))
+    .help(format!("remove {term} from the library of {target}"))
 }
 
 fn not_joint(why: &str) -> Diagnostic {
@@ -118,6 +154,11 @@ fn not_robust(why: &str) -> Diagnostic {
 }
 
 impl Measured {
+    /// The program whose candidates are searched.
+    pub(super) fn searched<'a>(&'a self, program: &'a Program) -> &'a Program {
+        self.narrowed.as_ref().unwrap_or(program)
+    }
+
     /// Rows or samples that equations are found from.
     pub fn rows(&self) -> usize {
         self.joint

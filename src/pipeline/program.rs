@@ -3,6 +3,7 @@
 //! In: a text among the sources. Out: a checked model with the library of each equation, and diagnostics. Evaluates nothing.
 
 use sidc_discover as discover;
+use sidc_discover::TargetCopy;
 use sidc_lang as lang;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::library;
@@ -92,6 +93,19 @@ fn expand_all(model: &Model, memory: u64) -> Vec<(Option<Library>, Vec<Diagnosti
 }
 
 impl Program {
+    /// The program without these candidates.
+    pub(super) fn without(&self, copies: &[TargetCopy]) -> Program {
+        let mut narrowed = self.clone();
+        for (place, library) in narrowed.libraries.iter_mut().enumerate() {
+            let own = copies.iter().filter(|c| c.equation == place);
+            let slots: Vec<usize> = own.map(|c| c.slot).collect();
+            if let Some(library) = library.as_mut().filter(|_| !slots.is_empty()) {
+                *library = library.without(&slots);
+            }
+        }
+        narrowed
+    }
+
     /// The place of an equation in the model and its library; `None` if nothing is looked for there.
     pub(super) fn sought(&self, target: Signal) -> Option<(usize, &Library)> {
         let place = self

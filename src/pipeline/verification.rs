@@ -51,7 +51,7 @@ fn case<'a>(
     at: usize,
 ) -> Option<(usize, Case<'a>)> {
     let equation = discovery.equations.get(at)?;
-    let (place, library) = program.sought(equation.target)?;
+    let (place, library) = measured.searched(program).sought(equation.target)?;
     let case = Case {
         names: discovery,
         equation,

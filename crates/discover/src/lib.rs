@@ -27,7 +27,9 @@ mod refusal;
 mod regression;
 mod row_weights;
 mod selection;
+mod standard_terms;
 mod statistics;
+mod target_copies;
 mod thresholds;
 
 pub use constrained::constraint_rows::check_constraints;
@@ -41,6 +43,7 @@ pub use random::SplitMix;
 pub use refusal::{Refusal, Unevaluable};
 pub use regression::row_sampling::{Split, split};
 pub use row_weights::Weights;
+pub use target_copies::{TargetCopy, copies_in_samples};
 
 /// The tables of all thresholds, for the documentation.
 pub fn thresholds() -> Vec<sidc_thresholds::Table> {

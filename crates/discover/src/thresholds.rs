@@ -24,7 +24,21 @@ family! {
     }
 }
 
+family! {
+    /// Candidate terms that are the target in other words.
+    pub(crate) TARGET_COPIES: TargetCopies {
+        /// Library that is looked through.
+        max_terms: usize = 20_000, unit "terms", source "20,000 terms on 1,000 rows take some 20 ms";
+        /// Sine of the angle below which two columns are one: their products carry half the digits.
+        rounding: f64 = 1e-7, unit "", source "square root of ten rounding errors of a double";
+    }
+}
+
 /// The families as tables.
 pub(crate) fn tables() -> Vec<Table> {
-    vec![RowWeights::table(), Autocorrelation::table()]
+    vec![
+        TargetCopies::table(),
+        RowWeights::table(),
+        Autocorrelation::table(),
+    ]
 }

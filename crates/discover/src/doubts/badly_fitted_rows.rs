@@ -6,6 +6,7 @@
 
 use crate::doubts::thresholds::BADLY_FITTED_ROWS;
 use crate::row_weights::Weights;
+use crate::statistics::median;
 use sidc_data::Samples;
 
 /// The rows missed, and the worst of them.
@@ -42,6 +43,15 @@ pub(crate) fn badly_fitted_rows(
         time: *time,
         errors: *errors,
     })
+}
+
+/// The median residual of a row over its own estimated error; 0 if no error is estimated.
+pub(crate) fn median_miss(left: &[f64], weights: &Weights) -> f64 {
+    let misses = left.iter().enumerate().filter_map(|(row, left)| {
+        let error = weights.error(row);
+        (error > 0.0).then(|| left.abs() / error)
+    });
+    median(&misses.collect::<Vec<f64>>()).unwrap_or(0.0)
 }
 
 #[cfg(test)]

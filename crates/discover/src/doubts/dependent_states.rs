@@ -9,8 +9,9 @@ use nalgebra::DMatrix;
 
 use sidc_data::{Origin, Samples};
 use sidc_lang::model::Model;
-use sidc_lang::term::{Signal, SignalNames};
-use sidc_system::discovery::{Discovery, Reason, ReasonCode, Status};
+use sidc_lang::term::{Signal, SignalNames, Term};
+use sidc_solve::{rms_autocorrelation, white_noise_bound};
+use sidc_system::discovery::{Discovery, Equation, FoundTerm, Reason, ReasonCode, Status};
 
 /// Readings of one state; NaN where there is none.
 pub(crate) struct MeasuredState {
@@ -48,8 +49,48 @@ pub(crate) fn states_in_samples(model: &Model, samples: &Samples) -> Vec<Measure
         .collect()
 }
 
-/// Doubts every equation that contains a state of a linear relation.
+/// Doubts every equation that is the time derivative of a relation between states: its terms are nothing but targets of other
+/// equations, with constant coefficients. It says that a combination of states stays constant, and no more.
+fn doubt_total_derivatives(d: &mut Discovery) {
+    let targets: Vec<Signal> = d.equations.iter().map(|e| e.target).collect();
+    let other_target = |t: &FoundTerm, own: Signal| {
+        let among = targets.iter().find(|s| t.term == Term::signal(**s));
+        among.copied().filter(|s| *s != own && s.der > 0)
+    };
+    let relation = |e: &Equation| {
+        if e.status == Status::Known || e.terms.is_empty() {
+            return None;
+        }
+        let others = e.terms.iter().map(|t| other_target(t, e.target));
+        let others: Option<Vec<Signal>> = others.collect();
+        let mut states = vec![e.target];
+        states.extend(others?);
+        let below = states.iter().map(|s| Signal {
+            der: s.der - 1,
+            ..*s
+        });
+        let names: Vec<String> = below.map(|s| d.name(s)).collect();
+        Some(Reason::new(
+            ReasonCode::DependentStates,
+            format!(
+                "it says only that a combination of {} stays constant, and not how they move: two sensors of one motion, or a \
+                 conserved sum; leave one of them out of the libraries",
+                names.join(" and ")
+            ),
+        ))
+    };
+    let reasons: Vec<Option<Reason>> = d.equations.iter().map(relation).collect();
+    for (e, reason) in d.equations.iter_mut().zip(reasons) {
+        if let Some(reason) = reason {
+            e.status = Status::Doubt;
+            e.reasons.push(reason);
+        }
+    }
+}
+
+/// Doubts every equation that contains a state of a linear relation, or is one.
 pub(crate) fn doubt_dependent_states(d: &mut Discovery, states: &[MeasuredState]) {
+    doubt_total_derivatives(d);
     let Some(relation) = relation(d, states) else {
         return;
     };
@@ -146,10 +187,24 @@ fn relation(names: &Discovery, states: &[MeasuredState]) -> Option<LinearRelatio
         .find(constant)
         .unwrap_or_else(|| rounded(1e3));
     let named: Vec<usize> = (0..n).filter(|i| weights[*i] != 0.0).collect();
-    (named.len() > 1).then(|| LinearRelation {
+    let combined = |k: &usize| -> f64 { (0..n).map(|i| weights[i] * (at(i, *k) - mean[i])).sum() };
+    let moves = || moves_slowly(&rows.iter().map(combined).collect::<Vec<f64>>());
+    let known = states.iter().any(|s| s.noise > 0.0);
+    (named.len() > 1 && !(known && moves())).then(|| LinearRelation {
         signals: named.iter().map(|i| states[*i].signal).collect(),
         text: written(names, states, &named, &weights, &mean),
     })
+}
+
+/// Whether successive values follow each other: the noise of sensors is white, and a motion below it is not.
+fn moves_slowly(values: &[f64]) -> bool {
+    let square: f64 = values.iter().map(|v| v * v).sum();
+    let correlations = std::array::from_fn(|lag| {
+        let later = values.iter().skip(lag + 1);
+        let product: f64 = values.iter().zip(later).map(|(a, b)| a * b).sum();
+        product / square.max(f64::MIN_POSITIVE)
+    });
+    rms_autocorrelation(&correlations) > white_noise_bound(values.len() as f64)
 }
 
 /// `x0 + 0.98*x1 stays near 1.2`

@@ -14,8 +14,10 @@ use sidc_system::discovery::{Evidence, FoundTerm, Reason, ReasonCode};
 #[derive(Default)]
 pub(crate) struct ResidualFindings {
     pub strays: Option<BadlyFittedRows>,
-    /// In discrete time.
+    /// Where the target is measured or time is discrete.
     pub memory: Option<ResidualAutocorrelation>,
+    /// The median residual of a row over its error; 0 if no error is estimated.
+    pub median_miss: f64,
 }
 
 /// What the rules judge.
@@ -199,7 +201,9 @@ fn poor_fit(c: &RegressionCase) -> Option<Reason> {
 
 fn misfit(c: &RegressionCase) -> Option<Reason> {
     let (r, e) = (c.evidence.residual, c.evidence.target_error);
-    (e > 0.0 && r > DOUBTS.misfit * e && r > DOUBTS.negligible_residual).then(|| {
+    let all_rows = r > DOUBTS.small_residual || c.remains.median_miss > DOUBTS.misfit;
+    let beyond = e > 0.0 && r > DOUBTS.misfit * e && r > DOUBTS.negligible_residual;
+    (beyond && all_rows).then(|| {
         Reason::new(
             ReasonCode::Misfit,
             format!(
@@ -295,21 +299,7 @@ fn dependent(c: &RegressionCase) -> Option<Reason> {
 }
 
 fn tied(c: &RegressionCase) -> Option<Reason> {
-    let e = c.evidence;
-    let p = &e.certificate;
-    if let Some(tie) = tie(&e.ties) {
-        return Some(tie);
-    }
-    let open = p.of_answer && p.optimal && p.tolerance == 0.0 && p.margin < DOUBTS.margin;
-    (open && p.support < e.candidates && !noisy(e)).then(|| {
-        Reason::new(
-            ReasonCode::Tie,
-            format!(
-                "another term is as good as those found: |φᵀλ| reaches {:.6} off the support",
-                1.0 - p.margin
-            ),
-        )
-    })
+    tie(&c.evidence.ties)
 }
 
 /// The doubt `tie`: other supports that the data do not distinguish from the answer.

@@ -13,8 +13,10 @@ family! {
         misfit: f64 = 5.0, unit "of the error of the data", source "set by hand";
         /// Estimated error of a derivative above which it is hardly known.
         rough_target: f64 = 0.1, unit "of the target", source "set by hand";
-        /// Residual below which a misfit does not matter.
-        negligible_residual: f64 = 1e-4, unit "of the target", source "set by hand";
+        /// Residual below which rounding decides, and no misfit is seen.
+        negligible_residual: f64 = 1e-9, unit "of the target", source "the least tolerance of a fit, TOLERANCE.relative_floor";
+        /// Residual below which a few rows with errors known to a factor only may make all of it, so that the middle row has to be missed too.
+        small_residual: f64 = 1e-4, unit "of the target", source "attack cases: exact laws with switches leave up to 6e-5 by few rows, a series of a law 2e-9 and more by all";
         /// Residual above which data count as noisy.
         noisy: f64 = 1e-6, unit "of the target", source "set by hand";
         /// Autocorrelation of residuals that matters, however certain it is.
@@ -31,8 +33,6 @@ family! {
         uncertain: f64 = 0.3, unit "of the coefficient", source "set by hand";
         /// Condition number of the unit columns above which a support is numerically dependent.
         condition: f64 = 1e8, unit "", source "set by hand";
-        /// Least 1 − max |φᵀλ| that separates a support from the other columns.
-        margin: f64 = 1e-6, unit "", source "set by hand";
         /// Library of which a law that uses all is doubted.
         exhausted_terms: usize = 4, unit "terms", source "set by hand";
         /// Library of which a law that uses more than half is doubted.
@@ -67,8 +67,10 @@ family! {
 family! {
     /// Doubts of equations that were estimated with their trajectory.
     pub(crate) TRAJECTORY_DOUBTS: TrajectoryDoubts {
-        /// Residual above which little is explained.
-        poor_fit: f64 = 0.3, unit "noise over spread", source "set by hand";
+        /// Residual above which little is explained, where it is more than noise.
+        poor_fit: f64 = 0.3, unit "of the spread", source "set by hand";
+        /// The same where it is white and of the size of the sensor's noise.
+        mostly_noise: f64 = 0.7, unit "of the spread", source "half of the variance is noise";
         /// Residual above which something is missing.
         misfit: f64 = 1.25, unit "of the sensor's noise", source "set by hand";
         /// Residual below which what is left is rounding.

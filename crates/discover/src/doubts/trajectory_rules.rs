@@ -5,9 +5,9 @@
 
 use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
-use crate::trajectory::{Channel, DelayedInputs, SensorOffset};
-use sidc_lang::term::SignalNames;
-use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode};
+use crate::trajectory::{BetterLaws, Channel, DelayedInputs, Problem, SensorOffset};
+use sidc_lang::term::{Language, SignalNames, Term};
+use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode, Status};
 
 /// What the rules judge.
 pub(crate) struct TrajectoryCase<'a> {
@@ -94,9 +94,56 @@ pub(crate) fn offset(names: &Discovery, offset: &SensorOffset, terms: &[String])
     )
 }
 
+/// The doubt `beyond-library` for every law that would be better with terms that its library lacks.
+pub(crate) fn doubt_libraries(
+    discovery: &mut Discovery,
+    problem: &Problem,
+    better: Option<&BetterLaws>,
+) {
+    let Some(better) = better else { return };
+    for (law, (enter, leave)) in problem.system.laws.iter().zip(&better.changes) {
+        let reason = beyond_library(discovery, (enter, leave), better.gain);
+        let mut all = discovery.equations.iter_mut();
+        let Some(equation) = all.find(|e| e.target == law.target) else {
+            continue;
+        };
+        if !enter.is_empty() || !leave.is_empty() {
+            equation.reasons.push(reason);
+            equation.status = Status::Doubt;
+        }
+    }
+}
+
+fn beyond_library(names: &Discovery, (enter, leave): (&[Term], &[Term]), gain: f64) -> Reason {
+    let list = |terms: &[Term]| -> String {
+        let names: Vec<String> = terms.iter().map(|t| Language(names).term(t)).collect();
+        names.join(", ")
+    };
+    let text = match (enter, leave) {
+        ([], leave) => format!(
+            "a better set of equations does without {} here: the criterion prefers it by {gain:.0}",
+            list(leave)
+        ),
+        (enter, []) => format!(
+            "with {} the readings are described better, the criterion says by {gain:.0}: add <{0}> to the library",
+            list(enter)
+        ),
+        (enter, leave) => format!(
+            "with {} instead of {} the readings are described better, the criterion says by {gain:.0}: add <{0}> to the library",
+            list(enter),
+            list(leave)
+        ),
+    };
+    Reason::new(ReasonCode::BeyondLibrary, text)
+}
+
 fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     let part = c.left / c.spread;
-    (part > TRAJECTORY_DOUBTS.poor_fit).then(|| {
+    let allowed = match unexplained(c) {
+        true => TRAJECTORY_DOUBTS.poor_fit,
+        false => TRAJECTORY_DOUBTS.mostly_noise,
+    };
+    (part > allowed).then(|| {
         Reason::new(
             ReasonCode::PoorFit,
             format!(

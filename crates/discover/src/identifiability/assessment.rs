@@ -7,7 +7,7 @@ use super::collinearity::gram_matrix::{GramMatrix, rank};
 use super::collinearity::relation::ExplainedRelation;
 use super::collinearity::restricted_isometry::restricted_isometry;
 use super::collinearity::term_relations::explained_relations;
-use super::diagnosis::findings::{UNEXPLAINED, findings, misspecification_finding};
+use super::diagnosis::findings::{UNEXPLAINED, findings, misspecification_finding, relation_doubt};
 use super::diagnosis::messages;
 use super::diagnosis::misspecification::{Specification, find_misspecification};
 use super::excitation;
@@ -67,8 +67,15 @@ pub fn misspecification(
     Some(misspecification_finding(model, failed.target, &found))
 }
 
+/// What the rows can distinguish for one equation, and the doubt that follows from a relation between its terms.
+#[derive(Debug)]
+pub struct Assessment {
+    identifiability: Identifiability,
+    relation: Option<Reason>,
+}
+
 /// What the rows can distinguish for one equation.
-pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Identifiability {
+pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Assessment {
     let model = design.model;
     let gram = GramMatrix::of(design);
     let language = Language(model);
@@ -94,7 +101,7 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Identifia
     }
     let equivalent_more = supports.len().saturating_sub(LISTED.equivalent_supports);
     supports.truncate(LISTED.equivalent_supports);
-    Identifiability {
+    let identifiability = Identifiability {
         rows: design.rows(),
         columns: design.columns.len(),
         candidates: design.candidates,
@@ -133,6 +140,10 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Identifia
         excitation: excitation::excitation(design, library),
         leverage: excitation::leverage(design),
         findings,
+    };
+    Assessment {
+        identifiability,
+        relation: relation_doubt(design, &relations),
     }
 }
 
@@ -175,7 +186,15 @@ fn cosine_table(design: &ScaledDesign, gram: &GramMatrix) -> Option<Alike> {
 
 /// Attaches the assessment to an equation and doubts it if another support of equal size fits as well. Where the trajectory was
 /// estimated, refits have decided that.
-pub fn attach(equation: &mut Equation, assessment: Identifiability) {
+pub fn attach(equation: &mut Equation, assessment: Assessment) {
+    let Assessment {
+        identifiability: assessment,
+        relation,
+    } = assessment;
+    if let Some(reason) = relation {
+        equation.reasons.push(reason);
+        equation.status = Status::Doubt;
+    }
     let Some(evidence) = &mut equation.evidence else {
         return;
     };

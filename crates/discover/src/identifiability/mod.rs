@@ -10,4 +10,4 @@ mod excitation;
 mod periodogram;
 pub(crate) mod thresholds;
 
-pub use assessment::{Rows, assess, attach, misspecification, needs_measured_targets};
+pub use assessment::{Assessment, Rows, assess, attach, misspecification, needs_measured_targets};

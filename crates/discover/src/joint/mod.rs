@@ -4,6 +4,7 @@
 //! Never estimates anything itself; `crate::trajectory` does.
 
 mod delay_outlier_search;
+mod library_probe;
 pub(crate) mod no_fit;
 mod report;
 pub(crate) mod thresholds;
@@ -11,8 +12,10 @@ pub(crate) mod thresholds;
 use std::sync::Arc;
 
 use crate::doubts::dependent_states::doubt_dependent_states;
+use crate::doubts::trajectory_rules;
 use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::delay_outlier_search::{JointFit, search_system};
+use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
 use crate::joint::thresholds::JOINT;
@@ -27,7 +30,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::{EquationObserver, Observer, Stage};
-use sidc_system::discovery::{Discovery, Failed, Status, Stretches, Witness};
+use sidc_system::discovery::{Discovery, Equation, Failed, Status, Stretches, Witness};
 
 /// The joint estimation problem, where it is asked for or, by default, where the data are noisy.
 ///
@@ -148,6 +151,11 @@ pub fn discover_jointly(
             equation.status = Status::Doubt;
         }
         discovery.equations.push(equation);
+    }
+    let passes = |e: &Equation| e.status == Status::Pass;
+    if discovery.equations.iter().any(passes) && watcher.at(Stage::Weighing).is_none() {
+        let better = probe_libraries(problem, &found, &mut watcher);
+        trajectory_rules::doubt_libraries(&mut discovery, problem, better.as_ref());
     }
     let samples = samples(problem, &found);
     let witness = Arc::new(Witness {

@@ -8,6 +8,7 @@ use crate::known_terms::fixed;
 use crate::regression::task::{named, simpler};
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{Channel, DelayedInputs, File, Found, Law, Problem, SensorOffset};
+use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::{
@@ -158,6 +159,8 @@ impl Report<'_> {
         };
         let best = &self.found.best;
         let own = part(best.support());
+        let columns = &self.problem.system.columns;
+        let terms = |s: &[usize]| -> Vec<Term> { s.iter().map(|j| columns[*j].clone()).collect() };
         let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
         for (support, value) in &self.found.rivals {
             let larger = support.len() > best.support().len();
@@ -169,12 +172,12 @@ impl Report<'_> {
             let near = *value < best.value + within * self.found.inefficiency;
             let rival = part(support);
             // Rivals come best first, so the first that shows a support of this law is its best.
-            if near && rival != own && seen.iter().all(|(s, _)| *s != rival) {
+            let new = rival != own && seen.iter().all(|(s, _)| *s != rival);
+            if near && new && !same_laws(&terms(&own), &terms(&rival)) {
                 seen.push((rival, value - best.value));
             }
         }
         seen.sort_by(|a, b| a.0.len().cmp(&b.0.len()).then(a.1.total_cmp(&b.1)));
-        let columns = &self.problem.system.columns;
         let name = |s: &[usize]| named(s.iter().map(|j| columns[*j].clone()), names);
         seen.iter().map(|(s, more)| (name(s), *more)).collect()
     }

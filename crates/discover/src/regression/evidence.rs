@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::doubts::badly_fitted_rows::badly_fitted_rows;
+use crate::doubts::badly_fitted_rows::{badly_fitted_rows, median_miss};
 use crate::doubts::regression_rules::{self, RegressionCase, ResidualFindings};
 use crate::doubts::residual_autocorrelation;
 use crate::known_terms::fixed;
@@ -14,7 +14,8 @@ use crate::regression::row_sampling::Split;
 use crate::regression::task::{Task, named};
 use crate::row_weights::Weights;
 use crate::statistics::{product, rms};
-use sidc_lang::term::Language;
+use crate::uncertainty::term_identity::same_laws;
+use sidc_lang::term::{Language, Term};
 use sidc_system::discovery::{Discovery, Equation, Evidence, FoundTerm, HeldOut, Status, Witness};
 
 impl Task<'_> {
@@ -33,6 +34,7 @@ impl Task<'_> {
                 }));
                 let left = self.residual(&terms, used, y);
                 remains.strays = badly_fitted_rows(&left, weights, used, size);
+                remains.median_miss = median_miss(&left, weights);
                 if self.model.discrete {
                     remains.memory = residual_autocorrelation::measure(&left, used);
                 }
@@ -63,7 +65,7 @@ impl Task<'_> {
             certificate: answer.proof.clone(),
             together: None,
             relation: None,
-            ties: self.named(&answer.ties, names),
+            ties: self.named(&self.other_laws(answer), names),
             halves: None,
             nearest: None,
             identifiability: None,
@@ -96,6 +98,14 @@ impl Task<'_> {
                 f64::MAX
             },
         })
+    }
+
+    /// The tied supports that are no other words for the law found.
+    fn other_laws(&self, answer: &Estimate) -> Vec<Vec<usize>> {
+        let terms = |s: &[usize]| -> Vec<Term> { s.iter().map(|j| self.term(*j)).collect() };
+        let found = terms(&answer.support);
+        let ties = answer.ties.iter().filter(|s| !same_laws(&found, &terms(s)));
+        ties.cloned().collect()
     }
 
     fn named(&self, supports: &[Vec<usize>], names: &Discovery) -> Vec<Vec<String>> {

@@ -137,6 +137,8 @@ family! {
         max_pruned_terms: usize = 30, unit "terms", source "set by hand";
         /// Statistical inefficiency of the residuals above which supports are selected again.
         max_inefficiency: f64 = 1.5, unit "readings", source "set by hand";
+        /// Most fits with terms that the libraries lack.
+        fits_beyond: usize = 8, unit "fits", source "evidence is to cost less than the search, whose median is some 40 fits";
         /// Blocks of intervals that the last fit of a stopped search may take: a second or two.
         grace_blocks: usize = 5_000, unit "blocks", source "set by hand";
     }

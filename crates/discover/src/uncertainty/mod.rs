@@ -10,7 +10,7 @@ mod row_blocks;
 mod stability_selection;
 mod target_regression;
 mod term_assessment;
-mod term_identity;
+pub(crate) mod term_identity;
 pub(crate) mod thresholds;
 
 #[cfg(test)]
@@ -18,4 +18,4 @@ mod tests;
 
 pub use confidence_intervals::confidence_intervals;
 pub use row_blocks::block_normal_equations;
-pub use term_assessment::{assess_terms, mark_terms};
+pub use term_assessment::{assess_terms, doubt_unneeded_terms, mark_terms};

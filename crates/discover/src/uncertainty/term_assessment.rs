@@ -8,7 +8,9 @@ use super::omitted_terms::nearest_omitted_terms;
 use super::stability_selection::stability_selection;
 use super::target_regression::TargetRegression;
 use sidc_lang::term::{Language, Signal, Term};
-use sidc_system::discovery::{Discovery, Equation, FoundTerm, MARKS, Mark, Status, Stretches};
+use sidc_system::discovery::{
+    Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
+};
 
 /// Gives every term found on these blocks its stability and the best equation without it.
 pub fn assess_terms(blocks: &Stretches, discovery: &mut Discovery) {
@@ -38,6 +40,40 @@ pub fn assess_terms(blocks: &Stretches, discovery: &mut Discovery) {
             evidence.halves.clone_from(&halves);
         }
     }
+}
+
+/// Doubts every equation that the criterion prefers without one of its terms, by as much as separates two answers.
+pub fn doubt_unneeded_terms(discovery: &mut Discovery) {
+    let reasons: Vec<Option<Reason>> = (discovery.equations.iter())
+        .map(|e| unneeded(e, &Language(&*discovery)))
+        .collect();
+    for (equation, reason) in discovery.equations.iter_mut().zip(reasons) {
+        if let Some(reason) = reason {
+            equation.reasons.push(reason);
+            equation.status = Status::Doubt;
+        }
+    }
+}
+
+/// The term whose loss gains most, if that is enough.
+fn unneeded(equation: &Equation, names: &Language<Discovery>) -> Option<Reason> {
+    let free = equation.terms.iter().filter(|t| !t.fixed);
+    let gains = free.filter_map(|t| Some((t, t.trust.as_ref()?.without.as_ref()?)));
+    let (term, without) = gains.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
+    (without.cost < -MARKS.tied).then(|| {
+        let instead = match without.enter.as_slice() {
+            [] => String::new(),
+            enter => format!(" and with {}", enter.join(", ")),
+        };
+        Reason::new(
+            ReasonCode::BetterWithout,
+            format!(
+                "the criterion prefers the equation without {}{instead} by {:.0}: the terms found are not the law, or not settled",
+                names.term(&term.term),
+                -without.cost
+            ),
+        )
+    })
 }
 
 /// Marks every term that was found. A term of a doubted equation is likely at best.

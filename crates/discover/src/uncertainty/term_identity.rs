@@ -9,7 +9,7 @@ use crate::SplitMix;
 use sidc_lang::term::{Signal, Term};
 
 /// Whether the term is a linear combination of the others at random values of all signals.
-pub(super) fn is_identity(term: &Term, others: &[Term]) -> bool {
+pub(crate) fn is_identity(term: &Term, others: &[Term]) -> bool {
     if others.is_empty() || others.len() > IDENTITY_TEST.max_terms {
         return false;
     }
@@ -25,6 +25,13 @@ pub(super) fn is_identity(term: &Term, others: &[Term]) -> bool {
         .map(|range| residual(term, others, &signals, *range));
     let first = residuals.flatten().next();
     first.is_some_and(|residual| residual < IDENTITY_TEST.residual)
+}
+
+/// Whether `other` can write every law of the terms `found` in other words, whatever the values of the signals: each term that it
+/// lacks is a combination of its own.
+pub(crate) fn same_laws(found: &[Term], other: &[Term]) -> bool {
+    let mut lacking = found.iter().filter(|t| !other.contains(t));
+    lacking.all(|term| is_identity(term, other))
 }
 
 /// The relative residual of the term's least-squares fit by the others; `None` if a value is not finite.

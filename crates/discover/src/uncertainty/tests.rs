@@ -1,10 +1,11 @@
 //! Intervals, stability and alternatives on problems whose answer is known.
 
-use super::{assess_terms, confidence_intervals, mark_terms};
+use super::{assess_terms, confidence_intervals, doubt_unneeded_terms, mark_terms};
 use crate::SplitMix;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_system::discovery::{
-    Discovery, Equation, Evidence, FoundTerm, MARKS, Mark, Status, Stretches, Trust,
+    Discovery, Equation, Evidence, FoundTerm, MARKS, Mark, ReasonCode, Status, Stretches, Trust,
+    Without,
 };
 
 const TARGET: Signal = Signal {
@@ -125,6 +126,7 @@ fn terms_of_a_doubted_equation_are_never_firm() {
     let mut d = discovery();
     d.equations[0].status = Status::Doubt;
     confidence_intervals(&mut d.equations[0], 100.0);
+    assess_terms(&blocks(0.1, None), &mut d);
     mark_terms(&mut d);
     let marks = d.equations[0]
         .terms
@@ -132,6 +134,34 @@ fn terms_of_a_doubted_equation_are_never_firm() {
         .map(|t| t.trust.as_ref().unwrap());
     assert!(marks.clone().all(|t| t.mark == Mark::Likely));
     assert!(marks.clone().all(|t| MARKS.of(t) == Mark::Firm));
+}
+
+#[test]
+fn without_evidence_no_term_is_firm() {
+    let mut d = discovery();
+    confidence_intervals(&mut d.equations[0], 100.0);
+    mark_terms(&mut d);
+    let marks = d.equations[0].terms.iter().filter_map(|t| t.trust.as_ref());
+    assert!(marks.map(|t| t.mark).all(|m| m == Mark::Likely));
+}
+
+#[test]
+fn an_equation_that_is_better_without_a_term_is_doubted() {
+    let with = |cost: f64| {
+        let mut d = discovery();
+        let without = Without {
+            cost,
+            ..Without::default()
+        };
+        d.equations[0].terms[0].trust = Some(Box::new(Trust {
+            without: Some(without),
+            ..Trust::default()
+        }));
+        doubt_unneeded_terms(&mut d);
+        d.equations[0].reasons.iter().map(|r| r.code.clone()).next()
+    };
+    assert_eq!(with(-7.0), Some(ReasonCode::BetterWithout));
+    assert_eq!(with(-5.0), None);
 }
 
 /// There are too few blocks to draw halves.

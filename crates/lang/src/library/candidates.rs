@@ -47,6 +47,19 @@ impl Library {
         Library::new(blocks, empty)
     }
 
+    /// The same library with these slots empty.
+    pub fn without(&self, slots: &[usize]) -> Library {
+        let mut empty = self.empty.clone();
+        empty.extend_from_slice(slots);
+        empty.sort_unstable();
+        empty.dedup();
+        Library {
+            blocks: self.blocks.clone(),
+            before: self.before,
+            ..Library::new(Vec::new(), empty)
+        }
+    }
+
     /// Number of terms.
     pub fn len(&self) -> usize {
         self.slots() - self.empty.len()

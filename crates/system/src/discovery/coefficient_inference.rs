@@ -68,19 +68,29 @@ impl Mark {
 }
 
 impl Marks {
-    /// The mark of a term from its figures; absent figures do not count.
+    /// The mark of a term from its figures. Firm needs all of them: what was not measured is no evidence.
     pub fn of(&self, trust: &Trust) -> Mark {
         let open = |(low, high): (f64, f64)| low <= 0.0 && high >= 0.0;
-        let share = trust.stability.unwrap_or(1.0);
         let without = trust.without.as_ref().filter(|w| !w.same);
-        let cost = without.map_or(f64::INFINITY, |w| w.cost);
-        if trust.interval.is_some_and(open) || share < self.unstable || cost < self.tied {
-            return Mark::Doubtful;
+        let cost = without.map(|w| w.cost);
+        let doubtful = trust.interval.is_some_and(open)
+            || trust.stability.is_some_and(|s| s < self.unstable)
+            || cost.is_some_and(|c| c < self.tied);
+        let firm = trust.interval.is_some()
+            && trust.stability.is_some_and(|s| s >= self.stable)
+            && (cost.is_some_and(|c| c >= self.cost) || trust.has_synonym());
+        match (doubtful, firm) {
+            (true, _) => Mark::Doubtful,
+            (_, true) => Mark::Firm,
+            _ => Mark::Likely,
         }
-        match trust.interval.is_some() && share >= self.stable && cost >= self.cost {
-            true => Mark::Firm,
-            false => Mark::Likely,
-        }
+    }
+}
+
+impl Trust {
+    /// Whether only the same function in other words replaces the term.
+    fn has_synonym(&self) -> bool {
+        self.without.as_ref().is_some_and(|w| w.same)
     }
 }
 

@@ -79,6 +79,10 @@ macro_rules! codes {
 codes! {
     /// A bound or a sign of a constraint is met only as an equality.
     AtBound = "at-bound",
+    /// The criterion prefers the equation without one of its terms.
+    BetterWithout = "better-without",
+    /// Standard terms that the library lacks describe the data better.
+    BeyondLibrary = "beyond-library",
     /// The residuals of a channel are correlated in time.
     ColouredResiduals = "coloured-residuals",
     /// A constraint does not hold for the coefficients found.
@@ -123,6 +127,8 @@ codes! {
     Outliers = "outliers",
     /// Much of the target is left unexplained.
     PoorFit = "poor-fit",
+    /// A relation that holds along these data bears on the terms found.
+    Relation = "relation",
     /// The target had to be estimated, with a large error.
     RoughDerivative = "rough-derivative",
     /// Rows of little weight are missed by far.

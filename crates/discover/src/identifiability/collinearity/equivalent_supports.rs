@@ -9,7 +9,8 @@ use super::gram_matrix::GramMatrix;
 use crate::identifiability::thresholds::EQUIVALENT_SUPPORTS;
 use crate::scaled_design::ScaledDesign;
 use crate::selection::thresholds::TERM_SELECTION;
-use sidc_lang::term::Language;
+use crate::uncertainty::term_identity::same_laws;
+use sidc_lang::term::{Language, Term};
 use sidc_solve::simd::dot;
 
 /// A support, and the exchange of columns that led to it.
@@ -30,6 +31,10 @@ pub fn equivalent_supports(design: &ScaledDesign, gram: &GramMatrix) -> Vec<Equi
     if own.is_empty() || own.len() >= design.rows() || constrained {
         return Vec::new();
     }
+    let terms = |support: &[usize]| -> Vec<Term> {
+        support.iter().map(|p| design.term(*p).clone()).collect()
+    };
+    let found_terms = terms(&own);
     let rows = design.rows();
     let bound = design.noise.criterion(design.residual_square(&own), rows) + TERM_SELECTION.tie;
     let products = InnerProducts::new(design, gram);
@@ -46,7 +51,7 @@ pub fn equivalent_supports(design: &ScaledDesign, gram: &GramMatrix) -> Vec<Equi
                     continue;
                 }
                 let value = design.noise.criterion(design.residual_square(&next), rows);
-                if value < bound {
+                if value < bound && !same_laws(&found_terms, &terms(&next)) {
                     tied.push((value, next, entering));
                 }
             }

@@ -68,6 +68,26 @@ fn matters(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
     }
 }
 
+/// The doubt `relation`: a relation of the motion on these data that bears on the terms found. Laws that differ by multiples of it
+/// fit alike, and a relation itself can pass for the law.
+pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) -> Option<Reason> {
+    let bears = |t: &&ExplainedRelation| match t.why.cause {
+        Cause::WrongOrder => t.involves_support,
+        Cause::Law => !t.support_terms.is_empty(),
+        _ => false,
+    };
+    let found = relations.iter().filter(|t| holds(design, t)).find(bears)?;
+    Some(Reason::new(
+        ReasonCode::Relation,
+        format!(
+            "along these data {}: {}, and laws that differ by multiples of it fit alike; {}",
+            sentence(design, &found.reduced, found.left_term().as_ref()),
+            why(design, &found.why),
+            advice(design, &found.why, None).text
+        ),
+    ))
+}
+
 /// Signals that are zero on every row, and with them columns of the library.
 fn zero_columns(design: &ScaledDesign, known: &[Finding]) -> Option<Finding> {
     let mut zero: Vec<Signal> = Vec::new();

@@ -7,10 +7,11 @@ use crate::Weights;
 use crate::dictionary::{evaluate, subtract};
 use crate::identifiability::thresholds::MISSPECIFICATION;
 use crate::scaled_design::OrthonormalBasis;
+use crate::standard_terms::standard_terms;
 use crate::statistics::norm;
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
-use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
+use sidc_lang::term::{Signal, Term, VarId};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::Equation;
 
@@ -120,7 +121,7 @@ impl Projection {
 fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, f64)> {
     let square = dot(&l.residual, &l.residual);
     let mut best: Option<(f64, Term)> = None;
-    for term in simple_terms(specification, &l.samples) {
+    for term in standard_terms_of(specification, &l.samples) {
         if specification.library.contains(&term).is_some() {
             continue;
         }
@@ -151,38 +152,15 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
     (beyond_noise > improvement).then_some((term, factor))
 }
 
-/// Simple terms of the measured signals, the simplest first.
-fn simple_terms(specification: &Specification, samples: &Samples) -> Vec<Term> {
+/// Standard terms of the measured signals, the simplest first.
+fn standard_terms_of(specification: &Specification, samples: &Samples) -> Vec<Term> {
     let target = specification.equation.target;
     let usable = |s: &Signal| {
         let of_target = s.var == target.var && s.der >= target.der && s.shift >= target.shift;
         s.var != VarId::TIME && !of_target && s.shift <= 0 && s.der < 2
     };
     let measured = samples.columns.iter().map(|c| c.signal).filter(usable);
-    let signals: Vec<Signal> = measured.take(MISSPECIFICATION.signals).collect();
-    let bare: Vec<Term> = signals.iter().map(|s| Term::signal(*s)).collect();
-    let mut all = vec![Term::one()];
-    all.extend(bare.iter().cloned());
-    for (i, a) in bare.iter().enumerate() {
-        all.extend(bare[i..].iter().map(|b| a.mul(b)));
-    }
-    let mut functions = Vec::new();
-    for name in ["sin", "cos", "abs", "sign", "exp", "tanh", "sqrt", "log"] {
-        let Some(f) = Func::named(name) else { continue };
-        let of = |s: &Signal| Expr::call(f, vec![Expr::signal(*s)]).into_term().1;
-        functions.extend(signals.iter().map(of));
-    }
-    all.extend(functions.iter().cloned());
-    all.extend(bare.iter().map(|a| a.pow(-1.0)));
-    for f in &functions {
-        all.extend(bare.iter().map(|a| a.mul(f)));
-    }
-    for (i, a) in bare.iter().enumerate() {
-        for (j, b) in bare.iter().enumerate().skip(i) {
-            all.extend(bare[j..].iter().map(|c| a.mul(b).mul(c)));
-        }
-    }
-    all
+    standard_terms(&measured.take(MISSPECIFICATION.signals).collect::<Vec<_>>())
 }
 
 /// The estimated error of a signal relative to the signal.

@@ -3,6 +3,7 @@
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
 mod estimation_problem;
+mod extra_columns;
 mod quantization;
 mod record;
 mod rejected_readings;

@@ -2,26 +2,75 @@
 //!
 //! In: a problem, a fit. Out: numbers by signal. Changes nothing.
 
+use crate::target_copies::{Products, TargetCopy, contains};
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::likelihood::Fit;
-use crate::trajectory::model::{Problem, Record};
+use crate::trajectory::model::{Law, Problem, Record};
 use sidc_lang::term::Term;
 
 impl Problem {
     /// The first column that is not finite somewhere along the smoothed trajectories.
     pub fn first_undefined_column(&self) -> Option<&Term> {
-        let p = self.all.outputs();
-        let mut bad = None;
+        self.system.columns.get(*self.undefined_columns().first()?)
+    }
+
+    /// The columns that are not finite somewhere along the smoothed trajectories, rising.
+    pub(crate) fn undefined_columns(&self) -> Vec<usize> {
+        let mut bad = vec![false; self.all.outputs()];
+        self.along_smoothed(&mut |rows, values, _| {
+            for (bad, row) in bad.iter_mut().zip(values.chunks_exact(rows)) {
+                *bad |= row.iter().any(|x| !x.is_finite());
+            }
+        });
+        (0..bad.len()).filter(|j| bad[*j]).collect()
+    }
+
+    /// The columns that contain the target of their own law and are in proportion to it along the smoothed trajectories, as far
+    /// as the noise of its variable can show.
+    pub fn target_copies(&self) -> Vec<TargetCopy> {
+        let laws = &self.system.laws;
+        let columns = laws.iter().enumerate().flat_map(|(l, law)| {
+            let own = law.columns.clone().zip(&law.slots);
+            own.map(move |(j, slot)| (l, law, j, *slot))
+        });
+        let suspects: Vec<_> = columns
+            .filter(|(_, law, j, _)| contains(&self.system.columns[*j], law.target))
+            .collect();
+        if suspects.is_empty() {
+            return Vec::new();
+        }
+        let mut products = vec![Products::default(); suspects.len()];
+        self.along_smoothed(&mut |rows, values, points| {
+            for ((l, _, j, _), sums) in suspects.iter().zip(&mut products) {
+                let target = &points[(self.states() + l) * rows..][..rows];
+                sums.add(&values[j * rows..][..rows], target);
+            }
+        });
+        let channels = self.channels();
+        let noise = |law: &Law| {
+            let own = channels.iter().filter(|c| c.signal.var == law.target.var);
+            own.map(|c| c.noise / c.spread).fold(0.0, f64::max)
+        };
+        let copies = suspects.into_iter().zip(products);
+        copies
+            .filter(|((_, law, ..), sums)| sums.parallel(noise(law)))
+            .map(|((_, law, j, slot), _)| TargetCopy {
+                equation: law.equation,
+                slot,
+                term: self.system.columns[j].clone(),
+            })
+            .collect()
+    }
+
+    /// Shows the rows of each record, the values of all columns along its smoothed trajectory, and those of all signals.
+    fn along_smoothed(&self, see: &mut dyn FnMut(usize, &[f64], &[f64])) {
         for (record, curve) in self.records.iter().zip(&self.smoothed) {
             let points = self.points(record, &curve.states, &curve.rates);
-            let mut values = vec![0.0; p * record.len()];
-            self.all
-                .eval(&points, record.len(), &mut values, &mut Vec::new());
-            let finite = |row: &[f64]| row.iter().all(|x| x.is_finite());
-            let row = values.chunks_exact(record.len()).position(|r| !finite(r));
-            bad = bad.or(row);
+            let rows = record.len();
+            let mut values = vec![0.0; self.all.outputs() * rows];
+            self.all.eval(&points, rows, &mut values, &mut Vec::new());
+            see(rows, &values, &points);
         }
-        self.system.columns.get(bad?)
     }
 
     /// Values of all signals along the trajectory of a fit, in the order of [`crate::trajectory::System::evaluation_signals`], all records in a row.

@@ -203,6 +203,30 @@ impl<'a> SearchLevel<'a> {
         }
     }
 
+    /// Follows improvements of at least `margin`, fit by fit, for `fits` fits at most.
+    pub fn improve_by(&mut self, margin: f64, fits: usize, observer: &mut dyn Observer) {
+        let last = self.tried.len() + fits;
+        while self.tried.len() < last && self.may_refit(observer) {
+            let Some((current, form)) = self.best_and_form(observer) else {
+                return;
+            };
+            let proposals = self.proposals(&form, current.support(), observer);
+            let large = proposals.into_iter().take_while(|(c, _)| *c <= -margin);
+            let room = last - self.tried.len();
+            let point = |(_, s)| at_minimum(&form, &current.point, s);
+            let mut better = false;
+            for next in large.take(room).map(point) {
+                better = self.fit([next], observer);
+                if better || !self.may_refit(observer) {
+                    break;
+                }
+            }
+            if !better {
+                return;
+            }
+        }
+    }
+
     /// Supports not fitted yet with their predicted change of the criterion, best first.
     fn proposals(
         &self,

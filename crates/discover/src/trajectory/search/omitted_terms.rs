@@ -1,0 +1,64 @@
+//! Laws beyond the libraries: whether terms that these lack describe the readings better.
+//!
+//! In: a problem, what was found, more terms for each law. Out: laws with some of these terms and how much better they are, or
+//! nothing. The same criterion and the same refits decide as in the search.
+
+use super::level::SearchLevel;
+use super::support_search::Found;
+use crate::trajectory::likelihood::PenalizedLikelihood;
+use crate::trajectory::model::Problem;
+use crate::trajectory::thresholds::SEARCH;
+use sidc_lang::term::Term;
+use sidc_progress::Observer;
+
+/// Better laws with terms that the libraries lack.
+#[derive(Clone, Debug)]
+pub struct BetterLaws {
+    /// For each law the terms that enter and those that leave.
+    pub changes: Vec<(Vec<Term>, Vec<Term>)>,
+    /// Gain of the criterion, in units of independent readings.
+    pub gain: f64,
+}
+
+/// Searches from the laws found on, with `extra[l]` as further candidates of law l. `None` if the criterion improves by less than
+/// `margin`.
+pub fn search_beyond_libraries(
+    problem: &Problem,
+    found: &Found,
+    extra: &[Vec<Term>],
+    margin: f64,
+    observer: &mut dyn Observer,
+) -> Option<BetterLaws> {
+    let extended = problem.with_extra_columns(extra);
+    let lowest = SEARCH.floors[SEARCH.floors.len() - 1];
+    let more = &extended.problem;
+    let criterion = PenalizedLikelihood::at_floor(more, lowest, found.inefficiency);
+    let mut level = SearchLevel::new(more, criterion);
+    let start = extended.point(&found.best.point);
+    level.fit([start.clone()], observer);
+    let before = level.best.first()?.value;
+    let margin = margin * found.inefficiency;
+    level.improve_by(margin, SEARCH.fits_beyond, observer);
+    let best = level.best.first()?;
+    let gain = before - best.value;
+    if gain < margin {
+        return None;
+    }
+    let difference = |from: &[usize], to: &[usize], l: usize| -> Vec<Term> {
+        let own = &more.system.laws[l].columns;
+        let only = to.iter().filter(|j| own.contains(j) && !from.contains(j));
+        only.map(|j| more.system.columns[*j].clone()).collect()
+    };
+    let laws = 0..more.system.laws.len();
+    Some(BetterLaws {
+        changes: laws
+            .map(|l| {
+                (
+                    difference(&start.support, best.support(), l),
+                    difference(best.support(), &start.support, l),
+                )
+            })
+            .collect(),
+        gain: gain / found.inefficiency,
+    })
+}
