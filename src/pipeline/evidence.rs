@@ -13,8 +13,10 @@ use sidc_discover::identifiability;
 use sidc_discover::identifiability::{Assessment, Rows};
 use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
+use sidc_discover::uncertainty::Stability;
 use sidc_lang::term::Signal;
 use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
+use sidc_solve::threads;
 use sidc_system::discovery::{Discovery, Equation, Stretches};
 
 use super::program::{Program, needed};
@@ -32,15 +34,24 @@ pub(super) struct Weighing<'a> {
 impl Weighing<'_> {
     /// Weighs every equation on its rows. The reason of an equation that failed says what its library lacks.
     pub fn weigh(&self, discovery: &mut Discovery, observer: &mut dyn Observer) {
-        let mut judged: Vec<Judged> = Vec::new();
+        let mut places = Vec::new();
         for place in 0..discovery.equations.len() {
             if let ControlFlow::Break(stop) = asked(discovery, place, observer) {
                 discover::doubt_unassessed(discovery, place, stop);
                 break;
             }
-            let equation = discovery.equations.get(place);
-            let one = equation.and_then(|e| self.one(e));
-            judged.push(one.unwrap_or_default());
+            places.push(place);
+        }
+        let one = |place: &usize| {
+            let equation = discovery.equations.get(*place);
+            equation.and_then(|e| self.one(e)).unwrap_or_default()
+        };
+        let mut judged: Vec<Judged> = Vec::new();
+        for pair in places.chunks(2) {
+            match pair {
+                [a, b] => judged.extend(<[_; 2]>::from(threads::join(|| one(a), || one(b)))),
+                alone => judged.extend(alone.iter().map(one)),
+            }
         }
         judged.resize_with(discovery.equations.len(), Judged::default);
         for (equation, judged) in discovery.equations.iter_mut().zip(&mut judged) {
@@ -50,9 +61,13 @@ impl Weighing<'_> {
             let rows = equation.evidence.as_ref().map_or(0.0, |e| e.rows as f64);
             uncertainty::confidence_intervals(equation, judged.readings.unwrap_or(rows));
         }
-        let own = judged.iter().filter_map(|j| j.stretches.as_ref());
-        for part in own.chain(self.stretches) {
-            uncertainty::assess_terms(part, discovery);
+        if let Some(all) = self.stretches {
+            uncertainty::assess_terms(all, &uncertainty::stability_selection(all), discovery);
+        }
+        for judged in &judged {
+            if let Some(own) = &judged.stretches {
+                uncertainty::assess_terms(own, &judged.halves, discovery);
+            }
         }
         uncertainty::doubt_unneeded_terms(discovery);
         uncertainty::mark_terms(discovery);
@@ -74,9 +89,11 @@ impl Weighing<'_> {
         let (_, library) = self.program.sought(equation.target)?;
         let (model, samples) = (&self.program.model, self.rows.samples);
         let design = ScaledDesign::new(model, library, samples, equation, self.options)?;
+        let stretches = uncertainty::block_normal_equations(&design);
         Some(Judged {
             told: Some(identifiability::assess(&design, library, self.rows)),
-            stretches: uncertainty::block_normal_equations(&design),
+            halves: (stretches.as_ref()).and_then(uncertainty::stability_selection),
+            stretches,
             readings: Some(design.noise.rows),
         })
     }
@@ -119,6 +136,7 @@ pub(super) fn readings(
 struct Judged {
     told: Option<Assessment>,
     stretches: Option<Stretches>,
+    halves: Option<Stability>,
     /// Independent readings behind its coefficients.
     readings: Option<f64>,
 }

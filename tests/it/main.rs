@@ -44,5 +44,6 @@ mod stiff;
 mod symbolic;
 mod thresholds;
 mod units;
+mod verdicts;
 mod verify;
 mod weak;

@@ -30,7 +30,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::{EquationObserver, Observer, Stage};
-use sidc_system::discovery::{Discovery, Equation, Failed, Status, Stretches, Witness};
+use sidc_system::discovery::{Discovery, Failed, Status, Stretches, Witness};
 
 /// The joint estimation problem, where it is asked for or, by default, where the data are noisy.
 ///
@@ -152,8 +152,7 @@ pub fn discover_jointly(
         }
         discovery.equations.push(equation);
     }
-    let passes = |e: &Equation| e.status == Status::Pass;
-    if discovery.equations.iter().any(passes) && watcher.at(Stage::Weighing).is_none() {
+    if stopped.is_none() && watcher.at(Stage::Weighing).is_none() {
         let better = probe_libraries(problem, &found, &mut watcher);
         trajectory_rules::doubt_libraries(&mut discovery, problem, better.as_ref());
     }

@@ -29,9 +29,12 @@ pub(super) fn drop_one_refit(
     };
     let enter = difference(&refit, &reduced.support);
     let leave = difference(&reduced.support, &refit);
+    let refit_terms: Vec<Term> = (refit.iter())
+        .filter_map(|k| Some(reduced.column(*k)?.1.clone()))
+        .collect();
     let named = |all: &[Term]| all.iter().map(|t| names.term(t)).collect();
     Some(Without {
-        same: leave.is_empty() && is_identity(term, &enter),
+        same: leave.is_empty() && is_identity(term, &refit_terms),
         enter: named(&enter),
         leave: named(&leave),
         cost: full.likelihood_ratio(more.max(0.0)) + price * terms,

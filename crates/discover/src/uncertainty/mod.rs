@@ -18,4 +18,5 @@ mod tests;
 
 pub use confidence_intervals::confidence_intervals;
 pub use row_blocks::block_normal_equations;
+pub use stability_selection::{Stability, stability_selection};
 pub use term_assessment::{assess_terms, doubt_unneeded_terms, mark_terms};

@@ -11,8 +11,16 @@ use sidc_system::discovery::{Halves, Stretches};
 
 const SEED: u64 = 1;
 
-/// How the halves were drawn, and the share of them that selects each found term; `None` for too few blocks.
-pub(super) fn stability_selection(blocks: &Stretches) -> Option<(Halves, Vec<f64>)> {
+/// How often the terms found are selected again on half of the blocks.
+#[derive(Clone, Debug)]
+pub struct Stability {
+    pub halves: Halves,
+    /// The share of the halves that selects each term found.
+    pub shares: Vec<f64>,
+}
+
+/// Selects on random halves of the blocks; `None` for too few blocks.
+pub fn stability_selection(blocks: &Stretches) -> Option<Stability> {
     let count = blocks.products.len();
     if count < STABILITY_SELECTION.min_blocks {
         return None;
@@ -38,7 +46,10 @@ pub(super) fn stability_selection(blocks: &Stretches) -> Option<(Halves, Vec<f64
         among: blocks.columns.len(),
         seed: SEED,
     };
-    Some((halves, chosen.into_iter().map(share).collect()))
+    Some(Stability {
+        halves,
+        shares: chosen.into_iter().map(share).collect(),
+    })
 }
 
 /// The support selected on some blocks: the better end of two descents by single changes, one from the support found, one from the

@@ -5,7 +5,7 @@
 
 use super::drop_one_refit::drop_one_refit;
 use super::omitted_terms::nearest_omitted_terms;
-use super::stability_selection::stability_selection;
+use super::stability_selection::Stability;
 use super::target_regression::TargetRegression;
 use sidc_lang::term::{Language, Signal, Term};
 use sidc_system::discovery::{
@@ -13,8 +13,7 @@ use sidc_system::discovery::{
 };
 
 /// Gives every term found on these blocks its stability and the best equation without it.
-pub fn assess_terms(blocks: &Stretches, discovery: &mut Discovery) {
-    let (halves, shares) = stability_selection(blocks).unzip();
+pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery: &mut Discovery) {
     let mut targets: Vec<Signal> = blocks.columns.iter().map(|(t, _)| *t).collect();
     targets.sort_unstable();
     targets.dedup();
@@ -30,14 +29,14 @@ pub fn assess_terms(blocks: &Stretches, discovery: &mut Discovery) {
             let found = equation(discovery, target).and_then(|e| found_term(e, term));
             if let Some(found) = found {
                 let trust = found.trust.get_or_insert_with(Box::default);
-                trust.stability = shares.as_ref().and_then(|s: &Vec<f64>| s.get(k).copied());
+                trust.stability = stability.as_ref().and_then(|s| s.shares.get(k).copied());
                 trust.without = without;
             }
         }
         let evidence = equation(discovery, target).and_then(|e| e.evidence.as_mut());
         if let Some(evidence) = evidence {
             evidence.nearest = nearest;
-            evidence.halves.clone_from(&halves);
+            evidence.halves = stability.as_ref().map(|s| s.halves.clone());
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Intervals, stability and alternatives on problems whose answer is known.
 
-use super::{assess_terms, confidence_intervals, doubt_unneeded_terms, mark_terms};
+use super::{
+    assess_terms as assess, confidence_intervals, doubt_unneeded_terms, mark_terms,
+    stability_selection,
+};
 use crate::SplitMix;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_system::discovery::{
@@ -13,6 +16,10 @@ const TARGET: Signal = Signal {
     der: 1,
     shift: 0,
 };
+
+fn assess_terms(blocks: &Stretches, d: &mut Discovery) {
+    assess(blocks, &stability_selection(blocks), d);
+}
 
 fn column(j: u16) -> Term {
     Term::signal(Signal::new(VarId(j + 2)))

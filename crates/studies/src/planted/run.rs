@@ -60,7 +60,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
     let mut terms: Vec<String> = equation
         .terms
         .iter()
-        .map(|t| language.term(&t.term))
+        .map(|t| planned_word(language.term(&t.term)))
         .collect();
     terms.sort();
     let right_answer = case.truth.is_some_and(|truth| {
@@ -76,7 +76,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
             .is_some_and(|truth| truth.contains(&name.as_str()))
     };
     let firm = marked
-        .map(|t| language.term(&t.term))
+        .map(|t| planned_word(language.term(&t.term)))
         .filter(wrong)
         .collect();
     let evidence = equation.evidence.as_ref();
@@ -90,6 +90,16 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         firm,
         shown: sidc_emit::answer(&discovery, true),
     })
+}
+
+/// The word that the plan uses for a function that its library holds twice.
+fn planned_word(term: String) -> String {
+    match term.as_str() {
+        "sqrt(x^2)" => "abs(x)".into(),
+        "sin(x)*cos(x)" => "sin(2*x)".into(),
+        "cosh(x)*tanh(x)" => "sinh(x)".into(),
+        _ => term,
+    }
 }
 
 /// # Errors

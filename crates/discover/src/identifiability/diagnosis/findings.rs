@@ -72,8 +72,9 @@ fn matters(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
 /// fit alike, and a relation itself can pass for the law.
 pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) -> Option<Reason> {
     let bears = |t: &&ExplainedRelation| match t.why.cause {
-        Cause::WrongOrder => t.involves_support,
-        Cause::Law => !t.support_terms.is_empty(),
+        Cause::WrongOrder => shares_signals(design, t),
+        // A relation of lower derivatives alone is a first integral, such as the energy.
+        Cause::Law => !t.support_terms.is_empty() && has_target(design, t),
         _ => false,
     };
     let found = relations.iter().filter(|t| holds(design, t)).find(bears)?;
@@ -86,6 +87,23 @@ pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) ->
             advice(design, &found.why, None).text
         ),
     ))
+}
+
+/// Whether the relation contains what some equation is solved for.
+fn has_target(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
+    let targets: Vec<Signal> = design.model.equations.iter().map(|e| e.target).collect();
+    t.reduced.signals().iter().any(|s| targets.contains(s))
+}
+
+/// Whether the relation and the terms found have signals in common.
+fn shares_signals(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
+    let signals = t.reduced.signals();
+    let mut shared = false;
+    for column in &design.support {
+        let term = design.term(*column);
+        term.for_each_signal(&mut |s| shared |= signals.contains(&s));
+    }
+    shared
 }
 
 /// Signals that are zero on every row, and with them columns of the library.

@@ -21,7 +21,7 @@ pub struct BetterLaws {
 }
 
 /// Searches from the laws found on, with `extra[l]` as further candidates of law l. `None` if the criterion improves by less than
-/// `margin`.
+/// `margin`, and with as many terms or more; laws with fewer terms need only be as good.
 pub fn search_beyond_libraries(
     problem: &Problem,
     found: &Found,
@@ -38,10 +38,11 @@ pub fn search_beyond_libraries(
     level.fit([start.clone()], observer);
     let before = level.best.first()?.value;
     let margin = margin * found.inefficiency;
-    level.improve_by(margin, SEARCH.fits_beyond, observer);
+    level.improve_by(SEARCH.min_gain, SEARCH.fits_beyond, observer);
     let best = level.best.first()?;
     let gain = before - best.value;
-    if gain < margin {
+    let fewer = best.support().len() < start.support.len();
+    if gain < margin && !(fewer && gain > 0.0) {
         return None;
     }
     let difference = |from: &[usize], to: &[usize], l: usize| -> Vec<Term> {

@@ -1,0 +1,106 @@
+//! The verdict under attack: a wrong law does not pass, the reason is the right one, and a right law is not doubted.
+
+use sidc::{Data, Discovery, Model, Options, ReasonCode};
+use sidc_testing::attacks::{Attack, Case, case};
+
+const SEEDS: u64 = 3;
+
+fn identify(case: &Case) -> Discovery {
+    let model = Model::parse(&case.model).unwrap();
+    let data = Data::new().run(case.columns()).unwrap();
+    model.identify(&data, &Options::default()).unwrap()
+}
+
+/// The terms and the doubts of ddx.
+fn answer(found: &Discovery) -> (Vec<String>, Vec<ReasonCode>) {
+    let equation = found
+        .equations()
+        .iter()
+        .find(|e| e.target == "ddx")
+        .unwrap();
+    let terms = equation.terms.iter().map(|t| t.term.clone()).collect();
+    let doubts = equation.reasons.iter().map(|r| r.code.clone()).collect();
+    (terms, doubts)
+}
+
+fn law(case: &Case) -> Vec<String> {
+    case.law.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn an_honest_law_passes_at_every_level_of_noise() {
+    for (seed, noise) in (0..SEEDS).flat_map(|s| [0.0, 0.01, 0.05].map(|n| (s, n))) {
+        let case = case(Attack::Honest, seed, noise);
+        let found = identify(&case);
+        assert_eq!(answer(&found), (law(&case), vec![]), "{seed} {noise}");
+    }
+}
+
+#[test]
+fn a_term_that_the_library_lacks_is_named() {
+    for (seed, noise) in (0..SEEDS).flat_map(|s| [0.01, 0.03].map(|n| (s, n))) {
+        let found = identify(&case(Attack::MissingTerm, seed, noise));
+        let equation = &found.equations()[0];
+        let texts: Vec<&str> = equation.reasons.iter().map(|r| r.text.as_str()).collect();
+        let said = texts
+            .iter()
+            .any(|t| t.contains("add <sin(x)> to the library"));
+        assert!(said, "{seed} {noise}: {texts:?}");
+    }
+}
+
+/// The advice is followed, and the doubt goes.
+#[test]
+fn with_the_term_that_was_named_the_law_passes() {
+    let mut case = case(Attack::MissingTerm, 1, 0.01);
+    let (_, doubts) = answer(&identify(&case));
+    assert!(doubts.contains(&ReasonCode::BeyondLibrary), "{doubts:?}");
+    case.model = case.model.replace("u; 3)", "u; 3) + <sin(x)>");
+    let found = identify(&case);
+    assert_eq!(answer(&found), (law(&case), vec![]));
+}
+
+#[test]
+fn a_copy_of_the_target_is_left_out_and_the_law_found() {
+    for (seed, noise) in (0..SEEDS).flat_map(|s| [0.0, 0.01].map(|n| (s, n))) {
+        let case = case(Attack::Copy, seed, noise);
+        let found = identify(&case);
+        assert_eq!(answer(&found), (law(&case), vec![]), "{seed} {noise}");
+        let warned = found.warnings().iter();
+        let copies = warned.filter(|w| w.code == "target-copied").count();
+        assert_eq!(copies, 2, "{seed} {noise}: {:?}", found.warnings());
+    }
+}
+
+#[test]
+fn two_sensors_of_one_rate_are_no_law() {
+    for (seed, noise) in (0..SEEDS).flat_map(|s| [0.0, 0.01].map(|n| (s, n))) {
+        let found = identify(&case(Attack::SecondSensor, seed, noise));
+        let (terms, doubts) = answer(&found);
+        let seen = doubts.contains(&ReasonCode::DependentStates);
+        assert!(terms != ["dw"] || seen, "{seed} {noise}: {doubts:?}");
+        assert!(!doubts.is_empty(), "{seed} {noise}: {terms:?}");
+    }
+}
+
+#[test]
+fn a_series_of_the_law_does_not_pass_on_exact_data() {
+    for seed in 0..SEEDS {
+        let (terms, doubts) = answer(&identify(&case(Attack::Series, seed, 0.0)));
+        let seen = [ReasonCode::Misfit, ReasonCode::BetterWithout];
+        let seen = seen.iter().any(|code| doubts.contains(code));
+        assert!(seen, "{seed}: {terms:?} {doubts:?}");
+    }
+}
+
+#[test]
+fn a_steady_sine_shows_its_relation() {
+    for seed in 0..SEEDS {
+        let case = case(Attack::SteadySine, seed, 0.01);
+        let (terms, doubts) = answer(&identify(&case));
+        assert!(
+            terms == law(&case) || !doubts.is_empty(),
+            "{seed}: {terms:?}"
+        );
+    }
+}
