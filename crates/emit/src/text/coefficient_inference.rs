@@ -85,6 +85,9 @@ fn marks(d: &Discovery, e: &Equation, found: &[(&FoundTerm, &Trust)]) -> Vec<Str
         return vec!["likely: every term, firm but for the doubts".into()];
     }
     let drawn = drawn(e);
+    if drawn == 0 && found.iter().all(|(_, t)| own(t) == Mark::Likely) {
+        return vec!["likely: every term; there are no half records to find them in again".into()];
+    }
     let one = |(t, trust): &(&FoundTerm, &Trust)| {
         let reasons = reasons(trust, drawn);
         format!("{} ({})", Language(d).term(&t.term), reasons.join(", "))

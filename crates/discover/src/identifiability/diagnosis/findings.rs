@@ -68,14 +68,11 @@ fn matters(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
     }
 }
 
-/// The doubt `relation`: a relation of the motion on these data that bears on the terms found. Laws that differ by multiples of it
-/// fit alike, and a relation itself can pass for the law.
+/// The doubt `relation`: a law of lower order holds on these data for signals of the terms found. Laws that differ by multiples of it
+/// fit alike, and its derivative can pass for the law.
 pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) -> Option<Reason> {
-    let bears = |t: &&ExplainedRelation| match t.why.cause {
-        Cause::WrongOrder => shares_signals(design, t),
-        // A relation of lower derivatives alone is a first integral, such as the energy.
-        Cause::Law => !t.support_terms.is_empty() && has_target(design, t),
-        _ => false,
+    let bears = |t: &&ExplainedRelation| {
+        t.why.cause == Cause::WrongOrder && shares_signals(design, t)
     };
     let found = relations.iter().filter(|t| holds(design, t)).find(bears)?;
     Some(Reason::new(
@@ -87,12 +84,6 @@ pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) ->
             advice(design, &found.why, None).text
         ),
     ))
-}
-
-/// Whether the relation contains what some equation is solved for.
-fn has_target(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
-    let targets: Vec<Signal> = design.model.equations.iter().map(|e| e.target).collect();
-    t.reduced.signals().iter().any(|s| targets.contains(s))
 }
 
 /// Whether the relation and the terms found have signals in common.
