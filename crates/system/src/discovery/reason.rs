@@ -123,6 +123,8 @@ codes! {
     Outliers = "outliers",
     /// Much of the target is left unexplained.
     PoorFit = "poor-fit",
+    /// A rate column contradicts the samples of its state.
+    RateDisagrees = "rate-disagrees",
     /// The target had to be estimated, with a large error.
     RoughDerivative = "rough-derivative",
     /// Rows of little weight are missed by far.
