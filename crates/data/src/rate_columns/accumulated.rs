@@ -9,9 +9,6 @@ use super::local_level::Row;
 use super::quadrature;
 use super::stretch::Stretch;
 use super::thresholds::RATES;
-use crate::derivatives::noise_level;
-use crate::segmentation::Segment;
-use crate::time_axis::TimeGrid;
 
 /// Places of the columns in a row.
 pub(super) const FINE: usize = 0;
@@ -68,27 +65,34 @@ pub(super) fn accumulate(stretches: &[Stretch]) -> Option<Accumulated> {
         let slope = slope(time, rate);
         let bend = self::slope(time, &slope);
         let changes: Vec<f64> = rate.windows(2).map(|w| w[1] - w[0]).collect();
-        let noise = noise(time, rate);
-        let all: [&[f64]; 4] = [rate, &slope, &bend, &changes];
+        let rough = rough(time, rate);
+        let all: [&[f64]; 5] = [rate, &slope, &bend, &changes, &rough];
         squares.iter_mut().zip(all).for_each(|(sum, v)| sum.add(v));
-        squares[4].add(&vec![noise; rate.len()]);
         out.step += time[time.len() - 1] - time[0];
         out.stretches.push(rows(stretch, &slope, stride));
     }
     out.step /= steps as f64;
-    let [rate, slope, bend, changes, noise] = squares.map(|s| s.get());
+    let [rate, slope, bend, changes, rough] = squares.map(|s| s.get());
     (out.rate, out.slope, out.bend) = (rate.sqrt(), slope.sqrt(), bend.sqrt());
-    out.roughness = (2.0 * noise / changes.max(f64::MIN_POSITIVE)).min(1.0);
+    out.roughness = (2.0 * rough / changes.max(f64::MIN_POSITIVE)).min(1.0);
     Some(out)
 }
 
-fn noise(time: &[f64], values: &[f64]) -> f64 {
-    let whole = Segment {
-        start: 0,
-        end: values.len(),
-        rows_end: values.len(),
+/// What each sample differs by from the cubic through its four neighbours, in units in which white noise keeps its size. Of a jump it holds
+/// more than a quarter of the square.
+fn rough(time: &[f64], values: &[f64]) -> Vec<f64> {
+    let windows = time.windows(5).zip(values.windows(5));
+    let one = |(t, v): (&[f64], &[f64])| {
+        let (mut rest, mut square) = (v[2], 1.0);
+        for j in [0, 1, 3, 4] {
+            let others = [0, 1, 3, 4].into_iter().filter(|i| *i != j);
+            let weight: f64 = others.map(|i| (t[2] - t[i]) / (t[j] - t[i])).product();
+            rest -= weight * v[j];
+            square += weight * weight;
+        }
+        rest / square.sqrt()
     };
-    noise_level(&TimeGrid::new(time), values, &[whole])
+    windows.map(one).collect()
 }
 
 fn rows(stretch: &Stretch, slope: &[f64], stride: usize) -> Vec<Row> {

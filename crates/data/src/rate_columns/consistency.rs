@@ -49,12 +49,14 @@ const KINDS: [Kind; 4] = [Kind::Bias, Kind::Gain, Kind::Lag, Kind::Smoothing];
 
 /// Compares a rate with the samples of its state.
 pub(super) fn compare(stretches: &[Stretch]) -> Verdict {
-    if let Some(correlation) = unrelated(stretches) {
-        return Verdict::Unrelated(correlation);
-    }
     let Some(data) = accumulate(stretches) else {
         return Verdict::Silent;
     };
+    // Rough rows may be no record at all, and have no integral.
+    let told = data.roughness < RATES.rough;
+    if let Some(correlation) = unrelated(stretches).filter(|_| told) {
+        return Verdict::Unrelated(correlation);
+    }
     // Nine decades of the standard deviation on either side: white noise alone, and a random walk alone.
     let ratios = (-8..=8).map(|e| 10f64.powi(e));
     let search = Search {
@@ -164,8 +166,24 @@ impl Search {
         };
         let columns: Vec<usize> = set.iter().map(column).collect();
         let fits = self.whitened.iter();
-        fits.filter_map(|w| regress(w, target, &columns))
-            .min_by(|a, b| a.deviance.total_cmp(&b.deviance))
+        let fits: Vec<Regression> = fits.filter_map(|w| regress(w, target, &columns)).collect();
+        let mut best = fits
+            .iter()
+            .min_by(|a, b| a.deviance.total_cmp(&b.deviance))?
+            .clone();
+        // A random walk is easily taken for a trend: every ratio that is likely has its say.
+        let likely = |f: &&Regression| f.deviance < best.deviance + RATES.likely;
+        let mut errors = best.errors.clone();
+        for fit in fits.iter().filter(likely) {
+            let others = fit.coefficients.iter().zip(&fit.errors);
+            for ((error, own), (value, other)) in
+                errors.iter_mut().zip(&best.coefficients).zip(others)
+            {
+                *error = error.max(other.hypot(value - own));
+            }
+        }
+        best.errors = errors;
+        Some(best)
     }
 }
 
@@ -183,28 +201,23 @@ fn fault(kind: Kind, found: Estimate) -> Fault {
     Fault { kind, value, error }
 }
 
-/// The correlation of the rises of the state with the integrals of the rate over several steps, if it is low and the samples are close
-/// enough for integrals.
+/// The correlation of the rises of the state with the integrals of the rate over several steps, if it is low.
 fn unrelated(stretches: &[Stretch]) -> Option<f64> {
     let all: usize = stretches.iter().map(|s| s.time.len()).sum();
     let span = (all / RATES.intervals).clamp(1, RATES.max_interval);
-    let (mut xy, mut xx, mut yy, mut error) = (0.0, 0.0, 0.0, 0.0);
-    let mut count = 0;
-    for stretch in stretches.iter().filter(|s| s.time.len() > RATES.min_steps) {
-        let [coarse, fine] =
-            [2, 4].map(|p| quadrature::over_steps(&stretch.time, &stretch.rate, p));
-        for from in (0..stretch.time.len() - span.min(stretch.time.len())).step_by(span) {
-            let rise = stretch.state[from + span] - stretch.state[from];
-            let area: f64 = fine[from..from + span].iter().sum();
-            let other: f64 = coarse[from..from + span].iter().sum();
+    let (mut xy, mut xx, mut yy, mut count) = (0.0, 0.0, 0.0, 0);
+    for s in stretches.iter().filter(|s| s.time.len() > RATES.min_steps) {
+        let areas = quadrature::over_steps(&s.time, &s.rate, 4);
+        for (place, areas) in areas.chunks_exact(span).enumerate() {
+            let from = place * span;
+            let rise = s.state[from + span] - s.state[from];
+            let area: f64 = areas.iter().sum();
             xy += rise * area;
             xx += rise * rise;
             yy += area * area;
-            error += (area - other).powi(2);
             count += 1;
         }
     }
     let correlation = xy / (xx * yy).sqrt();
-    let told = count >= RATES.parts && error <= RATES.coarse.powi(2) * yy;
-    (told && correlation.abs() < RATES.unrelated).then_some(correlation)
+    (count >= RATES.parts && correlation.abs() < RATES.unrelated).then_some(correlation)
 }

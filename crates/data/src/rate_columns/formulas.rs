@@ -13,21 +13,25 @@ pub(super) fn formula(stretches: &[Stretch]) -> Option<String> {
     let even = stretches.iter().all(|s| is_even(&s.time));
     let references = [5, 7, 9].map(Formula::Interpolated);
     let differs = |formula: &Formula| -> Option<f64> {
+        let weights = formula.weights();
         let others = references.iter().filter(|r| *r != formula);
-        let errors =
-            others.filter_map(|r| rms(stretches, |s, k| Some(formula.at(s, k)? - r.at(s, k)?)));
+        let errors = others.filter_map(|r| {
+            rms(stretches, |s, k| {
+                Some(formula.at(&weights, s, k)? - r.at(&[], s, k)?)
+            })
+        });
         errors.reduce(f64::min)
     };
-    candidates(even).into_iter().find_map(|formula| {
-        let own = rms(stretches, |s, k| Some(formula.at(s, k)? - s.rate[k]))?;
-        // Most candidates are nowhere near, which one number tells.
-        let size = rms(stretches, |s, k| Some(s.rate[k]))?;
-        if own > FILTERS.exact * size {
-            return None;
-        }
-        let error = differs(&formula)?;
-        (own < FILTERS.exact * error).then(|| formula.name())
-    })
+    let left = |formula: Formula| {
+        let weights = formula.weights();
+        let left = rms(stretches, |s, k| {
+            Some(formula.at(&weights, s, k)? - s.rate[k])
+        })?;
+        Some((left, formula))
+    };
+    let nearest = candidates(even).into_iter().filter_map(left);
+    let (left, formula) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (left < FILTERS.exact * differs(&formula)?).then(|| formula.name())
 }
 
 /// A way to make a rate from samples.
@@ -80,38 +84,55 @@ impl Formula {
         }
     }
 
-    /// The formula's rate at sample `k`; `None` where it lacks samples.
-    fn at(&self, s: &Stretch, k: usize) -> Option<f64> {
-        let reach = match self {
-            Formula::Forward => return difference(s, k, k + 1),
-            Formula::Backward => return difference(s, k.checked_sub(1)?, k),
+    /// Samples to either side that it takes.
+    fn reach(&self) -> usize {
+        match self {
+            Formula::Forward | Formula::Backward => 1,
             Formula::Interpolated(n) | Formula::SavitzkyGolay(n, _) => n / 2,
             Formula::Smoothed(n, _) => n / 2 + 1,
-        };
+        }
+    }
+
+    /// Weights of the samples on an even grid of step 1; none where they follow from the times.
+    fn weights(&self) -> Vec<f64> {
+        let reach = self.reach();
+        let places = (0..=2 * reach).map(|i| i as f64 - reach as f64);
+        match self {
+            Formula::SavitzkyGolay(_, degree) => slope_weights(reach, *degree),
+            Formula::Smoothed(_, degree) => {
+                let mean = mean_weights(reach - 1, *degree);
+                let at = |j: f64| {
+                    let place = j + (reach - 1) as f64;
+                    mean.get(place as usize)
+                        .filter(|_| place >= 0.0)
+                        .copied()
+                        .unwrap_or(0.0)
+                };
+                places.map(|j| 0.5 * (at(j - 1.0) - at(j + 1.0))).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// The formula's rate at sample `k`; `None` where it lacks samples.
+    fn at(&self, weights: &[f64], s: &Stretch, k: usize) -> Option<f64> {
+        let reach = self.reach();
+        match self {
+            Formula::Forward => return difference(s, k, k + 1),
+            Formula::Backward => return difference(s, k.checked_sub(1)?, k),
+            _ => {}
+        }
         let from = k.checked_sub(reach)?;
         let time = s.time.get(from..=k + reach)?;
         let values = s.state.get(from..=k + reach)?;
+        if weights.is_empty() {
+            return Some(interpolated(time, values, reach));
+        }
         let step = (time[time.len() - 1] - time[0]) / (2 * reach) as f64;
         // Differences to the middle, so that a large mean costs no digits.
-        let weighted = |weight: &dyn Fn(f64) -> f64| -> f64 {
-            let places = (0..values.len()).map(|i| i as f64 - reach as f64);
-            let differences = values.iter().map(|x| x - s.state[k]);
-            places.zip(differences).map(|(j, x)| weight(j) * x).sum()
-        };
-        Some(match self {
-            Formula::SavitzkyGolay(_, degree) => {
-                weighted(&|j| slope_weight(reach, *degree, j)) / step
-            }
-            Formula::Smoothed(_, degree) => {
-                let window = reach - 1;
-                let smooth = |j: f64| match j.abs() <= window as f64 {
-                    true => mean_weight(window, *degree, j),
-                    false => 0.0,
-                };
-                weighted(&|j| 0.5 * (smooth(j - 1.0) - smooth(j + 1.0))) / step
-            }
-            _ => interpolated(time, values, reach),
-        })
+        let differences = values.iter().map(|x| x - s.state[k]);
+        let weighted: f64 = weights.iter().zip(differences).map(|(w, x)| w * x).sum();
+        Some(weighted / step)
     }
 }
 
@@ -139,23 +160,29 @@ fn moment(reach: usize, power: i32) -> f64 {
     2.0 * (1..=reach).map(|j| (j as f64).powi(power)).sum::<f64>()
 }
 
-/// Weight of the sample `j` steps away in the slope of a polynomial of degree 2 or 4.
-fn slope_weight(reach: usize, degree: usize, j: f64) -> f64 {
+/// Weights of the samples in the slope of a polynomial of degree 2 or 4.
+fn slope_weights(reach: usize, degree: usize) -> Vec<f64> {
     let [two, four, six] = [2, 4, 6].map(|p| moment(reach, p));
-    match degree {
+    let weight = |j: f64| match degree {
         2 => j / two,
         _ => (six * j - four * j.powi(3)) / (two * six - four * four),
-    }
+    };
+    (0..=2 * reach)
+        .map(|i| weight(i as f64 - reach as f64))
+        .collect()
 }
 
-/// Weight of the sample `j` steps away in the value of a polynomial of degree 0 or 2.
-fn mean_weight(reach: usize, degree: usize, j: f64) -> f64 {
+/// Weights of the samples in the value of a polynomial of degree 0 or 2.
+fn mean_weights(reach: usize, degree: usize) -> Vec<f64> {
     let count = (2 * reach + 1) as f64;
     let [two, four] = [2, 4].map(|p| moment(reach, p));
-    match degree {
+    let weight = |j: f64| match degree {
         0 => 1.0 / count,
         _ => (four - two * j * j) / (count * four - two * two),
-    }
+    };
+    (0..=2 * reach)
+        .map(|i| weight(i as f64 - reach as f64))
+        .collect()
 }
 
 fn is_even(time: &[f64]) -> bool {
@@ -204,7 +231,7 @@ mod tests {
     #[test]
     fn each_formula_is_recognised_by_what_it_makes() {
         for made_by in candidates(true) {
-            let made = motion(|s, k| made_by.at(s, k).unwrap_or(f64::NAN));
+            let made = motion(|s, k| made_by.at(&made_by.weights(), s, k).unwrap_or(f64::NAN));
             let whole = |s: &Stretch| {
                 let known: Vec<usize> = (0..s.time.len())
                     .filter(|k| s.rate[*k].is_finite())

@@ -150,3 +150,6 @@ impl RateColumn<'_> {
         (said, format!("{text}: {none}"))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,20 +4,24 @@
 //!
 //! Let w be the filter of the samples x = x̄ + n that comes nearest to the rate r. If r was measured independently of n, however exactly, then
 //! ‖r − w·x‖² ≥ σ²‖w‖², because w passes the noise n on. A rate that is reproduced far better than that shares the noise. σ is bounded
-//! from above by how well a sample is told by its neighbours, which noise is not.
+//! from above by differences, and by how well a sample is told by its neighbours, which noise is not.
 
 use nalgebra::DMatrix;
 
 use super::stretch::Stretch;
 use super::thresholds::FILTERS;
+use crate::derivatives::noise_level;
+use crate::segmentation::Segment;
+use crate::time_axis::TimeGrid;
 
 /// Samples on either side that filters take.
 const REACHES: [usize; 3] = [8, 25, 50];
 
 /// Length of a filter of the state's samples that makes the rate.
 pub(super) fn filter_length(stretches: &[Stretch]) -> Option<usize> {
+    let noise = state_noise(stretches);
     for reach in REACHES {
-        let left = least_left(stretches, reach)?;
+        let left = least_left(stretches, noise, reach)?;
         if left < FILTERS.shared {
             return Some(2 * reach + 1);
         }
@@ -28,8 +32,22 @@ pub(super) fn filter_length(stretches: &[Stretch]) -> Option<usize> {
     None
 }
 
+/// Noise of the state by its differences, of which medians are taken: jumps of what drives it are no noise.
+fn state_noise(stretches: &[Stretch]) -> f64 {
+    let of = |s: &Stretch| {
+        let end = s.state.len();
+        let whole = Segment {
+            start: 0,
+            end,
+            rows_end: end,
+        };
+        noise_level(&TimeGrid::new(&s.time), &s.state, &[whole])
+    };
+    stretches.iter().map(of).fold(f64::INFINITY, f64::min)
+}
+
 /// What the best filter leaves of the rate, over the noise of the samples that it passes on; `None` with too few samples.
-fn least_left(stretches: &[Stretch], reach: usize) -> Option<f64> {
+fn least_left(stretches: &[Stretch], noise: f64, reach: usize) -> Option<f64> {
     let rows = windows(stretches, reach);
     let weights = 2 * reach;
     if rows.len() < FILTERS.samples_per_weight * weights {
@@ -54,7 +72,7 @@ fn least_left(stretches: &[Stretch], reach: usize) -> Option<f64> {
     // The next sample from all others: a contrast in which only noise is left.
     let others = solve(&r, weights - 1, &scale);
     let contrast = norm(others.iter().map(|c| -c).chain([1.0]));
-    let noise = residual(weights - 1) / contrast;
+    let noise = noise.min(residual(weights - 1) / contrast);
     let passed = noise * norm(solve(&r, weights, &scale).into_iter());
     (passed > 0.0).then(|| residual(weights) / passed)
 }

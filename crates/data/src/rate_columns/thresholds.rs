@@ -5,6 +5,8 @@ sidc_thresholds::family! {
     pub(crate) RATES: RateThresholds {
         /// Standard errors from which a bias, a gain, a lag or a smoothing is no chance; the error is at least that between ten parts of the record.
         significance: f64 = 6.0, unit "standard errors", source "Student's t of the nine degrees of freedom between ten parts: two in ten thousand";
+        /// Deviance above the least up to which a ratio of the two noises is likely.
+        likely: f64 = 4.0, unit "deviance", source "two standard errors: 95 % of a chi-square with one degree of freedom is 3.84";
         /// Share of the rate from which a fault is a fault of its sensor.
         effect: f64 = 1e-3, unit "of the rate's rms", source "the error that instruments of class 0.1 may have (IEC 60051)";
         /// Parts of the record between which errors are compared.
@@ -17,8 +19,8 @@ sidc_thresholds::family! {
         max_instants: usize = 4000, unit "instants", source "a cost of milliseconds; the quadrature uses all samples";
         /// Part of a column's variance that the other columns must leave for its coefficient to be told.
         independent: f64 = 1e-9, unit "of the variance", source "the square root of the rounding of sums of squares, with a digit to spare";
-        /// Error of the coarse quadrature from which a rate that does not follow its state is not told.
-        coarse: f64 = 0.1, unit "of the rises", source "a tenth: the correlation asked for is a half";
+        /// Part of the changes from sample to sample that is rough from which a rate that does not follow its state is not told.
+        rough: f64 = 0.5, unit "of the variance of the changes", source "half: beyond it a sample tells more of itself than of its neighbours";
         /// Correlation with the rises of the state below which a column is another signal.
         unrelated: f64 = 0.5, unit "", source "half: less than half of the motion in common";
         /// Deviation from a ratio of units that still explains a factor.
