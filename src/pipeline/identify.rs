@@ -14,6 +14,7 @@ use sidc_system::validate::Validation;
 use super::evidence::{self, Weighing};
 use super::measure::Measured;
 use super::program::Program;
+use super::rates;
 use super::unevaluable;
 use crate::options::Options;
 
@@ -35,6 +36,7 @@ pub fn identify(
             let nothing = discover::nothing_fits(&program.model, problem);
             (nothing, Fitted::default())
         });
+        rates::doubt(&mut discovery, &measured.dataset.rate_faults);
         let read = evidence::readings(program, &measured.dataset, &discovery);
         let weighing = Weighing {
             program,
@@ -56,6 +58,7 @@ pub fn identify(
         observer,
     );
     let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
+    rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {
         program,
         rows: Rows {

@@ -8,6 +8,7 @@ mod identify;
 mod measure;
 mod noise;
 mod program;
+mod rates;
 mod regression;
 mod thresholds;
 mod unevaluable;

@@ -26,7 +26,7 @@ sidc_thresholds::family! {
 /// when it is sampled faster than it is set, and a smooth signal hardly ever does.
 pub(crate) fn infer(
     model: &Model,
-    trajectories: &[Trajectory],
+    trajectories: &[&Trajectory],
     out: &mut Vec<Diagnostic>,
 ) -> Vec<Input> {
     let mut inputs = Vec::new();

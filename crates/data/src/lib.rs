@@ -17,6 +17,7 @@ mod dataset;
 mod derivatives;
 pub mod draft;
 mod intersample;
+mod rate_columns;
 mod sample_assembly;
 mod segmentation;
 mod series;
@@ -26,8 +27,8 @@ mod time_axis;
 pub use binding::bind;
 pub use csv::{ArrayFault, Limits, Table, bad_cells, io_error_text, read, too_large};
 pub use dataset::{
-    Column, Dataset, HoldOut, HoldOutRange, Input, Origin, Samples, Trajectory, Window, hold_out,
-    keep_window,
+    Column, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples, Trajectory, Window,
+    hold_out, keep_window,
 };
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
@@ -41,6 +42,8 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         intersample::IntersampleThresholds::table(),
         checks::thresholds::RecordChecks::table(),
         checks::thresholds::TimeChecks::table(),
+        rate_columns::thresholds::RateThresholds::table(),
+        rate_columns::thresholds::FilterThresholds::table(),
         derivatives::thresholds::BandwidthSelection::table(),
         derivatives::thresholds::NoiseEstimation::table(),
         derivatives::thresholds::QuantizationThresholds::table(),

@@ -15,7 +15,7 @@ use crate::checks::{self, sampling_times};
 use crate::csv::{Table, bad_cells};
 use crate::dataset::BoundTrajectory;
 use crate::dataset::{Dataset, Trajectory};
-use crate::{intersample, time_axis};
+use crate::{intersample, rate_columns, time_axis};
 
 /// Binds tables to a model's signals.
 ///
@@ -36,11 +36,16 @@ pub fn bind(
     }
     give_params(model, params, &mut bound, &mut out);
     checks::check(model, &bound, sources, &mut out);
-    let trajectories: Vec<Trajectory> = bound.into_iter().map(|p| p.trajectory).collect();
-    let inputs = intersample::infer(model, &trajectories, &mut out);
+    let records = || bound.iter().map(|p| &p.trajectory);
+    let mut assumed = Vec::new();
+    let inputs = intersample::infer(model, &records().collect::<Vec<_>>(), &mut assumed);
+    let source = |signal| checks::source_text(model, sources, signal);
+    let rate_faults = rate_columns::judge(model, &mut bound, &inputs, &source, &mut out);
+    out.extend(assumed);
     let dataset = Dataset {
-        trajectories,
+        trajectories: bound.into_iter().map(|p| p.trajectory).collect(),
         inputs,
+        rate_faults,
     };
     (dataset, out)
 }

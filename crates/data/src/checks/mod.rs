@@ -1,4 +1,4 @@
-//! Checks of bound signals: missing values, constant columns, wrapped angles, derivatives whose units disagree.
+//! Checks of bound signals: missing values, constant columns, wrapped angles.
 //!
 //! In: bound trajectories. Out: findings, each with file, row and value. Changes nothing.
 
@@ -48,9 +48,6 @@ pub(crate) fn check(
         check.constant();
         if kind == Some(VarKind::State) && signal.der == 0 {
             check.wrapped();
-        }
-        if signal.der > 0 {
-            check.slope();
         }
     }
 }
@@ -106,7 +103,7 @@ impl SignalCheck<'_> {
         }
         let what = self.model.name(self.signal);
         let unit = -largest.log10().floor().clamp(-300.0, 300.0);
-        let source = self.source_text();
+        let source = source_text(self.model, self.sources, self.signal);
         self.out.push(
         Diagnostic::error(
             "out-of-scale",
@@ -181,7 +178,7 @@ impl SignalCheck<'_> {
                 };
                 let (name, what) = (&p.trajectory.name, self.model.name(self.signal));
                 let value = |i: usize| values.get(i).copied().unwrap_or(f64::NAN);
-                let source = self.source_text();
+                let source = source_text(self.model, self.sources, self.signal);
                 self.out.push(
                 Diagnostic::warning(
                     "wrapped-angle",
@@ -202,91 +199,16 @@ impl SignalCheck<'_> {
             }
         }
     }
+}
 
-    /// The right side of a signal's entry as written, else its header in quotes.
-    fn source_text(&self) -> String {
-        let entry = self
-            .model
-            .data
-            .entries
-            .iter()
-            .find(|e| e.signal == self.signal);
-        entry
-            .and_then(|e| e.source.as_ref())
-            .map(|e| self.sources.slice(e.span).to_string())
-            .filter(|s| !s.is_empty())
-            .unwrap_or(format!("\"{}\"", self.model.name(self.signal)))
-    }
-
-    /// Compares a measured derivative with the slope of the signal below it.
-    fn slope(&mut self) {
-        let below = Signal::derivative(self.signal.var, self.signal.der - 1);
-        let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
-        for p in self.trajectories {
-            let t = &p.trajectory;
-            let (Some(y), Some(dy)) = (t.column(below), t.column(self.signal)) else {
-                continue;
-            };
-            // Rises of y against areas under dy (trapezoidal rule) over several steps, so that noise averages out.
-            let span = (t.len() / RECORD.intervals).clamp(1, RECORD.max_interval);
-            let mut from = 0;
-            while from + span < t.len() {
-                let at = |v: &[f64], i: usize| v.get(i).copied().unwrap_or(f64::NAN);
-                let rise = at(y, from + span) - at(y, from);
-                let area: f64 = (from..from + span)
-                    .map(|i| {
-                        0.5 * (at(dy, i) + at(dy, i + 1)) * (at(&t.time, i + 1) - at(&t.time, i))
-                    })
-                    .sum();
-                if rise.is_finite() && area.is_finite() {
-                    xy += rise * area;
-                    xx += rise * rise;
-                    yy += area * area;
-                }
-                from += span;
-            }
-        }
-        if xx == 0.0 || yy == 0.0 {
-            return;
-        }
-        let (factor, correlation) = (xy.signum() * (yy / xx).sqrt(), xy / (xx * yy).sqrt());
-        let (what, of) = (self.model.name(self.signal), self.model.name(below));
-        if correlation.abs() < RECORD.slope_correlation {
-            self.out.push(
-                Diagnostic::warning(
-                    "slope-disagrees",
-                    format!(
-                        "{what} does not follow the slope of {of} (correlation {correlation:.2})"
-                    ),
-                )
-                .help(format!(
-                    "data {{ {what} = none }} estimates it from {of} instead"
-                )),
-            );
-            return;
-        }
-        if (factor - 1.0).abs() <= RECORD.factor_tolerance
-            || correlation.abs() < RECORD.factor_correlation
-        {
-            return;
-        }
-        let guess = UNIT_RATIOS
-            .iter()
-            .find(|(k, _, _)| (factor / k - 1.0).abs() < RECORD.unit_tolerance);
-        let d = Diagnostic::warning(
-            "slope-disagrees",
-            format!("{what} is {factor:.4} times the slope of {of}"),
-        );
-        let d = match guess {
-            Some((_, why, _)) => d.fact(format!("{why}?")),
-            None => d,
-        };
-        let fix = guess.map_or(format!("/ {factor:.4}"), |(_, _, fix)| (*fix).to_string());
-        let source = self.source_text();
-        self.out.push(d.help(format!(
-            "data {{ {what} = {source} {fix} }}, or {what} = none to estimate it from {of}"
-        )));
-    }
+/// The right side of a signal's entry as written, else its header in quotes.
+pub(crate) fn source_text(model: &Model, sources: &Sources, signal: Signal) -> String {
+    let entry = model.data.entries.iter().find(|e| e.signal == signal);
+    entry
+        .and_then(|e| e.source.as_ref())
+        .map(|e| sources.slice(e.span).to_string())
+        .filter(|s| !s.is_empty())
+        .unwrap_or(format!("\"{}\"", model.name(signal)))
 }
 
 /// First row and number of the jumps, if all values lie within a turn and all other steps are small.
@@ -309,17 +231,3 @@ fn wraps(values: &[f64], period: f64) -> Option<(usize, usize)> {
     }
     first.map(|f| (f, count))
 }
-
-/// Factors that units explain, the explanation, and the arithmetic that undoes them.
-#[rustfmt::skip]
-const UNIT_RATIOS: [(f64, &str, &str); 9] = [
-    (1000.0, "is the derivative in mm/s, or the time in ms", "* 1e-3"),
-    (1e-3, "is the signal in mm and its derivative in m/s", "* 1e3"),
-    (100.0, "is the derivative in cm/s", "* 1e-2"),
-    (57.29578, "is the derivative in degrees per second", "* pi/180"),
-    (0.0174533, "is the signal in degrees and its derivative in rad/s", "* 180/pi"),
-    (9.549297, "is the derivative in revolutions per minute", "* 2*pi/60"),
-    (60.0, "is the derivative per minute", "/ 60"),
-    (0.159155, "is the derivative in turns per second", "* 2*pi"),
-    (-1.0, "does one of them point the other way", "* -1"),
-];

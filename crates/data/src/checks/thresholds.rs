@@ -17,18 +17,6 @@ sidc_thresholds::family! {
         wrapped_step: f64 = 0.75, unit "turns", source "set by hand";
         /// Step up to which an angle has moved; between the two it is no angle.
         moved_step: f64 = 0.25, unit "turns", source "set by hand";
-        /// Correlation with the slope below which a measured derivative is another signal.
-        slope_correlation: f64 = 0.5, unit "", source "set by hand";
-        /// Correlation from which a factor between the two is reported.
-        factor_correlation: f64 = 0.9, unit "", source "set by hand";
-        /// Deviation of that factor from 1 that is not mentioned.
-        factor_tolerance: f64 = 0.1, unit "", source "set by hand";
-        /// Deviation from a ratio of units that still explains a factor.
-        unit_tolerance: f64 = 0.05, unit "of the ratio", source "set by hand";
-        /// Intervals that a record is cut into to compare rises with areas, where that gives no more than the next number's steps.
-        intervals: usize = 50, unit "intervals", source "set by hand";
-        /// Most steps of one such interval.
-        max_interval: usize = 20, unit "steps", source "set by hand";
     }
 }
 

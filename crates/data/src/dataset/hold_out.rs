@@ -62,6 +62,7 @@ pub fn hold_out(dataset: &mut Dataset, what: &HoldOut) -> Result<Dataset, Diagno
     let mut held = Dataset {
         trajectories: Vec::new(),
         inputs: dataset.inputs.clone(),
+        rate_faults: dataset.rate_faults.clone(),
     };
     if what.is_empty() {
         return Ok(held);
@@ -142,6 +143,7 @@ mod tests {
         Dataset {
             trajectories: lengths.iter().enumerate().map(record).collect(),
             inputs: Vec::new(),
+            rate_faults: Vec::new(),
         }
     }
 

@@ -4,12 +4,14 @@
 
 mod bound_trajectory;
 mod hold_out;
+mod rate_fault;
 mod samples;
 mod time_window;
 mod trajectories;
 
 pub(crate) use bound_trajectory::BoundTrajectory;
 pub use hold_out::{HoldOut, HoldOutRange, hold_out};
+pub use rate_fault::RateFault;
 pub use samples::{Column, Origin, Samples};
 pub use time_window::{Window, keep_window};
 pub use trajectories::{Dataset, Input, Trajectory};

@@ -3,12 +3,16 @@
 use sidc_lang::model::Between;
 use sidc_lang::term::{Signal, VarId};
 
+use super::rate_fault::RateFault;
+
 /// All trajectories, in the order of files, then of appearance.
 #[derive(Clone, Debug, Default)]
 pub struct Dataset {
     pub trajectories: Vec<Trajectory>,
     /// How each measured input moves between samples, in the order of declaration.
     pub inputs: Vec<Input>,
+    /// Rates that contradict the samples of their states.
+    pub rate_faults: Vec<RateFault>,
 }
 
 /// An input's intersample behaviour, declared or inferred from its record.

@@ -48,7 +48,8 @@ pub(crate) fn doubts(case: &TrajectoryCase) -> Vec<Reason> {
 
 /// Whether the residuals of a channel are more than the noise of its sensor.
 pub(crate) fn unexplained(c: &Channel) -> bool {
-    c.excess > TRAJECTORY_DOUBTS.misfit || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation)
+    c.excess > TRAJECTORY_DOUBTS.misfit
+        || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
 }
 
 /// The doubt `input-delay`: inputs that were shifted in time.
@@ -58,15 +59,10 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
         1 => ("acts", "its record"),
         _ => ("act", "their records"),
     };
-    let when = if late.samples > 0.0 {
-        "later"
-    } else {
-        "earlier"
-    };
     Reason::new(
         ReasonCode::InputDelay,
         format!(
-            "{} {act} {} s ({} samples) {when} than {record}, which the criterion prefers by {:.0}; the equations are those with \
+            "{} {act} {} s ({} samples) later than {record}, which the criterion prefers by {:.0}; the equations are those with \
              the delay",
             inputs.join(", "),
             short(late.seconds.abs()),
@@ -76,20 +72,25 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
     )
 }
 
-/// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do.
+/// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do. `terms` are those of this equation; without
+/// any, it has the state in other terms.
 pub(crate) fn offset(names: &Discovery, offset: &SensorOffset, terms: &[String]) -> Reason {
+    let needed = match terms {
+        [] => "terms of another equation are".into(),
+        [one] => format!("{one} is"),
+        many => format!("{} are", many.join(", ")),
+    };
+    let all = offset.terms.len();
+    let as_well = match offset.gain > 1.0 {
+        true => format!("which the criterion prefers by {:.0}", offset.gain),
+        false => "and the fit is as good".into(),
+    };
     Reason::new(
         ReasonCode::SensorOffset,
         format!(
-            "if the sensor of {} reads {:.4} too much, {} not needed ({} fewer in all, which the criterion prefers by {:.0}): check its zero",
+            "if the sensor of {} reads {:.4} too much, {needed} not needed ({all} fewer in all, {as_well}): check its zero",
             names.name(offset.signal),
             offset.value,
-            match terms {
-                [one] => format!("{one} is"),
-                many => format!("{} are", many.join(", ")),
-            },
-            offset.terms.len(),
-            offset.gain
         ),
     )
 }
@@ -169,8 +170,15 @@ fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     })
 }
 
+/// Whether what is left of a channel is more than rounding and more than the fit resolves.
+fn told(c: &Channel) -> bool {
+    c.left
+        > c.accuracy
+            .max(TRAJECTORY_DOUBTS.negligible_residual * c.spread)
+}
+
 fn memory(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
-    (c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && c.left > TRAJECTORY_DOUBTS.negligible_residual * c.spread).then(|| {
+    (c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)).then(|| {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(

@@ -18,7 +18,7 @@ use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
 pub(crate) struct JointFit<'a> {
     pub problem: Cow<'a, Problem>,
     pub found: Found,
-    /// Inputs that act at other times than recorded; in `problem` they are shifted.
+    /// Inputs that act later than recorded; in `problem` they are shifted.
     pub late: Option<DelayedInputs>,
     /// An offset of a sensor that would explain terms.
     pub offset: Option<SensorOffset>,
@@ -147,7 +147,8 @@ impl DelayOutlierSearch<'_, '_> {
             return Some(fit);
         };
         let without = trajectory::criterion_without_delay(problem, &found.best, late, self.watcher);
-        if without - fit.found.best.value >= fit.found.penalty {
+        // A delay that nothing can be compared with is not preferred.
+        if without.is_some_and(|w| w - fit.found.best.value >= fit.found.penalty) {
             return Some(fit);
         }
         Some(JointFit::new(Cow::Borrowed(problem), found, None))
@@ -200,7 +201,10 @@ impl DelayOutlierSearch<'_, '_> {
             let Some(more) = self.delay(problem, best, inputs) else {
                 return;
             };
-            let before = trajectory::criterion_without_delay(problem, best, &more, self.watcher);
+            let without = trajectory::criterion_without_delay(problem, best, &more, self.watcher);
+            let Some(before) = without else {
+                return;
+            };
             let more = DelayedInputs { gain: 0.0, ..more };
             let Some(mut late) = together(moved.as_ref(), more) else {
                 return;
@@ -230,7 +234,7 @@ fn together(before: Option<&DelayedInputs>, more: DelayedInputs) -> Option<Delay
         return Some(more);
     };
     let samples = before.samples + more.samples;
-    (before.inputs == more.inputs && samples != 0.0).then_some(DelayedInputs {
+    (before.inputs == more.inputs && samples > 0.0).then_some(DelayedInputs {
         samples,
         seconds: before.seconds + more.seconds,
         gain: before.gain + more.gain,

@@ -72,7 +72,10 @@ impl Report<'_> {
             let terms: Vec<String> = own
                 .map(|j| language.term(&self.problem.system.columns[*j]))
                 .collect();
-            if !terms.is_empty() {
+            let support = self.found.best.support().iter();
+            let mut own = support.filter(|j| law.columns.contains(j));
+            let signal = offset.signal;
+            if own.any(|j| self.problem.system.columns[*j].mentions(signal)) {
                 reasons.push(trajectory_rules::offset(names, offset, &terms));
             }
         }

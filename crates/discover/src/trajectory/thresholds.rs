@@ -159,6 +159,8 @@ family! {
         files_differ: f64 = 1.5, unit "", source "set by hand";
         /// Robust distance beyond which a reading is an outlier.
         outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand";
+        /// Readings around one, in time and in value, whose deviations say what is usual there.
+        around: usize = 50, unit "readings", source "a standard deviation from the median of 50 readings has a relative error of 1.17/sqrt(50): a sixth";
         /// Distance of its neighbours, relative to its own, up to which a reading is an outlier and not a misfit of the laws.
         neighbours: f64 = 0.6, unit "", source "set by hand";
         /// Largest share of outliers; a channel with more has another distribution.
@@ -179,7 +181,7 @@ family! {
 family! {
     /// Which delays of inputs are tried.
     pub(crate) DELAYS: Delays {
-        /// Delays that are screened, to both sides.
+        /// Delays that are screened.
         screened: [usize; 12] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 17, 20], unit "samples", source "set by hand";
         /// Simplest columns of each law that are screened: as many without inputs, and as many with them.
         simple_columns: usize = 8, unit "columns", source "set by hand";
@@ -213,8 +215,10 @@ family! {
         min_step: f64 = 0.05, unit "steps", source "set by hand";
         /// Change of the criterion at which the offset has converged.
         converged: f64 = 0.5, unit "criterion", source "a move of one standard error changes it by 1: this is less";
-        /// Fewest terms that an offset has to explain.
+        /// Fewest terms that an offset has to explain, constants among them.
         min_terms: usize = 2, unit "terms", source "set by hand";
+        /// Loss up to which laws with an offset and as many numbers are as good.
+        as_good: f64 = 2.0, unit "criterion", source "Kass and Raftery 1995, section 3.2: less is not worth more than a bare mention";
         /// How much worse the first fit with an offset may be.
         hopeless: f64 = 30.0, unit "price of a term", source "set by hand";
         /// Relative standard error from which a term may be dropped.

@@ -127,6 +127,8 @@ codes! {
     Outliers = "outliers",
     /// Much of the target is left unexplained.
     PoorFit = "poor-fit",
+    /// A rate column contradicts the samples of its state.
+    RateDisagrees = "rate-disagrees",
     /// A relation that holds along these data bears on the terms found.
     Relation = "relation",
     /// The target had to be estimated, with a large error.

@@ -48,6 +48,7 @@ pub fn simulate(
     let mut record = Dataset {
         trajectories: one.cloned().into_iter().collect(),
         inputs: source.dataset.inputs.clone(),
+        rate_faults: Vec::new(),
     };
     if let Some(empty) = data::keep_window(&mut record, options.window) {
         return Err(empty);
@@ -168,6 +169,7 @@ impl RecordSimulation<'_> {
     fn part(&self, rows: &std::ops::Range<usize>) -> Dataset {
         Dataset {
             inputs: self.inputs.inputs.clone(),
+            rate_faults: Vec::new(),
             trajectories: vec![self.record.part(rows.clone())],
         }
     }

@@ -70,6 +70,7 @@ pub fn restarted(
     let pieces = Dataset {
         trajectories: held.trajectories.iter().flat_map(cut).collect(),
         inputs: held.inputs.clone(),
+        rate_faults: held.rate_faults.clone(),
     };
     Validation {
         runs: run_all((d, model), &pieces, true, observer),

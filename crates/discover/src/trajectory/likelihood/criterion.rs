@@ -3,7 +3,13 @@
 //! In: residuals and a support. Out: one number, the smaller the better. Fits nothing.
 
 use crate::trajectory::model::{LinearizationPoint, Problem};
-use crate::trajectory::thresholds::CRITERION;
+use crate::trajectory::thresholds::{CRITERION, SEARCH};
+
+/// Noise of each sensor below which a closer fit is no evidence, in the end.
+pub(crate) fn final_floor(problem: &Problem) -> Vec<f64> {
+    let least = SEARCH.floors.iter().copied().fold(f64::INFINITY, f64::min);
+    PenalizedLikelihood::new(problem, least, 0.0).floor
+}
 
 /// −2 log likelihood + price · terms.
 #[derive(Clone, Debug)]

@@ -11,8 +11,8 @@ mod linearization;
 mod sandwich_covariance;
 
 pub use block_products::{BlockProducts, block_products};
-pub(crate) use criterion::PenalizedLikelihood;
 pub use criterion::term_price;
+pub(crate) use criterion::{PenalizedLikelihood, final_floor};
 pub use gauss_newton::Fit;
 pub(crate) use gauss_newton::fit;
 pub(crate) use sandwich_covariance::set_variances;

@@ -4,9 +4,9 @@
 //! and library together: what is missing from those stays in the residuals.
 
 use super::outliers::{Outliers, outliers};
-use crate::trajectory::likelihood::Fit;
+use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::Problem;
-use crate::trajectory::thresholds::RESIDUALS;
+use crate::trajectory::thresholds::{GAUSS_NEWTON, RESIDUALS};
 use sidc_lang::term::Signal;
 use sidc_solve::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 
@@ -20,6 +20,8 @@ pub struct Channel {
     pub noise: f64,
     /// Root mean square of residuals, each over the noise of its own record's sensor.
     pub excess: f64,
+    /// How closely the fit was brought to its optimum; what it leaves below that says nothing.
+    pub accuracy: f64,
     /// Standard deviation of the state.
     pub spread: f64,
     pub readings: usize,
@@ -60,6 +62,7 @@ impl Problem {
             left: noise(self, i),
             noise: noise(self, i),
             excess: 1.0,
+            accuracy: accuracy(self, i),
             spread: self.spread[i],
             readings: self.readings_of(i),
             memory: 0.0,
@@ -80,6 +83,13 @@ fn noise(problem: &Problem, state: usize) -> f64 {
         .map(|s| problem.readings[s] as f64 * problem.noise[s].powi(2))
         .sum();
     (square / problem.readings_of(state) as f64).sqrt()
+}
+
+/// The step at which a fit ends, under the least noise that it goes by.
+fn accuracy(problem: &Problem, state: usize) -> f64 {
+    let own = final_floor(problem).into_iter().skip(state);
+    let least = own.step_by(problem.states()).fold(f64::INFINITY, f64::min);
+    GAUSS_NEWTON.state_step * least
 }
 
 fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
@@ -115,6 +125,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         left: (square / m).sqrt(),
         noise: noise(problem, state),
         excess: (excess / m).sqrt(),
+        accuracy: accuracy(problem, state),
         spread: problem.spread[state],
         readings,
         memory: memory.copysign(correlation[0]),

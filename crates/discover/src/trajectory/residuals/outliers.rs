@@ -3,7 +3,7 @@
 //! In: a problem and a fit. Out: their number and the worst, or the problem without them. A reading whose neighbours are off as well is
 //! no outlier: there the laws are wrong.
 
-use crate::trajectory::likelihood::Fit;
+use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::{LeftOut, Problem};
 use crate::trajectory::thresholds::RESIDUALS;
 
@@ -56,15 +56,9 @@ pub fn leave_out(problem: &Problem, fit: &Fit) -> Option<Problem> {
     for state in 0..problem.states() {
         let most = RESIDUALS.max_outliers * problem.readings_of(state) as f64;
         let mut own = Vec::new();
-        let sigma = robust_sigma(problem, fit, state);
+        let scale = Scale::new(problem, fit, state);
         for (record, read) in records.iter().enumerate() {
-            let far = distances_of(
-                problem,
-                fit,
-                (record, state),
-                &read.measured[state],
-                sigma[record],
-            );
+            let far = scale.distances(problem, fit, (record, state), &read.measured[state]);
             let before = |k: usize| {
                 let same = |l: &&LeftOut| (l.record, l.state, l.sample) == (record, state, k);
                 problem.left_out.iter().any(|l| same(&l))
@@ -104,32 +98,90 @@ fn is_outlier(far: &[f64], k: usize) -> bool {
 
 /// Distances of all readings of a state from the fit in robust standard deviations, record by record; 0 where there is no reading.
 fn distances(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<f64>> {
-    let sigma = robust_sigma(problem, fit, state);
+    let scale = Scale::new(problem, fit, state);
     let records = problem.records.iter().enumerate();
     records
-        .map(|(r, record)| {
-            distances_of(problem, fit, (r, state), &record.measured[state], sigma[r])
-        })
+        .map(|(r, record)| scale.distances(problem, fit, (r, state), &record.measured[state]))
         .collect()
 }
 
-fn distances_of(
-    problem: &Problem,
-    fit: &Fit,
-    (record, state): (usize, usize),
-    read: &[f64],
-    sigma: f64,
-) -> Vec<f64> {
-    let n = problem.states();
-    let path = &fit.paths()[record];
-    let distance = |(k, y): (usize, &f64)| match y.is_finite() {
-        true => (y - path[k * n + state]).abs() / sigma,
-        false => 0.0,
-    };
-    read.iter().enumerate().map(distance).collect()
+/// How far readings of one state lie from the fit where nothing is wrong with them.
+struct Scale {
+    /// Robust standard deviation of every record's sensor.
+    records: Vec<f64>,
+    /// Deviations of readings, each with the value of the trajectory there, rising by that value.
+    by_value: Vec<(f64, f64)>,
 }
 
-/// Robust standard deviation of a state's sensor for every record, from the median absolute residual of its group; ∞ where that is 0.
+impl Scale {
+    fn new(problem: &Problem, fit: &Fit, state: usize) -> Scale {
+        let n = problem.states();
+        let mut by_value = Vec::new();
+        for (record, path) in problem.records.iter().zip(fit.paths()) {
+            let values = path.iter().skip(state).step_by(n);
+            let read = record.measured[state].iter().zip(values);
+            let own = read.map(|(y, x)| (*x, (y - x).abs()));
+            by_value.extend(own.filter(|(_, d)| d.is_finite()));
+        }
+        by_value.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Scale {
+            records: robust_sigma(problem, fit, state),
+            by_value,
+        }
+    }
+
+    /// Distances of a record's readings in standard deviations: those of its sensor, or, where these are larger, of the readings around it
+    /// in time or in value, since noise may change along a record and grow with the signal.
+    fn distances(
+        &self,
+        problem: &Problem,
+        fit: &Fit,
+        (record, state): (usize, usize),
+        read: &[f64],
+    ) -> Vec<f64> {
+        let n = problem.states();
+        let path = &fit.paths()[record];
+        let left: Vec<f64> = read
+            .iter()
+            .enumerate()
+            .map(|(k, y)| (y - path[k * n + state]).abs())
+            .collect();
+        let distance = |(k, d): (usize, &f64)| {
+            if !d.is_finite() {
+                return 0.0;
+            }
+            let far = d / self.records[record];
+            // Only what is far needs a look around.
+            match far > RESIDUALS.outlier {
+                true => {
+                    d / self
+                        .around(&left, k, path[k * n + state])
+                        .max(self.records[record])
+                }
+                false => far,
+            }
+        };
+        left.iter().enumerate().map(distance).collect()
+    }
+
+    /// The larger of the robust standard deviations of the nearest readings in time and in value.
+    fn around(&self, left: &[f64], k: usize, value: f64) -> f64 {
+        let near = RESIDUALS.around / 2;
+        let times = k.saturating_sub(near)..(k + near + 1).min(left.len());
+        let mut in_time: Vec<f64> = left[times]
+            .iter()
+            .copied()
+            .filter(|x| x.is_finite())
+            .collect();
+        let at = self.by_value.partition_point(|(x, _)| *x < value);
+        let values = at.saturating_sub(near)..(at + near + 1).min(self.by_value.len());
+        let mut in_value: Vec<f64> = self.by_value[values].iter().map(|(_, d)| *d).collect();
+        SIGMA_OVER_MAD * median(&mut in_time).max(median(&mut in_value))
+    }
+}
+
+/// Robust standard deviation of a state's sensor for every record, from the median absolute residual of its group; ∞ where that is 0. Never
+/// below the noise under which a closer fit is no evidence: the trajectory was not held to the readings more closely than that.
 fn robust_sigma(problem: &Problem, fit: &Fit, state: usize) -> Vec<f64> {
     let n = problem.states();
     let groups = problem.sensors.count() / n.max(1);
@@ -139,9 +191,14 @@ fn robust_sigma(problem: &Problem, fit: &Fit, state: usize) -> Vec<f64> {
         let own = read.map(|(k, y)| (y - path[k * n + state]).abs());
         left[problem.sensors.group(r)].extend(own.filter(|x| x.is_finite()));
     }
+    let floor = final_floor(problem);
     let sigma: Vec<f64> = left
         .iter_mut()
-        .map(|l| SIGMA_OVER_MAD * median(l))
+        .enumerate()
+        .map(|(group, l)| {
+            let least = floor.get(group * n + state).copied().unwrap_or(0.0);
+            (SIGMA_OVER_MAD * median(l)).max(least)
+        })
         .collect();
     let of = |r: usize| Some(sigma[problem.sensors.group(r)]).filter(|s| *s > 0.0);
     (0..problem.records.len())

@@ -15,7 +15,7 @@ use sidc_solve::QuadraticForm;
 /// A delay to be fitted.
 pub struct DelayProposal {
     pub inputs: Vec<VarId>,
-    /// Positive if they act later than recorded; 0 if no delay leaves less.
+    /// They act so much later than recorded; 0 if no delay leaves less.
     pub samples: f64,
     /// χ² that is left.
     pub(crate) value: f64,
@@ -74,20 +74,25 @@ impl DelayScreen {
     }
 
     fn best(&self, inputs: Vec<VarId>, observer: &mut dyn Observer) -> Option<DelayProposal> {
-        let tried = || DELAYS.screened.into_iter().filter(|s| *s <= self.reach);
-        let side = |sign: f64, observer: &mut dyn Observer| -> Option<Vec<(f64, f64)>> {
-            let delays = tried().map(|s| sign * s as f64);
+        let tried: Vec<usize> = DELAYS
+            .screened
+            .into_iter()
+            .filter(|s| *s <= self.reach)
+            .collect();
+        let some = |delays: &[usize], observer: &mut dyn Observer| -> Option<Vec<(f64, f64)>> {
+            let delays = delays.iter().map(|s| *s as f64);
             delays
                 .map(|s| Some((s, self.left(&inputs, s, observer)?)))
                 .collect()
         };
-        let (later, earlier) = join(
+        let (short, long) = tried.split_at(tried.len() / 2);
+        let (short, long) = join(
             observer,
-            |observer| side(1.0, observer),
-            |observer| side(-1.0, observer),
+            |observer| some(short, observer),
+            |observer| some(long, observer),
         );
         let mut best = (0.0, self.left(&inputs, 0.0, observer)?);
-        for (samples, value) in later?.into_iter().chain(earlier?) {
+        for (samples, value) in short?.into_iter().chain(long?) {
             if value < best.1 {
                 best = (samples, value);
             }

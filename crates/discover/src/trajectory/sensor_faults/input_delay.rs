@@ -1,4 +1,4 @@
-//! Inputs that act later or earlier than they were recorded.
+//! Inputs that act later than they were recorded. No command acts before it is given, so nothing earlier is tried.
 //!
 //! In: a problem, the fit of a support, screened delays. Out: the delay under which the refitted likelihood gains most, and the problem
 //! with that delay. Fits are compared over the instants for which every delay knows the input.
@@ -16,7 +16,7 @@ use sidc_progress::Observer;
 #[derive(Clone, Debug, PartialEq)]
 pub struct DelayedInputs {
     pub inputs: Vec<VarId>,
-    /// Positive if they act later than recorded.
+    /// They act so much later than recorded.
     pub samples: f64,
     pub seconds: f64,
     /// Decrease of the criterion.
@@ -39,6 +39,10 @@ pub fn fit_delay(
     let as_found = criterion.value_at(&base, &own) + found.law_misfit;
     let undelayed =
         fit(&base, own.clone(), &criterion, f64::INFINITY, observer).map_or(as_found, |f| f.value);
+    // What cannot be compared is not preferred.
+    if !undelayed.is_finite() {
+        return None;
+    }
     let few = found.support().len() <= DELAYS.max_terms * problem.system.laws.len();
     let trial =
         |proposal: &DelayProposal, start: LinearizationPoint, observer: &mut dyn Observer| {
@@ -81,13 +85,13 @@ pub fn fit_delay(
     })
 }
 
-/// The criterion without the delay, over the samples that [`with_delay`] keeps.
+/// The criterion without the delay, over the samples that [`with_delay`] keeps; `None` where no trajectory fits them without it.
 pub fn criterion_without_delay(
     problem: &Problem,
     found: &Fit,
     late: &DelayedInputs,
     observer: &mut dyn Observer,
-) -> f64 {
+) -> Option<f64> {
     let (front, back) = ends(late);
     let problem_cut = cut(problem, front, back);
     let start = cut_point(problem, &found.point, (front, back));
@@ -98,7 +102,7 @@ pub fn criterion_without_delay(
         f64::INFINITY,
         observer,
     );
-    fitted.map_or(f64::INFINITY, |f| f.value)
+    fitted.map(|f| f.value).filter(|v| v.is_finite())
 }
 
 /// Samples at the start and at the end of a record for which the delayed input is unknown.
@@ -130,7 +134,7 @@ struct DelayTrial<'a> {
 
 impl DelayTrial<'_> {
     fn try_delay(&mut self, samples: f64, observer: &mut dyn Observer) {
-        if samples.abs() > self.reach as f64 {
+        if !(0.0..=self.reach as f64).contains(&samples) {
             return;
         }
         let problem = moved(self.problem, self.inputs, samples, self.reach);

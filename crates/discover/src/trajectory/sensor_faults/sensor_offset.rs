@@ -1,6 +1,6 @@
 //! A constant offset of a sensor as a rival of terms: laws about x − b have fewer of them.
 //!
-//! In: a problem and the fit of a support. Out: the offset of one state that makes at least two terms superfluous, if there is one.
+//! In: a problem and the fit of a support. Out: the offset of one state that makes two terms superfluous, or one that is no constant, if there is one.
 //! Candidates for b come from a term and its derivative by the state: φ(x − b) = φ(x) − b φ′(x) + ….
 
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
@@ -58,8 +58,8 @@ pub fn find_sensor_offset(
             let gain = found.value - fitted.value - criterion.penalty;
             let gone = |j: &&usize| !fitted.support().contains(j);
             let terms: Vec<usize> = found.support().iter().filter(gone).copied().collect();
-            let before = best.as_ref().map_or(0.0, |b| b.gain);
-            if terms.len() >= OFFSETS.min_terms && gain > before {
+            let before = best.as_ref().map_or(-OFFSETS.as_good, |b| b.gain);
+            if explains(problem, &terms) && gain > before {
                 best = Some(SensorOffset {
                     signal,
                     value,
@@ -70,6 +70,13 @@ pub fn find_sensor_offset(
         }
     }
     best
+}
+
+/// Whether terms that an offset makes superfluous speak for it. A constant alone does not: it says where the zero is, and the law holds about
+/// either. One other term does, since offset and term are as many numbers, and a zero that is off is the simpler cause.
+fn explains(problem: &Problem, terms: &[usize]) -> bool {
+    let constant = |j: &usize| problem.system.columns[*j].is_one();
+    terms.len() >= OFFSETS.min_terms || terms.iter().any(|j| !constant(j))
 }
 
 /// Offsets that would explain a term as the derivative of another, each with that term.
@@ -86,11 +93,16 @@ fn candidates(problem: &Problem, found: &Fit, signal: Signal) -> Vec<(f64, usize
         let law = system.law_of(*j);
         let same = |k: &usize| system.law_of(*k) == law && system.columns[*k] == *term;
         if let Some((k, b)) = terms.clone().find(|(k, _)| same(k)) {
-            all.push((variance.sqrt() / a.abs(), -b / (a * factor), *k));
+            let value = turned(
+                -b / (a * factor),
+                slope_of_slope(&system.columns[*j], signal),
+            );
+            all.push((variance.sqrt() / a.abs(), value, *k));
         }
     }
-    // The most precisely known term first.
-    all.sort_by(|x, y| x.0.total_cmp(&y.0));
+    // Terms that speak for an offset first, and among them the most precisely known.
+    let constant = |k: usize| system.columns[k].is_one();
+    all.sort_by(|x, y| (constant(x.2).cmp(&constant(y.2))).then(x.0.total_cmp(&y.0)));
     let mut out: Vec<(f64, usize)> = Vec::new();
     for (_, value, column) in all {
         let near = |(v, _): &(f64, usize)| (v - value).abs() < OFFSETS.same * value.abs();
@@ -103,6 +115,27 @@ fn candidates(problem: &Problem, found: &Fit, signal: Signal) -> Vec<(f64, usize
         }
     }
     out
+}
+
+/// The factor c of φ″ = c φ; 0 if there is none, as for powers, whose series ends.
+fn slope_of_slope(term: &Term, signal: Signal) -> f64 {
+    let slope = Expr::from(term.clone()).derivative(signal);
+    let second = slope.derivative(signal);
+    let terms: Vec<(f64, &Term)> = second.terms().collect();
+    match terms[..] {
+        [(c, own)] if own == term => c,
+        _ => 0.0,
+    }
+}
+
+/// The offset whose first-order value is `value`, where φ″ = c φ: φ(x − b) is φ cos(ωb) − φ′ sin(ωb)/ω with ω² = −c.
+fn turned(value: f64, c: f64) -> f64 {
+    let omega = c.abs().sqrt();
+    match c {
+        c if c < 0.0 => (omega * value).atan() / omega,
+        c if c > 0.0 && (omega * value).abs() < 1.0 => (omega * value).atanh() / omega,
+        _ => value,
+    }
 }
 
 /// Fits with different offsets of one state's sensor.

@@ -1,0 +1,11 @@
+//! A rate column that contradicts the samples of its state.
+
+use sidc_lang::term::Signal;
+
+/// A measured rate that is not the slope of its signal: no equation from it can be trusted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RateFault {
+    pub signal: Signal,
+    /// A sentence with its figures.
+    pub text: String,
+}

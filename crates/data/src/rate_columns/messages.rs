@@ -1,0 +1,85 @@
+//! What is said about a rate column.
+
+use super::consistency::{Fault, Kind};
+
+/// Factors that units explain, the explanation, and the arithmetic that undoes them.
+#[rustfmt::skip]
+const UNIT_RATIOS: [(f64, &str, &str); 9] = [
+    (1000.0, "is the derivative in mm/s, or the time in ms", "* 1e-3"),
+    (1e-3, "is the signal in mm and its derivative in m/s", "* 1e3"),
+    (100.0, "is the derivative in cm/s", "* 1e-2"),
+    (57.29578, "is the derivative in degrees per second", "* pi/180"),
+    (0.0174533, "is the signal in degrees and its derivative in rad/s", "* 180/pi"),
+    (9.549297, "is the derivative in revolutions per minute", "* 2*pi/60"),
+    (60.0, "is the derivative per minute", "/ 60"),
+    (0.159155, "is the derivative in turns per second", "* 2*pi"),
+    (-1.0, "does one of them point the other way", "* -1"),
+];
+
+/// The unit that explains a factor, and the arithmetic that undoes the factor.
+pub(super) fn unit_of(factor: f64, tolerance: f64) -> Option<(&'static str, &'static str)> {
+    let near = |(ratio, _, _): &&(f64, &str, &str)| (factor / ratio - 1.0).abs() < tolerance;
+    UNIT_RATIOS
+        .iter()
+        .find(near)
+        .map(|(_, why, fix)| (*why, *fix))
+}
+
+/// All faults of `rate` against the samples of `state`, as one clause.
+pub(super) fn clause(rate: &str, state: &str, faults: &[Fault]) -> String {
+    let mut said: Vec<String> = faults.iter().map(|f| phrase(f, state)).collect();
+    let last = said.pop().unwrap_or_default();
+    match said.is_empty() {
+        true => format!("{rate} {last}"),
+        false => format!("{rate} {} and {last}", said.join(", ")),
+    }
+}
+
+fn phrase(fault: &Fault, state: &str) -> String {
+    let Fault { kind, value, error } = fault;
+    let shown = with_error(value.abs(), *error);
+    match kind {
+        Kind::Gain => format!(
+            "is {} times the slope of {state}",
+            with_error(*value, *error)
+        ),
+        Kind::Bias if *value > 0.0 => format!("reads {shown} more than the slope of {state}"),
+        Kind::Bias => format!("reads {shown} less than the slope of {state}"),
+        Kind::Lag if *value > 0.0 => format!("comes {shown} s after the slope of {state}"),
+        Kind::Lag => format!("comes {shown} s before the slope of {state}"),
+        Kind::Smoothing => {
+            format!("is the slope of {state} smoothed by a window of standard deviation {shown} s")
+        }
+    }
+}
+
+/// A number to the digits that its error leaves, with the error in the last two: 0.0423(12).
+fn with_error(value: f64, error: f64) -> String {
+    let size = value.abs().max(f64::MIN_POSITIVE).log10().floor();
+    let last = match error > 0.0 {
+        true => error.log10().floor() as i32 - 1,
+        false => size as i32 - 6,
+    };
+    // At most seven digits.
+    let last = last.max(size as i32 - 6);
+    let units = (error / 10f64.powi(last)).round().max(1.0);
+    if !(-9..=0).contains(&last) || !units.is_finite() || units > 99.0 {
+        return format!("{value:.4e} ± {error:.1e}");
+    }
+    format!(
+        "{value:.digits$}({units})",
+        digits = last.unsigned_abs() as usize
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_stand_in_the_last_digits() {
+        assert_eq!(with_error(0.04231, 0.0012), "0.0423(12)");
+        assert_eq!(with_error(999.79, 0.02), "999.790(20)");
+        assert_eq!(with_error(0.05, 1e-12), "0.05000000(1)");
+    }
+}

@@ -1,0 +1,25 @@
+//! The doubt of equations that were found from a rate which contradicts the samples of its own state.
+//!
+//! In: faults of rate columns, the [`Discovery`]. Out: the doubt `rate-disagrees`. Never changes a term or a coefficient.
+
+use sidc_data::RateFault;
+use sidc_lang::term::Signal;
+use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status};
+
+/// Doubts every equation of the same variable, or with the rate among its terms.
+pub(super) fn doubt(discovery: &mut Discovery, faults: &[RateFault]) {
+    for fault in faults {
+        let from_it = |e: &&mut Equation| uses(e, fault.signal);
+        for equation in discovery.equations.iter_mut().filter(from_it) {
+            let reason = Reason::new(ReasonCode::RateDisagrees, fault.text.clone());
+            equation.reasons.push(reason);
+            equation.status = Status::Doubt;
+        }
+    }
+}
+
+fn uses(equation: &Equation, rate: Signal) -> bool {
+    let among_terms = |e: &Equation| e.terms.iter().any(|t| t.term.mentions(rate));
+    let sought = equation.status != Status::Known;
+    sought && (equation.target.var == rate.var || among_terms(equation))
+}
