@@ -406,12 +406,25 @@ fn joined(m: f64, [k1, k2, k12]: [f64; 3], seed: u64) -> String {
         let [x, y, dx, dy] = z;
         let t = STEP * f64::from(row);
         writeln!(text, "{t},{x},{y},{dx},{dy},{ddx},{ddy},{u}").unwrap();
-        for _ in 0..10 {
-            let [ddx, ddy] = rates(&z, u);
-            z[2] += 1e-3 * ddx;
-            z[3] += 1e-3 * ddy;
-            z[0] += 1e-3 * z[2];
-            z[1] += 1e-3 * z[3];
+        // Runge–Kutta: rates late by half of a Euler step would contradict the positions.
+        let slope = |z: &[f64; 4]| {
+            let [ddx, ddy] = rates(z, u);
+            [z[2], z[3], ddx, ddy]
+        };
+        let ahead = |z: &[f64; 4], k: &[f64; 4], h: f64| {
+            let mut out = *z;
+            out.iter_mut().zip(k).for_each(|(z, k)| *z += h * k);
+            out
+        };
+        for _ in 0..2 {
+            let h = 5e-3;
+            let a = slope(&z);
+            let b = slope(&ahead(&z, &a, 0.5 * h));
+            let c = slope(&ahead(&z, &b, 0.5 * h));
+            let d = slope(&ahead(&z, &c, h));
+            for i in 0..4 {
+                z[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
+            }
         }
     }
     text

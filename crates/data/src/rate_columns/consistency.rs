@@ -201,10 +201,21 @@ fn fault(kind: Kind, found: Estimate) -> Fault {
     Fault { kind, value, error }
 }
 
-/// The correlation of the rises of the state with the integrals of the rate over several steps, if it is low.
+/// The correlation of the rises of the state with the integrals of the rate, if it is low over short and over long intervals: noise hides
+/// it over short ones.
 fn unrelated(stretches: &[Stretch]) -> Option<f64> {
     let all: usize = stretches.iter().map(|s| s.time.len()).sum();
-    let span = (all / RATES.intervals).clamp(1, RATES.max_interval);
+    let first = (all / RATES.intervals).max(1);
+    let spans = std::iter::successors(Some(first), |s| Some(2 * s));
+    let spans = spans.take_while(|s| *s * RATES.parts <= all);
+    let highest = spans
+        .filter_map(|span| correlation(stretches, span))
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+    (highest.abs() < RATES.unrelated).then_some(highest)
+}
+
+/// The correlation over intervals of so many steps; `None` if they are too few.
+fn correlation(stretches: &[Stretch], span: usize) -> Option<f64> {
     let (mut xy, mut xx, mut yy, mut count) = (0.0, 0.0, 0.0, 0);
     for s in stretches.iter().filter(|s| s.time.len() > RATES.min_steps) {
         let areas = quadrature::over_steps(&s.time, &s.rate, 4);
@@ -219,5 +230,5 @@ fn unrelated(stretches: &[Stretch]) -> Option<f64> {
         }
     }
     let correlation = xy / (xx * yy).sqrt();
-    (count >= RATES.parts && correlation.abs() < RATES.unrelated).then_some(correlation)
+    (count + 1 >= RATES.parts && correlation.is_finite()).then_some(correlation)
 }

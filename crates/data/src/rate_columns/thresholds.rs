@@ -2,7 +2,7 @@
 
 sidc_thresholds::family! {
     /// When a measured rate is held against the samples of its state, and when it contradicts them.
-    pub(crate) RATES: RateThresholds {
+    pub(crate) RATES: RateColumnThresholds {
         /// Standard errors from which a bias, a gain, a lag or a smoothing is no chance; the error is at least that between ten parts of the record.
         significance: f64 = 6.0, unit "standard errors", source "Student's t of the nine degrees of freedom between ten parts: two in ten thousand";
         /// Deviance above the least up to which a ratio of the two noises is likely.
@@ -25,16 +25,14 @@ sidc_thresholds::family! {
         unrelated: f64 = 0.5, unit "", source "half: less than half of the motion in common";
         /// Deviation from a ratio of units that still explains a factor.
         unit_tolerance: f64 = 0.05, unit "of the ratio", source "the nearest two ratios, 57.3 and 60, are that far apart";
-        /// Intervals that a record is cut into for that correlation, where that gives no more than the next number's steps.
+        /// Intervals that a record is cut into for that correlation, then half as many, and so on down to the number of parts.
         intervals: usize = 50, unit "intervals", source "a correlation of one half is then four standard errors";
-        /// Most steps of one such interval.
-        max_interval: usize = 20, unit "steps", source "short against the record, long against the noise";
     }
 }
 
 sidc_thresholds::family! {
     /// When a rate was computed from the samples of its state.
-    pub(crate) FILTERS: FilterThresholds {
+    pub(crate) FILTERS: RateFilterThresholds {
         /// Difference to a known formula below which the column was made by it.
         exact: f64 = 0.01, unit "of the error that the formula has", source "two orders of magnitude: a true rate differs from the formula by the formula's error";
         /// Rms that a filter of the samples may leave of a rate with noise of its own.
