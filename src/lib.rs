@@ -50,4 +50,6 @@ pub use sidc_system::discovery::{Evidence, Mark, Notice, Reason, ReasonCode, Sta
 pub use sidc_system::result::{
     EquationEntry as Equation, FailedEntry as Failed, TermEntry as Term,
 };
+pub use sidc_system::predict::{AheadFigures, ErrorFigures, Prediction, SignalPrediction};
 pub use sidc_system::validate::Validation;
+pub use sidc_system::verdict::{LawVerdict, RunStatus, RunVerdict, Verdict};

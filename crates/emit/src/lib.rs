@@ -22,5 +22,6 @@ pub use text::evidence::{answer, remarks};
 pub use text::free_runs::validation;
 pub use text::linearization::{kink_warnings, linearization};
 pub use text::matrices::consequences;
+pub use text::verdict::verdict;
 pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};

@@ -5,18 +5,22 @@
 
 mod free_run_doubts;
 mod model_ranking;
+mod sensitivity;
 pub mod thresholds;
 
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{Discovery, Notice};
 use crate::simulate;
+use crate::simulate::thresholds::SEGMENTS;
 use crate::simulate::{EXACT, Figures, Options, Run, Source};
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Model;
 use sidc_progress::Observer;
 
-pub use free_run_doubts::doubt;
+pub use free_run_doubts::{KStepErrors, doubt};
+use sensitivity::is_sensitive;
+
 pub use model_ranking::{Merit, Ranking, rank};
 
 /// Free runs from the measured start of each record or part of one.
@@ -34,6 +38,9 @@ pub struct FreeRun {
     pub to: f64,
     /// True if the equations were not found from this stretch.
     pub held_out: bool,
+    /// True if runs whose starts differ by the error of the readings depart from each other: the run says nothing about the equations.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub sensitive: bool,
     pub scores: Vec<Figures>,
     /// Why the run ended early.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -51,9 +58,27 @@ pub fn validate(
     if held.trajectories.is_empty() {
         return None;
     }
-    let mut runs = run_all((d, model), used, false, observer);
-    runs.extend(run_all((d, model), held, true, observer));
+    let exact = Options::default();
+    let mut runs = run_all((d, model), (used, false), &exact, observer);
+    runs.extend(run_all((d, model), (held, true), &exact, observer));
     Some(Validation { runs })
+}
+
+/// Runs the equations on the data used, to the accuracy of readings: what is said of free runs where nothing was held out.
+pub fn run_on_used(
+    (d, model): (&Discovery, &Model),
+    used: &Dataset,
+    observer: &mut dyn Observer,
+) -> Validation {
+    let to_readings = Options {
+        tolerance: SEGMENTS.tolerance,
+        ..Options::default()
+    };
+    let runs = match d.was_stopped() || !d.failed.is_empty() {
+        true => Vec::new(),
+        false => run_all((d, model), (used, false), &to_readings, observer),
+    };
+    Validation { runs }
 }
 
 /// The same on the data held out alone, every record cut into so many parts with a start of their own.
@@ -72,14 +97,14 @@ pub fn restarted(
         inputs: held.inputs.clone(),
     };
     Validation {
-        runs: run_all((d, model), &pieces, true, observer),
+        runs: run_all((d, model), (&pieces, true), &Options::default(), observer),
     }
 }
 
 fn run_all(
     (d, model): (&Discovery, &Model),
-    dataset: &Dataset,
-    held_out: bool,
+    (dataset, held_out): (&Dataset, bool),
+    options: &Options,
     observer: &mut dyn Observer,
 ) -> Vec<FreeRun> {
     let source = Source {
@@ -87,9 +112,13 @@ fn run_all(
         model,
         dataset,
     };
-    let mut one = |record| simulate::simulate(&source, record, &Options::default(), observer).ok();
-    let all = (0..dataset.trajectories.len()).filter_map(&mut one);
-    all.map(|run| free_run(d, &run, held_out)).collect()
+    let mut one = |record| {
+        let run = simulate::simulate(&source, record, options, observer).ok()?;
+        let mut entry = free_run(d, &run, held_out);
+        entry.sensitive = is_sensitive(&source, (record, &run), observer);
+        Some(entry)
+    };
+    (0..dataset.trajectories.len()).filter_map(&mut one).collect()
 }
 
 impl Validation {
@@ -133,6 +162,7 @@ fn free_run(d: &Discovery, run: &Run, held_out: bool) -> FreeRun {
         from: run.time.first().copied().unwrap_or(0.0),
         to: run.time.last().copied().unwrap_or(0.0),
         held_out,
+        sensitive: false,
         scores: run.scores.iter().map(|s| Figures::of(d, s)).collect(),
         ended: run.fault().map(|f| {
             let text = format!("{} at t = {}", f.text(d), f.time);

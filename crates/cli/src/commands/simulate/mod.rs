@@ -71,6 +71,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         method: args.method,
         step: args.step,
         bound: args.bound,
+        ..Options::default()
     };
     let source = Source {
         discovery: d,
