@@ -68,10 +68,14 @@ pub fn judge(
 /// A limit for a signal that no equation predicts: its name, and the names there are.
 pub fn check_limits(program: &Program, options: &Options) -> Result<(), (String, Vec<String>)> {
     let known = predict::predictable(&program.model);
-    let unknown = options.prediction.good.iter().find_map(|limit| match limit {
-        ErrorLimit::Signal(name, _) if !known.contains(name) => Some(name.clone()),
-        _ => None,
-    });
+    let unknown = options
+        .prediction
+        .good
+        .iter()
+        .find_map(|limit| match limit {
+            ErrorLimit::Signal(name, _) if !known.contains(name) => Some(name.clone()),
+            _ => None,
+        });
     match unknown {
         Some(name) => Err((name, known)),
         None => Ok(()),

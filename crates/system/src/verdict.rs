@@ -131,7 +131,11 @@ impl RunVerdict {
         };
         RunVerdict {
             status,
-            on: if held { DataKind::HeldOut } else { DataKind::Used },
+            on: if held {
+                DataKind::HeldOut
+            } else {
+                DataKind::Used
+            },
             long: runs().map(|r| r.to - r.from).sum(),
             signals,
             ended,

@@ -13,12 +13,15 @@ fn one(text: &str) -> Result<ErrorLimit, String> {
         value.filter(|x| *x > 0.0 && x.is_finite())
     };
     if let Some((name, value)) = text.split_once('=') {
-        let value = above_zero(value).ok_or_else(|| format!("`{value}` is not a number above 0"))?;
+        let value =
+            above_zero(value).ok_or_else(|| format!("`{value}` is not a number above 0"))?;
         return Ok(ErrorLimit::Signal(name.trim().into(), value));
     }
     let part = text.strip_suffix('%').and_then(above_zero);
-    let help = "write an error as a part of each signal's spread, 10%, or in a signal's unit, theta=0.02";
-    part.map(|p| ErrorLimit::Share(p / 100.0)).ok_or_else(|| help.into())
+    let help =
+        "write an error as a part of each signal's spread, 10%, or in a signal's unit, theta=0.02";
+    part.map(|p| ErrorLimit::Share(p / 100.0))
+        .ok_or_else(|| help.into())
 }
 
 #[cfg(test)]
@@ -33,7 +36,18 @@ mod tests {
             ErrorLimit::Signal("x".into(), 0.1),
         ];
         assert_eq!(good("theta=0.02, x=0.1"), Ok(both));
-        for text in ["", "10", "%", "0%", "-5%", "nan%", "theta=", "theta=0", "theta=inf", "x=1,"] {
+        for text in [
+            "",
+            "10",
+            "%",
+            "0%",
+            "-5%",
+            "nan%",
+            "theta=",
+            "theta=0",
+            "theta=inf",
+            "x=1,",
+        ] {
             assert!(good(text).is_err(), "{text}");
         }
     }

@@ -4,6 +4,7 @@
 
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
+use sidc_lang::term::{Signal, SignalNames, VarId};
 use sidc_system::discovery::Discovery;
 use sidc_system::predict::{DataKind, ErrorFigures, Prediction, SignalPrediction};
 use sidc_system::verdict::{self, LawVerdict, RunStatus, RunVerdict, SignalRun, Verdict};
@@ -16,7 +17,7 @@ pub fn verdict(d: &Discovery, v: &Verdict) -> String {
     let data = data(&v.prediction);
     let parts = [
         ("law", vec![law(d, v.law)]),
-        ("prediction", prediction(&v.prediction, &data)),
+        ("prediction", prediction(d, &v.prediction, &data)),
         ("run", run(&v.run, &v.prediction.unit, &data)),
     ];
     let lines = parts.map(|(name, parts)| wrapped(name, &parts));
@@ -57,8 +58,15 @@ fn law(d: &Discovery, law: LawVerdict) -> String {
     match (law, codes.len()) {
         (LawVerdict::Passes, _) | (_, 0) => law.as_str().into(),
         (_, n) if n > PRINTED.doubt_codes => {
-            let shown = codes.get(..PRINTED.doubt_codes).unwrap_or(&codes).join(", ");
-            format!("{} ({shown} and {} more)", law.as_str(), n - PRINTED.doubt_codes)
+            let shown = codes
+                .get(..PRINTED.doubt_codes)
+                .unwrap_or(&codes)
+                .join(", ");
+            format!(
+                "{} ({shown} and {} more)",
+                law.as_str(),
+                n - PRINTED.doubt_codes
+            )
         }
         _ => format!("{} ({})", law.as_str(), codes.join(", ")),
     }
@@ -82,7 +90,7 @@ fn data(p: &Prediction) -> String {
     }
 }
 
-fn prediction(p: &Prediction, data: &str) -> Vec<String> {
+fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
     let met = p.good.map(|good| match good {
         true => "good enough".to_string(),
         false if p.on == DataKind::Used => "not judged without data held out".into(),
@@ -92,14 +100,18 @@ fn prediction(p: &Prediction, data: &str) -> Vec<String> {
         let none = format!("none: {}", why.text);
         return [none].into_iter().chain(met).collect();
     }
-    let mut signals: Vec<&SignalPrediction> = p.signals.iter().collect();
+    let mut signals = shown(d, p);
     let hidden = signals.len().saturating_sub(PRINTED.predicted_signals);
     if hidden > 0 {
         // The worst are shown, in the order of the model.
-        let relative = |s: &SignalPrediction| s.error.quantile_90.unwrap_or(f64::INFINITY) / s.spread;
+        let relative =
+            |s: &SignalPrediction| s.error.quantile_90.unwrap_or(f64::INFINITY) / s.spread;
         let mut sizes: Vec<f64> = signals.iter().map(|s| relative(s)).collect();
         sizes.sort_by(|a, b| b.total_cmp(a));
-        let least = sizes.get(PRINTED.predicted_signals - 1).copied().unwrap_or(0.0);
+        let least = sizes
+            .get(PRINTED.predicted_signals - 1)
+            .copied()
+            .unwrap_or(0.0);
         signals.retain(|s| relative(s) >= least);
         signals.truncate(PRINTED.predicted_signals);
     }
@@ -108,11 +120,14 @@ fn prediction(p: &Prediction, data: &str) -> Vec<String> {
         *first = format!("{} {} ahead {first}", significant(p.horizon, 3), p.unit);
     }
     if hidden > 0 {
-        parts.push(format!("{hidden} more signals better"));
+        parts.push(format!("{hidden} more with smaller parts of their spread"));
     }
     parts.push(format!("90 % of {} starts on {data}", p.starts));
     for ended in &p.ended {
-        parts.push(format!("{} of them end early ({})", ended.starts, ended.code));
+        parts.push(format!(
+            "{} of them end early ({})",
+            ended.starts, ended.code
+        ));
     }
     parts.extend(until(p));
     parts.extend(p.unavailable.iter().map(|why| why.text.clone()));
@@ -120,17 +135,43 @@ fn prediction(p: &Prediction, data: &str) -> Vec<String> {
     parts
 }
 
+/// Of each variable its lowest derivative that is measured, and what was asked for by name.
+fn shown<'a>(d: &Discovery, p: &'a Prediction) -> Vec<&'a SignalPrediction> {
+    let lowest = |var: usize, order: u8| {
+        let names = (0..=order).map(|der| d.name(Signal::derivative(VarId(var as u16), der)));
+        let mut found = names.filter(|n| p.signals.iter().any(|s| s.signal == *n));
+        found.next()
+    };
+    let variables = d.variables.iter().enumerate();
+    let lowest: Vec<String> = variables.filter_map(|(i, v)| lowest(i, v.order)).collect();
+    let signals = p.signals.iter();
+    let wanted = signals.filter(|s| s.good == Some(false) || lowest.contains(&s.signal));
+    wanted.collect()
+}
+
 /// `theta to 0.02 rad (no change 0.58, linear 0.1)`
 fn signal(s: &SignalPrediction) -> String {
-    let unit = s.unit.as_ref().map_or_else(String::new, |u| format!(" {u}"));
+    let unit = s
+        .unit
+        .as_ref()
+        .map_or_else(String::new, |u| format!(" {u}"));
     let linear = s.linear.map(|l| format!(", linear {}", figure(l)));
     format!(
         "{} to {}{unit} (no change {}{})",
         s.signal,
-        figure(s.error),
+        error(s),
         figure(s.no_change),
         linear.unwrap_or_default()
     )
+}
+
+/// The error of the equations; one that only says how exactly was computed is told as below a bound.
+fn error(s: &SignalPrediction) -> String {
+    let rounding = PRINTED.exact_prediction * s.spread;
+    match s.error.quantile_90 {
+        Some(e) if e < rounding => format!("below {}", significant(rounding, 1)),
+        _ => figure(s.error),
+    }
 }
 
 fn figure(e: ErrorFigures) -> String {
@@ -139,22 +180,38 @@ fn figure(e: ErrorFigures) -> String {
 
 /// Until when the first signal stays below half its spread.
 fn until(p: &Prediction) -> Option<String> {
-    let reached = p.signals.iter().filter_map(|s| Some((s.follows?, &s.signal)));
+    let reached = p
+        .signals
+        .iter()
+        .filter_map(|s| Some((s.follows?, &s.signal)));
     let (time, name) = reached.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(format!("half the spread of {name} after {} {}", significant(time, 2), p.unit))
+    Some(format!(
+        "half the spread of {name} after {} {}",
+        significant(time, 2),
+        p.unit
+    ))
 }
 
 fn not_good(p: &Prediction) -> String {
     let missed = p.signals.iter().find(|s| s.good == Some(false));
     match missed.and_then(|s| Some((s, s.limit?))) {
-        Some((s, limit)) => format!("not good enough: {} is to be within {}", s.signal, significant(limit, 2)),
+        Some((s, limit)) => format!(
+            "not good enough: {} is to be within {}",
+            s.signal,
+            significant(limit, 2)
+        ),
         None => "not good enough: not every signal asked for is measured".into(),
     }
 }
 
 fn run(r: &RunVerdict, unit: &str, data: &str) -> Vec<String> {
     let long = |s: &SignalRun| match s.follows {
-        Some(t) => format!("{} for {} of {} {unit}", s.signal, significant(t, 3), significant(s.long, 3)),
+        Some(t) => format!(
+            "{} for {} of {} {unit}",
+            s.signal,
+            significant(t, 3),
+            significant(s.long, 3)
+        ),
         None => format!("{} to the end", s.signal),
     };
     match r.status {

@@ -92,22 +92,33 @@ impl Growth<'_> {
         let rows: Vec<Option<usize>> = self.ahead.iter().map(row).collect();
         let rows: Vec<Option<usize>> = rows.iter().map(|r| r.filter(|k| *k < start.end)).collect();
         let last = rows.iter().flatten().max().copied().unwrap_or(start.row);
-        let run = state.as_ref().map(|x| estimator.runs.run(start.row..last + 1, x, observer));
+        let run = state
+            .as_ref()
+            .map(|x| estimator.runs.run(start.row..last + 1, x, observer));
         let run = run.unwrap_or_default();
         // Without a state that the equations can follow the last reading is what is kept.
-        let kept = state.clone().ok().or_else(|| estimator.smoothed(start.row, 0));
+        let kept = state
+            .clone()
+            .ok()
+            .or_else(|| estimator.smoothed(start.row, 0));
         let on = Along {
             estimator,
             inputs: self.inputs.get(start.record)?,
         };
         let behind: Vec<usize> = rows.iter().flatten().map(|k| k - start.row).collect();
-        let linear = kept.as_ref().and_then(|x| linear.ahead(on, start.row, x, &behind));
+        let linear = kept
+            .as_ref()
+            .and_then(|x| linear.ahead(on, start.row, x, &behind));
         for (place, row) in rows.iter().enumerate() {
             let Some(row) = row else { continue };
             let rival = behind.iter().position(|b| *b == row - start.row);
             let rival = rival.zip(linear.as_ref()).and_then(|(k, l)| l.get(k));
             let reached = run.states.get(row - start.row);
-            for (s, errors) in self.signals.iter().zip(out.errors.get_mut(place).into_iter().flatten()) {
+            for (s, errors) in self
+                .signals
+                .iter()
+                .zip(out.errors.get_mut(place).into_iter().flatten())
+            {
                 let reading = record.column(s.signal).and_then(|c| c.get(*row)).copied();
                 let Some(reading) = reading.filter(|r| r.is_finite()) else {
                     continue;

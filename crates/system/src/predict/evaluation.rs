@@ -2,6 +2,7 @@
 //!
 //! In: a discovery, data used and held out, what is asked. Out: a [`Prediction`]. Work is bounded by the number of rows.
 
+use super::ErrorLimit;
 use super::PredictionRequest;
 use super::document::{
     AheadFigures, DataKind, EndedRuns, ErrorFigures, HorizonChoice, Prediction, SignalPrediction,
@@ -13,7 +14,6 @@ use super::state_estimation::StateEstimator;
 use super::test_starts::test_starts;
 use super::thresholds::{PREDICTION, STATE_FIT};
 use super::window_choice::{Trial, choose_rows};
-use super::ErrorLimit;
 use crate::discovery::{Discovery, Form, Notice};
 use crate::simulate::{SegmentRuns, Source};
 use sidc_data::{Dataset, Trajectory};
@@ -127,7 +127,10 @@ fn attempt(
     let shortest = states_used.first().map_or(1, StateEstimator::shortest);
     let most = most.min(shortest << STATE_FIT.doublings);
     let lags = runs_used.iter().flat_map(SegmentRuns::history);
-    let lags = lags.map(|s| s.shift.unsigned_abs() as usize).max().unwrap_or(0);
+    let lags = lags
+        .map(|s| s.shift.unsigned_abs() as usize)
+        .max()
+        .unwrap_or(0);
     let step_used = median_step(&used.trajectories.iter().collect::<Vec<_>>());
     let before = most.max(shortest) + lags;
     let trial_starts = test_starts(&runs_used, before, (horizon, step_used), STATE_FIT.starts);
@@ -152,7 +155,11 @@ fn attempt(
     let mut linear = LinearModel::new(along.collect(), rows);
     let growth = Growth {
         estimators: states_on,
-        inputs: if held.trajectories.is_empty() { &sums_used } else { &sums_held },
+        inputs: if held.trajectories.is_empty() {
+            &sums_used
+        } else {
+            &sums_held
+        },
         starts: &starts,
         signals: &signals,
         ahead: &ahead,
@@ -164,9 +171,19 @@ fn attempt(
     if errors.starts == 0 {
         let text = match errors.stopped {
             true => "the work was ended before the first start".into(),
-            false => format!("no row has readings before it and {} {unit} ahead", significant(horizon, 3)),
+            false => format!(
+                "no row has readings before it and {} {unit} ahead",
+                significant(horizon, 3)
+            ),
         };
-        return Err(Notice::new(if errors.stopped { "run-stopped" } else { "no-starts" }, text));
+        return Err(Notice::new(
+            if errors.stopped {
+                "run-stopped"
+            } else {
+                "no-starts"
+            },
+            text,
+        ));
     }
     let describe = |(place, s): (usize, &Predicted)| {
         let figures = signal(d.name(s.signal), s, request, &ahead, asked, &errors, place);
@@ -193,7 +210,6 @@ fn attempt(
         ..Prediction::default()
     })
 }
-
 
 /// What time is counted in.
 fn time_unit(d: &Discovery) -> String {
@@ -248,7 +264,10 @@ fn states<'a>(
     let all: Result<Vec<StateEstimator>, Signal> =
         runs.iter().map(|r| StateEstimator::new(r, noise)).collect();
     all.map_err(|s| {
-        let text = format!("{} is part of the state, and nothing was measured of it", d.name(s));
+        let text = format!(
+            "{} is part of the state, and nothing was measured of it",
+            d.name(s)
+        );
         Notice::new("no-start", text)
     })
 }
@@ -326,7 +345,11 @@ fn signal(
     };
     // A signal that is named has its own limit.
     let named = |l: &&ErrorLimit| matches!(l, ErrorLimit::Signal(wanted, _) if *wanted == name);
-    let limit = request.good.iter().find(named).or(request.good.iter().find(|l| own(l).is_some()));
+    let limit = request
+        .good
+        .iter()
+        .find(named)
+        .or(request.good.iter().find(|l| own(l).is_some()));
     let limit = limit.and_then(own);
     let met = |limit: f64| here.error.quantile_90.is_some_and(|e| e <= limit);
     SignalPrediction {
@@ -364,11 +387,14 @@ fn follows(curve: &[AheadFigures], bound: f64) -> Option<f64> {
             };
             let rise = (error / before.max(f64::MIN_POSITIVE)).ln();
             let part = (bound / before.max(f64::MIN_POSITIVE)).ln() / rise;
-            let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 };
+            let part = if part.is_finite() {
+                part.clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
             return Some(ahead + part * (point.ahead - ahead));
         }
         last = Some((point.ahead, error));
     }
     None
 }
-

@@ -63,7 +63,13 @@ impl<'a> LinearModel<'a> {
     }
 
     /// The state at each of these rows behind the start, in rising order; `None` if no model can be fitted.
-    pub fn ahead(&mut self, on: Along, row: usize, x: &[f64], rows: &[usize]) -> Option<Vec<Vec<f64>>> {
+    pub fn ahead(
+        &mut self,
+        on: Along,
+        row: usize,
+        x: &[f64],
+        rows: &[usize],
+    ) -> Option<Vec<Vec<f64>>> {
         let mut seen = vec![x.to_vec()];
         let mut out = Vec::new();
         for wanted in rows {
@@ -83,7 +89,13 @@ impl<'a> LinearModel<'a> {
     }
 
     /// The state `rows` behind the last one seen.
-    fn advance(&mut self, on: Along, start: usize, seen: &[Vec<f64>], rows: usize) -> Option<Vec<f64>> {
+    fn advance(
+        &mut self,
+        on: Along,
+        start: usize,
+        seen: &[Vec<f64>],
+        rows: usize,
+    ) -> Option<Vec<f64>> {
         let row = start + (seen.len() - 1) * self.step;
         let past = |s: &Signal, at: usize| -> Option<f64> {
             let runs = on.estimator.runs;
@@ -134,9 +146,14 @@ fn fit(used: &[Along], rows: usize) -> Option<DMatrix<f64>> {
     let (mut left, mut right) = (Vec::new(), Vec::new());
     for on in used {
         let runs = on.estimator.runs;
-        let past = |s: &Signal, at: usize| runs.record().column(Signal::new(s.var))?.get(at).copied();
+        let past =
+            |s: &Signal, at: usize| runs.record().column(Signal::new(s.var))?.get(at).copied();
         for range in runs.contiguous() {
-            for row in range.clone().step_by(every).take_while(|r| r + rows < range.end) {
+            for row in range
+                .clone()
+                .step_by(every)
+                .take_while(|r| r + rows < range.end)
+            {
                 let pair = || {
                     let x = on.estimator.smoothed(row, around)?;
                     let next = on.estimator.smoothed(row + rows, around)?;
@@ -153,12 +170,17 @@ fn fit(used: &[Along], rows: usize) -> Option<DMatrix<f64>> {
     if left.len() < 2 * columns {
         return None;
     }
-    let (mut normal, mut product) = (DMatrix::zeros(columns, columns), DMatrix::zeros(columns, right.first()?.len()));
+    let (mut normal, mut product) = (
+        DMatrix::zeros(columns, columns),
+        DMatrix::zeros(columns, right.first()?.len()),
+    );
     for (a, b) in left.iter().zip(&right) {
         normal.ger(1.0, a, a, 1.0);
         product.ger(1.0, a, b, 1.0);
     }
-    let sizes = normal.diagonal().map(|s: f64| if s > 0.0 { s.sqrt() } else { 1.0 });
+    let sizes = normal
+        .diagonal()
+        .map(|s: f64| if s > 0.0 { s.sqrt() } else { 1.0 });
     let scaled = DMatrix::from_fn(columns, columns, |i, j| {
         let ridge = if i == j { LINEAR_MODEL.ridge } else { 0.0 };
         normal[(i, j)] / (sizes[i] * sizes[j]) + ridge

@@ -43,9 +43,7 @@ impl<'a> StateEstimator<'a> {
     ) -> Result<StateEstimator<'a>, Signal> {
         let record = runs.record();
         let component = |signal: &Signal| {
-            let mut below = (0..=signal.der)
-                .rev()
-                .map(|der| Signal { der, ..*signal });
+            let mut below = (0..=signal.der).rev().map(|der| Signal { der, ..*signal });
             let found = below.find_map(|b| {
                 let values = record.column(b)?;
                 let known = values.iter().any(|v| v.is_finite());
@@ -58,7 +56,8 @@ impl<'a> StateEstimator<'a> {
                 noise: (from == *signal).then(|| noise(*signal)),
             })
         };
-        let components: Result<Vec<Component>, Signal> = runs.state().iter().map(component).collect();
+        let components: Result<Vec<Component>, Signal> =
+            runs.state().iter().map(component).collect();
         Ok(StateEstimator {
             runs,
             components: components?,

@@ -33,5 +33,7 @@ pub(super) fn test_starts(
     }
     let count = count.min(all.len());
     let place = |k: usize| (2 * k + 1) * all.len() / (2 * count.max(1));
-    (0..count).filter_map(|k| all.get(place(k)).copied()).collect()
+    (0..count)
+        .filter_map(|k| all.get(place(k)).copied())
+        .collect()
 }

@@ -93,7 +93,11 @@ fn squares(
     let record = estimator.runs.record();
     let row = row_ahead(&record.time, start.row, ahead, trial.step)?;
     let run = estimator.runs.run(start.row..row + 1, x, observer);
-    let Some(reached) = run.states.get(row - start.row).filter(|_| run.fault.is_none()) else {
+    let Some(reached) = run
+        .states
+        .get(row - start.row)
+        .filter(|_| run.fault.is_none())
+    else {
         return Some(f64::INFINITY);
     };
     let (mut sum, mut count) = (0.0, 0.0);

@@ -118,7 +118,9 @@ fn run_all(
         entry.sensitive = is_sensitive(&source, (record, &run), observer);
         Some(entry)
     };
-    (0..dataset.trajectories.len()).filter_map(&mut one).collect()
+    (0..dataset.trajectories.len())
+        .filter_map(&mut one)
+        .collect()
 }
 
 impl Validation {

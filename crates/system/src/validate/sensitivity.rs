@@ -17,7 +17,10 @@ pub(super) fn is_sensitive(
     let Some(leg) = run.legs.first().filter(|_| departs) else {
         return false;
     };
-    let moved = leg.start.iter().map(|s| (s.signal, s.value + error(run, s)));
+    let moved = leg
+        .start
+        .iter()
+        .map(|s| (s.signal, s.value + error(run, s)));
     // Only the first leg starts elsewhere, so only that is run.
     let end = leg.rows.end.checked_sub(1).and_then(|k| run.time.get(k));
     let options = Options {

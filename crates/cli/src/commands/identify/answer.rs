@@ -38,10 +38,12 @@ impl Answer<'_> {
         written.transpose()?;
         // Where errors of predictions were asked for, these decide; doubts are said all the same.
         let passes = || self.found.discovery.passes();
-        Ok(match self.found.verdict.prediction.good.unwrap_or_else(passes) {
-            true => exit_status::PASS,
-            false => exit_status::DOUBT,
-        })
+        Ok(
+            match self.found.verdict.prediction.good.unwrap_or_else(passes) {
+                true => exit_status::PASS,
+                false => exit_status::DOUBT,
+            },
+        )
     }
 
     fn text(&self) -> String {
