@@ -77,8 +77,8 @@ fn data(p: &Prediction) -> String {
     let one = |what: &String| match what.strip_suffix('%') {
         Some(part) => format!("the last {part} %"),
         None => match what.split_once("..") {
-            Some((from, to)) if from.is_empty() => format!("times up to {to}"),
-            Some((from, to)) if to.is_empty() => format!("times from {from} on"),
+            Some(("", to)) => format!("times up to {to}"),
+            Some((from, "")) => format!("times from {from} on"),
             Some((from, to)) => format!("times {from} to {to}"),
             None => what.clone(),
         },

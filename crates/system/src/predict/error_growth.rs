@@ -9,6 +9,7 @@ use super::horizon::{Predicted, row_ahead};
 use super::linear_model::{Along, InputSums, LinearModel};
 use super::state_estimation::{NoState, StateEstimator};
 use super::test_starts::TestStart;
+use super::thresholds::PREDICTION;
 use crate::simulate::FaultKind;
 use sidc_progress::{Activity, Observer};
 
@@ -54,7 +55,10 @@ impl Growth<'_> {
             errors: empty,
             ..GrowthErrors::default()
         };
-        for start in self.starts {
+        // Beyond the horizon asked for, a third of the starts are enough to see how the error grows.
+        let sparse = self.starts.len() / PREDICTION.fewest_starts.max(1);
+        for (number, start) in self.starts.iter().enumerate() {
+            let far = number % sparse.max(1) == 0;
             let time = self.estimators.get(start.record);
             let time = time.and_then(|e| e.runs.record().time.get(start.row));
             let time = time.copied().unwrap_or(0.0);
@@ -62,7 +66,7 @@ impl Growth<'_> {
                 out.stopped = true;
                 break;
             }
-            if let Some(fault) = self.one(start, linear, &mut out, observer) {
+            if let Some(fault) = self.one((start, far), linear, &mut out, observer) {
                 *out.ended.entry(fault).or_default() += 1;
                 out.stopped |= fault == FaultKind::Stopped.code();
             }
@@ -76,7 +80,7 @@ impl Growth<'_> {
     /// Runs from one start; why the run ended before the horizon asked for.
     fn one(
         &self,
-        start: &TestStart,
+        (start, far): (&TestStart, bool),
         linear: &mut LinearModel,
         out: &mut GrowthErrors,
         observer: &mut dyn Observer,
@@ -89,8 +93,13 @@ impl Growth<'_> {
         out.starts += 1;
         let record = estimator.runs.record();
         let row = |ahead: &f64| row_ahead(&record.time, start.row, *ahead, self.step);
-        let rows: Vec<Option<usize>> = self.ahead.iter().map(row).collect();
-        let rows: Vec<Option<usize>> = rows.iter().map(|r| r.filter(|k| *k < start.end)).collect();
+        let last_asked = if far {
+            self.ahead.len()
+        } else {
+            self.asked + 1
+        };
+        let wanted = self.ahead.iter().take(last_asked).map(row);
+        let rows: Vec<Option<usize>> = wanted.map(|r| r.filter(|k| *k < start.end)).collect();
         let last = rows.iter().flatten().max().copied().unwrap_or(start.row);
         let run = state
             .as_ref()

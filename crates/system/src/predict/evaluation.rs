@@ -54,12 +54,12 @@ pub fn predict(
         false => DataKind::HeldOut,
     };
     if !request.good.is_empty() {
-        let judged = out.signals.iter().filter_map(|s| s.good);
+        let mut judged = out.signals.iter().filter_map(|s| s.good);
         let named = |limit: &ErrorLimit| match limit {
             ErrorLimit::Share(_) => !out.signals.is_empty(),
             ErrorLimit::Signal(name, _) => out.signals.iter().any(|s| s.signal == *name),
         };
-        let met = judged.fold(true, |all, good| all && good);
+        let met = judged.all(|good| good);
         let whole = out.unavailable.is_none() && request.good.iter().all(named);
         out.good = Some(met && whole && out.on == DataKind::HeldOut);
     }
@@ -304,7 +304,7 @@ impl Plan {
         let components = used.first().map_or(1, |r| r.state().len());
         // Half of the Gauss–Newton steps are mostly enough.
         let fit = fitted * (components + 1) * STATE_FIT.steps / 2;
-        let affordable = (budget / PREDICTION.starts).saturating_sub(fit);
+        let affordable = (budget / PREDICTION.fewest_starts).saturating_sub(3 * fit);
         let shortest = -3_i32;
         let all = (0..PREDICTION.doublings as i32).map(|k| f64::powi(2.0, k + shortest));
         let exists = |m: &f64| m * rows as f64 >= 1.0;
@@ -313,8 +313,7 @@ impl Plan {
             *m <= 1.0 || (ahead <= affordable && 2 * ahead <= longest)
         };
         let multiples: Vec<f64> = all.filter(exists).filter(ends).collect();
-        let farthest = multiples.iter().fold(1.0, |a: f64, b| a.max(*b)) * rows as f64;
-        let starts = budget / (fit + farthest as usize).max(1);
+        let starts = budget / (fit + rows).max(1);
         Plan {
             starts: starts.clamp(PREDICTION.fewest_starts, PREDICTION.starts),
             multiples,

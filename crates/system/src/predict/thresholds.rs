@@ -7,7 +7,7 @@ sidc_thresholds::family! {
     pub PREDICTION: PredictionRule {
         /// Starts that are compared.
         starts: usize = 60, unit "starts", source "the share of starts within a limit then has a standard error of √(0.9 · 0.1/60), 4 %";
-        /// Least number of starts, whatever they cost.
+        /// Least number of starts, whatever they cost; as many are run beyond the horizon asked for.
         fewest_starts: usize = 20, unit "starts", source "the least number whose 90 % quantile leaves out two starts, so that a single one does not decide";
         /// Rows that all runs may cover.
         rows: usize = 20_000, unit "rows", source "some 20 ms at 1 µs a row of a small system";
@@ -54,7 +54,7 @@ sidc_thresholds::family! {
     /// The linear model beside the equations.
     pub LINEAR_MODEL: LinearModel {
         /// Pairs of rows that it is fitted to.
-        pairs: usize = 4_000, unit "pairs", source "its coefficients then have errors of 1/√4,000, 2 % of the noise";
+        pairs: usize = 2_000, unit "pairs", source "its coefficients then have errors of 1/√2,000, 2 % of the noise";
         /// Steps that a horizon is cut into.
         steps: usize = 8, unit "steps", source "as many as the shortest horizon of the curve fits into the one asked for";
         /// Rows to each side that a rate without readings is taken from.
