@@ -5,7 +5,7 @@ use std::process::Command;
 
 use super::languages::finished;
 use sidc_emit as emit;
-use sidc_system::discovery::Discovery;
+use sidc_system::discovery::{Discovery, Evidence, InputDelay, Together};
 use sidc_system::result;
 use sidc_testing::program::sidc;
 use sidc_testing::runtimes;
@@ -15,14 +15,18 @@ const HOSTILE: &str = "missed */ by \"\"\" 'far' \\end{x} %} //\n\u{7} ??/ `$(x)
 
 /// ẋ = −x + 3 u(t − 0.25), doubted, or passed and without a delay.
 fn text(doubted: bool) -> String {
-    let delays = serde_json::json!([{"input": "u", "seconds": 0.25, "samples": 2.5}]);
-    let delays = if doubted {
-        delays
-    } else {
-        serde_json::json!([])
+    let delay = InputDelay {
+        input: "u".into(),
+        seconds: 0.25,
+        samples: 2.5,
     };
-    let evidence = serde_json::json!({"rows": 9, "candidates": 2, "solver": "", "iterations": 0, "residual": 0.0,
-        "target_error": 0.0, "together": {"channels": [], "delays": delays, "price": 1.0, "tried": 1}});
+    let evidence = Evidence {
+        together: Some(Together {
+            delays: if doubted { vec![delay] } else { Vec::new() },
+            ..Together::default()
+        }),
+        ..Evidence::default()
+    };
     let reasons = serde_json::json!([{"code": "misfit", "text": HOSTILE}]);
     let mut equation = serde_json::json!({"target": "dx", "status": "pass", "evidence": evidence,
         "terms": [{"term": "x", "coefficient": -1.0}, {"term": "u", "coefficient": 3.0}]});
