@@ -100,19 +100,21 @@ impl Verdict {
         Verdict {
             law: LawVerdict::of(d),
             prediction,
-            run: RunVerdict::of(runs),
+            run: RunVerdict::of(d, runs),
         }
     }
 }
 
 impl RunVerdict {
     /// Of the runs on data held out, or on the data used where there are none.
-    fn of(all: &Validation) -> RunVerdict {
+    fn of(d: &Discovery, all: &Validation) -> RunVerdict {
         let held = all.runs.iter().any(|r| r.held_out);
         let runs = || all.runs.iter().filter(|r| r.held_out == held);
+        // What the equations give at each instant is no state: it is followed as well as the state is.
+        let targets: Vec<String> = d.equations.iter().map(|e| d.name(e.target)).collect();
         let mut signals: Vec<SignalRun> = Vec::new();
         for run in runs() {
-            for one in signal_runs(run) {
+            for one in signal_runs(run).filter(|s| !targets.contains(&s.signal)) {
                 match signals.iter_mut().find(|s| s.signal == one.signal) {
                     None => signals.push(one),
                     Some(worst) if part(&one) < part(worst) => *worst = one,
