@@ -55,7 +55,9 @@ pub fn judge(
     let verdict = match &validation {
         Some(runs) => Verdict::of(found, prediction, runs),
         None => {
-            let runs = validate::run_on_used((found, model), used, observer);
+            // States that need no fit are readings without noise.
+            let clean = prediction.unavailable.is_none() && prediction.fitted_rows == 0;
+            let runs = validate::run_on_used((found, model), (used, clean), observer);
             Verdict::of(found, prediction, &runs)
         }
     };

@@ -10,12 +10,13 @@ pub mod thresholds;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discovery::{Discovery, Notice};
+use crate::discovery::{Discovery, Form, Notice};
 use crate::simulate;
 use crate::simulate::thresholds::SEGMENTS;
 use crate::simulate::{EXACT, Figures, Options, Run, Source};
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Model;
+use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
 pub use free_run_doubts::{KStepErrors, doubt};
@@ -64,20 +65,36 @@ pub fn validate(
     Some(Validation { runs })
 }
 
-/// Runs the equations on the data used, to the accuracy of readings: what is said of free runs where nothing was held out.
+/// Runs the equations on the data used, to the accuracy of readings: what is said of free runs where nothing was held out. Readings
+/// that are `clean` are the start themselves.
 pub fn run_on_used(
     (d, model): (&Discovery, &Model),
-    used: &Dataset,
+    (used, clean): (&Dataset, bool),
     observer: &mut dyn Observer,
 ) -> Validation {
-    let to_readings = Options {
-        tolerance: SEGMENTS.tolerance,
-        ..Options::default()
-    };
-    let runs = match d.was_stopped() || !d.failed.is_empty() {
-        true => Vec::new(),
-        false => run_all((d, model), (used, false), &to_readings, observer),
-    };
+    let mut runs = Vec::new();
+    if d.was_stopped() || !d.failed.is_empty() {
+        return Validation { runs };
+    }
+    let state = Form::new(d).state;
+    for record in &used.trajectories {
+        let reading = |s: &Signal| {
+            let first = record.column(*s)?.first().copied();
+            Some((*s, first.filter(|v| v.is_finite())?))
+        };
+        let start: Option<Vec<(Signal, f64)>> = state.iter().map(reading).collect();
+        let options = Options {
+            // In discrete time a run starts behind the samples that the equations look back to.
+            start: start.filter(|_| clean && !d.discrete).unwrap_or_default(),
+            tolerance: SEGMENTS.tolerance,
+            ..Options::default()
+        };
+        let alone = Dataset {
+            trajectories: vec![record.clone()],
+            inputs: used.inputs.clone(),
+        };
+        runs.extend(run_all((d, model), (&alone, false), &options, observer));
+    }
     Validation { runs }
 }
 
