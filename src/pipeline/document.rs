@@ -31,9 +31,6 @@ pub fn settings(
     options: &Options,
 ) -> Settings {
     let records = &measured.dataset.trajectories;
-    let run = |place: &usize| data.tables.get(*place).map(|t| t.name.clone());
-    let stretches = options.held_out.stretches.iter().map(ToString::to_string);
-    let runs = options.held_out.files.iter().filter_map(run);
     let search = &options.search;
     Settings {
         model: source.name.clone(),
@@ -43,7 +40,8 @@ pub fn settings(
         samples: search.samples,
         seed: search.seed,
         window: (options.window != (None, None)).then_some(options.window),
-        holdout: stretches.chain(runs).collect(),
+        holdout: measured.held_out.clone(),
+        prediction: options.prediction.clone(),
         params: data.params.clone(),
         robust: search.robust,
         files: source.files.clone(),

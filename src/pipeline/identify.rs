@@ -1,6 +1,6 @@
-//! Program + measured → equations: the third stage, and the free runs of what it found.
+//! Program + measured → equations: the third stage.
 //!
-//! In: a program, its signals on common rows. Out: equations with evidence, or why a term has no value; scores of the runs.
+//! In: a program, its signals on common rows. Out: equations with evidence, or why a term has no value.
 
 use sidc_discover as discover;
 use sidc_discover::identifiability::Rows;
@@ -8,8 +8,6 @@ use sidc_discover::{Fitted, Refusal};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
-use sidc_system::validate;
-use sidc_system::validate::Validation;
 
 use super::evidence::{self, Weighing};
 use super::measure::Measured;
@@ -78,17 +76,4 @@ fn diagnostics(program: &Program, measured: &Measured, refused: Vec<Refusal>) ->
         Refusal::Contradiction(diagnostic) => diagnostic,
     };
     refused.into_iter().map(explain).collect()
-}
-
-/// Runs what was found on the rows used and on those held out; `None` where none were held out.
-pub fn validate(
-    program: &Program,
-    measured: &Measured,
-    found: &mut Discovery,
-    observer: &mut dyn Observer,
-) -> Option<Validation> {
-    let data = (&measured.dataset, &measured.held);
-    let runs = validate::validate((found, &program.model), data, observer)?;
-    validate::doubt(&runs, found);
-    Some(runs)
 }

@@ -4,7 +4,7 @@
 //! diagnostics. Finds no equation.
 
 use sidc_data as data;
-use sidc_data::{Dataset, Provenance, Samples, Table};
+use sidc_data::{Dataset, HoldOut, Provenance, Samples, Table};
 use sidc_discover as discover;
 use sidc_discover::trajectory::Problem;
 use sidc_discover::{Method, TargetCopy};
@@ -22,6 +22,8 @@ pub struct Measured {
     pub dataset: Dataset,
     /// What is held out: equations are not found from it, but run on it.
     pub held: Dataset,
+    /// The same in words, for messages.
+    pub held_out: Vec<String>,
     /// Empty where all equations are found together.
     pub samples: Samples,
     /// The problem of all equations together with their trajectory, where they are found that way.
@@ -55,7 +57,8 @@ pub fn measure(
     if diagnostics.iter().any(Diagnostic::is_error) {
         return (None, diagnostics);
     }
-    let held = match data::hold_out(&mut dataset, &options.held_out) {
+    let hold_out = options.holds_out();
+    let held = match data::hold_out(&mut dataset, &hold_out) {
         Ok(held) => held,
         Err(fault) => {
             diagnostics.push(fault);
@@ -105,6 +108,7 @@ pub fn measure(
         Measured {
             dataset,
             held,
+            held_out: in_words(&hold_out, data),
             samples,
             joint,
             report,
@@ -135,6 +139,15 @@ fn left_out(program: &Program, copy: &TargetCopy) -> Diagnostic {
     )
     .fact(format!("it would explain {target} by {target}, whatever the law is"))
     .help(format!("remove {term} from the library of {target}"))
+}
+
+/// What is held out, as a command line would say it.
+pub(super) fn in_words(hold_out: &HoldOut, data: &Data) -> Vec<String> {
+    let run = |place: &usize| data.tables.get(*place).map(|t| t.name.clone());
+    let stretches = hold_out.stretches.iter().map(ToString::to_string);
+    stretches
+        .chain(hold_out.files.iter().filter_map(run))
+        .collect()
 }
 
 fn not_joint(why: &str) -> Diagnostic {

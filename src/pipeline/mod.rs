@@ -5,6 +5,7 @@
 mod document;
 mod evidence;
 mod identify;
+mod judgement;
 mod measure;
 mod noise;
 mod program;
@@ -15,11 +16,13 @@ mod unevaluable;
 mod verification;
 
 pub use document::{ModelSource, settings, signal_entries, warnings};
-pub use identify::{identify, validate};
+pub use identify::identify;
+pub use judgement::{Judgement, check_limits, judge};
 pub use measure::{Measured, from_tables, measure};
 pub use noise::{NoiseFault, set_noise};
 pub use program::{Program, Staged, compile, needed, vocabulary};
 pub use regression::Regression;
 pub use sidc_lang::library::MEMORY;
+pub(crate) use thresholds::BUDGET;
 pub use thresholds::thresholds;
 pub use verification::{verification_work, verify};

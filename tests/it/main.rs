@@ -32,6 +32,7 @@ mod linearize;
 mod measured;
 mod noise;
 mod planted;
+mod prediction;
 mod rates;
 mod relation;
 mod report;

@@ -5,6 +5,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod caveats;
 mod code;
 mod consequences;
 pub mod report;
@@ -14,6 +15,7 @@ mod text;
 mod thresholds;
 mod typeset;
 
+pub use caveats::{delayed_inputs, doubted};
 pub use target::Target;
 pub use targets::{TARGETS, target};
 pub use text::coefficient_inference::without;
@@ -22,5 +24,6 @@ pub use text::evidence::{answer, remarks};
 pub use text::free_runs::validation;
 pub use text::linearization::{kink_warnings, linearization};
 pub use text::matrices::consequences;
+pub use text::verdict::verdict;
 pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};

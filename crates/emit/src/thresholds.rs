@@ -19,6 +19,12 @@ family! {
         path_rounding: f64 = 1e-9, unit "of the target", source "set by hand";
         /// States of a linear system up to which A and B are printed with the equations.
         printed_states: usize = 12, unit "states", source "set by hand";
+        /// Signals whose predictions are printed, those with the largest errors.
+        predicted_signals: usize = 3, unit "signals", source "what fits into two lines; the result document has all";
+        /// Error of a prediction below which it is not printed.
+        exact_prediction: f64 = 1e-6, unit "of the signal's spread", source "as the noise below which readings count as clean";
+        /// Doubts that the line of the law names.
+        doubt_codes: usize = 4, unit "codes", source "what fits into one line; each is explained at its equation";
     }
 }
 

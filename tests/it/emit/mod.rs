@@ -1,5 +1,6 @@
 //! Emitted code is run and compared with our own evaluator (`languages.rs`); what people read is a snapshot.
 
+mod caveats;
 mod examples;
 mod languages;
 mod random;

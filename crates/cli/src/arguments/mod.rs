@@ -1,6 +1,7 @@
 //! How values of options are written on the command line, and what they mean.
 
 pub mod assignments;
+pub mod limits;
 pub mod names;
 pub mod operating_point;
 pub mod quantities;

@@ -6,7 +6,7 @@ use crate::arguments::names::hint;
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::texts;
-use crate::outputs::files;
+use crate::outputs::{doubts, files};
 use sidc_emit as emit;
 use sidc_emit::TARGETS;
 
@@ -35,6 +35,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let code = target
         .emit(&discovery)
         .map_err(|why| Failure::new(format!("error[not-expressible]: {why}")))?;
+    doubts::warn(&discovery);
     files::write_or_print(args.output.as_deref(), &code)?;
     Ok(exit_status::PASS)
 }

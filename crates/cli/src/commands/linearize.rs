@@ -6,13 +6,14 @@ use crate::arguments::operating_point::PointOption;
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::texts;
-use crate::outputs::stdout;
+use crate::outputs::{doubts, stdout};
 use sidc_emit as emit;
 use sidc_lang::model::VarKind;
+use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames, VarId};
 use sidc_system::algebra;
-use sidc_system::algebra::{Linear, NoLinear, Point};
-use sidc_system::discovery::{Discovery, Form};
+use sidc_system::algebra::{DelayState, Linear, NoLinear, Point};
+use sidc_system::discovery::{Discovery, Form, Notice};
 use sidc_system::result;
 
 const EXAMPLES: &str = "Examples:
@@ -37,7 +38,9 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
-    let d = texts::result(&args.result)?.discovery;
+    let found = texts::result(&args.result)?.discovery;
+    // Equations without delays, in which states stand for them.
+    let (d, delays) = algebra::delays_as_states(&found);
     let form = Form::new(&d);
     if form.state.is_empty() {
         return Err(Failure::new(
@@ -47,12 +50,21 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut point = Point::default();
     let mut named = set_point(&mut point, &d, &form, &args.at)?;
     named.extend(set_params(&mut point, &d, &form, &args.params)?);
+    for delay in &delays {
+        let input = point.value(delay.input);
+        point.0.insert(delay.state, delay.at_rest(input));
+        if input != 0.0 {
+            named.push(delay.state);
+        }
+    }
     let actuators: Vec<Signal> = (d.variables.iter().enumerate())
         .filter(|(_, v)| v.kind == VarKind::Input)
         .map(|(i, _)| Signal::new(VarId(i as u16)))
         .collect();
     let near = algebra::near(&form, &point, &actuators).map_err(|why| refusal(&d, &form, why))?;
-    let warnings = emit::kink_warnings(&d, &near);
+    let mut warnings = emit::kink_warnings(&d, &near);
+    warnings.extend(doubts::doubted(&found));
+    warnings.extend(delays.iter().map(|delay| approximated(&d, delay)));
     for w in &warnings {
         eprintln!("warning[{}]: {}", w.code, w.text);
     }
@@ -63,6 +75,18 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     };
     stdout::print(&text)?;
     Ok(exit_status::PASS)
+}
+
+/// How the delay of an input became states.
+fn approximated(d: &Discovery, delay: &DelayState) -> Notice {
+    let text = format!(
+        "{} acts {} s late: A and B hold that as a second-order Padé approximant with the states {} and {}",
+        d.name(delay.input),
+        significant(delay.seconds, 6),
+        d.name(delay.state),
+        d.name(Signal::derivative(delay.state.var, 1)),
+    );
+    Notice::new("delay-approximated", text)
 }
 
 /// Sets the values of `--at` in the point; returns the signals that have one.

@@ -2,6 +2,7 @@
 
 pub mod csv;
 pub mod diagnostics;
+pub mod doubts;
 pub mod files;
 pub mod paths;
 pub mod signals;

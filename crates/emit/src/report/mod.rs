@@ -12,7 +12,7 @@ pub use report_contents::{RecordRun, Subject, run_windows};
 
 use crate::report::sections::{
     coefficients, collinearity, data_coverage, equations, error_by_terms, phase_portraits,
-    reproduction, residual_autocorrelation, trajectories, verdict,
+    prediction, reproduction, residual_autocorrelation, trajectories, verdict,
 };
 use crate::typeset::mathml::escape;
 use markup::counted;
@@ -40,6 +40,7 @@ pub fn html(s: &Subject) -> String {
         verdict::html(s),
         equations::html(s),
         coefficients::html(s),
+        prediction::html(s),
         left,
         error_by_terms::html(s),
         collinearity::html(s),

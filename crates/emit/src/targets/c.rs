@@ -3,6 +3,7 @@
 //! Coupled equations are solved by elimination in the emitted code, by Newton's method where they are not linear in
 //! the highest derivatives. Compiles without a warning under `-std=c99 -Wall -Wextra -pedantic`.
 
+use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
@@ -34,6 +35,8 @@ impl Language for C {
         let system = titled(program.system.as_deref());
         let mut out =
             format!("/* Written by sidc: the identified system{system} as code (C99).\n *\n");
+        out.push_str(&commented(" * ", caveats(d).into_iter()));
+        out.push_str(" *\n");
         out.push_str(&commented(" * ", program.legend()));
         let outputs = program.outputs(d);
         if !outputs.is_empty() {
@@ -44,7 +47,19 @@ impl Language for C {
         for f in &program.functions {
             out.push_str(&format!(" * {};\n", signature(program, f)));
         }
-        out.push_str(" */\n#include <math.h>\n");
+        out.push_str(" */\n#include <math.h>\n\n");
+        out.push_str(&format!(
+            "#define SIDC_VERDICT \"{}\"\n",
+            verdict_summary(d)
+        ));
+        let delays = delays(d, &program.form.inputs);
+        if !delays.is_empty() {
+            let delays: Vec<String> = delays.iter().map(|t| format!("{t:?}")).collect();
+            out.push_str(&format!(
+                "/* Seconds by which each input acts later, as an initialiser of an array. */\n#define SIDC_INPUT_DELAYS {{{}}}\n",
+                delays.join(", ")
+            ));
+        }
         out
     }
 
@@ -331,7 +346,7 @@ const RESERVED: &[&str] = &[
     "M_PI_4", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2", "linux", "unix", "i386", "near", "far", "NULL", "signgam",
     "t", "state", "input", "parameter", "history", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
     "i", "sidc_solve", "sidc_solve_1", "sidc_solve_2", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
-    "sidc_jacobian_input", "sidc_outputs",
+    "sidc_jacobian_input", "sidc_outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
 ];
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! LaTeX: a document with one `align*` block. It needs amsmath, nothing else.
 
+use crate::caveats::{caveats, verdict_summary};
 use crate::code::identifiers::titled;
+use crate::code::printer::commented;
 use crate::target::Target;
 use crate::typeset::latex_matrices;
 use crate::typeset::latex_notation::LatexNotation;
@@ -39,8 +41,10 @@ impl Target for Latex {
                 lines.join(" \\\\\n")
             ),
         };
+        let caveats = commented("% ", caveats(d).into_iter());
+        let verdict = verdict_summary(d).replace('_', "\\_");
         Ok(format!(
-            "% Written by sidc: the identified system{system}.\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n\
+            "% Written by sidc: the identified system{system}.\n{caveats}\\newcommand{{\\sidcverdict}}{{{verdict}}}\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n\
              {equations}{}\\end{{document}}\n",
             latex_matrices::matrices(d, &notation)
         ))

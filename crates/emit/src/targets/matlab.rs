@@ -3,6 +3,7 @@
 //! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
 //! derivatives. Functions whose value would be complex return NaN.
 
+use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{Identifiers, ascii, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::{Dialect, Language, Printer, commented};
@@ -158,6 +159,8 @@ fn main(d: &Discovery, program: &Program) -> String {
     let mut out = format!(
         "function [{results}] = {name}(t{arguments})\n% Written by sidc: the identified system{system} as code, for MATLAB and Octave.\n"
     );
+    out.push_str(&commented("% ", caveats(d).into_iter()));
+    out.push_str("% Without arguments, rate is a struct with the verdict and the delays of the inputs in seconds.\n%\n");
     out.push_str(&commented("% ", program.legend()));
     for kind in KINDS {
         if program.get(kind).is_some() {
@@ -175,6 +178,14 @@ fn main(d: &Discovery, program: &Program) -> String {
             plain(&outputs.join(", "))
         ));
     }
+    let delays: Vec<String> = (delays(d, &program.form.inputs).iter())
+        .map(|t| format!("{t:?}"))
+        .collect();
+    out.push_str(&format!(
+        "  if nargin == 0\n    rate = struct('sidc_verdict', '{}', 'sidc_input_delays', [{}]);\n    return\n  end\n",
+        verdict_summary(d),
+        delays.join(", ")
+    ));
     for (i, kind) in KINDS.into_iter().enumerate() {
         let (result, called) = (result(kind), kind.name(program.discrete));
         let value = match program.get(kind) {

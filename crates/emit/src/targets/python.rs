@@ -3,10 +3,11 @@
 //! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
 //! derivatives.
 
+use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, used_helpers};
+use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
@@ -47,9 +48,20 @@ impl Language for Python {
             ));
             if others.contains(&"input") {
                 out.push_str("\n`input` is the inputs, or a function of time that gives them.\n");
+                if !delays(d, &program.form.inputs).is_empty() {
+                    out.push_str("Of a function of time each input is taken at t - SIDC_INPUT_DELAYS; numbers are inputs as they act.\n");
+                }
             }
         }
+        out.push('\n');
+        out.push_str(&commented("", caveats(d).into_iter()));
         out.push_str("\"\"\"\nimport numpy as np\n\n");
+        out.push_str(&format!("SIDC_VERDICT = \"{}\"\n", verdict_summary(d)));
+        let delays = delays(d, &program.form.inputs);
+        if !delays.is_empty() {
+            let delays: String = delays.iter().map(|t| format!("{t:?}, ")).collect();
+            out.push_str(&format!("SIDC_INPUT_DELAYS = ({})\n", delays.trim_end()));
+        }
         for a in &program.arguments {
             out.push_str(&tuple(a.name, &a.names));
         }
@@ -70,7 +82,12 @@ impl Language for Python {
         );
         for a in &program.arguments {
             if f.body.reads.iter().any(|r| r.argument == a.name) {
-                out.push_str(&format!("    {0} = _numbers({0}, t)\n", a.name));
+                let numbers = if a.name == "input" && program.is_delayed {
+                    "_inputs"
+                } else {
+                    "_numbers"
+                };
+                out.push_str(&format!("    {0} = {numbers}({0}, t)\n", a.name));
             }
         }
         if f.body.mentions_time() {
@@ -127,6 +144,7 @@ impl Language for Python {
         let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
         used_helpers(&[
             (reads, NUMBERS),
+            (reads && program.is_delayed, INPUTS),
             (program.solves(|_| true), SOLVE),
             (newton, NEWTON),
         ])
@@ -168,6 +186,15 @@ def _numbers(values, t):
     return np.asarray(values(t) if callable(values) else values, dtype=float).reshape(-1)
 ";
 
+const INPUTS: &str = "
+
+def _inputs(values, t):
+    \"\"\"The inputs as they act at t: those of a function of time each after its delay.\"\"\"
+    if not callable(values):
+        return _numbers(values, t)
+    return np.array([_numbers(values, t - delay)[i] for i, delay in enumerate(SIDC_INPUT_DELAYS)])
+";
+
 const SOLVE: &str = "
 
 def _solve(mass, right):
@@ -198,5 +225,5 @@ const RESERVED: &[&str] = &[
     "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
     "return", "try", "while", "with", "yield",
     "np", "t", "state", "input", "parameter", "history", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
-    "outputs",
+    "outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
 ];

@@ -3,6 +3,7 @@
 //! Coupled equations are solved by elimination in the emitted code, by Newton's method where they are not linear in
 //! the highest derivatives.
 
+use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
@@ -34,10 +35,23 @@ impl Language for Rust {
     fn header(&self, d: &Discovery, program: &Program) -> String {
         let system = titled(program.system.as_deref());
         let mut out = format!("// Written by sidc: the identified system{system} as code.\n");
+        out.push_str(&commented("// ", caveats(d).into_iter()));
+        out.push_str("//\n");
         out.push_str(&commented("// ", program.legend()));
         let outputs = program.outputs(d);
         if !outputs.is_empty() {
             out.push_str(&format!("// outputs are {}\n", plain(&outputs.join(", "))));
+        }
+        out.push_str(&format!(
+            "\n/// The verdict on these equations.\n#[allow(dead_code)]\npub const SIDC_VERDICT: &str = \"{}\";\n",
+            verdict_summary(d)
+        ));
+        let delays = delays(d, &program.form.inputs);
+        if !delays.is_empty() {
+            out.push_str(&format!(
+                "\n/// Seconds by which each input acts later.\n#[allow(dead_code)]\npub const SIDC_INPUT_DELAYS: [f64; {}] = {delays:?};\n",
+                delays.len()
+            ));
         }
         out
     }
@@ -242,6 +256,7 @@ const RESERVED: &[&str] = &[
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
     "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history",
     "slope", "solve", "solve_2", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
+    "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
 ];
 
 #[cfg(test)]

@@ -3,8 +3,10 @@
 //! Numbers are the doubles of the result; whole ones are integers. Equations that are not linear in the highest
 //! derivatives are not solved.
 
+use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{Identifiers, plain, titled};
 use crate::code::infix::{Infix, Syntax};
+use crate::code::printer::commented;
 use crate::code::program::{Body, Name, Program, Step};
 use crate::target::Target;
 use sidc_lang::term::{Func, Signal};
@@ -27,7 +29,7 @@ impl Target for Sympy {
         let names = Identifiers::new(program.names.iter().cloned(), RESERVED.iter().copied());
         let body = program.sides()?;
         let infix = Infix::new(&Words, &body, &names);
-        let mut out = header(&program);
+        let mut out = header(d, &program);
         out.push_str(&symbols(d, &program, &names));
         out.push_str(&lets(&infix, &body));
         out.push_str(&sides(&program, &infix, &body));
@@ -36,7 +38,7 @@ impl Target for Sympy {
     }
 }
 
-fn header(program: &Program) -> String {
+fn header(d: &Discovery, program: &Program) -> String {
     let system = titled(program.system.as_deref());
     let unknown = match program.discrete {
         true => "next state",
@@ -52,7 +54,16 @@ fn header(program: &Program) -> String {
             false => "mass and force depend on them: there is no closed form, and no rates().\n",
         });
     }
+    out.push('\n');
+    out.push_str(&commented("", caveats(d).into_iter()));
     out.push_str("\"\"\"\nimport sympy as sp\n\n");
+    out.push_str(&format!("SIDC_VERDICT = \"{}\"\n", verdict_summary(d)));
+    let delays = delays(d, &program.form.inputs);
+    if !delays.is_empty() {
+        let delays: String = delays.iter().map(|t| format!("{t:?}, ")).collect();
+        out.push_str(&format!("SIDC_INPUT_DELAYS = ({})\n", delays.trim_end()));
+    }
+    out.push('\n');
     out
 }
 
@@ -195,4 +206,5 @@ const RESERVED: &[&str] = &[
     "sp", "t", "state", "input", "parameter", "history", "unknown", "mass", "force", "right", "outputs", "rates", "solved",
     "sin", "cos", "tan", "asin", "acos", "atan", "arcsin", "arccos", "arctan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs",
     "sign", "min", "max", "amin", "amax", "minimum", "maximum", "select", "power", "nan", "inf", "pi", "math", "numpy", "array",
+    "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
 ];

@@ -1,5 +1,7 @@
 //! Plain text: the equations and what follows from them, as the terminal shows them.
 
+use crate::caveats::caveats;
+use crate::code::printer::commented;
 use crate::target::Target;
 use crate::text::equations::equations;
 use crate::text::matrices::consequences;
@@ -17,6 +19,7 @@ impl Target for Text {
     }
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
-        Ok(equations(d).concat() + &consequences(d))
+        let caveats = commented("# ", caveats(d).into_iter());
+        Ok(caveats + &equations(d).concat() + &consequences(d))
     }
 }

@@ -10,4 +10,5 @@ mod layout;
 pub(crate) mod linearization;
 pub(crate) mod matrices;
 mod solution_path;
+pub(crate) mod verdict;
 mod verification;

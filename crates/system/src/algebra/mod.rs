@@ -5,6 +5,7 @@
 mod affine;
 mod connected_components;
 mod cramer;
+mod delay_approximation;
 mod eigenvalues;
 mod expand;
 mod fraction;
@@ -17,6 +18,7 @@ mod trigonometric_identity;
 pub use affine::affine;
 pub use connected_components::{Block, blocks};
 pub use cramer::{Unsolved, solved};
+pub use delay_approximation::{DelayState, delays_as_states};
 pub use eigenvalues::{Mode, Stability, controllable_dimension, modes, stability};
 pub use expand::expanded;
 pub use fraction::Fraction;

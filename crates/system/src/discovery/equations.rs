@@ -305,6 +305,20 @@ impl Discovery {
         units::coefficient(&self.unit(target)?, &term)
     }
 
+    /// How many seconds later than its record an input acts, as it was found; 0 in discrete time, where it is a matter of samples.
+    pub fn input_delay(&self, input: VarId) -> f64 {
+        let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
+        let mut delays = evidence
+            .filter_map(|e| e.together.as_ref())
+            .flat_map(|t| &t.delays);
+        let name = self.variable_of(input).map(|v| v.name.as_str());
+        let found = delays.find(|d| Some(d.input.as_str()) == name);
+        match found {
+            Some(delay) if !self.discrete => delay.seconds.clamp(-1e9, 1e9),
+            _ => 0.0,
+        }
+    }
+
     pub fn variable_of(&self, id: VarId) -> Option<&Variable> {
         self.variables.get(id.0 as usize)
     }

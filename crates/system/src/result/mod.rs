@@ -10,7 +10,9 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{Evidence, Mark, Notice, Reason, Status, Without};
+use crate::predict::PredictionRequest;
 use crate::validate::Validation;
+use crate::verdict::Verdict;
 
 pub use data_declarations::{CourseEntry, Reading};
 pub use linearization_document::linearization;
@@ -47,6 +49,9 @@ pub struct Document {
     /// How the equations run, on data used and on data held out.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub validation: Option<Validation>,
+    /// Whether it is the law, how far ahead it predicts, whether it runs freely; absent in documents of earlier programs.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub verdict: Option<Verdict>,
     /// Models that were compared, best first; absent for one alone.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub candidates: Vec<CandidateEntry>,
@@ -59,6 +64,7 @@ pub struct Beside {
     pub signals: Vec<SignalEntry>,
     pub warnings: Vec<Notice>,
     pub validation: Option<Validation>,
+    pub verdict: Option<Verdict>,
     pub candidates: Vec<CandidateEntry>,
 }
 
@@ -183,6 +189,9 @@ pub struct Settings {
     /// Constant parameters, one value a trajectory or one for all, as they were given.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub params: Vec<(String, Vec<f64>)>,
+    /// How far ahead predictions were asked for, and how good they should be; absent if nothing was asked.
+    #[serde(skip_serializing_if = "is_unasked", default)]
+    pub prediction: PredictionRequest,
     /// True if outliers had no weight.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub robust: bool,
@@ -204,6 +213,10 @@ pub struct FileEntry {
     pub name: String,
     /// SHA-256 of its bytes, 64 hexadecimal digits.
     pub sha256: String,
+}
+
+fn is_unasked(request: &PredictionRequest) -> bool {
+    *request == PredictionRequest::default()
 }
 
 fn is_plain(reading: &Reading) -> bool {

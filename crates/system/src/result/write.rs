@@ -49,6 +49,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
         signals: beside.signals,
         warnings: beside.warnings,
         validation: beside.validation,
+        verdict: beside.verdict,
         candidates: beside.candidates,
     }
 }

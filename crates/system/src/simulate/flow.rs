@@ -3,6 +3,7 @@
 use crate::simulate::compiled::plant::{Plant, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::simulate::inputs::interpolation::InputSegment;
+use crate::simulate::thresholds::EXPLICIT;
 use sidc_lang::term::Signal;
 use sidc_progress::{Activity, Observer};
 
@@ -91,6 +92,8 @@ pub(super) struct Guard<'a> {
     pub names: Vec<Signal>,
     /// Evaluations that the run may take.
     pub budget: u64,
+    /// Local error of an explicit step, of the state and its typical size.
+    pub tolerance: f64,
     last_check: u64,
     observer: &'a mut dyn Observer,
 }
@@ -108,6 +111,7 @@ impl<'a> Guard<'a> {
             bounds,
             names,
             budget,
+            tolerance: EXPLICIT.tolerance,
             last_check: 0,
             observer,
         }

@@ -15,6 +15,7 @@ mod record_simulation;
 mod required_signals;
 mod run;
 mod scores;
+mod segment_runs;
 mod stiff;
 pub mod thresholds;
 
@@ -23,6 +24,7 @@ pub use record_simulation::simulate;
 pub use required_signals::reads;
 pub use run::{Leg, METHODS, Method, Options, Origin, Run, Score, Start, Work};
 pub use scores::document::{EXACT, Figures};
+pub use segment_runs::{SegmentRun, SegmentRuns};
 
 use crate::discovery::Discovery;
 use sidc_data::Dataset;

@@ -275,6 +275,7 @@ impl RecordSimulation<'_> {
             .map(|s| (BUDGET.blow_up * s).min(f64::MAX))
             .collect();
         let mut guard = Guard::new(self.sizes.clone(), bounds, state.clone(), budget, observer);
+        guard.tolerance = self.options.tolerance;
         if !self.d.discrete {
             return integrate(leg, x, &mut guard);
         }

@@ -2,7 +2,7 @@
 
 use crate::simulate::fault::Fault;
 use crate::simulate::integrate::trajectory::Path;
-use crate::simulate::thresholds::SCORES;
+use crate::simulate::thresholds::{EXPLICIT, SCORES};
 use sidc_data::Window;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::term::Signal;
@@ -17,6 +17,8 @@ pub struct Options {
     pub method: Method,
     /// Fixed steps of at most this size in seconds (classical Runge–Kutta) instead of error control.
     pub step: Option<f64>,
+    /// Local error of an explicit step, of the state and its typical size.
+    pub tolerance: f64,
     /// Error, in standard deviations of the measured signal, up to which a run follows it.
     pub bound: f64,
 }
@@ -28,6 +30,7 @@ impl Default for Options {
             window: (None, None),
             method: Method::Auto,
             step: None,
+            tolerance: EXPLICIT.tolerance,
             bound: SCORES.bound,
         }
     }

@@ -87,6 +87,18 @@ sidc_thresholds::family! {
 }
 
 sidc_thresholds::family! {
+    /// Short runs from many rows of a record, compared with readings.
+    pub SEGMENTS: Segments {
+        /// Local error of an explicit step.
+        tolerance: f64 = 1e-9, unit "of the state and its typical size", source "a thousandth of the noise below which readings count as clean, 1e-6 of the spread";
+        /// Evaluations of one run.
+        evaluations: u64 = 20_000, unit "evaluations", source "3,000 steps of six stages: a run that takes more between a few rows meets a singularity";
+        /// More of them for each row.
+        evaluations_a_row: u64 = 200, unit "evaluations", source "30 steps of six stages: readings that are further apart resolve no motion of the equations";
+    }
+}
+
+sidc_thresholds::family! {
     /// Initial states from noisy readings, by least squares over the first rows.
     pub INITIAL_STATE: InitialState {
         /// Rows at the beginning in which a start is looked for.
@@ -140,6 +152,7 @@ pub fn tables() -> Vec<Table> {
         Explicit::table(),
         Implicit::table(),
         Budget::table(),
+        Segments::table(),
         InitialState::table(),
         MassMatrix::table(),
         Scores::table(),

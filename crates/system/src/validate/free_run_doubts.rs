@@ -5,14 +5,23 @@
 //! range counts.
 
 use crate::discovery::{Discovery, Equation, Reason, ReasonCode, Status};
+use crate::predict::{Prediction, SignalPrediction};
 use crate::simulate::Figures;
 use crate::validate::thresholds::FREE_RUNS;
 use crate::validate::{FreeRun, Validation};
 use sidc_lang::number::rounded;
 use sidc_lang::term::{Signal, SignalNames};
 
-/// Adds to every equation that was found what the runs of its variable say against it.
-pub fn doubt(runs: &Validation, d: &mut Discovery) {
+/// Predictions over the same horizon, for plants whose free runs say nothing.
+#[derive(Clone, Copy, Debug)]
+pub struct KStepErrors<'a> {
+    pub used: &'a Prediction,
+    pub held_out: &'a Prediction,
+}
+
+/// Adds to every equation that was found what the runs of its variable say against it. Where small changes of the start grow, the
+/// predictions speak in place of the runs.
+pub fn doubt<'a>(runs: &'a Validation, predictions: Option<KStepErrors<'a>>, d: &mut Discovery) {
     let reason = |equation: &Equation| {
         if equation.status == Status::Known {
             return None;
@@ -22,7 +31,8 @@ pub fn doubt(runs: &Validation, d: &mut Discovery) {
         (0..target.der.max(1)).find_map(|der| {
             let name = d.name(Signal::derivative(target.var, der));
             let runs = Runs { runs, name, unit };
-            runs.carried().or_else(|| runs.left())
+            let ahead = || predictions.and_then(|p| runs.predicted(p));
+            runs.carried().or_else(|| runs.left()).or_else(ahead)
         })
     };
     let reasons: Vec<Option<Reason>> = d.equations.iter().map(reason).collect();
@@ -45,7 +55,7 @@ struct Runs<'a> {
 impl<'a> Runs<'a> {
     fn of(&self, held_out: bool) -> impl Iterator<Item = (&'a FreeRun, &'a Figures)> {
         let all = self.runs.runs.iter();
-        let these = all.filter(move |r| r.held_out == held_out);
+        let these = all.filter(move |r| r.held_out == held_out && !r.sensitive);
         let scores = these.flat_map(|r| r.scores.iter().map(move |s| (r, s)));
         scores.filter(|(_, s)| s.signal == self.name)
     }
@@ -95,6 +105,33 @@ impl<'a> Runs<'a> {
                 format!(
                     "a free run along {} leaves what was measured of {}: its error is {spreads:.0} times the spread",
                     run.record, score.signal
+                ),
+            )
+        })
+    }
+
+    /// Where a run on data held out is sensitive: whether predictions are worse there than on the data used.
+    fn predicted(&self, k_step: KStepErrors<'a>) -> Option<Reason> {
+        let held = self.runs.runs.iter().filter(|r| r.held_out);
+        held.clone().find(|r| r.sensitive)?;
+        let of = |p: &'a Prediction| p.signals.iter().find(|s| s.signal == self.name);
+        let (used, held_out) = (of(k_step.used)?, of(k_step.held_out)?);
+        let error = |s: &SignalPrediction| s.error.quantile_90.unwrap_or(f64::INFINITY);
+        let bound = (FREE_RUNS.slight * held_out.spread).max(FREE_RUNS.worse * error(used));
+        (error(held_out) > bound).then(|| {
+            let shown = |s| match error(s) {
+                e if e.is_finite() => rounded(e, 2).to_string(),
+                _ => "infinity (its runs end early)".into(),
+            };
+            Reason::new(
+                ReasonCode::NotCarriedOver,
+                format!(
+                    "{} {} ahead, {} has an error of {} on data held out and of {} on the data used: what was found holds for those alone",
+                    rounded(k_step.held_out.horizon, 3),
+                    self.unit,
+                    self.name,
+                    shown(held_out),
+                    shown(used),
                 ),
             )
         })

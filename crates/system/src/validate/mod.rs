@@ -5,18 +5,23 @@
 
 mod free_run_doubts;
 mod model_ranking;
+mod sensitivity;
 pub mod thresholds;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discovery::{Discovery, Notice};
+use crate::discovery::{Discovery, Form, Notice};
 use crate::simulate;
+use crate::simulate::thresholds::SEGMENTS;
 use crate::simulate::{EXACT, Figures, Options, Run, Source};
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Model;
+use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
-pub use free_run_doubts::doubt;
+pub use free_run_doubts::{KStepErrors, doubt};
+use sensitivity::is_sensitive;
+
 pub use model_ranking::{Merit, Ranking, rank};
 
 /// Free runs from the measured start of each record or part of one.
@@ -34,6 +39,9 @@ pub struct FreeRun {
     pub to: f64,
     /// True if the equations were not found from this stretch.
     pub held_out: bool,
+    /// True if runs whose starts differ by the error of the readings depart from each other: the run says nothing about the equations.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub sensitive: bool,
     pub scores: Vec<Figures>,
     /// Why the run ended early.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -51,9 +59,44 @@ pub fn validate(
     if held.trajectories.is_empty() {
         return None;
     }
-    let mut runs = run_all((d, model), used, false, observer);
-    runs.extend(run_all((d, model), held, true, observer));
+    let exact = Options::default();
+    let mut runs = run_all((d, model), (used, false), &exact, observer);
+    runs.extend(run_all((d, model), (held, true), &exact, observer));
     Some(Validation { runs })
+}
+
+/// Runs the equations on the data used, to the accuracy of readings: what is said of free runs where nothing was held out. Readings
+/// that are `clean` are the start themselves.
+pub fn run_on_used(
+    (d, model): (&Discovery, &Model),
+    (used, clean): (&Dataset, bool),
+    observer: &mut dyn Observer,
+) -> Validation {
+    let mut runs = Vec::new();
+    if d.was_stopped() || !d.failed.is_empty() {
+        return Validation { runs };
+    }
+    let state = Form::new(d).state;
+    for record in &used.trajectories {
+        let reading = |s: &Signal| {
+            let first = record.column(*s)?.first().copied();
+            Some((*s, first.filter(|v| v.is_finite())?))
+        };
+        let start: Option<Vec<(Signal, f64)>> = state.iter().map(reading).collect();
+        let options = Options {
+            // In discrete time a run starts behind the samples that the equations look back to.
+            start: start.filter(|_| clean && !d.discrete).unwrap_or_default(),
+            tolerance: SEGMENTS.tolerance,
+            ..Options::default()
+        };
+        let alone = Dataset {
+            trajectories: vec![record.clone()],
+            inputs: used.inputs.clone(),
+            rate_faults: Vec::new(),
+        };
+        runs.extend(run_all((d, model), (&alone, false), &options, observer));
+    }
+    Validation { runs }
 }
 
 /// The same on the data held out alone, every record cut into so many parts with a start of their own.
@@ -73,14 +116,14 @@ pub fn restarted(
         rate_faults: held.rate_faults.clone(),
     };
     Validation {
-        runs: run_all((d, model), &pieces, true, observer),
+        runs: run_all((d, model), (&pieces, true), &Options::default(), observer),
     }
 }
 
 fn run_all(
     (d, model): (&Discovery, &Model),
-    dataset: &Dataset,
-    held_out: bool,
+    (dataset, held_out): (&Dataset, bool),
+    options: &Options,
     observer: &mut dyn Observer,
 ) -> Vec<FreeRun> {
     let source = Source {
@@ -88,9 +131,15 @@ fn run_all(
         model,
         dataset,
     };
-    let mut one = |record| simulate::simulate(&source, record, &Options::default(), observer).ok();
-    let all = (0..dataset.trajectories.len()).filter_map(&mut one);
-    all.map(|run| free_run(d, &run, held_out)).collect()
+    let mut one = |record| {
+        let run = simulate::simulate(&source, record, options, observer).ok()?;
+        let mut entry = free_run(d, &run, held_out);
+        entry.sensitive = is_sensitive(&source, (record, &run), observer);
+        Some(entry)
+    };
+    (0..dataset.trajectories.len())
+        .filter_map(&mut one)
+        .collect()
 }
 
 impl Validation {
@@ -134,6 +183,7 @@ fn free_run(d: &Discovery, run: &Run, held_out: bool) -> FreeRun {
         from: run.time.first().copied().unwrap_or(0.0),
         to: run.time.last().copied().unwrap_or(0.0),
         held_out,
+        sensitive: false,
         scores: run.scores.iter().map(|s| Figures::of(d, s)).collect(),
         ended: run.fault().map(|f| {
             let text = format!("{} at t = {}", f.text(d), f.time);

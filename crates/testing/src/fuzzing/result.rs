@@ -42,6 +42,7 @@ fn beside(document: &Document) -> Beside {
         signals: d.signals,
         warnings: d.warnings,
         validation: d.validation,
+        verdict: d.verdict,
         candidates: d.candidates,
     }
 }

@@ -2,10 +2,8 @@
 
 use super::arguments::Args;
 use super::search::{Candidate, Identified, Search};
-use crate::arguments::time_ranges::HeldOut;
 use crate::exit_status;
 use crate::failure::Failure;
-use crate::outputs::paths::short_name;
 use crate::outputs::{files, signals, stdout};
 use sidc::pipeline;
 use sidc_emit as emit;
@@ -38,10 +36,14 @@ impl Answer<'_> {
             stdout::print_readable(&self.text())?;
         }
         written.transpose()?;
-        Ok(match self.found.discovery.passes() {
-            true => exit_status::PASS,
-            false => exit_status::DOUBT,
-        })
+        // Where errors of predictions were asked for, these decide; doubts are said all the same.
+        let passes = || self.found.discovery.passes();
+        Ok(
+            match self.found.verdict.prediction.good.unwrap_or_else(passes) {
+                true => exit_status::PASS,
+                false => exit_status::DOUBT,
+            },
+        )
     }
 
     fn text(&self) -> String {
@@ -71,6 +73,8 @@ impl Answer<'_> {
             signals::trajectories(measured)
         ));
         text.push_str(&emit::answer(d, self.args.evidence));
+        text.push('\n');
+        text.push_str(&emit::verdict(d, &self.found.verdict));
         text.push_str(&emit::consequences(d));
         text.push('\n');
         if let Some(validation) = &self.found.validation {
@@ -89,20 +93,16 @@ impl Answer<'_> {
             warnings,
         } = self.candidate;
         let Search { data, options, .. } = self.search;
-        let held_out = |h: &HeldOut| match h {
-            HeldOut::Stretch(stretch) => stretch.to_string(),
-            HeldOut::File(path) => short_name(path),
-        };
         let beside = result::Beside {
-            // Window and rows held out as the user asked for them.
+            // The window as the user asked for it.
             settings: Settings {
                 window: self.args.window,
-                holdout: self.args.holdout.iter().map(held_out).collect(),
                 ..pipeline::settings(source, program, measured, data, options)
             },
             signals: pipeline::signal_entries(program, measured),
             warnings: warnings.clone(),
             validation: self.found.validation.clone(),
+            verdict: Some(self.found.verdict.clone()),
             candidates: self.others.to_vec(),
         };
         result::write(&self.found.discovery, beside).map_err(Failure::internal)

@@ -4,17 +4,19 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::arguments::time_ranges::HeldOut;
-use crate::arguments::{assignments, names, quantities, time_ranges};
+use crate::arguments::{assignments, limits, names, quantities, time_ranges};
 use crate::failure::Failure;
 use crate::monitoring::verbosity::Verbosity;
 use crate::thresholds::MODEL_COMPARISON;
 use sidc::{HoldOutRange, Method, Options};
 use sidc_discover::METHODS;
 use sidc_solve::SOLVERS;
+use sidc_system::predict::ErrorLimit;
 
 const EXAMPLES: &str = "Examples:
   sidc identify pendulum.sid data.csv -o R.json           find the equations, keep the evidence
   sidc identify pendulum.sid data.csv --holdout=25%       and run them on a quarter not used
+  sidc identify pendulum.sid data.csv --horizon 0.5 --good 10%   is it good enough, on data not used?
   sidc identify a.sid b.sid data.csv                      several models, the best by data not used
   sidc identify pendulum.sid data.csv --noise theta=0.01  a sensor whose noise is known
   sidc identify pendulum.sid data.csv --evidence          everything that the data tell, and do not tell
@@ -46,6 +48,13 @@ pub struct Args {
     /// --holdout=30..40, --holdout=25%, --holdout=test.csv
     #[arg(long, value_name = "A..B|P%|FILE", value_parser = time_ranges::held_out, allow_hyphen_values = true)]
     pub holdout: Vec<HeldOut>,
+    /// How far ahead predictions are compared with data not used, in seconds (samples in discrete time); else the data decide
+    #[arg(long, value_name = "T", value_parser = quantities::positive, allow_hyphen_values = true)]
+    pub horizon: Option<f64>,
+    /// Largest error of predictions that far ahead, in 90 % of the starts: of every signal a part of its spread, or of one in its
+    /// unit: --good=10%, --good theta=0.02,x=0.1. The exit status then says whether that holds on data not used
+    #[arg(long, value_name = "P%|theta=0.02", value_parser = limits::good, allow_hyphen_values = true)]
+    pub good: Vec<Vec<ErrorLimit>>,
     /// Of several models, take the first whose run on data not used is at least as good as this, in dB: --until=-60
     #[arg(long, value_name = "DB", value_parser = quantities::decibels, allow_hyphen_values = true)]
     pub until: Option<f64>,
@@ -173,6 +182,15 @@ impl Args {
         }
         if self.robust {
             options = options.robust();
+        }
+        if let Some(ahead) = self.horizon {
+            options = options.horizon(ahead);
+        }
+        for limit in self.good.iter().flatten() {
+            options = match limit {
+                ErrorLimit::Share(part) => options.good(*part),
+                ErrorLimit::Signal(name, error) => options.good_signal(name, *error),
+            };
         }
         for held_out in &self.holdout {
             options = match held_out {

@@ -27,7 +27,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let held_out = args.holdout.iter().filter_map(HeldOut::file);
     files::check_writable(args.output.as_deref(), args.files.iter().chain(held_out))?;
     let mut sources = Sources::default();
-    let models = search::compile(args, &inputs.models, &mut sources, monitor.notes)?;
+    let paths = args.data_paths(&inputs.data);
+    let options = args.options(&paths, inputs.models.len())?;
+    let models = (inputs.models.as_slice(), &options);
+    let models = search::compile(args, models, &mut sources, monitor.notes)?;
     let compiled = counted(models.len(), "model", "models");
     monitor.stages.done(&format!("{compiled} compiled"));
     if inputs.data.is_empty() {
@@ -35,13 +38,12 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
             "error[no-data]: no data file\n  = help: sidc identify MODEL.sid DATA.csv",
         ));
     }
-    let paths = args.data_paths(&inputs.data);
     let read = tables::read(&paths, args.memory_limit, &mut sources, &monitor)?;
     let duplicates = tables::duplicates(&read.entries);
     diagnostics::report((Some(()), duplicates), &sources, monitor.notes)?;
     let mut search = Search {
         data: pipeline::from_tables(read.tables, args.params.clone()),
-        options: args.options(&paths, models.len())?,
+        options,
         verify: args.verify,
         sources,
         monitor,

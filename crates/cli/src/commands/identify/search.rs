@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use super::arguments::Args;
 use crate::arguments::assignments;
+use crate::arguments::names::hint;
 use crate::failure::Failure;
 use crate::inputs::texts;
 use crate::monitoring::monitor::Monitor;
@@ -14,8 +15,8 @@ use crate::monitoring::stderr;
 use crate::monitoring::verbosity::Notes;
 use crate::outputs::diagnostics;
 use crate::thresholds::PROGRESS;
-use sidc::pipeline::{self, Measured, ModelSource, Program};
-use sidc::{Data, Method, Options, Validation};
+use sidc::pipeline::{self, Judgement, Measured, ModelSource, Program};
+use sidc::{Data, Method, Options, Validation, Verdict};
 use sidc_lang::source::Sources;
 use sidc_system::discovery::{Discovery, Notice};
 
@@ -40,6 +41,7 @@ pub struct Identified {
     pub discovery: Discovery,
     /// How they run on what was held out; `None` if nothing was.
     pub validation: Option<Validation>,
+    pub verdict: Verdict,
 }
 
 /// What all models share.
@@ -58,7 +60,7 @@ pub struct Search {
 /// The faults of all of them at once.
 pub fn compile(
     args: &Args,
-    paths: &[PathBuf],
+    (paths, options): (&[PathBuf], &Options),
     sources: &mut Sources,
     notes: Notes,
 ) -> Result<Vec<CompiledModel>, Failure> {
@@ -71,6 +73,7 @@ pub fn compile(
             let warnings = pipeline::warnings(&compiled.1);
             let mut program = diagnostics::report(compiled, sources, notes)?;
             assignments::set_noise(&mut program, &args.noise)?;
+            quantities_asked(&program, options)?;
             let source = ModelSource {
                 name: entry.name.clone(),
                 text,
@@ -88,6 +91,17 @@ pub fn compile(
         }
     }
     failed.or(models)
+}
+
+/// Refuses limits of errors for signals that no equation predicts.
+fn quantities_asked(program: &Program, options: &Options) -> Result<(), Failure> {
+    pipeline::check_limits(program, options).map_err(|(name, known)| {
+        let hint = hint(&name, known.iter().map(String::as_str));
+        Failure::new(format!(
+            "error[unknown-good]: --good {name}: no equation predicts a signal of this name{hint}\n  = predicted: {}",
+            known.join(", ")
+        ))
+    })
 }
 
 impl Search {
@@ -141,13 +155,16 @@ impl Search {
             pipeline::verify(program, measured, &mut discovery, &mut observer);
             stages.close();
         }
-        let validation = pipeline::validate(program, measured, &mut discovery, &mut observer);
-        if validation.is_some() {
-            stages.done("run on data held out");
-        }
+        let options = &self.options;
+        let Judgement {
+            validation,
+            verdict,
+        } = pipeline::judge(program, measured, &mut discovery, options, &mut observer);
+        stages.done("predicted and run");
         Ok(Identified {
             discovery,
             validation,
+            verdict,
         })
     }
 }

@@ -7,7 +7,8 @@ use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::result_and_records::{ResultAndRecords, ResultAndRecordsArgs};
 use crate::monitoring::monitor::Monitor;
-use crate::outputs::{diagnostics, files, stdout};
+use crate::outputs::{diagnostics, doubts, files, stdout};
+use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_system::simulate;
 use sidc_system::simulate::thresholds::SCORES;
@@ -64,6 +65,9 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         ..
     } = args.input.open("simulate", &args.start, &monitor)?;
     let d = &opened.discovery;
+    let doubted = doubts::doubted(d).map(|w| Diagnostic::warning("doubted-result", w.text));
+    let doubted = (Some(()), doubted.into_iter().collect());
+    diagnostics::report(doubted, &Sources::default(), monitor.notes)?;
     monitor.listen();
     let options = Options {
         start,
@@ -71,6 +75,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         method: args.method,
         step: args.step,
         bound: args.bound,
+        ..Options::default()
     };
     let source = Source {
         discovery: d,

@@ -71,9 +71,8 @@ fn matters(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
 /// The doubt `relation`: a law of lower order holds on these data for signals of the terms found. Laws that differ by multiples of it
 /// fit alike, and its derivative can pass for the law.
 pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) -> Option<Reason> {
-    let bears = |t: &&ExplainedRelation| {
-        t.why.cause == Cause::WrongOrder && shares_signals(design, t)
-    };
+    let bears =
+        |t: &&ExplainedRelation| t.why.cause == Cause::WrongOrder && shares_signals(design, t);
     let found = relations.iter().filter(|t| holds(design, t)).find(bears)?;
     Some(Reason::new(
         ReasonCode::Relation,

@@ -27,6 +27,8 @@ pub(crate) struct Program {
     /// The name of the system, as the user wrote it.
     pub system: Option<String>,
     pub discrete: bool,
+    /// True if some input acts later than it is commanded.
+    pub is_delayed: bool,
     pub form: Form,
     /// State, inputs, parameters, history; those that are not empty, and always the state.
     pub arguments: Vec<Argument>,
@@ -130,6 +132,7 @@ impl Program {
         let mut program = Program {
             system: d.system.clone(),
             discrete: d.discrete,
+            is_delayed: form.inputs.iter().any(|s| d.input_delay(s.var) != 0.0),
             arguments,
             functions: Vec::new(),
             names,

@@ -1,8 +1,8 @@
 //! Initial states by least squares: the start from which a free run follows the first noisy readings best.
 //!
 //! In: readings with their noise, a first estimate, a function that simulates. Out: the estimate over the longest
-//! stretch that the equations follow, with standard errors. The equations stay as they are. A stretch that they do not
-//! follow is dropped; without any the first estimate stays.
+//! stretch that the equations follow, with standard errors. The equations stay as they are. Where they follow no stretch to
+//! within the noise, the shortest decides: its readings say more together than the first of them alone.
 
 use crate::simulate::thresholds::INITIAL_STATE;
 use nalgebra::{DMatrix, DVector};
@@ -25,6 +25,8 @@ pub(crate) struct FittedStart {
     pub error: Vec<f64>,
     /// Rows that were fitted.
     pub rows: usize,
+    /// Whether the equations follow these to within the noise.
+    followed: bool,
 }
 
 /// Root mean square of the residuals over the first stretch, in standard deviations of the noise; `None` if the run
@@ -53,15 +55,18 @@ pub(crate) fn fit_initial_state(
     while rows <= most {
         let from = best.as_ref().map_or(start, |b| &b.start);
         match fit(readings, from, free, rows, run) {
-            Some(found) => best = Some(found),
-            None => break,
+            Some(found) if found.followed => best = Some(found),
+            found => {
+                best = best.or(found);
+                break;
+            }
         }
         rows *= 2;
     }
     best
 }
 
-/// Levenberg–Marquardt on one stretch; `None` if the equations do not follow it.
+/// Levenberg–Marquardt on one stretch; `None` if the equations cannot be run along it.
 fn fit(
     readings: &Readings,
     start: &[f64],
@@ -100,7 +105,7 @@ fn fit(
     }
     let count = left.len().checked_sub(free.len()).filter(|n| *n > 0)?;
     let scatter = (left.norm_squared() / count as f64).sqrt();
-    if scatter.is_nan() || scatter > INITIAL_STATE.follows {
+    if !scatter.is_finite() {
         return None;
     }
     let covariance = normal.try_inverse()?;
@@ -112,6 +117,7 @@ fn fit(
         start: x,
         error,
         rows,
+        followed: scatter <= INITIAL_STATE.follows,
     })
 }
 

@@ -12,7 +12,7 @@ use crate::simulate::inputs::interpolation::{InputSource, SampledInput};
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Between, Model, VarKind};
-use sidc_lang::term::{Signal, SignalNames};
+use sidc_lang::term::Signal;
 
 /// The inputs of a system along one record.
 pub(crate) struct Inputs {
@@ -135,7 +135,7 @@ impl Find<'_> {
             Some(between) if input && s.der == 0 => between,
             _ => Between::Linear,
         };
-        let late = self.late(s);
+        let late = self.d.input_delay(s.var);
         let time = &self.trajectory.time;
         let course = SampledInput::new(time, samples, between, late);
         let course = course.ok_or_else(|| refuse::no_drive(self.d, s))?;
@@ -147,19 +147,6 @@ impl Find<'_> {
             notes.push(refuse::late(self.d, s, late));
         }
         Ok(course)
-    }
-
-    /// Delay of an input in seconds, as identification found it.
-    fn late(&self, s: Signal) -> f64 {
-        if self.d.discrete {
-            return 0.0;
-        }
-        let name = self.d.variable(s.var);
-        let evidence = self.d.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let together = evidence.filter_map(|e| e.together.as_ref());
-        let mut delays = together.flat_map(|t| &t.delays);
-        let found = delays.find(|delay| delay.input == name);
-        found.map_or(0.0, |delay| delay.seconds).clamp(-1e9, 1e9)
     }
 }
 

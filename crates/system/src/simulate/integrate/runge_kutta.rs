@@ -236,7 +236,7 @@ impl RungeKutta {
         let mut square = 0.0;
         let states = x.iter().zip(&self.end).zip(&guard.sizes);
         for (((x, end), size), k) in states.zip(&self.slopes) {
-            let scale = EXPLICIT.tolerance * (size + x.abs().max(end.abs()));
+            let scale = guard.tolerance * (size + x.abs().max(end.abs()));
             square += (h * dot(k, &ERROR) / scale).powi(2);
         }
         let error = (square / x.len().max(1) as f64).sqrt();

@@ -38,6 +38,12 @@ impl Rows {
         self.count
     }
 
+    /// One row; `None` behind the last.
+    pub fn row(&self, k: usize) -> Option<&[f64]> {
+        let width = self.values.len() / self.count.max(1);
+        self.values.get(k * width..(k + 1) * width)
+    }
+
     /// The values of one column.
     pub fn column(&self, place: usize) -> impl Iterator<Item = &f64> {
         let width = self.values.len() / self.count.max(1);

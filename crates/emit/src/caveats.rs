@@ -1,0 +1,127 @@
+//! What code and mathematics must not be used without: the verdict with its reasons, and how much later inputs act.
+//!
+//! In: a discovery. Out: lines for a comment, a text for a constant, a delay for each input. Safe in every language: the texts hold
+//! no quotes, no backslashes, no ends of comments.
+
+use crate::code::identifiers::plain;
+use sidc_lang::number::significant;
+use sidc_lang::term::{Signal, VarId};
+use sidc_system::discovery::Discovery;
+use sidc_system::verdict::{self, LawVerdict};
+
+/// Widest line of a comment, without its mark.
+const WIDTH: usize = 110;
+
+/// The verdict in one line: `passes`, or `doubted: ddx misfit, tie; dy few-rows`. Names and codes alone.
+pub(crate) fn verdict_summary(d: &Discovery) -> String {
+    let mut targets: Vec<(String, Vec<String>)> = Vec::new();
+    for (target, reason) in verdict::reasons(d) {
+        let code = plain(reason.code.as_str());
+        match targets.iter_mut().find(|(t, _)| *t == target) {
+            Some((_, codes)) => codes.push(code),
+            None => targets.push((target, vec![code])),
+        }
+    }
+    let each = targets.iter();
+    let each: Vec<String> = each
+        .map(|(t, codes)| format!("{} {}", plain(t), codes.join(", ")))
+        .collect();
+    let law = LawVerdict::of(d);
+    match (law, each.is_empty()) {
+        (LawVerdict::Passes, _) | (_, true) => law.as_str().into(),
+        _ => format!("{}: {}", law.as_str(), each.join("; ")),
+    }
+}
+
+/// The verdict, every reason, every delay: lines for a comment.
+pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
+    let mut lines = vec![format!("verdict: {}", LawVerdict::of(d).as_str())];
+    for (target, reason) in verdict::reasons(d) {
+        let text = format!("{target}: {}: {}", reason.code, reason.text);
+        lines.extend(wrapped(&harmless(&text)));
+    }
+    for (place, variable) in d.variables.iter().enumerate() {
+        let delay = d.input_delay(VarId(place as u16));
+        if delay != 0.0 {
+            let text = format!(
+                "{} acts {} s later than it is commanded: the input to give at time t is its value at t - {}",
+                plain(&variable.name),
+                significant(delay, 6),
+                significant(delay, 6)
+            );
+            lines.extend(wrapped(&text));
+        }
+    }
+    lines
+}
+
+/// The delay of each input in seconds; empty if none is delayed.
+pub(crate) fn delays(d: &Discovery, inputs: &[Signal]) -> Vec<f64> {
+    let all: Vec<f64> = inputs.iter().map(|s| d.input_delay(s.var)).collect();
+    match all.iter().any(|delay| *delay != 0.0) {
+        true => all,
+        false => Vec::new(),
+    }
+}
+
+/// One warning for who exports, linearises or runs a result that is doubted; `None` for one that passes.
+pub fn doubted(d: &Discovery) -> Option<String> {
+    let summary = verdict_summary(d);
+    (LawVerdict::of(d) != LawVerdict::Passes).then_some(summary)
+}
+
+/// Delays as a comment or a message names them: `Q 0.0213 s`.
+pub fn delayed_inputs(d: &Discovery) -> Vec<String> {
+    let all = d.variables.iter().enumerate();
+    let all = all.map(|(i, v)| (d.input_delay(VarId(i as u16)), v));
+    all.filter(|(delay, _)| *delay != 0.0)
+        .map(|(delay, v)| format!("{} {} s", v.name, significant(delay, 3)))
+        .collect()
+}
+
+/// Text that ends no comment and no string.
+fn harmless(text: &str) -> String {
+    let piece = |c: char| match c {
+        '"' | '`' => '\'',
+        '\\' => '/',
+        c if c.is_control() => ' ',
+        c => c,
+    };
+    let text: String = text.chars().map(piece).collect();
+    text.replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("??", "? ?")
+}
+
+/// Lines that break between words, continued ones indented.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut line = String::from(" ");
+    for word in text.split_whitespace() {
+        if line.chars().count() + 1 + word.chars().count() > WIDTH && line.trim() != "" {
+            lines.push(std::mem::replace(&mut line, "   ".into()));
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    lines.push(line);
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_text_ends_a_comment_or_a_string() {
+        assert_eq!(harmless("a*/b \"c\"\\\n/* ??/"), "a* /b 'c'/ / * ? ?/");
+    }
+
+    #[test]
+    fn lines_stay_within_the_width() {
+        let text = "word ".repeat(60);
+        let lines = wrapped(&text);
+        assert!(lines.len() > 2 && lines.iter().all(|l| l.chars().count() <= WIDTH));
+        assert_eq!(wrapped("one"), ["  one"]);
+    }
+}

@@ -1,0 +1,240 @@
+//! The three answers as text: the law, the prediction, the run, a line each.
+//!
+//! In: a discovery, its verdict. Out: lines of at most 120 characters. Says nothing that the verdict does not hold.
+
+use crate::thresholds::PRINTED;
+use sidc_lang::number::significant;
+use sidc_lang::term::{Signal, SignalNames, VarId};
+use sidc_system::discovery::Discovery;
+use sidc_system::predict::{DataKind, ErrorFigures, Prediction, SignalPrediction};
+use sidc_system::verdict::{self, LawVerdict, RunStatus, RunVerdict, SignalRun, Verdict};
+
+/// The widest line of this part, in characters.
+const WIDTH: usize = 118;
+
+/// `law: …`, `prediction: …`, `run: …`; every line ends in a newline.
+pub fn verdict(d: &Discovery, v: &Verdict) -> String {
+    let data = data(&v.prediction);
+    let parts = [
+        ("law", vec![law(d, v.law)]),
+        ("prediction", prediction(d, &v.prediction, &data)),
+        ("run", run(&v.run, &v.prediction.unit, &data)),
+    ];
+    let lines = parts.map(|(name, parts)| wrapped(name, &parts));
+    lines.concat()
+}
+
+/// Parts with commas between, broken between parts.
+fn wrapped(name: &str, parts: &[String]) -> String {
+    let mut out = format!("{name}: ");
+    let mut width = out.chars().count();
+    for (i, part) in parts.iter().enumerate() {
+        let long = part.chars().count() + 2;
+        if i > 0 {
+            out.push(',');
+            match width + long > WIDTH {
+                true => {
+                    out.push_str("\n    ");
+                    width = 4;
+                }
+                false => out.push(' '),
+            }
+        }
+        out.push_str(part);
+        width += long;
+    }
+    out.push('\n');
+    out
+}
+
+fn law(d: &Discovery, law: LawVerdict) -> String {
+    let mut codes: Vec<&str> = Vec::new();
+    let reasons = verdict::reasons(d);
+    for (_, reason) in &reasons {
+        if !codes.contains(&reason.code.as_str()) {
+            codes.push(reason.code.as_str());
+        }
+    }
+    match (law, codes.len()) {
+        (LawVerdict::Passes, _) | (_, 0) => law.as_str().into(),
+        (_, n) if n > PRINTED.doubt_codes => {
+            let shown = codes
+                .get(..PRINTED.doubt_codes)
+                .unwrap_or(&codes)
+                .join(", ");
+            format!(
+                "{} ({shown} and {} more)",
+                law.as_str(),
+                n - PRINTED.doubt_codes
+            )
+        }
+        _ => format!("{} ({})", law.as_str(), codes.join(", ")),
+    }
+}
+
+/// `the last 25 %`, `test.csv`, `the data used`.
+fn data(p: &Prediction) -> String {
+    let one = |what: &String| match what.strip_suffix('%') {
+        Some(part) => format!("the last {part} %"),
+        None => match what.split_once("..") {
+            Some(("", to)) => format!("times up to {to}"),
+            Some((from, "")) => format!("times from {from} on"),
+            Some((from, to)) => format!("times {from} to {to}"),
+            None => what.clone(),
+        },
+    };
+    match (p.on, p.held_out.as_slice()) {
+        (DataKind::Used, _) => "the data used".into(),
+        (DataKind::HeldOut, [one_part]) => one(one_part),
+        (DataKind::HeldOut, _) => "what was held out".into(),
+    }
+}
+
+fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
+    let met = p.good.map(|good| match good {
+        true => "good enough".to_string(),
+        false if p.on == DataKind::Used => "not judged without data held out".into(),
+        false => not_good(p),
+    });
+    if let Some(why) = p.unavailable.as_ref().filter(|_| p.signals.is_empty()) {
+        let none = format!("none: {}", why.text);
+        return [none].into_iter().chain(met).collect();
+    }
+    let mut signals = shown(d, p);
+    let hidden = signals.len().saturating_sub(PRINTED.predicted_signals);
+    if hidden > 0 {
+        // The worst are shown, in the order of the model.
+        let relative =
+            |s: &SignalPrediction| s.error.quantile_90.unwrap_or(f64::INFINITY) / s.spread;
+        let mut sizes: Vec<f64> = signals.iter().map(|s| relative(s)).collect();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        let least = sizes
+            .get(PRINTED.predicted_signals - 1)
+            .copied()
+            .unwrap_or(0.0);
+        signals.retain(|s| relative(s) >= least);
+        signals.truncate(PRINTED.predicted_signals);
+    }
+    let mut parts: Vec<String> = signals.iter().map(|s| signal(s)).collect();
+    if let Some(first) = parts.first_mut() {
+        *first = format!("{} {} ahead {first}", significant(p.horizon, 3), p.unit);
+    }
+    if hidden > 0 {
+        parts.push(format!("{hidden} more with smaller parts of their spread"));
+    }
+    parts.push(format!("90 % of {} starts on {data}", p.starts));
+    for ended in &p.ended {
+        parts.push(format!(
+            "{} of them end early ({})",
+            ended.starts, ended.code
+        ));
+    }
+    parts.extend(until(p));
+    parts.extend(p.unavailable.iter().map(|why| why.text.clone()));
+    parts.extend(met);
+    parts
+}
+
+/// Of each variable its lowest derivative that is measured, and what was asked for by name.
+fn shown<'a>(d: &Discovery, p: &'a Prediction) -> Vec<&'a SignalPrediction> {
+    let lowest = |var: usize, order: u8| {
+        let names = (0..=order).map(|der| d.name(Signal::derivative(VarId(var as u16), der)));
+        let mut found = names.filter(|n| p.signals.iter().any(|s| s.signal == *n));
+        found.next()
+    };
+    let variables = d.variables.iter().enumerate();
+    let lowest: Vec<String> = variables.filter_map(|(i, v)| lowest(i, v.order)).collect();
+    let signals = p.signals.iter();
+    let wanted = signals.filter(|s| s.good == Some(false) || lowest.contains(&s.signal));
+    wanted.collect()
+}
+
+/// `theta to 0.02 rad (no change 0.58, linear 0.1)`
+fn signal(s: &SignalPrediction) -> String {
+    let unit = s
+        .unit
+        .as_ref()
+        .map_or_else(String::new, |u| format!(" {u}"));
+    let linear = s.linear.map(|l| format!(", linear {}", figure(l)));
+    format!(
+        "{} to {}{unit} (no change {}{})",
+        s.signal,
+        error(s),
+        figure(s.no_change),
+        linear.unwrap_or_default()
+    )
+}
+
+/// The error of the equations; one that only says how exactly was computed is told as below a bound.
+fn error(s: &SignalPrediction) -> String {
+    let rounding = PRINTED.exact_prediction * s.spread;
+    match s.error.quantile_90 {
+        Some(e) if e < rounding => format!("below {}", significant(rounding, 1)),
+        _ => figure(s.error),
+    }
+}
+
+fn figure(e: ErrorFigures) -> String {
+    e.quantile_90.map_or("∞".into(), |x| significant(x, 2))
+}
+
+/// Until when the first signal stays below half its spread.
+fn until(p: &Prediction) -> Option<String> {
+    let reached = p
+        .signals
+        .iter()
+        .filter_map(|s| Some((s.follows?, &s.signal)));
+    let (time, name) = reached.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "half the spread of {name} after {} {}",
+        significant(time, 2),
+        p.unit
+    ))
+}
+
+fn not_good(p: &Prediction) -> String {
+    let missed = p.signals.iter().find(|s| s.good == Some(false));
+    match missed.and_then(|s| Some((s, s.limit?))) {
+        Some((s, limit)) => format!(
+            "not good enough: {} is to be within {}",
+            s.signal,
+            significant(limit, 2)
+        ),
+        None => "not good enough: not every signal asked for is measured".into(),
+    }
+}
+
+fn run(r: &RunVerdict, unit: &str, data: &str) -> Vec<String> {
+    let long = |s: &SignalRun| {
+        let follows = s.follows.map_or(s.long, |t| t);
+        let (follows, long) = (significant(follows, 3), significant(s.long, 3));
+        format!("{} for {follows} of {long} {unit}", s.signal)
+    };
+    match r.status {
+        RunStatus::NotRun => vec!["none".into()],
+        RunStatus::Sensitive => vec![
+            "says nothing, a start moved by the error of its readings leads elsewhere (unstable, chaotic, or badly known)".into(),
+            "the prediction counts".into(),
+        ],
+        RunStatus::Ended => {
+            let why = r.ended.as_ref().map_or("", |n| n.text.as_str());
+            vec![format!("ends early on {data}: {why}")]
+        }
+        RunStatus::Follows => vec![format!(
+            "follows every signal to the end of {} {unit} on {data}",
+            significant(r.long, 3)
+        )],
+        RunStatus::Departs => {
+            let departs = r.signals.iter().filter(|s| s.follows.is_some());
+            let mut all: Vec<String> = departs.take(PRINTED.predicted_signals).map(long).collect();
+            if let Some(first) = all.first_mut() {
+                *first = format!("follows {first}");
+            }
+            if r.signals.iter().any(|s| s.follows.is_none()) {
+                all.push("others to the end".into());
+            }
+            all.push(format!("on {data}"));
+            all
+        }
+    }
+}

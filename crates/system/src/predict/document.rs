@@ -1,0 +1,164 @@
+//! A prediction as it is written into documents and read back.
+//!
+//! In: nothing but these types. A figure that is infinite is absent: the equations could not be run that far.
+
+use serde::{Deserialize, Serialize};
+
+use crate::discovery::Notice;
+
+/// How well the equations predict so far ahead.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Prediction {
+    /// How far ahead, in seconds; in discrete time in samples.
+    pub horizon: f64,
+    /// What it is counted in: `s`, `samples`, or the unit of the model's time.
+    #[serde(default)]
+    pub unit: String,
+    pub chosen: HorizonChoice,
+    pub on: DataKind,
+    /// What was held out, as it was asked for; empty for data used.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub held_out: Vec<String>,
+    /// Starts whose prediction was compared.
+    pub starts: usize,
+    /// Rows of readings before each start that its state was fitted to; 0 for the reading itself.
+    pub fitted_rows: usize,
+    /// Whether every error asked for is met in 90 % of the starts; absent if none was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub good: Option<bool>,
+    /// Every signal that is predicted and measured.
+    pub signals: Vec<SignalPrediction>,
+    /// Runs that ended before the horizon, by reason. Their error counts as infinite.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub ended: Vec<EndedRuns>,
+    /// Why nothing, or less than asked for, was predicted.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unavailable: Option<Notice>,
+}
+
+/// Who chose the horizon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HorizonChoice {
+    /// The user.
+    Asked,
+    /// The time from which on the last value of some signal says no more than its mean.
+    #[default]
+    NoChange,
+    /// A fifth of the record: the data move too slowly for the other rule.
+    Record,
+}
+
+/// The data that predictions were compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DataKind {
+    HeldOut,
+    #[default]
+    Used,
+}
+
+/// The prediction of one signal, errors in its unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SignalPrediction {
+    pub signal: String,
+    /// Its unit, if declared.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unit: Option<String>,
+    /// Standard deviation of its readings, used and held out.
+    pub spread: f64,
+    /// Errors at the horizon.
+    pub error: ErrorFigures,
+    /// The same where the value at the start is kept.
+    pub no_change: ErrorFigures,
+    /// The same of a linear model with the same state; absent if there are too few rows to fit one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub linear: Option<ErrorFigures>,
+    /// The error asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub limit: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub good: Option<bool>,
+    /// Until when the error stays below half the spread; absent if it does as far as the curve goes.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub follows: Option<f64>,
+    /// How the error grows with the horizon.
+    pub curve: Vec<AheadFigures>,
+}
+
+/// Errors over all starts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ErrorFigures {
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub rms: Option<f64>,
+    /// What 90 % of the starts stay within.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub quantile_90: Option<f64>,
+}
+
+/// Errors so far ahead.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AheadFigures {
+    /// Seconds; in discrete time samples.
+    pub ahead: f64,
+    /// Starts compared: the further ahead, the fewer have a reading there.
+    pub starts: usize,
+    pub error: ErrorFigures,
+    pub no_change: ErrorFigures,
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub linear: Option<ErrorFigures>,
+}
+
+/// Runs that ended early for one reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EndedRuns {
+    /// The code of the fault, or `no-state` where no state fits the readings before the start.
+    pub code: String,
+    pub starts: usize,
+}
+
+impl ErrorFigures {
+    /// Of absolute errors; infinite ones are those of runs that ended.
+    pub(super) fn of(mut errors: Vec<f64>) -> ErrorFigures {
+        if errors.is_empty() {
+            return ErrorFigures::default();
+        }
+        errors.sort_by(f64::total_cmp);
+        let n = errors.len();
+        let square = errors.iter().map(|e| e * e).sum::<f64>() / n as f64;
+        // The least error that at least 90 % of the starts do not exceed.
+        let place = (9 * n).div_ceil(10).saturating_sub(1);
+        let finite = |x: f64| Some(x).filter(|x| x.is_finite());
+        ErrorFigures {
+            rms: finite(square.sqrt()),
+            quantile_90: errors.get(place).copied().and_then(finite),
+        }
+    }
+}
+
+impl Prediction {
+    /// A prediction that could not be made.
+    pub(super) fn unavailable(code: &str, text: impl Into<String>) -> Prediction {
+        Prediction {
+            unavailable: Some(Notice::new(code, text)),
+            ..Prediction::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ninety_per_cent_of_the_starts_stay_within_the_quantile() {
+        let errors: Vec<f64> = (1..=20).map(f64::from).rev().collect();
+        let figures = ErrorFigures::of(errors);
+        assert_eq!(figures.quantile_90, Some(18.0));
+        let one_ended = [vec![0.1; 19], vec![f64::INFINITY]].concat();
+        let figures = ErrorFigures::of(one_ended);
+        assert_eq!((figures.rms, figures.quantile_90), (None, Some(0.1)));
+        let three_ended = [vec![0.1; 17], vec![f64::INFINITY; 3]].concat();
+        assert_eq!(ErrorFigures::of(three_ended).quantile_90, None);
+    }
+}

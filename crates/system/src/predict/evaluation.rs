@@ -1,0 +1,399 @@
+//! The prediction of a discovery: signals, horizon, states, errors, and whether they are good enough.
+//!
+//! In: a discovery, data used and held out, what is asked. Out: a [`Prediction`]. Work is bounded by the number of rows.
+
+use super::ErrorLimit;
+use super::PredictionRequest;
+use super::document::{
+    AheadFigures, DataKind, EndedRuns, ErrorFigures, HorizonChoice, Prediction, SignalPrediction,
+};
+use super::error_growth::{Errors, Growth, GrowthErrors};
+use super::horizon::{Predicted, choose, median_step};
+use super::linear_model::{Along, InputSums, LinearModel};
+use super::state_estimation::StateEstimator;
+use super::test_starts::test_starts;
+use super::thresholds::{PREDICTION, STATE_FIT};
+use super::window_choice::{Trial, choose_rows};
+use crate::discovery::{Discovery, Form, Notice};
+use crate::simulate::{SegmentRuns, Source};
+use sidc_data::{Dataset, Trajectory};
+use sidc_lang::model::Model;
+use sidc_lang::number::significant;
+use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::Observer;
+
+/// The names of the signals that equations of these targets predict: those of the state.
+pub fn predictable(model: &Model) -> Vec<String> {
+    let mut names = Vec::new();
+    for e in &model.equations {
+        for der in 0..e.target.der.max(1) {
+            let name = model.name(Signal::derivative(e.target.var, der));
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    names
+}
+
+/// Predicts on the data held out, or on the data used where nothing is held out.
+///
+/// `observer` hears the time of each start. Where it ends the work, the starts done by then count.
+pub fn predict(
+    (d, model): (&Discovery, &Model),
+    (used, held): (&Dataset, &Dataset),
+    request: &PredictionRequest,
+    observer: &mut dyn Observer,
+) -> Prediction {
+    let mut out = match attempt((d, model), (used, held), request, observer) {
+        Ok(prediction) => prediction,
+        Err(why) => Prediction::unavailable(&why.code, why.text),
+    };
+    out.on = match held.trajectories.is_empty() {
+        true => DataKind::Used,
+        false => DataKind::HeldOut,
+    };
+    if !request.good.is_empty() {
+        let mut judged = out.signals.iter().filter_map(|s| s.good);
+        let named = |limit: &ErrorLimit| match limit {
+            ErrorLimit::Share(_) => !out.signals.is_empty(),
+            ErrorLimit::Signal(name, _) => out.signals.iter().any(|s| s.signal == *name),
+        };
+        let met = judged.all(|good| good);
+        let whole = out.unavailable.is_none() && request.good.iter().all(named);
+        out.good = Some(met && whole && out.on == DataKind::HeldOut);
+    }
+    out
+}
+
+fn attempt(
+    (d, model): (&Discovery, &Model),
+    (used, held): (&Dataset, &Dataset),
+    request: &PredictionRequest,
+    observer: &mut dyn Observer,
+) -> Result<Prediction, Notice> {
+    if d.was_stopped() {
+        return Err(Notice::new("run-stopped", "the search was ended early"));
+    }
+    if !d.failed.is_empty() || Form::new(d).state.is_empty() {
+        return Err(Notice::new("no-equations", "not every equation was found"));
+    }
+    let compile = |dataset: &Dataset| -> Result<Vec<SegmentRuns>, Notice> {
+        let source = Source {
+            discovery: d,
+            model,
+            dataset,
+        };
+        let runs = |record| SegmentRuns::new(&source, record);
+        let all: Result<Vec<SegmentRuns>, _> = (0..dataset.trajectories.len()).map(runs).collect();
+        all.map_err(|why| Notice::new(why.code, why.message))
+    };
+    let (runs_used, runs_held) = (compile(used)?, compile(held)?);
+    let all: Vec<&Trajectory> = used.trajectories.iter().chain(&held.trajectories).collect();
+    let signals = predicted(model, runs_used.first(), &all);
+    if signals.is_empty() {
+        let why = "no signal of the state is measured and moves";
+        return Err(Notice::new("nothing-measured", why));
+    }
+    let noise = |s: Signal| {
+        let found = signals.iter().find(|p| p.signal == s);
+        found.map_or(1.0, |p| p.noise.max(STATE_FIT.noise_floor * p.spread))
+    };
+    let estimators = |runs| states(d, runs, &noise);
+    let (states_used, states_held) = (estimators(&runs_used)?, estimators(&runs_held)?);
+    let (on, states_on) = match held.trajectories.is_empty() {
+        true => (&runs_used, &states_used),
+        false => (&runs_held, &states_held),
+    };
+    let records: Vec<&Trajectory> = on.iter().map(SegmentRuns::record).collect();
+    let step = median_step(&records);
+    let longest = longest(on);
+    let (horizon, chosen) = match request.horizon {
+        Some(horizon) => (horizon, HorizonChoice::Asked),
+        None => choose(&all, &signals, longest),
+    };
+    let unit = time_unit(d);
+    if horizon < 0.5 * step || horizon > longest {
+        let text = format!(
+            "the records have steps of {} {unit} and stretches of at most {} {unit}, and {} {unit} ahead was asked for",
+            significant(step, 3),
+            significant(longest, 3),
+            significant(horizon, 3),
+        );
+        return Err(Notice::new("no-horizon", text));
+    }
+    // States are fitted to as many rows as predict best on the data used.
+    let most = records_rows(&runs_used) / STATE_FIT.record_part;
+    let shortest = states_used.first().map_or(1, StateEstimator::shortest);
+    let most = most.min(shortest << STATE_FIT.doublings);
+    let lags = runs_used.iter().flat_map(SegmentRuns::history);
+    let lags = lags
+        .map(|s| s.shift.unsigned_abs() as usize)
+        .max()
+        .unwrap_or(0);
+    let step_used = median_step(&used.trajectories.iter().collect::<Vec<_>>());
+    let before = most.max(shortest) + lags;
+    let trial_starts = test_starts(&runs_used, before, (horizon, step_used), STATE_FIT.starts);
+    let trial = Trial {
+        estimators: &states_used,
+        starts: &trial_starts,
+        signals: &signals,
+        ahead: horizon,
+        step: step_used,
+        discrete: d.discrete,
+    };
+    let fitted_rows = choose_rows(&trial, most, observer);
+    let rows = (horizon / step).round().max(1.0) as usize;
+    let plan = Plan::new(rows, fitted_rows, &runs_used, records_rows(on));
+    let ahead: Vec<f64> = plan.multiples.iter().map(|m| m * horizon).collect();
+    let asked = plan.multiples.iter().position(|m| *m == 1.0).unwrap_or(0);
+    let starts = test_starts(on, fitted_rows + lags, (horizon, step), plan.starts);
+    let sums_used: Vec<InputSums> = states_used.iter().map(InputSums::of).collect();
+    let sums_held: Vec<InputSums> = states_held.iter().map(InputSums::of).collect();
+    let along = states_used.iter().zip(&sums_used);
+    let along = along.map(|(estimator, inputs)| Along { estimator, inputs });
+    let mut linear = LinearModel::new(along.collect(), rows);
+    let growth = Growth {
+        estimators: states_on,
+        inputs: if held.trajectories.is_empty() {
+            &sums_used
+        } else {
+            &sums_held
+        },
+        starts: &starts,
+        signals: &signals,
+        ahead: &ahead,
+        asked,
+        step,
+        fitted_rows,
+    };
+    let errors = growth.run(&mut linear, observer);
+    if errors.starts == 0 {
+        let text = match errors.stopped {
+            true => "the work was ended before the first start".into(),
+            false => format!(
+                "no row has readings before it and {} {unit} ahead",
+                significant(horizon, 3)
+            ),
+        };
+        return Err(Notice::new(
+            if errors.stopped {
+                "run-stopped"
+            } else {
+                "no-starts"
+            },
+            text,
+        ));
+    }
+    let describe = |(place, s): (usize, &Predicted)| {
+        let figures = signal(d.name(s.signal), s, request, &ahead, asked, &errors, place);
+        SignalPrediction {
+            unit: d.unit(s.signal).map(|u| u.to_string()),
+            ..figures
+        }
+    };
+    let stopped = || Notice::new("run-stopped", "the work was ended before the last start");
+    Ok(Prediction {
+        horizon,
+        unit,
+        chosen,
+        starts: errors.starts,
+        fitted_rows,
+        signals: signals.iter().enumerate().map(describe).collect(),
+        ended: (errors.ended.iter())
+            .map(|(code, starts)| EndedRuns {
+                code: (*code).into(),
+                starts: *starts,
+            })
+            .collect(),
+        unavailable: errors.stopped.then(stopped),
+        ..Prediction::default()
+    })
+}
+
+/// What time is counted in.
+fn time_unit(d: &Discovery) -> String {
+    match d.unit(Signal::TIME) {
+        _ if d.discrete => "samples".into(),
+        Some(unit) => unit.to_string(),
+        None => "s".into(),
+    }
+}
+
+/// Components of the state that are measured and move, with spread and noise.
+fn predicted(model: &Model, runs: Option<&SegmentRuns>, all: &[&Trajectory]) -> Vec<Predicted> {
+    let state = runs.map_or(&[][..], SegmentRuns::state);
+    let one = |(place, signal): (usize, &Signal)| {
+        let columns = || all.iter().filter_map(|t| t.column(*signal));
+        let finite = || columns().flatten().copied().filter(|v| v.is_finite());
+        let count = finite().count().max(1) as f64;
+        let mean = finite().sum::<f64>() / count;
+        let spread = (finite().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt();
+        let moves = spread > 1e-12 * mean.abs() && spread > 0.0;
+        let noise = model.noise(*signal);
+        let noise = noise.unwrap_or_else(|| difference_noise(columns()));
+        moves.then_some(Predicted {
+            signal: *signal,
+            place,
+            spread,
+            noise: noise.min(spread),
+        })
+    };
+    state.iter().enumerate().filter_map(one).collect()
+}
+
+/// Standard deviation of noise from the median of third differences.
+fn difference_noise<'a>(columns: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let all = columns.flat_map(|c| c.windows(4).map(third));
+    let mut all: Vec<f64> = all.filter(|v| v.is_finite()).collect();
+    if all.is_empty() {
+        return 0.0;
+    }
+    let middle = all.len() / 2;
+    let median = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // Of normal noise: 1² + 3² + 3² + 1² = 20, and 0.6745 standard deviations.
+    median / (20_f64.sqrt() * 0.6745)
+}
+
+fn states<'a>(
+    d: &Discovery,
+    runs: &'a [SegmentRuns],
+    noise: &dyn Fn(Signal) -> f64,
+) -> Result<Vec<StateEstimator<'a>>, Notice> {
+    let all: Result<Vec<StateEstimator>, Signal> =
+        runs.iter().map(|r| StateEstimator::new(r, noise)).collect();
+    all.map_err(|s| {
+        let text = format!(
+            "{} is part of the state, and nothing was measured of it",
+            d.name(s)
+        );
+        Notice::new("no-start", text)
+    })
+}
+
+/// The longest uninterrupted time.
+fn longest(runs: &[SegmentRuns]) -> f64 {
+    let span = |r: &SegmentRuns| {
+        let time = &r.record().time;
+        let of = |rows: &std::ops::Range<usize>| {
+            Some(time.get(rows.end.checked_sub(1)?)? - time.get(rows.start)?)
+        };
+        r.contiguous().iter().filter_map(of).fold(0.0, f64::max)
+    };
+    runs.iter().map(span).fold(0.0, f64::max)
+}
+
+/// Rows of the longest uninterrupted stretch.
+fn records_rows(runs: &[SegmentRuns]) -> usize {
+    let all = runs.iter().flat_map(SegmentRuns::contiguous);
+    all.map(|r| r.len()).max().unwrap_or(0)
+}
+
+/// How many starts there are, and how far the curve goes.
+struct Plan {
+    starts: usize,
+    /// Horizons of the curve over the one asked for.
+    multiples: Vec<f64>,
+}
+
+impl Plan {
+    fn new(rows: usize, fitted: usize, used: &[SegmentRuns], longest: usize) -> Plan {
+        let all: usize = used.iter().map(|r| r.record().len()).sum();
+        let budget = PREDICTION.rows + PREDICTION.rows_a_row * all;
+        let components = used.first().map_or(1, |r| r.state().len());
+        // Half of the Gauss–Newton steps are mostly enough.
+        let fit = fitted * (components + 1) * STATE_FIT.steps / 2;
+        let affordable = (budget / PREDICTION.fewest_starts).saturating_sub(3 * fit);
+        let shortest = -3_i32;
+        let all = (0..PREDICTION.doublings as i32).map(|k| f64::powi(2.0, k + shortest));
+        let exists = |m: &f64| m * rows as f64 >= 1.0;
+        let ends = |m: &f64| {
+            let ahead = (m * rows as f64) as usize;
+            *m <= 1.0 || (ahead <= affordable && 2 * ahead <= longest)
+        };
+        let multiples: Vec<f64> = all.filter(exists).filter(ends).collect();
+        let starts = budget / (fit + rows).max(1);
+        Plan {
+            starts: starts.clamp(PREDICTION.fewest_starts, PREDICTION.starts),
+            multiples,
+        }
+    }
+}
+
+/// The figures of one signal.
+fn signal(
+    name: String,
+    s: &Predicted,
+    request: &PredictionRequest,
+    ahead: &[f64],
+    asked: usize,
+    all: &GrowthErrors,
+    place: usize,
+) -> SignalPrediction {
+    let of = |k: usize| all.errors.get(k).and_then(|e| e.get(place));
+    let point = |(k, ahead): (usize, &f64)| {
+        let errors = of(k)?;
+        (!errors.equations.is_empty()).then(|| figures(*ahead, errors))
+    };
+    let curve: Vec<AheadFigures> = ahead.iter().enumerate().filter_map(point).collect();
+    let here = of(asked).map(|e| figures(0.0, e)).unwrap_or_default();
+    let own = |limit: &ErrorLimit| match limit {
+        ErrorLimit::Share(part) => Some(part * s.spread),
+        ErrorLimit::Signal(wanted, value) => (*wanted == name).then_some(*value),
+    };
+    // A signal that is named has its own limit.
+    let named = |l: &&ErrorLimit| matches!(l, ErrorLimit::Signal(wanted, _) if *wanted == name);
+    let limit = request
+        .good
+        .iter()
+        .find(named)
+        .or(request.good.iter().find(|l| own(l).is_some()));
+    let limit = limit.and_then(own);
+    let met = |limit: f64| here.error.quantile_90.is_some_and(|e| e <= limit);
+    SignalPrediction {
+        spread: s.spread,
+        error: here.error,
+        no_change: here.no_change,
+        linear: here.linear,
+        limit,
+        good: limit.map(met),
+        follows: follows(&curve, PREDICTION.follows * s.spread),
+        curve,
+        signal: name,
+        unit: None,
+    }
+}
+
+fn figures(ahead: f64, e: &Errors) -> AheadFigures {
+    AheadFigures {
+        ahead,
+        starts: e.equations.len(),
+        error: ErrorFigures::of(e.equations.clone()),
+        no_change: ErrorFigures::of(e.no_change.clone()),
+        linear: (!e.linear.is_empty()).then(|| ErrorFigures::of(e.linear.clone())),
+    }
+}
+
+/// Where the error passes a bound, on straight lines through the logarithms of the errors; `None` if it does not.
+fn follows(curve: &[AheadFigures], bound: f64) -> Option<f64> {
+    let mut last: Option<(f64, f64)> = None;
+    for point in curve {
+        let error = point.error.rms.unwrap_or(f64::INFINITY);
+        if error > bound {
+            let Some((ahead, before)) = last else {
+                return Some(point.ahead);
+            };
+            let rise = (error / before.max(f64::MIN_POSITIVE)).ln();
+            let part = (bound / before.max(f64::MIN_POSITIVE)).ln() / rise;
+            let part = if part.is_finite() {
+                part.clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            return Some(ahead + part * (point.ahead - ahead));
+        }
+        last = Some((point.ahead, error));
+    }
+    None
+}

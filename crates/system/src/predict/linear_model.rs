@@ -1,0 +1,196 @@
+//! The linear model with the same state, fitted by least squares to the data used: what a law has to be better than.
+//!
+//! In: states along the data used, inputs. Out: the state some rows after a start. Rows are cut into steps of an eighth of the horizon,
+//! in each of which the inputs count by their mean: x = A x + B u + c over one step. In discrete time a step is one row, and samples
+//! before it that the equations read take part. Knows no equations.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::state_estimation::StateEstimator;
+use super::thresholds::LINEAR_MODEL;
+use sidc_lang::term::Signal;
+
+/// Sums of the inputs before each row.
+pub(super) struct InputSums(Vec<Vec<f64>>);
+
+impl InputSums {
+    pub fn of(estimator: &StateEstimator) -> InputSums {
+        let rows = estimator.runs.record().len();
+        let mut sums: Vec<Vec<f64>> = Vec::with_capacity(rows + 1);
+        sums.push(vec![0.0; estimator.runs.inputs(0).len()]);
+        for row in 0..rows {
+            let now = estimator.runs.inputs(row);
+            let last = sums.last().into_iter().flatten();
+            sums.push(last.zip(now).map(|(s, u)| s + u).collect());
+        }
+        InputSums(sums)
+    }
+
+    fn mean(&self, from: usize, to: usize) -> Option<Vec<f64>> {
+        let ends = self.0.get(from)?.iter().zip(self.0.get(to)?);
+        Some(ends.map(|(a, b)| (b - a) / (to - from) as f64).collect())
+    }
+}
+
+/// A record that the model is fitted to or predicts.
+#[derive(Clone, Copy)]
+pub(super) struct Along<'a> {
+    pub estimator: &'a StateEstimator<'a>,
+    pub inputs: &'a InputSums,
+}
+
+pub(super) struct LinearModel<'a> {
+    used: Vec<Along<'a>>,
+    /// Rows of one step.
+    step: usize,
+    /// Matrices by the rows of their step; `None` where too few pairs are so far apart.
+    maps: BTreeMap<usize, Option<DMatrix<f64>>>,
+}
+
+impl<'a> LinearModel<'a> {
+    pub fn new(used: Vec<Along<'a>>, horizon_rows: usize) -> LinearModel<'a> {
+        let lags = used.iter().any(|u| !u.estimator.runs.history().is_empty());
+        LinearModel {
+            used,
+            step: match lags {
+                true => 1,
+                false => (horizon_rows / LINEAR_MODEL.steps).max(1),
+            },
+            maps: BTreeMap::new(),
+        }
+    }
+
+    /// The state at each of these rows behind the start, in rising order; `None` if no model can be fitted.
+    pub fn ahead(
+        &mut self,
+        on: Along,
+        row: usize,
+        x: &[f64],
+        rows: &[usize],
+    ) -> Option<Vec<Vec<f64>>> {
+        let mut seen = vec![x.to_vec()];
+        let mut out = Vec::new();
+        for wanted in rows {
+            while seen.len() * self.step <= *wanted {
+                let next = self.advance(on, row, &seen, self.step)?;
+                seen.push(next);
+            }
+            let whole = wanted / self.step;
+            let rest = wanted % self.step;
+            seen.truncate(whole + 1);
+            out.push(match rest {
+                0 => seen.last()?.clone(),
+                rest => self.advance(on, row, &seen, rest)?,
+            });
+        }
+        Some(out)
+    }
+
+    /// The state `rows` behind the last one seen.
+    fn advance(
+        &mut self,
+        on: Along,
+        start: usize,
+        seen: &[Vec<f64>],
+        rows: usize,
+    ) -> Option<Vec<f64>> {
+        let row = start + (seen.len() - 1) * self.step;
+        let past = |s: &Signal, at: usize| -> Option<f64> {
+            let runs = on.estimator.runs;
+            let place = runs.state().iter().position(|x| *x == Signal::new(s.var));
+            let predicted = at.checked_sub(start).and_then(|k| seen.get(k));
+            match place.zip(predicted) {
+                Some((place, x)) => x.get(place).copied(),
+                None => runs.record().column(Signal::new(s.var))?.get(at).copied(),
+            }
+        };
+        let regressors = regressors(on, row, seen.last()?, rows, past)?;
+        let map = self.map(rows)?;
+        let next = map.transpose() * DVector::from_vec(regressors);
+        Some(next.iter().copied().collect())
+    }
+
+    fn map(&mut self, rows: usize) -> Option<&DMatrix<f64>> {
+        if !self.maps.contains_key(&rows) {
+            let fitted = fit(&self.used, rows);
+            self.maps.insert(rows, fitted);
+        }
+        self.maps.get(&rows)?.as_ref()
+    }
+}
+
+/// 1, state, mean inputs until the end of the step, samples before.
+fn regressors(
+    on: Along,
+    row: usize,
+    x: &[f64],
+    rows: usize,
+    past: impl Fn(&Signal, usize) -> Option<f64>,
+) -> Option<Vec<f64>> {
+    let mut out = vec![1.0];
+    out.extend(x);
+    out.extend(on.inputs.mean(row, row + rows)?);
+    for s in on.estimator.runs.history() {
+        out.push(past(s, row.checked_sub(s.shift.unsigned_abs() as usize)?)?);
+    }
+    out.iter().all(|v| v.is_finite()).then_some(out)
+}
+
+/// Least squares over pairs of rows so far apart: one column for each component of the state.
+fn fit(used: &[Along], rows: usize) -> Option<DMatrix<f64>> {
+    let all: usize = used.iter().map(|u| u.estimator.runs.record().len()).sum();
+    let every = all.div_ceil(LINEAR_MODEL.pairs).max(1);
+    let around = LINEAR_MODEL.slope_rows;
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    for on in used {
+        let runs = on.estimator.runs;
+        let past =
+            |s: &Signal, at: usize| runs.record().column(Signal::new(s.var))?.get(at).copied();
+        for range in runs.contiguous() {
+            for row in range
+                .clone()
+                .step_by(every)
+                .take_while(|r| r + rows < range.end)
+            {
+                let pair = || {
+                    let x = on.estimator.smoothed(row, around)?;
+                    let next = on.estimator.smoothed(row + rows, around)?;
+                    Some((regressors(*on, row, &x, rows, past)?, next))
+                };
+                if let Some((regressors, next)) = pair() {
+                    left.push(DVector::from_vec(regressors));
+                    right.push(DVector::from_vec(next));
+                }
+            }
+        }
+    }
+    let columns = left.first()?.len();
+    if left.len() < 2 * columns {
+        return None;
+    }
+    let (mut normal, mut product) = (
+        DMatrix::zeros(columns, columns),
+        DMatrix::zeros(columns, right.first()?.len()),
+    );
+    for (a, b) in left.iter().zip(&right) {
+        normal.ger(1.0, a, a, 1.0);
+        product.ger(1.0, a, b, 1.0);
+    }
+    let sizes = normal
+        .diagonal()
+        .map(|s: f64| if s > 0.0 { s.sqrt() } else { 1.0 });
+    let scaled = DMatrix::from_fn(columns, columns, |i, j| {
+        let ridge = if i == j { LINEAR_MODEL.ridge } else { 0.0 };
+        normal[(i, j)] / (sizes[i] * sizes[j]) + ridge
+    });
+    for (mut row, size) in product.row_iter_mut().zip(sizes.iter()) {
+        row /= *size;
+    }
+    let mut solved = scaled.cholesky()?.solve(&product);
+    for (mut row, size) in solved.row_iter_mut().zip(sizes.iter()) {
+        row /= *size;
+    }
+    solved.iter().all(|v| v.is_finite()).then_some(solved)
+}

@@ -1,0 +1,210 @@
+//! The state at a row, fitted with the equations to the readings up to it (a fixed-lag least-squares estimate).
+//!
+//! In: runs along segments, readings, a row, how many rows before it are fitted. Out: the state there, or nothing where the equations
+//! cannot be run. Never reads what comes after the row.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::local_fit::local_derivative;
+use super::thresholds::STATE_FIT;
+use crate::simulate::SegmentRuns;
+use sidc_lang::term::Signal;
+use sidc_progress::Observer;
+
+/// Why there is no state at a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoState {
+    /// Readings are missing.
+    Unread,
+    /// The equations cannot be run along the readings.
+    NotRun,
+}
+
+/// States along one record.
+pub(super) struct StateEstimator<'a> {
+    pub runs: &'a SegmentRuns,
+    components: Vec<Component>,
+}
+
+/// One component of the state, and where its first guess comes from.
+struct Component {
+    /// Readings of itself, or of the derivative so many orders below.
+    readings: Vec<f64>,
+    below: usize,
+    /// Noise of its readings; `None` where the component itself is not measured.
+    noise: Option<f64>,
+}
+
+impl<'a> StateEstimator<'a> {
+    /// `noise`: standard deviation of the readings of a signal. `Err` is a component of which nothing was measured.
+    pub fn new(
+        runs: &'a SegmentRuns,
+        noise: &dyn Fn(Signal) -> f64,
+    ) -> Result<StateEstimator<'a>, Signal> {
+        let record = runs.record();
+        let component = |signal: &Signal| {
+            let mut below = (0..=signal.der).rev().map(|der| Signal { der, ..*signal });
+            let found = below.find_map(|b| {
+                let values = record.column(b)?;
+                let known = values.iter().any(|v| v.is_finite());
+                known.then_some((b, values))
+            });
+            let (from, readings) = found.ok_or(*signal)?;
+            Ok(Component {
+                readings: readings.to_vec(),
+                below: usize::from(signal.der - from.der),
+                noise: (from == *signal).then(|| noise(*signal)),
+            })
+        };
+        let components: Result<Vec<Component>, Signal> =
+            runs.state().iter().map(component).collect();
+        Ok(StateEstimator {
+            runs,
+            components: components?,
+        })
+    }
+
+    /// True if every component is read.
+    pub fn is_read(&self) -> bool {
+        self.components.iter().all(|c| c.noise.is_some())
+    }
+
+    /// Rows before the start in the shortest fit.
+    pub fn shortest(&self) -> usize {
+        let read = self.components.iter().filter(|c| c.noise.is_some()).count();
+        let wanted = STATE_FIT.readings * self.components.len();
+        wanted.div_ceil(read.max(1)).saturating_sub(1).max(1)
+    }
+
+    /// The readings at a row as they are; `None` if one is missing.
+    pub fn reading(&self, row: usize) -> Option<Vec<f64>> {
+        let value = |c: &Component| {
+            let own = c.readings.get(row).copied().filter(|v| v.is_finite());
+            own.filter(|_| c.noise.is_some())
+        };
+        self.components.iter().map(value).collect()
+    }
+
+    /// The state at a row by local polynomials around it alone, as the linear model is fitted to it.
+    pub fn smoothed(&self, row: usize, around: usize) -> Option<Vec<f64>> {
+        let value = |c: &Component| match c.noise {
+            Some(_) => c.readings.get(row).copied().filter(|v| v.is_finite()),
+            None => {
+                let rows = row.saturating_sub(around)..(row + around + 1).min(c.readings.len());
+                self.local(c, rows, row)
+            }
+        };
+        self.components.iter().map(value).collect()
+    }
+
+    /// The state at a row, fitted to the readings of so many rows before it and its own.
+    pub fn state(
+        &self,
+        row: usize,
+        rows_before: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<f64>, NoState> {
+        if rows_before == 0 {
+            return self.reading(row).ok_or(NoState::Unread);
+        }
+        let from = row.checked_sub(rows_before).ok_or(NoState::Unread)?;
+        let mut x = self.guess(from, row).ok_or(NoState::Unread)?;
+        let followed = self.follow(from, row, &x, observer);
+        let (mut left, mut end) = followed.ok_or(NoState::NotRun)?;
+        let sizes = self.runs.sizes();
+        let mut damping = 1e-3;
+        for _ in 0..STATE_FIT.steps {
+            let Some(slopes) = self.slopes((from, row), &x, &left, observer) else {
+                break;
+            };
+            let mut normal = slopes.transpose() * &slopes;
+            let right = -(slopes.transpose() * &left);
+            let largest = normal.diagonal().amax();
+            // What the readings do not determine stays as it was guessed.
+            let floor = f64::EPSILON * largest;
+            for i in 0..normal.nrows() {
+                normal[(i, i)] += damping * normal[(i, i)] + floor;
+            }
+            let Some(step) = normal.cholesky().map(|c| c.solve(&right)) else {
+                break;
+            };
+            let moved = x.iter().zip(sizes).zip(step.iter());
+            let trial: Vec<f64> = moved.map(|((x, size), s)| x + size * s).collect();
+            let before = left.norm_squared();
+            match self.follow(from, row, &trial, observer) {
+                Some((after, reached)) if after.norm_squared() < before => {
+                    let gained = 1.0 - after.norm_squared() / before;
+                    (x, left, end) = (trial, after, reached);
+                    damping *= 0.1;
+                    if gained < STATE_FIT.settled {
+                        break;
+                    }
+                }
+                _ if step.amax() < STATE_FIT.noise_floor => break,
+                _ => damping *= 100.0,
+            }
+        }
+        Ok(end)
+    }
+
+    /// A first guess at the first row, from the readings next to it.
+    fn guess(&self, from: usize, row: usize) -> Option<Vec<f64>> {
+        let value = |c: &Component| {
+            let rows = from..(from + 2 * c.below + 3).min(row + 1);
+            self.local(c, rows, from)
+        };
+        self.components.iter().map(value).collect()
+    }
+
+    fn local(&self, c: &Component, rows: std::ops::Range<usize>, at: usize) -> Option<f64> {
+        let time = &self.runs.record().time;
+        let at = *time.get(at)?;
+        local_derivative(time.get(rows.clone())?, c.readings.get(rows)?, at, c.below)
+    }
+
+    /// Runs from the first row to the last: the residuals of the readings in standard deviations, and the state reached.
+    fn follow(
+        &self,
+        from: usize,
+        row: usize,
+        x: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Option<(DVector<f64>, Vec<f64>)> {
+        let mut run = self.runs.run(from..row + 1, x, observer);
+        if run.fault.is_some() || run.states.len() != row + 1 - from {
+            return None;
+        }
+        let mut left = Vec::new();
+        for (place, c) in self.components.iter().enumerate() {
+            let Some(noise) = c.noise else { continue };
+            for (state, reading) in run.states.iter().zip(c.readings.iter().skip(from)) {
+                if let (Some(s), true) = (state.get(place), reading.is_finite()) {
+                    left.push((s - reading) / noise);
+                }
+            }
+        }
+        let left = DVector::from_vec(left);
+        let end = run.states.pop()?;
+        left.iter().all(|r| r.is_finite()).then_some((left, end))
+    }
+
+    /// Jacobian of the residuals by difference quotients, components in units of their size.
+    fn slopes(
+        &self,
+        (from, row): (usize, usize),
+        x: &[f64],
+        left: &DVector<f64>,
+        observer: &mut dyn Observer,
+    ) -> Option<DMatrix<f64>> {
+        let mut columns = Vec::new();
+        for (place, size) in self.runs.sizes().iter().enumerate() {
+            let mut moved = x.to_vec();
+            if let Some(x) = moved.get_mut(place) {
+                *x += STATE_FIT.difference * size;
+            }
+            let (there, _) = self.follow(from, row, &moved, observer)?;
+            columns.push((there - left) / STATE_FIT.difference);
+        }
+        Some(DMatrix::from_columns(&columns))
+    }
+}

@@ -1,0 +1,39 @@
+//! Starts all along the data, evenly spread.
+//!
+//! In: records, how many rows a start needs before it, how far ahead there must be a reading. Out: records and rows. Never looks at values.
+
+use super::horizon::row_ahead;
+use crate::simulate::SegmentRuns;
+
+/// A row from which is predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TestStart {
+    pub record: usize,
+    pub row: usize,
+    /// The end of the uninterrupted rows it stands in.
+    pub end: usize,
+}
+
+/// At most `count` starts with so many rows before them and a reading `ahead` of them.
+pub(super) fn test_starts(
+    records: &[SegmentRuns],
+    before: usize,
+    (ahead, step): (f64, f64),
+    count: usize,
+) -> Vec<TestStart> {
+    let mut all = Vec::new();
+    for (record, runs) in records.iter().enumerate() {
+        let time = &runs.record().time;
+        for rows in runs.contiguous() {
+            let end = rows.end;
+            let fits = |row: &usize| row_ahead(time, *row, ahead, step).is_some_and(|k| k < end);
+            let rows = (rows.start + before..end).filter(fits);
+            all.extend(rows.map(|row| TestStart { record, row, end }));
+        }
+    }
+    let count = count.min(all.len());
+    let place = |k: usize| (2 * k + 1) * all.len() / (2 * count.max(1));
+    (0..count)
+        .filter_map(|k| all.get(place(k)).copied())
+        .collect()
+}

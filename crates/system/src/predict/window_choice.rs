@@ -1,0 +1,112 @@
+//! How many rows of readings the state at a start is fitted to: as many as predict best on the data used.
+//!
+//! In: states along the data used, starts. Out: a number of rows. More rows take more noise off, and fewer ask less of equations that do
+//! not quite hold. Never looks at data held out.
+
+use super::horizon::{Predicted, row_ahead};
+use super::state_estimation::StateEstimator;
+use super::test_starts::TestStart;
+use super::thresholds::STATE_FIT;
+use sidc_progress::Observer;
+
+/// What is predicted to choose by: records, starts, signals, how far ahead, and the step of the rows.
+pub(super) struct Trial<'a> {
+    pub estimators: &'a [StateEstimator<'a>],
+    pub starts: &'a [TestStart],
+    pub signals: &'a [Predicted],
+    pub ahead: f64,
+    pub step: f64,
+    pub discrete: bool,
+}
+
+/// Rows before a start; 0 for the reading itself.
+pub(super) fn choose_rows(trial: &Trial, most: usize, observer: &mut dyn Observer) -> usize {
+    let Some(first) = trial.estimators.first() else {
+        return 0;
+    };
+    let read = first.is_read();
+    if read && is_clean(trial, observer) {
+        return 0;
+    }
+    let shortest = first.shortest();
+    let lengths = (0..=STATE_FIT.doublings).map(|k| shortest << k);
+    let lengths = lengths.take_while(|rows| *rows <= most.max(shortest));
+    // In discrete time the past is a sample, and noise of the process is part of it.
+    let itself = (read && trial.discrete).then_some(0);
+    let (mut best, mut least) = (itself.unwrap_or(shortest), f64::INFINITY);
+    for rows in itself.into_iter().chain(lengths) {
+        let score = score(trial, rows, observer);
+        if score < least {
+            (best, least) = (rows, score);
+        } else if score > STATE_FIT.worse * least {
+            break;
+        }
+    }
+    best
+}
+
+/// Median over the starts of the mean square error, in spreads.
+fn score(trial: &Trial, rows: usize, observer: &mut dyn Observer) -> f64 {
+    let of_start = |s: &TestStart| -> Option<f64> {
+        let estimator = trial.estimators.get(s.record)?;
+        let Ok(x) = estimator.state(s.row, rows, observer) else {
+            return Some(f64::INFINITY);
+        };
+        squares(trial, estimator, s, &x, trial.ahead, observer)
+    };
+    let mut scores: Vec<f64> = trial.starts.iter().filter_map(of_start).collect();
+    let middle = scores.len() / 2;
+    if scores.is_empty() {
+        return f64::INFINITY;
+    }
+    *scores.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// True if the equations reach the next reading from the reading before it.
+fn is_clean(trial: &Trial, observer: &mut dyn Observer) -> bool {
+    let mut any = false;
+    for s in trial.starts {
+        let Some(estimator) = trial.estimators.get(s.record) else {
+            continue;
+        };
+        let Some(x) = estimator.reading(s.row) else {
+            continue;
+        };
+        let square = squares(trial, estimator, s, &x, trial.step, observer);
+        if square.is_none_or(|square| square > STATE_FIT.clean.powi(2)) {
+            return false;
+        }
+        any = true;
+    }
+    any
+}
+
+/// Mean over the signals of the squared error so far ahead, in spreads; infinite where the run ends before.
+fn squares(
+    trial: &Trial,
+    estimator: &StateEstimator,
+    start: &TestStart,
+    x: &[f64],
+    ahead: f64,
+    observer: &mut dyn Observer,
+) -> Option<f64> {
+    let record = estimator.runs.record();
+    let row = row_ahead(&record.time, start.row, ahead, trial.step)?;
+    let run = estimator.runs.run(start.row..row + 1, x, observer);
+    let Some(reached) = run
+        .states
+        .get(row - start.row)
+        .filter(|_| run.fault.is_none())
+    else {
+        return Some(f64::INFINITY);
+    };
+    let (mut sum, mut count) = (0.0, 0.0);
+    for s in trial.signals {
+        let reading = record.column(s.signal)?.get(row)?;
+        if reading.is_finite() {
+            sum += ((reached.get(s.place)? - reading) / s.spread).powi(2);
+            count += 1.0;
+        }
+    }
+    (count > 0.0).then(|| sum / count)
+}

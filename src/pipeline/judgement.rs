@@ -1,0 +1,85 @@
+//! Equations + data → verdict: the last stage. Is it the law, how far ahead does it predict, does it run freely.
+//!
+//! In: a program, data used and held out, the [`Discovery`]. Out: predictions, free runs, doubts that follow from them, the verdict.
+//! Never changes a term or a coefficient.
+
+use sidc_data::Dataset;
+use sidc_progress::Observer;
+use sidc_system::discovery::Discovery;
+use sidc_system::predict::{self, ErrorLimit, PredictionRequest};
+use sidc_system::validate::{self, KStepErrors, Validation};
+use sidc_system::verdict::Verdict;
+
+use super::measure::Measured;
+use super::program::Program;
+use crate::options::Options;
+
+/// What predictions and free runs say.
+#[derive(Clone, Debug, Default)]
+pub struct Judgement {
+    /// Free runs on the data used and on those held out; `None` where none were held out.
+    pub validation: Option<Validation>,
+    pub verdict: Verdict,
+}
+
+/// Predicts and runs what was found, on the rows held out, or on those used where none were held out.
+pub fn judge(
+    program: &Program,
+    measured: &Measured,
+    found: &mut Discovery,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Judgement {
+    let (model, request) = (&program.model, &options.prediction);
+    let (used, held) = (&measured.dataset, &measured.held);
+    let mut prediction = predict::predict((found, model), (used, held), request, observer);
+    prediction.held_out = measured.held_out.clone();
+    let data = (used, held);
+    let validation = validate::validate((found, model), data, observer);
+    if let Some(runs) = &validation {
+        let sensitive = runs.runs.iter().any(|r| r.sensitive);
+        // Where free runs say nothing, predictions over the same horizon on both parts do.
+        let same = PredictionRequest {
+            horizon: Some(prediction.horizon),
+            good: Vec::new(),
+        };
+        let nothing = Dataset::default();
+        let on_used = (sensitive && prediction.unavailable.is_none())
+            .then(|| predict::predict((found, model), (used, &nothing), &same, observer));
+        let k_step = on_used.as_ref().map(|used| KStepErrors {
+            used,
+            held_out: &prediction,
+        });
+        validate::doubt(runs, k_step, found);
+    }
+    let verdict = match &validation {
+        Some(runs) => Verdict::of(found, prediction, runs),
+        None => {
+            // States that need no fit are readings without noise.
+            let clean = prediction.unavailable.is_none() && prediction.fitted_rows == 0;
+            let runs = validate::run_on_used((found, model), (used, clean), observer);
+            Verdict::of(found, prediction, &runs)
+        }
+    };
+    Judgement {
+        validation,
+        verdict,
+    }
+}
+
+/// A limit for a signal that no equation predicts: its name, and the names there are.
+pub fn check_limits(program: &Program, options: &Options) -> Result<(), (String, Vec<String>)> {
+    let known = predict::predictable(&program.model);
+    let unknown = options
+        .prediction
+        .good
+        .iter()
+        .find_map(|limit| match limit {
+            ErrorLimit::Signal(name, _) if !known.contains(name) => Some(name.clone()),
+            _ => None,
+        });
+    match unknown {
+        Some(name) => Err((name, known)),
+        None => Ok(()),
+    }
+}
