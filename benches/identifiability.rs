@@ -103,7 +103,8 @@ fn whole(c: &mut Criterion) {
                 let told = assess(&design, &library, given);
                 let mut found = discovery.clone();
                 if let Some(stretches) = uncertainty::block_normal_equations(&design) {
-                    uncertainty::assess_terms(&stretches, &mut found);
+                    let stability = uncertainty::stability_selection(&stretches);
+                    uncertainty::assess_terms(&stretches, &stability, &mut found);
                 }
                 Some(black_box((told, found)))
             });
