@@ -23,11 +23,14 @@ impl Random {
     }
 }
 
+/// What a sensor reads at an instant of a rate that is known at any.
+type Sensor<'a> = dyn Fn(f64, &dyn Fn(f64) -> f64) -> f64 + 'a;
+
 /// A state of several frequencies and its true rate; `sensor` makes the rate's reading of (time, rate at any instant).
 fn motion(
     (seed, uneven): (u64, f64),
     (state_noise, rate_noise): (f64, f64),
-    sensor: &dyn Fn(f64, &dyn Fn(f64) -> f64) -> f64,
+    sensor: &Sensor,
 ) -> Stretch {
     let mut random = Random(seed);
     let parts: Vec<[f64; 3]> = (0..4)
@@ -115,9 +118,7 @@ fn a_fault_is_found_with_its_size() {
     for seed in SEEDS {
         for noise in [(0.0, 0.0), (1e-3, 1e-3), (0.01, 0.02)] {
             for uneven in [0.0, 0.6] {
-                let found = |sensor: &dyn Fn(f64, &dyn Fn(f64) -> f64) -> f64| {
-                    compare(&[motion((seed, uneven), noise, sensor)])
-                };
+                let found = |sensor: &Sensor| compare(&[motion((seed, uneven), noise, sensor)]);
                 only(&found(&|t, r| r(t) + 0.05), Kind::Bias, 0.05);
                 only(&found(&|t, r| 1.05 * r(t)), Kind::Gain, 1.05);
                 only(&found(&|t, r| 1000.0 * r(t)), Kind::Gain, 1000.0);
