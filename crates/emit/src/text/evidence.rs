@@ -210,7 +210,7 @@ fn proof(e: &Evidence) -> String {
             "proved: of all that {fits}, this has the smallest 1-norm, and no other equals it ({figures})"
         ),
         (true, false) => format!(
-            "proved: of all that {fits}, none has a smaller 1-norm; that none equals it is not shown ({figures})"
+            "proved: of all that {fits}, none has a smaller 1-norm ({figures})"
         ),
         (false, _) => format!(
             "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \

@@ -71,8 +71,9 @@ fn matters(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
 /// The doubt `relation`: a law of lower order holds on these data for signals of the terms found. Laws that differ by multiples of it
 /// fit alike, and its derivative can pass for the law.
 pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) -> Option<Reason> {
-    let bears =
-        |t: &&ExplainedRelation| t.why.cause == Cause::WrongOrder && shares_signals(design, t);
+    let bears = |t: &&ExplainedRelation| {
+        t.why.cause == Cause::WrongOrder && shares_signals(design, t) && !has_target(design, t)
+    };
     let found = relations.iter().filter(|t| holds(design, t)).find(bears)?;
     Some(Reason::new(
         ReasonCode::Relation,
@@ -83,6 +84,12 @@ pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) ->
             advice(design, &found.why, None).text
         ),
     ))
+}
+
+/// Whether the relation contains a target: then it may be the laws of the system with one target eliminated.
+fn has_target(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
+    let targets: Vec<Signal> = design.model.equations.iter().map(|e| e.target).collect();
+    t.reduced.signals().iter().any(|s| targets.contains(s))
 }
 
 /// Whether the relation and the terms found have signals in common.
