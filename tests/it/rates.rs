@@ -37,8 +37,8 @@ fn noisy(x: &[f64], sigma: f64, seed: u64) -> Vec<f64> {
 
 fn identify(folder: &Path, x: &[f64], dx: &dyn Fn(usize) -> f64, data: &str) -> Run {
     let mut text = String::from("t,x,dx\n");
-    for k in 1..=ROWS {
-        text.push_str(&format!("{},{},{}\n", k as f64 * STEP, x[k], dx(k)));
+    for (k, x) in x.iter().enumerate().skip(1).take(ROWS) {
+        text.push_str(&format!("{},{x},{}\n", k as f64 * STEP, dx(k)));
     }
     let model = format!("state x : order 2\n{data}ddx ~ <1, x, dx, dx^2, sin(x), cos(x)>\n");
     let paths = [("m.sid", model), ("run.csv", text)].map(|(name, text)| {

@@ -209,9 +209,9 @@ fn proof(e: &Evidence) -> String {
         (true, true) => format!(
             "proved: of all that {fits}, this has the smallest 1-norm, and no other equals it ({figures})"
         ),
-        (true, false) => format!(
-            "proved: of all that {fits}, none has a smaller 1-norm ({figures})"
-        ),
+        (true, false) => {
+            format!("proved: of all that {fits}, none has a smaller 1-norm ({figures})")
+        }
         (false, _) => format!(
             "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \
              the terms (rank {} of {}) are the best of {} by the extended Bayesian criterion{}",

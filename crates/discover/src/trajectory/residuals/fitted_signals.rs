@@ -8,6 +8,22 @@ use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{Law, Problem, Record};
 use sidc_lang::term::Term;
 
+/// Values along the smoothed trajectory of one record, row by row.
+struct SmoothedColumns {
+    rows: usize,
+    /// Of all columns.
+    values: Vec<f64>,
+    /// Of all signals.
+    points: Vec<f64>,
+}
+
+impl SmoothedColumns {
+    fn row<'a>(&self, of: &'a [f64], place: usize) -> &'a [f64] {
+        let from = place * self.rows;
+        of.get(from..from + self.rows).unwrap_or(&[])
+    }
+}
+
 impl Problem {
     /// The first column that is not finite somewhere along the smoothed trajectories.
     pub fn first_undefined_column(&self) -> Option<&Term> {
@@ -17,11 +33,11 @@ impl Problem {
     /// The columns that are not finite somewhere along the smoothed trajectories, rising.
     pub(crate) fn undefined_columns(&self) -> Vec<usize> {
         let mut bad = vec![false; self.all.outputs()];
-        self.along_smoothed(&mut |rows, values, _| {
-            for (bad, row) in bad.iter_mut().zip(values.chunks_exact(rows)) {
+        for record in self.along_smoothed() {
+            for (bad, row) in bad.iter_mut().zip(record.values.chunks_exact(record.rows)) {
                 *bad |= row.iter().any(|x| !x.is_finite());
             }
-        });
+        }
         (0..bad.len()).filter(|j| bad[*j]).collect()
     }
 
@@ -40,12 +56,12 @@ impl Problem {
             return Vec::new();
         }
         let mut products = vec![Products::default(); suspects.len()];
-        self.along_smoothed(&mut |rows, values, points| {
+        for record in self.along_smoothed() {
             for ((l, _, j, _), sums) in suspects.iter().zip(&mut products) {
-                let target = &points[(self.states() + l) * rows..][..rows];
-                sums.add(&values[j * rows..][..rows], target);
+                let target = record.row(&record.points, self.states() + l);
+                sums.add(record.row(&record.values, *j), target);
             }
-        });
+        }
         let channels = self.channels();
         let noise = |law: &Law| {
             let own = channels.iter().filter(|c| c.signal.var == law.target.var);
@@ -62,15 +78,22 @@ impl Problem {
             .collect()
     }
 
-    /// Shows the rows of each record, the values of all columns along its smoothed trajectory, and those of all signals.
-    fn along_smoothed(&self, see: &mut dyn FnMut(usize, &[f64], &[f64])) {
-        for (record, curve) in self.records.iter().zip(&self.smoothed) {
-            let points = self.points(record, &curve.states, &curve.rates);
-            let rows = record.len();
-            let mut values = vec![0.0; self.all.outputs() * rows];
-            self.all.eval(&points, rows, &mut values, &mut Vec::new());
-            see(rows, &values, &points);
-        }
+    /// All columns along the smoothed trajectory of each record.
+    fn along_smoothed(&self) -> impl Iterator<Item = SmoothedColumns> {
+        self.records
+            .iter()
+            .zip(&self.smoothed)
+            .map(|(record, curve)| {
+                let points = self.points(record, &curve.states, &curve.rates);
+                let rows = record.len();
+                let mut values = vec![0.0; self.all.outputs() * rows];
+                self.all.eval(&points, rows, &mut values, &mut Vec::new());
+                SmoothedColumns {
+                    rows,
+                    values,
+                    points,
+                }
+            })
     }
 
     /// Values of all signals along the trajectory of a fit, in the order of [`crate::trajectory::System::evaluation_signals`], all records in a row.
