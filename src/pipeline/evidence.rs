@@ -34,20 +34,20 @@ pub(super) struct Weighing<'a> {
 impl Weighing<'_> {
     /// Weighs every equation on its rows. The reason of an equation that failed says what its library lacks.
     pub fn weigh(&self, discovery: &mut Discovery, observer: &mut dyn Observer) {
-        let mut places = Vec::new();
-        for place in 0..discovery.equations.len() {
-            if let ControlFlow::Break(stop) = asked(discovery, place, observer) {
-                discover::doubt_unassessed(discovery, place, stop);
-                break;
-            }
-            places.push(place);
-        }
-        let one = |place: &usize| {
-            let equation = discovery.equations.get(*place);
-            equation.and_then(|e| self.one(e)).unwrap_or_default()
-        };
+        let all: Vec<usize> = (0..discovery.equations.len()).collect();
         let mut judged: Vec<Judged> = Vec::new();
-        for pair in places.chunks(2) {
+        // Two at a time, on a thread each.
+        'weighed: for pair in all.chunks(2) {
+            for place in pair {
+                if let ControlFlow::Break(stop) = asked(discovery, *place, observer) {
+                    discover::doubt_unassessed(discovery, judged.len(), stop);
+                    break 'weighed;
+                }
+            }
+            let one = |place: &usize| {
+                let equation = discovery.equations.get(*place);
+                equation.and_then(|e| self.one(e)).unwrap_or_default()
+            };
             match pair {
                 [a, b] => judged.extend(<[_; 2]>::from(threads::join(|| one(a), || one(b)))),
                 alone => judged.extend(alone.iter().map(one)),

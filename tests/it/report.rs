@@ -293,9 +293,9 @@ fn browser(folder: &Path) -> Option<Command> {
     Some(command)
 }
 
-/// What a browser makes of a page once keys and pointer have been used on its first picture.
+/// What a browser makes of a page once keys and pointer have been used on its first trajectory.
 const PROBE: &str = r#"<script>
-const svg = document.querySelector('svg[data-x]'), out = document.querySelector('output'), said = [];
+const svg = document.querySelector('#series svg[data-x]'), out = document.querySelector('output'), said = [];
 const key = (to, name) => to.dispatchEvent(new KeyboardEvent('keydown', { key: name, bubbles: true }));
 const figure = svg.closest('figure'), box = svg.getBoundingClientRect();
 svg.dispatchEvent(new PointerEvent('pointermove', { clientX: box.left + box.width / 4, clientY: box.top + 3 }));

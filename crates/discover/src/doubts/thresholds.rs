@@ -75,6 +75,8 @@ family! {
         misfit: f64 = 1.25, unit "of the sensor's noise", source "set by hand";
         /// Residual below which what is left is rounding.
         negligible_residual: f64 = 1e-6, unit "of the spread", source "set by hand";
+        /// Terms beyond the library that are named; more of them are a series, which is nothing to add.
+        named_terms: usize = 3, unit "terms", source "attack cases: a term left out comes back as one, or as three at most";
     }
 }
 

@@ -5,7 +5,7 @@
 
 use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
-use crate::trajectory::{BetterLaws, Channel, DelayedInputs, Problem, SensorOffset};
+use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
 use sidc_lang::term::{Language, SignalNames, Term};
 use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode, Status};
 
@@ -102,38 +102,40 @@ pub(crate) fn doubt_libraries(
     better: Option<&BetterLaws>,
 ) {
     let Some(better) = better else { return };
-    for (law, (enter, leave)) in problem.system.laws.iter().zip(&better.changes) {
-        let reason = beyond_library(discovery, (enter, leave), better.gain);
+    for (law, change) in problem.system.laws.iter().zip(&better.changes) {
+        let reason = beyond_library(discovery, change, better.gain);
         let mut all = discovery.equations.iter_mut();
         let Some(equation) = all.find(|e| e.target == law.target) else {
             continue;
         };
-        if !enter.is_empty() || !leave.is_empty() {
+        if !change.enter.is_empty() || !change.leave.is_empty() {
             equation.reasons.push(reason);
             equation.status = Status::Doubt;
         }
     }
 }
 
-fn beyond_library(names: &Discovery, (enter, leave): (&[Term], &[Term]), gain: f64) -> Reason {
+fn beyond_library(names: &Discovery, change: &LawChange, gain: f64) -> Reason {
     let list = |terms: &[Term]| -> String {
         let names: Vec<String> = terms.iter().map(|t| Language(names).term(t)).collect();
         names.join(", ")
     };
-    let text = match (enter, leave) {
-        ([], leave) => format!(
-            "a better set of equations does without {} here: the criterion prefers it by {gain:.0}",
-            list(leave)
+    let (enter, leave) = (list(&change.enter), list(&change.leave));
+    let better = format!("the readings are described better, the criterion says by {gain:.0}");
+    let advice = match change.lacking.as_slice() {
+        [] => "the search may have missed it; a shorter library helps".into(),
+        lacking => format!("add <{}> to the library", list(lacking)),
+    };
+    let text = match (change.enter.len(), change.leave.len()) {
+        (many, _) if many > TRAJECTORY_DOUBTS.named_terms => format!(
+            "with {many} other terms, most of them not in the library, {better}: the law is not among the terms tried, or a state \
+             or an input is missing"
         ),
-        (enter, []) => format!(
-            "with {} the readings are described better, the criterion says by {gain:.0}: add <{0}> to the library",
-            list(enter)
-        ),
-        (enter, leave) => format!(
-            "with {} instead of {} the readings are described better, the criterion says by {gain:.0}: add <{0}> to the library",
-            list(enter),
-            list(leave)
-        ),
+        (0, _) => {
+            format!("without {leave} {better}: as the other equations change, it is not needed")
+        }
+        (_, 0) => format!("with {enter} {better}: {advice}"),
+        _ => format!("with {enter} instead of {leave} {better}: {advice}"),
     };
     Reason::new(ReasonCode::BeyondLibrary, text)
 }

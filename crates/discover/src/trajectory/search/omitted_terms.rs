@@ -14,10 +14,19 @@ use sidc_progress::Observer;
 /// Better laws with terms that the libraries lack.
 #[derive(Clone, Debug)]
 pub struct BetterLaws {
-    /// For each law the terms that enter and those that leave.
-    pub changes: Vec<(Vec<Term>, Vec<Term>)>,
+    /// For each law.
+    pub changes: Vec<LawChange>,
     /// Gain of the criterion, in units of independent readings.
     pub gain: f64,
+}
+
+/// How the terms of one law change.
+#[derive(Clone, Debug)]
+pub struct LawChange {
+    pub enter: Vec<Term>,
+    pub leave: Vec<Term>,
+    /// Those entering that the library lacks.
+    pub lacking: Vec<Term>,
 }
 
 /// Searches from the laws found on, with `extra[l]` as further candidates of law l. `None` if the criterion improves by less than
@@ -45,21 +54,26 @@ pub fn search_beyond_libraries(
     if gain < margin && !(fewer && gain > 0.0) {
         return None;
     }
-    let difference = |from: &[usize], to: &[usize], l: usize| -> Vec<Term> {
+    let difference = |from: &[usize], to: &[usize], l: usize| -> Vec<usize> {
         let own = &more.system.laws[l].columns;
         let only = to.iter().filter(|j| own.contains(j) && !from.contains(j));
-        only.map(|j| more.system.columns[*j].clone()).collect()
+        only.copied().collect()
     };
-    let laws = 0..more.system.laws.len();
+    let terms = |columns: &[usize]| -> Vec<Term> {
+        let all = columns.iter().map(|j| more.system.columns[*j].clone());
+        all.collect()
+    };
+    let change = |l: usize| {
+        let enter = difference(&start.support, best.support(), l);
+        let new = enter.iter().filter(|j| extended.origin[**j].is_none());
+        LawChange {
+            lacking: terms(&new.copied().collect::<Vec<_>>()),
+            enter: terms(&enter),
+            leave: terms(&difference(best.support(), &start.support, l)),
+        }
+    };
     Some(BetterLaws {
-        changes: laws
-            .map(|l| {
-                (
-                    difference(&start.support, best.support(), l),
-                    difference(best.support(), &start.support, l),
-                )
-            })
-            .collect(),
+        changes: (0..more.system.laws.len()).map(change).collect(),
         gain: gain / found.inefficiency,
     })
 }
