@@ -37,20 +37,28 @@ impl Weighing<'_> {
         let all: Vec<usize> = (0..discovery.equations.len()).collect();
         let mut judged: Vec<Judged> = Vec::new();
         // Two at a time, on a thread each.
-        'weighed: for pair in all.chunks(2) {
+        for pair in all.chunks(2) {
+            let (mut places, mut stopped) = (Vec::new(), None);
             for place in pair {
-                if let ControlFlow::Break(stop) = asked(discovery, *place, observer) {
-                    discover::doubt_unassessed(discovery, judged.len(), stop);
-                    break 'weighed;
+                match asked(discovery, *place, observer) {
+                    ControlFlow::Continue(()) => places.push(*place),
+                    ControlFlow::Break(stop) => {
+                        stopped = Some((*place, stop));
+                        break;
+                    }
                 }
             }
             let one = |place: &usize| {
                 let equation = discovery.equations.get(*place);
                 equation.and_then(|e| self.one(e)).unwrap_or_default()
             };
-            match pair {
+            match places.as_slice() {
                 [a, b] => judged.extend(<[_; 2]>::from(threads::join(|| one(a), || one(b)))),
                 alone => judged.extend(alone.iter().map(one)),
+            }
+            if let Some((place, stop)) = stopped {
+                discover::doubt_unassessed(discovery, place, stop);
+                break;
             }
         }
         judged.resize_with(discovery.equations.len(), Judged::default);
