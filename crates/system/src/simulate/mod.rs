@@ -11,6 +11,7 @@ mod flow;
 mod initial_state;
 mod inputs;
 mod integrate;
+mod record_path;
 mod record_simulation;
 mod required_signals;
 mod run;

@@ -9,13 +9,12 @@ use crate::simulate::compiled::plant::Plant;
 use crate::simulate::contiguous_legs::{legs, undefined_outputs};
 use crate::simulate::diagnostics as refuse;
 use crate::simulate::fault::FaultKind;
-use crate::simulate::flow::Guard;
 use crate::simulate::initial_state::candidates::{self, Candidates, Noise};
 use crate::simulate::initial_state::least_squares::{Readings, fit_initial_state, rms_residual};
 use crate::simulate::inputs::sources::{self, Inputs};
-use crate::simulate::integrate::continuous_time::{self, integrate};
-use crate::simulate::integrate::discrete_time::{self, LagSource};
+use crate::simulate::integrate::continuous_time;
 use crate::simulate::integrate::trajectory::Path;
+use crate::simulate::record_path::RecordPath;
 use crate::simulate::run::{Leg, Options, Origin, Run, Start};
 use crate::simulate::scores::goodness_of_fit::score;
 use crate::simulate::thresholds::{BUDGET, INITIAL_STATE};
@@ -268,38 +267,15 @@ impl RecordSimulation<'_> {
         budget: u64,
         observer: &mut dyn Observer,
     ) -> Path {
-        let state = &self.plant.form.state;
-        let largest = self.sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
-        // An infinite bound would never be exceeded.
-        let bounds = largest
-            .map(|s| (BUDGET.blow_up * s).min(f64::MAX))
-            .collect();
-        let mut guard = Guard::new(self.sizes.clone(), bounds, state.clone(), budget, observer);
-        guard.tolerance = self.options.tolerance;
-        if !self.d.discrete {
-            return integrate(leg, x, &mut guard);
-        }
-        let history = self.history(begin);
-        let clock = self.record.column(Signal::TIME);
-        let clock = clock.unwrap_or(&self.record.time);
-        let clock = clock.get(begin..).unwrap_or(&[]);
-        discrete_time::iterate(leg, x, &history, (clock, begin), &mut guard)
-    }
-
-    /// The source of each lag.
-    fn history(&self, begin: usize) -> Vec<(Signal, LagSource<'_>)> {
-        let form = &self.plant.form;
-        let past = |s: &Signal| {
-            let base = Signal::new(s.var);
-            match form.state.iter().position(|x| *x == base) {
-                Some(place) => {
-                    let before = self.record.column(base).and_then(|c| c.get(..begin));
-                    LagSource::State(place, before.unwrap_or(&[]))
-                }
-                None => LagSource::Input(self.drives.lagged(base), begin),
-            }
+        let along = RecordPath {
+            record: self.record,
+            plant: self.plant,
+            drives: self.drives,
+            sizes: &self.sizes,
+            discrete: self.d.discrete,
+            tolerance: self.options.tolerance,
         };
-        form.history.iter().map(|s| (*s, past(s))).collect()
+        along.run(leg, x, (begin, budget), observer)
     }
 
     /// The initial state of a leg, and how many rows it was fitted to. What smoothing takes for noise may be motion

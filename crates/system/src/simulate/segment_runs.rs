@@ -11,13 +11,12 @@ use crate::simulate::compiled::plant::Plant;
 use crate::simulate::contiguous_legs::legs;
 use crate::simulate::diagnostics as refuse;
 use crate::simulate::fault::FaultKind;
-use crate::simulate::flow::Guard;
 use crate::simulate::inputs::interpolation::InputSource;
 use crate::simulate::inputs::sources::{self, Inputs};
-use crate::simulate::integrate::continuous_time::{LegSetup, integrate};
-use crate::simulate::integrate::discrete_time::{LagSource, iterate};
+use crate::simulate::integrate::continuous_time::LegSetup;
+use crate::simulate::record_path::RecordPath;
 use crate::simulate::run::Method;
-use crate::simulate::thresholds::{BUDGET, SEGMENTS};
+use crate::simulate::thresholds::SEGMENTS;
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::term::Signal;
@@ -128,23 +127,16 @@ impl SegmentRuns {
             method: Method::Auto,
             step: None,
         };
-        let largest = self.sizes.iter().zip(x).map(|(s, x)| s.max(x.abs()));
-        let bounds = largest.map(|s| (BUDGET.blow_up * s).min(f64::MAX));
-        let budget = SEGMENTS.evaluations + SEGMENTS.evaluations_a_row * time.len() as u64;
-        let state = self.plant.form.state.clone();
-        let (sizes, bounds) = (self.sizes.clone(), bounds.collect());
-        let mut guard = Guard::new(sizes, bounds, state, budget, observer);
-        guard.tolerance = SEGMENTS.tolerance;
-        let path = match self.discrete {
-            false => integrate(&leg, x, &mut guard),
-            true => {
-                let clock = self.record.column(Signal::TIME);
-                let clock = clock.unwrap_or(&self.record.time);
-                let clock = clock.get(begin..).unwrap_or(&[]);
-                let lags = self.lags(begin);
-                iterate(&leg, x, &lags, (clock, begin), &mut guard)
-            }
+        let along = RecordPath {
+            record: &self.record,
+            plant: &self.plant,
+            drives: &self.drives,
+            sizes: &self.sizes,
+            discrete: self.discrete,
+            tolerance: SEGMENTS.tolerance,
         };
+        let budget = SEGMENTS.evaluations + SEGMENTS.evaluations_a_row * time.len() as u64;
+        let path = along.run(&leg, x, (begin, budget), observer);
         let width = x.len();
         let state = |k: usize| path.rows.row(k).and_then(|row| row.get(..width));
         SegmentRun {
@@ -153,21 +145,5 @@ impl SegmentRuns {
                 .collect(),
             fault: path.fault.map(|f| f.kind),
         }
-    }
-
-    /// The source of each lag of a run from the row `begin`.
-    fn lags(&self, begin: usize) -> Vec<(Signal, LagSource<'_>)> {
-        let form = &self.plant.form;
-        let source = |s: &Signal| {
-            let base = Signal::new(s.var);
-            match form.state.iter().position(|x| *x == base) {
-                Some(place) => {
-                    let before = self.record.column(base).and_then(|c| c.get(..begin));
-                    LagSource::State(place, before.unwrap_or(&[]))
-                }
-                None => LagSource::Input(self.drives.lagged(base), begin),
-            }
-        };
-        form.history.iter().map(|s| (*s, source(s))).collect()
     }
 }
