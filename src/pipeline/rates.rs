@@ -11,9 +11,7 @@ pub(super) fn doubt(discovery: &mut Discovery, faults: &[RateFault]) {
     for fault in faults {
         let from_it = |e: &&mut Equation| uses(e, fault.signal);
         for equation in discovery.equations.iter_mut().filter(from_it) {
-            let reason = Reason::new(ReasonCode::RateDisagrees, fault.text.clone());
-            equation.reasons.push(reason);
-            equation.status = Status::Doubt;
+            equation.doubt(Reason::new(ReasonCode::RateDisagrees, fault.text.clone()));
         }
     }
 }

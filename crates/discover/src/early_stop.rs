@@ -38,8 +38,7 @@ fn reason(stop: Stop, before: &str) -> Reason {
 pub fn doubt_unassessed(d: &mut Discovery, first: usize, stop: Stop) {
     for e in d.equations.iter_mut().skip(first) {
         if e.status != Status::Known && !e.was_stopped() {
-            e.status = Status::Doubt;
-            e.reasons.push(reason(
+            e.doubt(reason(
                 stop,
                 "before the evidence was weighed; what the data tell apart is not known",
             ));

@@ -24,8 +24,7 @@ pub(crate) fn doubt_equations(d: &mut Discovery, constraint: &Constraint, reason
     for e in &mut d.equations {
         let concerned = constraint.coefficients.iter().any(|c| c.target == e.target);
         if concerned && e.status != Status::Known {
-            e.status = Status::Doubt;
-            e.reasons.push(reason.clone());
+            e.doubt(reason.clone());
         }
     }
 }

@@ -11,7 +11,7 @@ use sidc_data::{Origin, Samples};
 use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames, Term};
 use sidc_solve::{rms_autocorrelation, white_noise_bound};
-use sidc_system::discovery::{Discovery, Equation, FoundTerm, Reason, ReasonCode, Status};
+use sidc_system::discovery::{Discovery, FoundTerm, Reason, ReasonCode, Status};
 
 /// Readings of one state; NaN where there is none.
 pub(crate) struct MeasuredState {
@@ -57,8 +57,8 @@ fn doubt_total_derivatives(d: &mut Discovery) {
         let among = targets.iter().find(|s| t.term == Term::signal(**s));
         among.copied().filter(|s| *s != own && s.der > 0)
     };
-    let relation = |e: &Equation| {
-        if e.status == Status::Known || e.terms.is_empty() {
+    d.doubt_each(|d, e| {
+        if e.terms.is_empty() {
             return None;
         }
         let others = e.terms.iter().map(|t| other_target(t, e.target));
@@ -78,14 +78,7 @@ fn doubt_total_derivatives(d: &mut Discovery) {
                 names.join(" and ")
             ),
         ))
-    };
-    let reasons: Vec<Option<Reason>> = d.equations.iter().map(relation).collect();
-    for (e, reason) in d.equations.iter_mut().zip(reasons) {
-        if let Some(reason) = reason {
-            e.status = Status::Doubt;
-            e.reasons.push(reason);
-        }
-    }
+    });
 }
 
 /// Doubts every equation that contains a state of a linear relation, or is one.
@@ -106,9 +99,7 @@ pub(crate) fn doubt_dependent_states(d: &mut Discovery, states: &[MeasuredState]
                 .for_each_signal(&mut |s| within |= relation.signals.contains(&s));
         }
         if within && e.status != Status::Known {
-            e.status = Status::Doubt;
-            e.reasons
-                .push(Reason::new(ReasonCode::DependentStates, &text));
+            e.doubt(Reason::new(ReasonCode::DependentStates, &text));
         }
     }
 }

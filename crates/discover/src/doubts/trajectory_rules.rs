@@ -7,7 +7,7 @@ use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
 use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
 use sidc_lang::term::{Language, SignalNames, Term};
-use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode, Status};
+use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode};
 
 /// What the rules judge.
 pub(crate) struct TrajectoryCase<'a> {
@@ -109,8 +109,7 @@ pub(crate) fn doubt_libraries(
             continue;
         };
         if !change.enter.is_empty() || !change.leave.is_empty() {
-            equation.reasons.push(reason);
-            equation.status = Status::Doubt;
+            equation.doubt(reason);
         }
     }
 }

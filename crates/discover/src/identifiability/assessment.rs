@@ -192,10 +192,9 @@ pub fn attach(equation: &mut Equation, assessment: Assessment) {
         relation,
     } = assessment;
     if let Some(reason) = relation {
-        equation.reasons.push(reason);
-        equation.status = Status::Doubt;
+        equation.doubt(reason);
     }
-    let Some(evidence) = &mut equation.evidence else {
+    let Some(evidence) = &equation.evidence else {
         return;
     };
     let said = equation.reasons.iter().any(|r| r.code == ReasonCode::Tie);
@@ -204,10 +203,11 @@ pub fn attach(equation: &mut Equation, assessment: Assessment) {
         && !refitted
         && let Some(reason) = tie(&assessment.equivalent)
     {
-        equation.reasons.push(reason);
-        equation.status = Status::Doubt;
+        equation.doubt(reason);
     }
-    evidence.identifiability = Some(Box::new(assessment));
+    if let Some(evidence) = &mut equation.evidence {
+        evidence.identifiability = Some(Box::new(assessment));
+    }
 }
 
 /// The column that gives the largest condition number when added to the support.

@@ -363,8 +363,7 @@ fn doubt(e: &mut Equation, text: Option<String>) {
     let Some(text) = text.filter(|_| e.status != Status::Known) else {
         return;
     };
-    e.status = Status::Doubt;
-    e.reasons.push(Reason::new(ReasonCode::SameRelation, text));
+    e.doubt(Reason::new(ReasonCode::SameRelation, text));
 }
 
 #[cfg(test)]

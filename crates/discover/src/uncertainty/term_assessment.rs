@@ -43,15 +43,7 @@ pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery
 
 /// Doubts every equation that the criterion prefers without one of its terms, by as much as separates two answers.
 pub fn doubt_unneeded_terms(discovery: &mut Discovery) {
-    let reasons: Vec<Option<Reason>> = (discovery.equations.iter())
-        .map(|e| unneeded(e, &Language(&*discovery)))
-        .collect();
-    for (equation, reason) in discovery.equations.iter_mut().zip(reasons) {
-        if let Some(reason) = reason {
-            equation.reasons.push(reason);
-            equation.status = Status::Doubt;
-        }
-    }
+    discovery.doubt_each(|d, e| unneeded(e, &Language(d)));
 }
 
 /// The term whose loss gains most, if that is enough.

@@ -325,6 +325,12 @@ impl Discovery {
 }
 
 impl Equation {
+    /// Adds a reason not to trust it.
+    pub fn doubt(&mut self, reason: Reason) {
+        self.reasons.push(reason);
+        self.status = Status::Doubt;
+    }
+
     /// True if the search was ended early.
     pub fn was_stopped(&self) -> bool {
         self.reasons.iter().any(is_stop)
@@ -332,6 +338,18 @@ impl Equation {
 }
 
 impl Discovery {
+    /// Doubts every equation that was looked for and for which there is a reason. All are judged before any is doubted.
+    pub fn doubt_each(&mut self, reason: impl Fn(&Discovery, &Equation) -> Option<Reason>) {
+        let sought = |e: &&Equation| e.status != Status::Known;
+        let judge = |e: &Equation| Some(e).filter(sought).and_then(|e| reason(self, e));
+        let reasons: Vec<Option<Reason>> = self.equations.iter().map(judge).collect();
+        for (equation, reason) in self.equations.iter_mut().zip(reasons) {
+            if let Some(reason) = reason {
+                equation.doubt(reason);
+            }
+        }
+    }
+
     /// True if the search of any equation was ended early.
     pub fn was_stopped(&self) -> bool {
         let failed = self.failed.iter().flat_map(|f| &f.reasons);

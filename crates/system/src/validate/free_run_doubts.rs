@@ -4,7 +4,7 @@
 //! is no reason: where a run does not follow the data used to their end either, only a run that leaves the measured
 //! range counts.
 
-use crate::discovery::{Discovery, Equation, Reason, ReasonCode, Status};
+use crate::discovery::{Discovery, Reason, ReasonCode};
 use crate::predict::{Prediction, SignalPrediction};
 use crate::simulate::Figures;
 use crate::validate::thresholds::FREE_RUNS;
@@ -22,10 +22,7 @@ pub struct KStepErrors<'a> {
 /// Adds to every equation that was found what the runs of its variable say against it. Where small changes of the start grow, the
 /// predictions speak in place of the runs.
 pub fn doubt<'a>(runs: &'a Validation, predictions: Option<KStepErrors<'a>>, d: &mut Discovery) {
-    let reason = |equation: &Equation| {
-        if equation.status == Status::Known {
-            return None;
-        }
+    d.doubt_each(|d, equation| {
         let target = equation.target;
         let unit = if d.discrete { "samples" } else { "s" };
         (0..target.der.max(1)).find_map(|der| {
@@ -34,14 +31,7 @@ pub fn doubt<'a>(runs: &'a Validation, predictions: Option<KStepErrors<'a>>, d: 
             let ahead = || predictions.and_then(|p| runs.predicted(p));
             runs.carried().or_else(|| runs.left()).or_else(ahead)
         })
-    };
-    let reasons: Vec<Option<Reason>> = d.equations.iter().map(reason).collect();
-    for (equation, reason) in d.equations.iter_mut().zip(reasons) {
-        if let Some(reason) = reason {
-            equation.reasons.push(reason);
-            equation.status = Status::Doubt;
-        }
-    }
+    });
 }
 
 /// The runs of one signal.
