@@ -56,7 +56,7 @@ pub fn copies_in_samples(
         return Vec::new();
     };
     let copy = |(slot, term): (usize, Term)| {
-        if !contains(&term, target) {
+        if !term.mentions(target) {
             return None;
         }
         let mut sums = Products::default();
@@ -68,12 +68,6 @@ pub fn copies_in_samples(
         })
     };
     library.terms().filter_map(copy).collect()
-}
-
-pub(crate) fn contains(term: &Term, signal: Signal) -> bool {
-    let mut found = false;
-    term.for_each_signal(&mut |s| found |= s == signal);
-    found
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use sidc_system::discovery::{Evidence, FoundTerm, Reason, ReasonCode};
 #[derive(Default)]
 pub(crate) struct ResidualFindings {
     pub strays: Option<BadlyFittedRows>,
-    /// Where the target is measured or time is discrete.
+    /// In discrete time.
     pub memory: Option<ResidualAutocorrelation>,
     /// The median residual of a row over its error; 0 if no error is estimated.
     pub median_miss: f64,

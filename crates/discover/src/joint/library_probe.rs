@@ -3,7 +3,7 @@
 //! In: the problem and what was found. Out: better laws, or nothing. Never changes the answer.
 
 use crate::joint::thresholds::LIBRARY_PROBE;
-use crate::selection::thresholds::TERM_SELECTION;
+use crate::selection::thresholds::{SCREENING, TERM_SELECTION};
 use crate::standard_terms::standard_terms;
 use crate::trajectory::{BetterLaws, Found, Law, Problem, search_beyond_libraries};
 use sidc_lang::term::{Signal, Term};
@@ -22,7 +22,7 @@ pub(crate) fn probe_libraries(
         .map(|law| lacking(problem, law))
         .collect();
     let all = problem.system.columns.len() + extra.iter().map(Vec::len).sum::<usize>();
-    if all > LIBRARY_PROBE.max_columns || extra.iter().all(Vec::is_empty) {
+    if all > SCREENING.searched_columns || extra.iter().all(Vec::is_empty) {
         return None;
     }
     search_beyond_libraries(problem, found, &extra, TERM_SELECTION.tie, observer)

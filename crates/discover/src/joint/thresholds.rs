@@ -37,8 +37,6 @@ family! {
     pub(crate) LIBRARY_PROBE: LibraryProbe {
         /// Signals of a law whose standard terms are tried: 4 give some 150 terms.
         max_signals: usize = 4, unit "signals", source "the time of the probe grows with the square of its terms; 150 cost as much as the search";
-        /// Columns of all laws together beyond which nothing is probed.
-        max_columns: usize = 520, unit "columns", source "SCREENING.searched_columns";
     }
 }
 

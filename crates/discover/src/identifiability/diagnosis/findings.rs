@@ -95,12 +95,8 @@ fn has_target(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
 /// Whether the relation and the terms found have signals in common.
 fn shares_signals(design: &ScaledDesign, t: &ExplainedRelation) -> bool {
     let signals = t.reduced.signals();
-    let mut shared = false;
-    for column in &design.support {
-        let term = design.term(*column);
-        term.for_each_signal(&mut |s| shared |= signals.contains(&s));
-    }
-    shared
+    let mut support = design.support.iter().map(|p| design.term(*p));
+    support.any(|term| signals.iter().any(|s| term.mentions(*s)))
 }
 
 /// Signals that are zero on every row, and with them columns of the library.

@@ -2,7 +2,7 @@
 //!
 //! In: a problem, a fit. Out: numbers by signal. Changes nothing.
 
-use crate::target_copies::{Products, TargetCopy, contains};
+use crate::target_copies::{Products, TargetCopy};
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{Law, Problem, Record};
@@ -50,7 +50,7 @@ impl Problem {
             own.map(move |(j, slot)| (l, law, j, *slot))
         });
         let suspects: Vec<_> = columns
-            .filter(|(_, law, j, _)| contains(&self.system.columns[*j], law.target))
+            .filter(|(_, law, j, _)| self.system.columns[*j].mentions(law.target))
             .collect();
         if suspects.is_empty() {
             return Vec::new();

@@ -203,15 +203,17 @@ impl<'a> SearchLevel<'a> {
         }
     }
 
-    /// Follows improvements of at least `margin`, fit by fit, for `fits` fits at most.
-    pub fn improve_by(&mut self, margin: f64, fits: usize, observer: &mut dyn Observer) {
-        let last = self.tried.len() + fits;
+    /// Follows only what the quadratic form predicts to be better, for a few fits.
+    pub fn improve_briefly(&mut self, observer: &mut dyn Observer) {
+        let last = self.tried.len() + SEARCH.fits_beyond;
         while self.tried.len() < last && self.may_refit(observer) {
             let Some((current, form)) = self.best_and_form(observer) else {
                 return;
             };
             let proposals = self.proposals(&form, current.support(), observer);
-            let large = proposals.into_iter().take_while(|(c, _)| *c <= -margin);
+            let large = proposals
+                .into_iter()
+                .take_while(|(c, _)| *c <= -SEARCH.min_gain);
             let room = last - self.tried.len();
             let point = |(_, s)| at_minimum(&form, &current.point, s);
             let mut better = false;

@@ -47,7 +47,7 @@ pub fn search_beyond_libraries(
     level.fit([start.clone()], observer);
     let before = level.best.first()?.value;
     let margin = margin * found.inefficiency;
-    level.improve_by(SEARCH.min_gain, SEARCH.fits_beyond, observer);
+    level.improve_briefly(observer);
     let best = level.best.first()?;
     let gain = before - best.value;
     let fewer = best.support().len() < start.support.len();
