@@ -14,6 +14,15 @@ const WIDTH: usize = 110;
 
 /// The verdict in one line: `passes`, or `doubted: ddx misfit, tie; dy few-rows`. Names and codes alone.
 pub(crate) fn verdict_summary(d: &Discovery) -> String {
+    let law = LawVerdict::of(d);
+    match codes(d) {
+        each if law == LawVerdict::Passes || each.is_empty() => law.as_str().into(),
+        each => format!("{}: {each}", law.as_str()),
+    }
+}
+
+/// The codes of all reasons, equation by equation: `ddx misfit, tie; dy few-rows`.
+fn codes(d: &Discovery) -> String {
     let mut targets: Vec<(String, Vec<String>)> = Vec::new();
     for (target, reason) in verdict::reasons(d) {
         let code = plain(reason.code.as_str());
@@ -26,11 +35,7 @@ pub(crate) fn verdict_summary(d: &Discovery) -> String {
     let each: Vec<String> = each
         .map(|(t, codes)| format!("{} {}", plain(t), codes.join(", ")))
         .collect();
-    let law = LawVerdict::of(d);
-    match (law, each.is_empty()) {
-        (LawVerdict::Passes, _) | (_, true) => law.as_str().into(),
-        _ => format!("{}: {}", law.as_str(), each.join("; ")),
-    }
+    each.join("; ")
 }
 
 /// The verdict, every reason, every delay: lines for a comment.
@@ -66,17 +71,26 @@ pub(crate) fn delays(d: &Discovery, inputs: &[Signal]) -> Vec<f64> {
 
 /// One warning for who exports, linearises or runs a result that is doubted; `None` for one that passes.
 pub fn doubted(d: &Discovery) -> Option<String> {
-    let summary = verdict_summary(d);
-    (LawVerdict::of(d) != LawVerdict::Passes).then_some(summary)
+    let why = Some(codes(d)).filter(|codes| !codes.is_empty());
+    let why = why.unwrap_or_else(|| "no reason given".into());
+    match LawVerdict::of(d) {
+        LawVerdict::Passes => None,
+        LawVerdict::Doubted => Some(format!(
+            "the equations are doubted ({why}); `sidc report` says why"
+        )),
+        LawVerdict::Failed => Some(format!("not every equation was found ({why})")),
+    }
 }
 
-/// Delays as a comment or a message names them: `Q 0.0213 s`.
-pub fn delayed_inputs(d: &Discovery) -> Vec<String> {
-    let all = d.variables.iter().enumerate();
-    let all = all.map(|(i, v)| (d.input_delay(VarId(i as u16)), v));
-    all.filter(|(delay, _)| *delay != 0.0)
-        .map(|(delay, v)| format!("{} {} s", v.name, significant(delay, 3)))
-        .collect()
+/// The constants of a Python module: the verdict, and the delays if there are any.
+pub(crate) fn python_constants(d: &Discovery, inputs: &[Signal]) -> String {
+    let mut out = format!("SIDC_VERDICT = \"{}\"\n", verdict_summary(d));
+    let delays = delays(d, inputs);
+    if !delays.is_empty() {
+        let delays: String = delays.iter().map(|t| format!("{t:?}, ")).collect();
+        out.push_str(&format!("SIDC_INPUT_DELAYS = ({})\n", delays.trim_end()));
+    }
+    out
 }
 
 /// Text that ends no comment and no string.

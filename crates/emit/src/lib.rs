@@ -15,7 +15,7 @@ mod text;
 mod thresholds;
 mod typeset;
 
-pub use caveats::{delayed_inputs, doubted};
+pub use caveats::doubted;
 pub use target::Target;
 pub use targets::{TARGETS, target};
 pub use text::coefficient_inference::without;

@@ -7,15 +7,7 @@ use sidc_system::discovery::{Discovery, Notice};
 
 /// The warning; `None` for a result that passes.
 pub fn doubted(d: &Discovery) -> Option<Notice> {
-    let summary = emit::doubted(d)?;
-    let (state, why) = summary
-        .split_once(": ")
-        .unwrap_or((&summary, "no reason given"));
-    let text = match state {
-        "doubted" => format!("the equations are doubted ({why}); `sidc report` says why"),
-        _ => format!("not every equation was found ({why})"),
-    };
-    Some(Notice::new("doubted-result", text))
+    emit::doubted(d).map(|text| Notice::new("doubted-result", text))
 }
 
 /// Writes it to standard error.

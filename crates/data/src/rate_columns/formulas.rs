@@ -5,6 +5,7 @@
 //! On clean data a true rate is close to every formula too, but differs from each by that formula's error, which is seen in the difference
 //! to better formulas. A column that agrees with a formula a hundred times better than that was made by it.
 
+use super::quadrature::is_even;
 use super::stretch::Stretch;
 use super::thresholds::FILTERS;
 
@@ -183,14 +184,6 @@ fn mean_weights(reach: usize, degree: usize) -> Vec<f64> {
     (0..=2 * reach)
         .map(|i| weight(i as f64 - reach as f64))
         .collect()
-}
-
-fn is_even(time: &[f64]) -> bool {
-    let count = time.len().max(2) - 1;
-    let span = time.last().unwrap_or(&0.0) - time.first().unwrap_or(&0.0);
-    let step = span / count as f64;
-    time.windows(2)
-        .all(|w| (w[1] - w[0] - step).abs() <= 1e-6 * step)
 }
 
 /// Root mean square over samples all along; `None` if the value is known at fewer than ten.

@@ -26,7 +26,7 @@ pub(super) fn over_steps(time: &[f64], values: &[f64], points: usize) -> Vec<f64
 }
 
 /// Whether all steps are alike to rounding.
-fn is_even(time: &[f64]) -> bool {
+pub(super) fn is_even(time: &[f64]) -> bool {
     let (Some(first), Some(last)) = (time.first(), time.last()) else {
         return true;
     };

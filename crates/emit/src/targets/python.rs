@@ -3,7 +3,7 @@
 //! Coupled equations are solved at every call, by Newton's method where they are not linear in the highest
 //! derivatives.
 
-use crate::caveats::{caveats, delays, verdict_summary};
+use crate::caveats::{caveats, delays, python_constants};
 use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
@@ -56,12 +56,7 @@ impl Language for Python {
         out.push('\n');
         out.push_str(&commented("", caveats(d).into_iter()));
         out.push_str("\"\"\"\nimport numpy as np\n\n");
-        out.push_str(&format!("SIDC_VERDICT = \"{}\"\n", verdict_summary(d)));
-        let delays = delays(d, &program.form.inputs);
-        if !delays.is_empty() {
-            let delays: String = delays.iter().map(|t| format!("{t:?}, ")).collect();
-            out.push_str(&format!("SIDC_INPUT_DELAYS = ({})\n", delays.trim_end()));
-        }
+        out.push_str(&python_constants(d, &program.form.inputs));
         for a in &program.arguments {
             out.push_str(&tuple(a.name, &a.names));
         }

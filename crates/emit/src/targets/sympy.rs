@@ -3,7 +3,7 @@
 //! Numbers are the doubles of the result; whole ones are integers. Equations that are not linear in the highest
 //! derivatives are not solved.
 
-use crate::caveats::{caveats, delays, verdict_summary};
+use crate::caveats::{caveats, python_constants};
 use crate::code::identifiers::{Identifiers, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
@@ -57,12 +57,7 @@ fn header(d: &Discovery, program: &Program) -> String {
     out.push('\n');
     out.push_str(&commented("", caveats(d).into_iter()));
     out.push_str("\"\"\"\nimport sympy as sp\n\n");
-    out.push_str(&format!("SIDC_VERDICT = \"{}\"\n", verdict_summary(d)));
-    let delays = delays(d, &program.form.inputs);
-    if !delays.is_empty() {
-        let delays: String = delays.iter().map(|t| format!("{t:?}, ")).collect();
-        out.push_str(&format!("SIDC_INPUT_DELAYS = ({})\n", delays.trim_end()));
-    }
+    out.push_str(&python_constants(d, &program.form.inputs));
     out.push('\n');
     out
 }
