@@ -3,10 +3,9 @@
 //! In: a kind of attack, a seed, a level of noise. Out: a model, a table, and the terms of the law where the library holds it. Every
 //! number of a case follows from its seed.
 
-use std::fmt::Write;
-
 use crate::integrate::{grid, integrate};
 use crate::pendulum_regression::Random;
+use crate::table::Table;
 
 const ROWS: usize = 600;
 const STEP: f64 = 0.03;
@@ -49,9 +48,8 @@ impl Attack {
 /// One case.
 pub struct Case {
     pub model: String,
-    pub names: Vec<&'static str>,
-    /// Time, then the columns of `names`.
-    pub rows: Vec<Vec<f64>>,
+    /// Written with all digits, so that exact data stay exact.
+    pub table: Table,
     /// The terms of ddx.
     pub law: Vec<&'static str>,
 }
@@ -92,13 +90,17 @@ pub fn case(attack: Attack, seed: u64, noise: f64) -> Case {
     if attack != Attack::SecondSensor {
         rows.iter_mut().for_each(|row| row.truncate(3));
     }
+    let names: &[&str] = match attack {
+        Attack::SecondSensor => &["t", "x", "u", "w"],
+        _ => &["t", "x", "u"],
+    };
     Case {
         model: model(attack),
-        names: match attack {
-            Attack::SecondSensor => vec!["x", "u", "w"],
-            _ => vec!["x", "u"],
+        table: Table {
+            rows,
+            digits: None,
+            ..Table::new(names)
         },
-        rows,
         law: vec!["dx", "u", "sin(x)"],
     }
 }
@@ -141,20 +143,10 @@ fn disturb(rows: &mut [Vec<f64>], noise: f64, random: &mut Random) {
 }
 
 impl Case {
-    /// The table as text; seventeen digits, so that exact data stay exact.
-    pub fn csv(&self) -> String {
-        let mut text = format!("t,{}\n", self.names.join(","));
-        for row in &self.rows {
-            let cells: Vec<String> = row.iter().map(f64::to_string).collect();
-            let _ = writeln!(text, "{}", cells.join(","));
-        }
-        text
-    }
-
     /// The columns by name, time first.
     pub fn columns(&self) -> Vec<(&'static str, Vec<f64>)> {
-        let all = std::iter::once("t").chain(self.names.iter().copied());
-        let column = |i: usize| self.rows.iter().map(|r| r[i]).collect();
-        all.enumerate().map(|(i, name)| (name, column(i))).collect()
+        let names = self.table.names.iter().enumerate();
+        let column = |i: usize| self.table.rows.iter().map(|r| r[i]).collect();
+        names.map(|(i, name)| (*name, column(i))).collect()
     }
 }

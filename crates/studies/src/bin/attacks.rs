@@ -39,7 +39,7 @@ fn main() -> std::io::Result<()> {
                 if let Some(folder) = folder {
                     let name = format!("{folder}/{attack:?}_{noise}_{seed}");
                     std::fs::write(format!("{name}.sid"), &case.model)?;
-                    std::fs::write(format!("{name}.csv"), case.csv())?;
+                    std::fs::write(format!("{name}.csv"), case.table.csv())?;
                 }
             }
             let [a, b, c, d] = counts;
