@@ -85,8 +85,11 @@ impl Weighing<'_> {
             let lacks = sought
                 .and_then(|(_, l)| identifiability::misspecification(model, l, self.rows, failed));
             if let (Some(finding), Some(reason)) = (lacks, failed.reasons.first_mut()) {
-                reason.text = format!("{}; {}; {}", reason.text, finding.text, finding.advice);
+                reason.remedy = Some(identifiability::remedy(&finding));
             }
+        }
+        for equation in &mut discovery.equations {
+            identifiability::advise(equation);
         }
     }
 

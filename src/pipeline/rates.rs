@@ -4,16 +4,26 @@
 
 use sidc_data::RateFault;
 use sidc_lang::term::Signal;
-use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Status};
+use sidc_system::discovery::{Change, Discovery, Equation, Reason, ReasonCode, Status};
 
 /// Doubts every equation of the same variable, or with the rate among its terms.
 pub(super) fn doubt(discovery: &mut Discovery, faults: &[RateFault]) {
     for fault in faults {
         let from_it = |e: &&mut Equation| uses(e, fault.signal);
         for equation in discovery.equations.iter_mut().filter(from_it) {
-            equation.doubt(Reason::new(ReasonCode::RateDisagrees, fault.text.clone()));
+            equation.doubt(reason(fault));
         }
     }
+}
+
+fn reason(fault: &RateFault) -> Reason {
+    let entry = &fault.entry;
+    let remedy = match entry.ends_with("none") {
+        true => ReasonCode::RateDisagrees.usual_remedy(),
+        false => "scale the column",
+    };
+    Reason::new(ReasonCode::RateDisagrees, fault.text.clone())
+        .change(remedy, Change::Model(vec![format!("data {{ {entry} }}")]))
 }
 
 fn uses(equation: &Equation, rate: Signal) -> bool {

@@ -134,7 +134,7 @@ fn a_bound_that_binds_is_said() {
     assert_eq!(coefficient(&d, "ddx1", "dx1"), -0.29);
     assert_eq!(reasons(&d, "ddx1"), ["at-bound"]);
     assert!(reasons(&d, "ddx2").is_empty());
-    assert!(run.stdout.contains(
+    assert!(run.words().contains(
         "coef(ddx1, dx1) >= -0.29 is met only at its bound; the data alone give coef(ddx1, dx1) = -0.29"
     ), "{}", run.stdout);
 }

@@ -55,6 +55,7 @@ fn model(sources: &mut Sources, vars: &[(&str, VarKind, u8)]) -> Model {
         target: Signal::derivative(VarId(1), vars[0].2),
         target_span: span,
         span,
+        written: String::new(),
         right: RightSide::Search {
             known: Vec::new(),
             library: Some(LibExpr {

@@ -45,7 +45,12 @@ fn run(command: &str, folder: &Path) -> Run {
         })
         .collect();
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
-    sidc(&args)
+    let run = sidc(&args);
+    let inside = format!("{}/", folder.display());
+    Run {
+        stdout: run.stdout.replace(&inside, ""),
+        ..run
+    }
 }
 
 /// Command of a marker line.

@@ -87,6 +87,10 @@ fn identified(name: &str, header: &Header) -> (Run, Value) {
     args.extend(["-o", &out]);
     let run = sidc(&args);
     let text = std::fs::read_to_string(&out).unwrap_or_else(|_| panic!("{name}: {}", run.stderr));
+    let run = Run {
+        stdout: run.stdout.replace(&out, "result.json"),
+        ..run
+    };
     (run, serde_json::from_str(&text).unwrap())
 }
 
@@ -185,6 +189,8 @@ fn reduced_line(line: &str, digits: usize) -> String {
             before.clone_from(&words);
             words
         }
+        // A standard error in the last digits of a coefficient.
+        Piece::Number(_) if before == "(" => "~".into(),
         Piece::Number(n) if is_figure(line, &n, &before) => "~".into(),
         Piece::Number(n) => sidc_lang::number::significant(n.parse().unwrap(), digits),
     });

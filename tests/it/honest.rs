@@ -59,7 +59,7 @@ fn identify_with(model: &str, tables: &[String], options: &[&str]) -> Run {
     for (name, text) in names.iter().zip(tables) {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let mut args = vec!["identify", "m.sid"];
+    let mut args = vec!["identify", "--evidence", "m.sid"];
     args.extend(names.iter().map(String::as_str));
     args.extend(options);
     sidc_in(folder.path(), &args)

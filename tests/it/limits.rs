@@ -69,7 +69,7 @@ fn a_time_that_has_passed_leaves_a_whole_document() {
     assert!(d.equations.is_empty());
     assert_eq!(failures(&d), ["ddy time-limit", "ddtheta time-limit"]);
     let text = identify(PENDULUM, &["--time-limit", "1ms"]).stdout;
-    let line = "ddy: not found\n    failed[time-limit]: stopped by the time limit of 0.001 s";
+    let line = "failed[time-limit] of every equation: stopped by the time limit of 0.001 s";
     assert!(text.contains(line), "{text}");
 }
 
@@ -133,7 +133,8 @@ fn a_memory_limit_says_what_is_needed_and_the_rows_it_offers_do_fit() {
     let d = document(&run.stdout);
     let missing = ["dx memory-limit", "dy memory-limit", "dz memory-limit"];
     assert_eq!(failures(&d), missing);
-    let text = &d.failed[0].reasons[0].text;
+    let reason = &d.failed[0].reasons[0];
+    let text = format!("{}: {}", reason.text, reason.advice());
     // 1000 rows · (20 terms + 10 powers of their factors) · 8 bytes and 20 norms; (100,000 − 160)/240 rows.
     for words in [
         "1000 rows of 20 terms take 240.2 kB",

@@ -93,6 +93,7 @@ fn a_hidden_state_ends_in_doubt() {
     let output = Command::new(sidc_testing::program::binary())
         .arg("identify")
         .args([&file, &data])
+        .arg("--evidence")
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(3));

@@ -38,7 +38,7 @@ fn identify(folder: &Path, more: &[&str]) -> Run {
 #[test]
 fn declared_noise_of_a_measured_target_is_the_tolerance() {
     let folder = tempfile::tempdir().unwrap();
-    let told = identify(folder.path(), &["--noise", "ddtheta=0.05"]);
+    let told = identify(folder.path(), &["--noise", "ddtheta=0.05", "--evidence"]);
     assert_eq!(told.status, 0, "{}", told.stdout);
     let found = "ddtheta = -0.14";
     let proof = "proved for the solver's proposal: of all that fits within 0.0026 of the target";

@@ -74,7 +74,7 @@ fn following_the_advice_separates_an_angle_from_its_sine() {
         let e = &d.equations[0];
         let small = |f: &&Finding| f.cause == Cause::SmallRange && f.matters;
         let found = judged(e).findings.iter().find(small);
-        let finding = found.unwrap_or_else(|| panic!("{}", sidc_emit::answer(&d, true)));
+        let finding = found.unwrap_or_else(|| panic!("{}", sidc_emit::evidence(&d)));
         assert_eq!(e.status, Status::Doubt);
         assert!(finding.text.contains("sin(theta)"), "{}", finding.text);
         let reach = finding.reach.unwrap();
@@ -116,9 +116,10 @@ fn the_sentences_read_well() {
     let shown = |name: &str| {
         let case = all.iter().find(|c| c.name == name).unwrap();
         let d = run::identify(case).unwrap();
-        let text = sidc_emit::answer(&d, false);
-        let lines = text.lines().filter(|l| l.trim_start().starts_with("data["));
-        lines.map(|l| format!("{}\n", l.trim())).collect::<String>()
+        let findings = d.equations.iter().flat_map(|e| &judged(e).findings);
+        let line = |f: &Finding| format!("data[{}]: {}; {}\n", f.cause.name(), f.text, f.advice);
+        let told = findings.filter(|f| f.matters).map(line);
+        told.collect::<String>()
     };
     let names = [
         "alias 3",
@@ -145,7 +146,7 @@ fn good_data_are_not_talked_about() {
     let d = run::identify(&case(model, vec![format!("t,theta\n{rows}")])).unwrap();
     let e = &d.equations[0];
     assert_eq!(e.status, Status::Pass);
-    assert!(!sidc_emit::answer(&d, false).contains("data["));
+    assert!(!sidc_emit::evidence(&d).contains("data["));
     // For those who ask there is an identity, which needs two terms for one.
     let i = judged(e);
     assert_eq!((i.columns, i.rank), (6, 5));

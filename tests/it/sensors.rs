@@ -68,7 +68,10 @@ fn coefficient(run: &Run, term: &str) -> f64 {
     let mut sign = 1.0;
     for word in words {
         match word.strip_suffix(&format!("*{term}")) {
-            Some(number) => return sign * number.parse::<f64>().unwrap(),
+            Some(number) => {
+                let value = number.split('(').next().unwrap();
+                return sign * value.parse::<f64>().unwrap();
+            }
             None => sign = if word == "-" { -1.0 } else { 1.0 },
         }
     }
@@ -93,11 +96,12 @@ fn outliers_are_named_and_lose_their_weight_when_that_is_asked_for() {
         plain.stdout
     );
     assert!(
-        plain.stdout.contains("in run1.csv at 7.5 s"),
+        plain.words().contains("in run1.csv at 7.5 s"),
         "{}",
         plain.stdout
     );
-    let robust = identify(folder.path(), MODEL, &tables, &["--robust"]);
+    let options = ["--robust", "--evidence"];
+    let robust = identify(folder.path(), MODEL, &tables, &options);
     assert_eq!(robust.status, 0, "{}", robust.stdout);
     assert!(
         robust
@@ -150,7 +154,7 @@ fn every_file_has_its_own_noise() {
     let folder = tempfile::tempdir().unwrap();
     let clean = motion(200, &|_, _| 0.0);
     let tables = [0.002, 0.05].map(|sigma| table(&[("x", &noisy(&clean, sigma, 5))]));
-    let run = identify(folder.path(), MODEL, &tables, &[]);
+    let run = identify(folder.path(), MODEL, &tables, &["--evidence"]);
     assert_eq!(run.status, 0, "{}", run.stdout);
     let line = run
         .stdout

@@ -279,7 +279,7 @@ fn half_declared_models_print_what_is_known() {
         "m.sid",
         "state x : unit \"m\"\nstate v : unit \"m/s\"\ninput u : linear, unit \"kN\"\ndx = v\ndv ~ <1, x, v, u>\n",
     );
-    let run = sidc_in(folder.path(), &["identify", "m.sid", "d.csv"]);
+    let run = sidc_in(folder.path(), &["identify", "m.sid", "d.csv", "--evidence"]);
     assert!(
         run.stdout.contains("    units: x 1/s^2, u m/(kN*s^2)\n"),
         "{}",

@@ -327,7 +327,7 @@ fn what_fails_is_a_doubt_of_its_equation_alone() {
     assert_eq!(codes, [vec![], vec!["not-verified"], vec![]]);
     let said = &found.equations[1].reasons[0].text;
     assert!(said.contains("least squares on these rows give"), "{said}");
-    let lines = sidc_emit::answer(&found, false);
+    let lines = sidc_emit::evidence(&found);
     assert!(lines.contains("doubt[not-verified]: "), "{lines}");
     assert!(lines.contains("    checked by separate code"), "{lines}");
 }

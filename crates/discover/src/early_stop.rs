@@ -3,7 +3,10 @@
 //! In: why the work ended. Out: reasons.
 
 use sidc_progress::Stop;
-use sidc_system::discovery::{Discovery, Reason, ReasonCode, Status};
+use sidc_system::discovery::{Change, Discovery, Reason, ReasonCode, Status};
+
+/// How many times as long a search may take that was cut short; it is only proposed.
+const LONGER: f64 = 10.0;
 
 /// The doubt of an equation that was cut short.
 pub(crate) fn doubt(stop: Stop) -> Reason {
@@ -29,7 +32,11 @@ fn reason(stop: Stop, before: &str) -> Reason {
         Stop::TimeLimit(limit) => {
             let limit = limit.as_secs_f64();
             let text = format!("stopped by the time limit of {limit} s {before}");
-            Reason::new(ReasonCode::TimeLimit, text)
+            let longer = LONGER * limit;
+            Reason::new(ReasonCode::TimeLimit, text).change(
+                format!("give it longer, {longer} s say"),
+                Change::Options(format!("--time-limit {longer}")),
+            )
         }
     }
 }

@@ -4,6 +4,7 @@
 //! no quotes, no backslashes, no ends of comments.
 
 use crate::code::identifiers::plain;
+use crate::text::layout::wrapped;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, VarId};
 use sidc_system::discovery::Discovery;
@@ -43,7 +44,7 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("verdict: {}", LawVerdict::of(d).as_str())];
     for (target, reason) in verdict::reasons(d) {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
-        lines.extend(wrapped(&harmless(&text)));
+        lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
     }
     for (place, variable) in d.variables.iter().enumerate() {
         let delay = d.input_delay(VarId(place as u16));
@@ -54,7 +55,7 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
                 significant(delay, 6),
                 significant(delay, 6)
             );
-            lines.extend(wrapped(&text));
+            lines.extend(wrapped(&text, WIDTH, "  ", "    "));
         }
     }
     lines
@@ -107,21 +108,6 @@ fn harmless(text: &str) -> String {
         .replace("??", "? ?")
 }
 
-/// Lines that break between words, continued ones indented.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    let mut line = String::from(" ");
-    for word in text.split_whitespace() {
-        if line.chars().count() + 1 + word.chars().count() > WIDTH && line.trim() != "" {
-            lines.push(std::mem::replace(&mut line, "   ".into()));
-        }
-        line.push(' ');
-        line.push_str(word);
-    }
-    lines.push(line);
-    lines
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,13 +115,5 @@ mod tests {
     #[test]
     fn no_text_ends_a_comment_or_a_string() {
         assert_eq!(harmless("a*/b \"c\"\\\n/* ??/"), "a* /b 'c'/ / * ? ?/");
-    }
-
-    #[test]
-    fn lines_stay_within_the_width() {
-        let text = "word ".repeat(60);
-        let lines = wrapped(&text);
-        assert!(lines.len() > 2 && lines.iter().all(|l| l.chars().count() <= WIDTH));
-        assert_eq!(wrapped("one"), ["  one"]);
     }
 }

@@ -5,12 +5,10 @@
 use sidc_thresholds::{Table, family};
 
 family! {
-    /// What the text of an answer mentions when not all evidence is requested.
+    /// What the text of an answer mentions.
     pub(crate) PRINTED: PrintedEvidence {
-        /// Half width of a 95 % interval from which it is printed.
-        visible_interval: f64 = 1e-6, unit "of the coefficient", source "set by hand";
-        /// A term that was left out is mentioned if its gain is at most this much below its price.
-        near_miss: f64 = 3.0, unit "units of the criterion", source "odds of e^1.5 to 1, since the criterion counts twice the log likelihood; set by hand";
+        /// Gain of the criterion from which a term left out is mentioned.
+        nearest: f64 = 1.0, unit "units of the criterion", source "less is chance: under the null hypothesis the gain of one term has mean 1";
         /// Loss of the criterion from which it is printed only as over 1000.
         large_loss: f64 = 1000.0, unit "units of the criterion", source "set by hand";
         /// Excess of the residual over the tolerance at which a solution path still counts as complete.
@@ -23,6 +21,8 @@ family! {
         predicted_signals: usize = 3, unit "signals", source "what fits into two lines; the result document has all";
         /// Error of a prediction below which it is not printed.
         exact_prediction: f64 = 1e-6, unit "of the signal's spread", source "as the noise below which readings count as clean";
+        /// Reasons that are told with what to do.
+        reasons: usize = 3, unit "reasons", source "what fits on a screen below the equations; --evidence has all";
         /// Doubts that the line of the law names.
         doubt_codes: usize = 4, unit "codes", source "what fits into one line; each is explained at its equation";
     }

@@ -81,7 +81,21 @@ pub struct Equation {
     pub target_span: Span,
     /// The whole statement.
     pub span: Span,
+    /// The statement as it was written, on one line, without comments.
+    pub written: String,
     pub right: RightSide,
+}
+
+impl Equation {
+    /// The statement with further terms in its library.
+    pub fn with(&self, terms: &[String]) -> String {
+        format!("{} + <{}>", self.written, terms.join(", "))
+    }
+
+    /// The statement with these terms taken out of its library.
+    pub fn without(&self, terms: &[String]) -> String {
+        format!("{} - <{}>", self.written, terms.join(", "))
+    }
 }
 
 #[derive(Clone, Debug)]

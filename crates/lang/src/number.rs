@@ -32,6 +32,35 @@ pub fn significant(x: f64, digits: usize) -> String {
     }
 }
 
+/// A number with its standard error in the last two digits: `0.91(20)`, `12.3(1.4)`. An error that so many significant digits do not
+/// show is left out.
+pub fn with_error(x: f64, error: f64, digits: usize) -> String {
+    let size = decade(x).max(decade(error));
+    let hidden = error < 0.5 * 10_f64.powi(decade(x) + 1 - digits as i32);
+    if !x.is_finite() || !error.is_finite() || error <= 0.0 || hidden {
+        return significant(x, digits);
+    }
+    if !(-4..digits as i32 + 2).contains(&size) || decade(error) > 1 {
+        let unit = 10_f64.powi(size);
+        return format!("{}e{size}", with_error(x / unit, error / unit, digits));
+    }
+    // The place of the last digit: two digits of the error, none behind the point of a large one.
+    let decimals = (1 - decade(rounded(error, 2))).max(0) as usize;
+    let shown = match error < 1.0 && decimals > 0 {
+        true => format!("{:.0}", error * 10_f64.powi(decimals as i32)),
+        false => format!("{:.decimals$}", rounded(error, 2)),
+    };
+    format!("{x:.decimals$}({shown})")
+}
+
+/// The power of ten of the first digit.
+fn decade(x: f64) -> i32 {
+    match x == 0.0 || !x.is_finite() {
+        true => -400,
+        false => x.abs().log10().floor() as i32,
+    }
+}
+
 /// The number nearest to `x` that has so many significant digits.
 pub fn rounded(x: f64, digits: usize) -> f64 {
     let text = format!("{x:.*e}", digits.saturating_sub(1));
@@ -71,6 +100,29 @@ mod tests {
         ];
         for (x, text) in cases {
             assert_eq!(significant(x, 6), text);
+        }
+    }
+
+    #[test]
+    fn errors_stand_in_the_last_digits() {
+        let cases = [
+            (0.912, 0.2, "0.91(20)"),
+            (-12.34, 1.37, "-12.3(1.4)"),
+            (1234.4, 32.0, "1234(32)"),
+            (41_223_854.0, 613_000.0, "4.122(61)e7"),
+            (0.04231, 0.0012, "0.0423(12)"),
+            (999.79, 0.02, "999.790(20)"),
+            (19.6, 1e-12, "19.6"),
+            (2.5, 0.0996, "2.50(10)"),
+            (0.4, 3.2, "0.4(3.2)"),
+            (1.234e-9, 2.1e-11, "1.234(21)e-9"),
+            (0.0, 0.31, "0.00(31)"),
+            (1.5, f64::NAN, "1.5"),
+            (0.9, 0.98, "0.90(98)"),
+            (522_747.0, 5_100.0, "5.227(51)e5"),
+        ];
+        for (x, error, text) in cases {
+            assert_eq!(with_error(x, error, 6), text, "{x} {error}");
         }
     }
 

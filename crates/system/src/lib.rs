@@ -8,6 +8,7 @@
 pub mod algebra;
 pub mod discovery;
 pub mod predict;
+pub mod ranked_reasons;
 pub mod result;
 pub mod simulate;
 pub mod validate;

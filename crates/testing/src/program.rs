@@ -38,6 +38,13 @@ pub struct Run {
     pub status: i32,
 }
 
+impl Run {
+    /// Standard output on one line, so that it does not matter where lines break.
+    pub fn words(&self) -> String {
+        self.stdout.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+}
+
 /// Runs `sidc` in `folder` with these arguments.
 pub fn sidc_in(folder: &Path, args: &[&str]) -> Run {
     let Output {

@@ -8,4 +8,6 @@ pub struct RateFault {
     pub signal: Signal,
     /// A sentence with its figures.
     pub text: String,
+    /// The entry of the data block that mends it: `dx = none`.
+    pub entry: String,
 }

@@ -1,6 +1,10 @@
 //! What is said about a rate column.
 
 use super::consistency::{Fault, Kind};
+use sidc_lang::number::with_error;
+
+/// Most significant digits of a number.
+const DIGITS: usize = 6;
 
 /// Factors that units explain, the explanation, and the arithmetic that undoes them.
 #[rustfmt::skip]
@@ -37,11 +41,11 @@ pub(super) fn clause(rate: &str, state: &str, faults: &[Fault]) -> String {
 
 fn phrase(fault: &Fault, state: &str) -> String {
     let Fault { kind, value, error } = fault;
-    let shown = with_error(value.abs(), *error);
+    let shown = with_error(value.abs(), *error, DIGITS);
     match kind {
         Kind::Gain => format!(
             "is {} times the slope of {state}",
-            with_error(*value, *error)
+            with_error(*value, *error, DIGITS)
         ),
         Kind::Bias if *value > 0.0 => format!("reads {shown} more than the slope of {state}"),
         Kind::Bias => format!("reads {shown} less than the slope of {state}"),
@@ -50,36 +54,5 @@ fn phrase(fault: &Fault, state: &str) -> String {
         Kind::Smoothing => {
             format!("is the slope of {state} smoothed by a window of standard deviation {shown} s")
         }
-    }
-}
-
-/// A number to the digits that its error leaves, with the error in the last two: 0.0423(12).
-fn with_error(value: f64, error: f64) -> String {
-    let size = value.abs().max(f64::MIN_POSITIVE).log10().floor();
-    let last = match error > 0.0 {
-        true => error.log10().floor() as i32 - 1,
-        false => size as i32 - 6,
-    };
-    // At most seven digits.
-    let last = last.max(size as i32 - 6);
-    let units = (error / 10f64.powi(last)).round().max(1.0);
-    if !(-9..=0).contains(&last) || !units.is_finite() || units > 99.0 {
-        return format!("{value:.4e} ± {error:.1e}");
-    }
-    format!(
-        "{value:.digits$}({units})",
-        digits = last.unsigned_abs() as usize
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn errors_stand_in_the_last_digits() {
-        assert_eq!(with_error(0.04231, 0.0012), "0.0423(12)");
-        assert_eq!(with_error(999.79, 0.02), "999.790(20)");
-        assert_eq!(with_error(0.05, 1e-12), "0.05000000(1)");
     }
 }

@@ -57,13 +57,13 @@ pub(crate) fn judge(
             computed.push(rate);
             continue;
         }
-        let (said, text) = match column.compare(trajectories, inputs) {
+        let (said, fault) = match column.compare(trajectories, inputs) {
             Verdict::Silent => continue,
             Verdict::Unrelated(correlation) => column.unrelated(correlation),
             Verdict::Faulty(faults) => column.disagrees(&faults, &source(rate)),
         };
         out.push(said);
-        faults.push(RateFault { signal: rate, text });
+        faults.push(fault);
     }
     // Only now, because a second derivative is compared with a first one that is set aside too.
     for p in trajectories {
@@ -122,17 +122,25 @@ impl RateColumn<'_> {
         ))
     }
 
-    fn unrelated(&self, correlation: f64) -> (Diagnostic, String) {
+    fn fault(&self, text: String, entry: String) -> RateFault {
+        RateFault {
+            signal: self.rate,
+            text,
+            entry,
+        }
+    }
+
+    fn unrelated(&self, correlation: f64) -> (Diagnostic, RateFault) {
         let (rate, below) = self.names();
         let text =
             format!("{rate} does not follow the slope of {below} (correlation {correlation:.2})");
         let said = Diagnostic::warning("slope-disagrees", text.clone()).help(format!(
             "data {{ {rate} = none }} estimates it from {below} instead"
         ));
-        (said, text)
+        (said, self.fault(text, format!("{rate} = none")))
     }
 
-    fn disagrees(&self, faults: &[Fault], source: &str) -> (Diagnostic, String) {
+    fn disagrees(&self, faults: &[Fault], source: &str) -> (Diagnostic, RateFault) {
         let (rate, below) = self.names();
         let text = messages::clause(&rate, &below, faults);
         let said = Diagnostic::warning("slope-disagrees", text.clone());
@@ -140,14 +148,20 @@ impl RateColumn<'_> {
             Kind::Gain => messages::unit_of(f.value, RATES.unit_tolerance),
             _ => None,
         };
-        let none = format!("data {{ {rate} = none }} estimates it from {below}");
-        let said = match faults.iter().find_map(unit) {
-            Some((why, fix)) => said.fact(format!("{why}?")).help(format!(
-                "data {{ {rate} = {source} {fix} }}, or {rate} = none to estimate it from {below}"
-            )),
-            None => said.help(none.clone()),
-        };
-        (said, format!("{text}: {none}"))
+        match faults.iter().find_map(unit) {
+            Some((why, fix)) => {
+                let entry = format!("{rate} = {source} {fix}");
+                let said = said.fact(format!("{why}?")).help(format!(
+                    "data {{ {entry} }}, or {rate} = none to estimate it from {below}"
+                ));
+                (said, self.fault(text, entry))
+            }
+            None => {
+                let entry = format!("{rate} = none");
+                let said = said.help(format!("data {{ {entry} }} estimates it from {below}"));
+                (said, self.fault(text, entry))
+            }
+        }
     }
 }
 

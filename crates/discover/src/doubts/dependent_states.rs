@@ -74,7 +74,7 @@ fn doubt_total_derivatives(d: &mut Discovery) {
             ReasonCode::DependentStates,
             format!(
                 "it says only that a combination of {} stays constant, and not how they move: two sensors of one motion, or a \
-                 conserved sum; leave one of them out of the libraries",
+                 conserved sum",
                 names.join(" and ")
             ),
         ))
@@ -88,10 +88,11 @@ pub(crate) fn doubt_dependent_states(d: &mut Discovery, states: &[MeasuredState]
         return;
     };
     let text = format!(
-        "{} all along, within the noise: through it terms can be exchanged for others, and these are only the simplest; leave \
-         one of these states out of the libraries, or record data in which the relation does not hold",
+        "{} all along, within the noise: through it terms can be exchanged for others, and these are only the simplest",
         relation.text
     );
+    let remedy =
+        "leave one of these states out of the libraries, or record data in which it does not stay";
     for e in &mut d.equations {
         let mut within = false;
         for t in &e.terms {
@@ -99,7 +100,7 @@ pub(crate) fn doubt_dependent_states(d: &mut Discovery, states: &[MeasuredState]
                 .for_each_signal(&mut |s| within |= relation.signals.contains(&s));
         }
         if within && e.status != Status::Known {
-            e.doubt(Reason::new(ReasonCode::DependentStates, &text));
+            e.doubt(Reason::new(ReasonCode::DependentStates, &text).remedy(remedy));
         }
     }
 }

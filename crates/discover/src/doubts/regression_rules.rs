@@ -71,10 +71,9 @@ fn stopped(c: &RegressionCase) -> Option<Reason> {
 
 fn refused(c: &RegressionCase) -> Option<Reason> {
     match c.solved {
-        Solved::Refused { reason } => Some(Reason::new(
-            ReasonCode::SolverRefused,
-            format!("{reason}: another solver, or fewer rows or terms"),
-        )),
+        Solved::Refused { reason } => {
+            Some(Reason::new(ReasonCode::SolverRefused, reason.to_string()))
+        }
         _ => None,
     }
 }
@@ -84,7 +83,7 @@ fn heuristic(c: &RegressionCase) -> Option<Reason> {
         Reason::new(
             ReasonCode::HeuristicSolver,
             format!(
-                "`{}` is a heuristic: the equation fits as shown, which is not a proof of the sparsest answer",
+                "`{}` is a heuristic: the equation fits as shown, but nothing proves that no sparser one does",
                 c.evidence.solver
             ),
         )
@@ -97,8 +96,8 @@ fn contradicted(c: &RegressionCase) -> Option<Reason> {
         Reason::new(
             ReasonCode::InconsistentRows,
             format!(
-                "no combination of all {} terms fits these rows: they are noisy, or a term is missing. Say how noisy, with `noise` \
-                 or --noise NAME=SIGMA: this equation leaves {:.1e} of the target",
+                "no combination of all {} terms fits these rows: they are noisy, or a term is missing; this equation leaves {:.1e} of \
+                 the target",
                 c.evidence.candidates, c.evidence.residual
             ),
         )
@@ -114,17 +113,18 @@ fn solver(c: &RegressionCase) -> Option<Reason> {
     let early = !gap.is_finite();
     let text = if early {
         format!(
-            "no few terms fit these rows as closely as was asked. If the target is noisy, say how much, with `noise` or \
-             --noise NAME=SIGMA: this equation leaves {:.1e} of it",
+            "no few terms fit these rows as closely as was asked; this equation leaves {:.1e} of the target",
             c.evidence.residual
         )
     } else {
-        format!(
-            "the solver stopped at gap {gap:.1e} and residual {residual:.1e}; try the other solver or fewer terms"
-        )
+        format!("the solver stopped at gap {gap:.1e} and residual {residual:.1e}")
     };
     let proved = p.optimal && (p.of_answer || !early);
-    (!proved).then(|| Reason::new(ReasonCode::SolverInaccurate, text))
+    let reason = Reason::new(ReasonCode::SolverInaccurate, text);
+    (!proved).then(|| match early {
+        true => reason.remedy(ReasonCode::InconsistentRows.usual_remedy()),
+        false => reason,
+    })
 }
 
 /// Too many terms for the rows: any target can be fitted like that.
@@ -133,9 +133,7 @@ fn crowded(c: &RegressionCase) -> Option<Reason> {
     if DOUBTS.sparse_rows * k > m && k > 1 {
         return Some(Reason::new(
             ReasonCode::NotSparse,
-            format!(
-                "{k} terms from {m} rows is no sparse law: more rows, or a library that contains the physics"
-            ),
+            format!("{k} terms from {m} rows is no sparse law"),
         ));
     }
     // The exact fit has as many terms as that of an arbitrary target, so the terms kept of it may explain their part by chance.
@@ -147,7 +145,7 @@ fn crowded(c: &RegressionCase) -> Option<Reason> {
             ReasonCode::NotSparse,
             format!(
                 "the smallest 1-norm that fits these {m} rows has {} terms, of which {k} were kept: too few rows, noise that \
-                 nobody declared, or a term that is missing",
+                 nobody declared, or a missing term",
                 c.proposed
             ),
         )
@@ -164,8 +162,7 @@ pub(crate) fn exhausted(terms: usize, candidates: usize, made: usize) -> Option<
         Reason::new(
             ReasonCode::ExhaustedLibrary,
             format!(
-                "{terms} of {candidates} terms are used: a series that comes near the law has that many; the law itself is \
-                 probably not in the library"
+                "{terms} of {candidates} terms are used, as by a series that comes near a law which the library lacks"
             ),
         )
     })
@@ -207,7 +204,7 @@ fn misfit(c: &RegressionCase) -> Option<Reason> {
         Reason::new(
             ReasonCode::Misfit,
             format!(
-                "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data: a term is missing, or the noise is larger than it looks",
+                "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data",
                 r / e
             ),
         )
@@ -236,8 +233,8 @@ fn coloured(c: &RegressionCase) -> Option<Reason> {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(
-                "the residuals of successive samples follow each other (autocorrelation {:.2}, chance allows {:.2}): noise of the sensors, \
-                 which the terms see too and which then makes coefficients wrong by more than their intervals, or a missing term",
+                "the residuals of successive samples follow each other (autocorrelation {:.2}, chance allows {:.2}): a missing term, or noise \
+                 of the sensors, by which coefficients are wrong by more than their intervals",
                 m.is, m.chance
             ),
         )
@@ -282,6 +279,7 @@ fn few_rows(c: &RegressionCase) -> Option<Reason> {
             ReasonCode::FewRows,
             format!("{m} noisy rows for {k} terms: another law may fit as well by chance"),
         )
+        .remedy(format!("record {} rows or more", DOUBTS.rows_per_term * k))
     })
 }
 

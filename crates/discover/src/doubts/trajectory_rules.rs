@@ -6,8 +6,9 @@
 use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
 use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
+use sidc_lang::model::{Equation, Model};
 use sidc_lang::term::{Language, SignalNames, Term};
-use sidc_system::discovery::{Discovery, Evidence, FoundTerm, Reason, ReasonCode};
+use sidc_system::discovery::{Change, Discovery, Evidence, FoundTerm, Reason, ReasonCode};
 
 /// What the rules judge.
 pub(crate) struct TrajectoryCase<'a> {
@@ -62,14 +63,17 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
     Reason::new(
         ReasonCode::InputDelay,
         format!(
-            "{} {act} {} s ({} samples) later than {record}, which the criterion prefers by {:.0}; the equations are those with \
-             the delay",
+            "{} {act} {} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
             inputs.join(", "),
             short(late.seconds.abs()),
             late.samples.abs(),
             late.gain
         ),
     )
+    .remedy(format!(
+        "the equations are those with the delay: shift {} by it in the table, or find where it arises",
+        inputs.join(", ")
+    ))
 }
 
 /// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do. `terms` are those of this equation; without
@@ -88,22 +92,29 @@ pub(crate) fn offset(names: &Discovery, offset: &SensorOffset, terms: &[String])
     Reason::new(
         ReasonCode::SensorOffset,
         format!(
-            "if the sensor of {} reads {:.4} too much, {needed} not needed ({all} fewer in all, {as_well}): check its zero",
+            "if the sensor of {} reads {:.4} too much, {needed} not needed ({all} fewer in all, {as_well})",
             names.name(offset.signal),
             offset.value,
         ),
     )
+    .remedy(format!(
+        "check its zero; if it is off, subtract {:.4} in the data block",
+        offset.value
+    ))
 }
 
 /// The doubt `beyond-library` for every law that would be better with terms that its library lacks.
 pub(crate) fn doubt_libraries(
     discovery: &mut Discovery,
-    problem: &Problem,
+    (model, problem): (&Model, &Problem),
     better: Option<&BetterLaws>,
 ) {
     let Some(better) = better else { return };
     for (law, change) in problem.system.laws.iter().zip(&better.changes) {
-        let reason = beyond_library(discovery, change, better.gain);
+        let Some(stated) = model.equations.get(law.equation) else {
+            continue;
+        };
+        let reason = beyond_library(discovery, stated, change, better.gain);
         let mut all = discovery.equations.iter_mut();
         let Some(equation) = all.find(|e| e.target == law.target) else {
             continue;
@@ -114,29 +125,35 @@ pub(crate) fn doubt_libraries(
     }
 }
 
-fn beyond_library(names: &Discovery, change: &LawChange, gain: f64) -> Reason {
-    let list = |terms: &[Term]| -> String {
-        let names: Vec<String> = terms.iter().map(|t| Language(names).term(t)).collect();
-        names.join(", ")
-    };
+fn beyond_library(names: &Discovery, stated: &Equation, change: &LawChange, gain: f64) -> Reason {
+    let all =
+        |terms: &[Term]| -> Vec<String> { terms.iter().map(|t| Language(names).term(t)).collect() };
+    let list = |terms: &[Term]| all(terms).join(", ");
     let (enter, leave) = (list(&change.enter), list(&change.leave));
     let better = format!("the readings are described better, the criterion says by {gain:.0}");
-    let advice = match change.lacking.as_slice() {
-        [] => "the search may have missed it; a shorter library helps".into(),
-        lacking => format!("add <{}> to the library", list(lacking)),
-    };
-    let text = match (change.enter.len(), change.leave.len()) {
-        (many, _) if many > TRAJECTORY_DOUBTS.named_terms => format!(
-            "with {many} other terms, most of them not in the library, {better}: the law is not among the terms tried, or a state \
-             or an input is missing"
-        ),
+    let (many, lacking) = (change.enter.len(), all(&change.lacking));
+    let text = match (many, change.leave.len()) {
+        (many, _) if many > TRAJECTORY_DOUBTS.named_terms => {
+            format!("with {many} other terms, most of them not in the library, {better}")
+        }
         (0, _) => {
             format!("without {leave} {better}: as the other equations change, it is not needed")
         }
-        (_, 0) => format!("with {enter} {better}: {advice}"),
-        _ => format!("with {enter} instead of {leave} {better}: {advice}"),
+        (_, 0) => format!("with {enter} {better}"),
+        _ => format!("with {enter} instead of {leave} {better}"),
     };
-    Reason::new(ReasonCode::BeyondLibrary, text)
+    let reason = Reason::new(ReasonCode::BeyondLibrary, text);
+    match (many, lacking.is_empty()) {
+        (many, _) if many > TRAJECTORY_DOUBTS.named_terms => reason.remedy(
+            "look for a state or an input that the model lacks, or for other kinds of terms",
+        ),
+        (0, _) => reason.remedy("mend the other equations first"),
+        (_, true) => reason.remedy("offer fewer terms: the search may have missed it"),
+        (_, false) => reason.change(
+            format!("add {} to the library", lacking.join(", ")),
+            Change::Model(vec![stated.with(&lacking)]),
+        ),
+    }
 }
 
 fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
@@ -159,16 +176,18 @@ fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
 }
 
 fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
-    (c.excess > TRAJECTORY_DOUBTS.misfit && c.left > TRAJECTORY_DOUBTS.negligible_residual * c.spread).then(|| {
-        Reason::new(
-            ReasonCode::Misfit,
-            format!(
-                "the residuals of {} are {:.1} times its sensor's noise: a term or a state is missing, or an input acts otherwise",
-                case.names.name(c.signal),
-                c.excess
-            ),
-        )
-    })
+    (c.excess > TRAJECTORY_DOUBTS.misfit
+        && c.left > TRAJECTORY_DOUBTS.negligible_residual * c.spread)
+        .then(|| {
+            Reason::new(
+                ReasonCode::Misfit,
+                format!(
+                    "the residuals of {} are {:.1} times its sensor's noise",
+                    case.names.name(c.signal),
+                    c.excess
+                ),
+            )
+        })
 }
 
 /// Whether what is left of a channel is more than rounding and more than the fit resolves.
@@ -183,8 +202,8 @@ fn memory(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(
-                "the residuals of {} follow each other (autocorrelation {:.2}, chance allows {:.2}): what they hold is no noise of \
-                 the sensor",
+                "the residuals of {} follow each other (autocorrelation {:.2}, chance allows {:.2}), which noise of a sensor \
+                 does not do",
                 case.names.name(c.signal),
                 c.memory,
                 c.chance
@@ -203,12 +222,15 @@ fn outliers(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     Some(Reason::new(
         ReasonCode::Outliers,
         format!(
-            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst {:.0}, in {file} at {} s: `--robust` gives \
-             them no weight",
+            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst {:.0}, in {file} at {} s",
             case.names.name(c.signal),
             s.worst,
             short(s.time)
         ),
+    )
+    .change(
+        ReasonCode::Outliers.usual_remedy(),
+        Change::Options("--robust".into()),
     ))
 }
 
@@ -226,6 +248,10 @@ fn few(case: &TrajectoryCase) -> Option<Reason> {
                 case.readings, case.all_terms
             ),
         )
+        .remedy(format!(
+            "record {} readings or more",
+            DOUBTS.rows_per_term * case.all_terms
+        ))
     })
 }
 
@@ -233,7 +259,7 @@ fn unsettled(case: &TrajectoryCase) -> Option<Reason> {
     (!case.arrived).then(|| {
         Reason::new(
             ReasonCode::NotSettled,
-            "the fit of trajectory and coefficients had not settled when it was ended; the coefficients are near, not at, the best",
+            "trajectory and coefficients still moved when their fit was ended: they are near the best, not at it",
         )
     })
 }

@@ -11,3 +11,4 @@ mod periodogram;
 pub(crate) mod thresholds;
 
 pub use assessment::{Assessment, Rows, assess, attach, misspecification, needs_measured_targets};
+pub use diagnosis::remedies::{advise, remedy};

@@ -154,7 +154,7 @@ pub fn discover_jointly(
     }
     if stopped.is_none() && watcher.at(Stage::Weighing).is_none() {
         let better = probe_libraries(problem, &found, &mut watcher);
-        trajectory_rules::doubt_libraries(&mut discovery, problem, better.as_ref());
+        trajectory_rules::doubt_libraries(&mut discovery, (model, problem), better.as_ref());
     }
     let samples = samples(problem, &found);
     let witness = Arc::new(Witness {

@@ -7,7 +7,7 @@ use crate::joint::thresholds::JOINT;
 use crate::trajectory::Problem;
 use sidc_lang::model::Model;
 use sidc_lang::term::SignalNames;
-use sidc_system::discovery::{Discovery, Failed, Reason, ReasonCode};
+use sidc_system::discovery::{Change, Discovery, Failed, Reason, ReasonCode};
 
 /// The discovery for a system that could not be fitted.
 pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
@@ -21,13 +21,17 @@ pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
         Reason::new(
             ReasonCode::NoTrajectory,
             "no equations from these libraries lead along the data: hidden states, a library without the physics, or \
-             samples too far apart; `--method regression` shows what each equation fits alone",
+             samples too far apart",
+        )
+        .change(
+            ReasonCode::NoTrajectory.usual_remedy(),
+            Change::Options("--method regression".into()),
         )
     } else {
         Reason::new(
             ReasonCode::NoMotion,
             format!(
-                "{}: no motion beyond the noise of the sensor; record data in which the system moves",
+                "{}: no motion beyond the noise of the sensor",
                 still.join(", ")
             ),
         )

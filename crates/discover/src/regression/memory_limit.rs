@@ -21,12 +21,13 @@ pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Rea
         Reason::new(
             ReasonCode::MemoryLimit,
             format!(
-                "{rows} rows of {} terms take {}, the limit is {}; {way_out}",
+                "{rows} rows of {} terms take {}, the limit is {}",
                 library.len(),
                 size(needed),
                 size(limit.into())
             ),
         )
+        .remedy(way_out)
     })
 }
 

@@ -56,14 +56,15 @@ fn unneeded(equation: &Equation, names: &Language<Discovery>) -> Option<Reason> 
             [] => String::new(),
             enter => format!(" and with {}", enter.join(", ")),
         };
+        let name = names.term(&term.term);
         Reason::new(
             ReasonCode::BetterWithout,
             format!(
-                "the criterion prefers the equation without {}{instead} by {:.0}: the terms found are not the law, or not settled",
-                names.term(&term.term),
+                "the criterion prefers the equation without {name}{instead} by {:.0}",
                 -without.cost
             ),
         )
+        .remedy(format!("leave {name} out of the library"))
     })
 }
 

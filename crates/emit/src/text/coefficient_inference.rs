@@ -4,56 +4,59 @@
 
 use crate::thresholds::PRINTED;
 use sidc_lang::number::{digits_apart, significant};
-use sidc_lang::term::Language;
+use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::{
-    Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Status, Trust, Without,
+    Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Trust, Without,
 };
 
-/// Terms of one mark, and intervals, beyond which reasons and intervals are printed only with all evidence.
-const MAX_REASONED_TERMS: usize = 8;
-const MAX_LISTED_INTERVALS: usize = 16;
 /// Names in a list before `and 4 more`.
 const MAX_NAMED_TERMS: usize = 3;
 
-/// Visible intervals, then terms by their marks; with `whole` a line for each term.
-pub(crate) fn lines(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
-    let found: Vec<(&FoundTerm, &Trust)> = (e.terms.iter())
-        .filter_map(|t| Some((t, t.trust.as_deref()?)))
-        .collect();
-    if found.is_empty() {
-        return Vec::new();
-    }
-    let drawn = drawn(e);
+/// A line for each term, then the term left out that comes nearest.
+pub(crate) fn lines(d: &Discovery, e: &Equation) -> Vec<String> {
+    let found = e
+        .terms
+        .iter()
+        .filter_map(|t| Some((t, t.trust.as_deref()?)));
+    let halves = e.evidence.as_ref().and_then(|e| e.halves.as_ref());
+    let drawn = halves.map_or(0, |h| h.drawn);
+    let line = |(t, trust): (&FoundTerm, &Trust)| {
+        let mut figures = vec![trust.mark.name().to_string()];
+        figures.extend(trust.interval.map(between));
+        figures.extend(reasons(trust, drawn));
+        format!("term {}: {}", Language(d).term(&t.term), figures.join(", "))
+    };
+    let mut lines: Vec<String> = found.map(line).collect();
     let nearest = e.evidence.as_ref().and_then(|e| e.nearest.as_ref());
-    let nearest = nearest
-        .filter(|n| {
-            n.earns
-                > if whole {
-                    1.0
-                } else {
-                    n.costs - PRINTED.near_miss
-                }
-        })
-        .map(missing);
-    if whole {
-        let line = |(t, trust): &(&FoundTerm, &Trust)| {
-            let mut figures = vec![trust.mark.name().to_string()];
-            figures.extend(trust.interval.map(between));
-            figures.extend(reasons(trust, drawn));
-            format!("term {}: {}", Language(d).term(&t.term), figures.join(", "))
-        };
-        return found.iter().map(line).chain(nearest).collect();
-    }
-    let widths: Vec<String> = found.iter().filter_map(|f| width(d, f)).collect();
-    let mut lines = Vec::new();
-    if widths.len() > MAX_LISTED_INTERVALS {
-        lines.push(format!("95 %: {} intervals, with --evidence", widths.len()));
-    } else if !widths.is_empty() {
-        lines.push(format!("95 %: {}", widths.join(", ")));
-    }
-    lines.extend(marks(d, e, &found));
-    lines.extend(nearest);
+    let nearest = nearest.filter(|n| n.earns > PRINTED.nearest && !lines.is_empty());
+    lines.extend(nearest.map(missing));
     lines
+}
+
+/// `every term firm`, or which are not; `None` where nothing was marked.
+pub(crate) fn firmness(d: &Discovery) -> Option<String> {
+    let terms = d.equations.iter().flat_map(|e| {
+        let marked = e
+            .terms
+            .iter()
+            .filter_map(|t| Some((t, t.trust.as_ref()?.mark)));
+        marked.map(move |(t, mark)| (e.target, t, mark))
+    });
+    let terms: Vec<_> = terms.collect();
+    let open: Vec<String> = (terms.iter().filter(|(_, _, mark)| *mark != Mark::Firm))
+        .map(|(target, t, _)| format!("{} in {}", Language(d).term(&t.term), d.name(*target)))
+        .collect();
+    let firm = terms.len() - open.len();
+    match (terms.len(), open.len()) {
+        (0, _) => None,
+        (1, 0) => Some("its term is firm".into()),
+        (_, 0) => Some("every term is firm".into()),
+        (all, _) if firm == 0 && all > 1 => Some(format!("none of {all} terms is firm")),
+        (all, _) => Some(format!(
+            "{firm} of {all} terms firm, not {}",
+            several(&open)
+        )),
+    }
 }
 
 /// `left out: x^2 would earn 9.8 where a term costs 11; 1.7 times as much data would decide`
@@ -73,51 +76,10 @@ fn missing(n: &Nearest) -> String {
     line
 }
 
-/// Terms by mark: one word if all are alike, else those that are not firm with their reasons.
-fn marks(d: &Discovery, e: &Equation, found: &[(&FoundTerm, &Trust)]) -> Vec<String> {
-    let all = |mark: Mark| found.iter().all(|(_, t)| t.mark == mark);
-    if all(Mark::Firm) {
-        return vec!["firm: every term".into()];
-    }
-    let capped = e.status == Status::Doubt;
-    let own = |t: &Trust| MARKS.of(t);
-    if capped && all(Mark::Likely) && found.iter().all(|(_, t)| own(t) == Mark::Firm) {
-        return vec!["likely: every term, firm but for the doubts".into()];
-    }
-    let drawn = drawn(e);
-    if drawn == 0 && found.iter().all(|(_, t)| own(t) == Mark::Likely) {
-        return vec!["likely: every term; there are no half records to find them in again".into()];
-    }
-    let one = |(t, trust): &(&FoundTerm, &Trust)| {
-        let reasons = reasons(trust, drawn);
-        format!("{} ({})", Language(d).term(&t.term), reasons.join(", "))
-    };
-    let of = |mark: Mark| {
-        let those: Vec<_> = found.iter().filter(|(_, t)| own(t) == mark).collect();
-        if those.len() > MAX_REASONED_TERMS {
-            let (many, all) = (those.len(), found.len());
-            let name = mark.name();
-            return Some(format!(
-                "{name}: {many} of {all} terms (--evidence says why)"
-            ));
-        }
-        let those: Vec<String> = those.into_iter().map(one).collect();
-        (!those.is_empty()).then(|| format!("{}: {}", mark.name(), those.join("; ")))
-    };
-    [Mark::Doubtful, Mark::Likely]
-        .into_iter()
-        .filter_map(of)
-        .collect()
-}
-
-/// The rule of the marks, where a term is not firm or all evidence is printed.
-pub(crate) fn rule(d: &Discovery, whole: bool) -> Option<String> {
-    let marks = || {
-        let terms = d.equations.iter().flat_map(|e| &e.terms);
-        terms.filter_map(|t| Some(MARKS.of(t.trust.as_ref()?)))
-    };
-    let open = marks().any(|m| m != Mark::Firm);
-    (open || (whole && marks().next().is_some())).then(|| {
+/// The rule of the marks, where there are any.
+pub(crate) fn rule(d: &Discovery) -> Option<String> {
+    let mut terms = d.equations.iter().flat_map(|e| &e.terms);
+    terms.any(|t| t.trust.is_some()).then(|| {
         format!(
             "firm: 95 % interval without 0, found in {:.0} % of half records or more, at least {} lost without it, equation passes; \
              doubtful: interval with 0, found in under {:.0} %, or less than {} lost; likely: the rest",
@@ -125,26 +87,6 @@ pub(crate) fn rule(d: &Discovery, whole: bool) -> Option<String> {
             MARKS.cost,
             100.0 * MARKS.unstable,
             MARKS.tied
-        )
-    })
-}
-
-fn drawn(e: &Equation) -> usize {
-    let halves = e.evidence.as_ref().and_then(|e| e.halves.as_ref());
-    halves.map_or(0, |h| h.drawn)
-}
-
-/// `F ±0.0012 (0.09 %)`
-fn width(d: &Discovery, (t, trust): &(&FoundTerm, &Trust)) -> Option<String> {
-    let (low, high) = trust.interval?;
-    let half = 0.5 * (high - low);
-    let part = half / t.coefficient.abs();
-    (part > PRINTED.visible_interval).then(|| {
-        format!(
-            "{} ±{} ({} %)",
-            Language(d).term(&t.term),
-            significant(half, 2),
-            significant(100.0 * part, 2)
         )
     })
 }

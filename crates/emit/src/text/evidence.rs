@@ -2,49 +2,61 @@
 
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{
-    ChannelFit, Discovery, Equation, Evidence, Proof, Rearranged, Reason, ReasonCode, Status,
-    Together,
+    ChannelFit, Discovery, Equation, Evidence, Proof, Rearranged, Reason, ReasonCode, Together,
 };
 
-use crate::text::equations::equations;
-use crate::text::{
-    coefficient_inference, coefficient_units, identifiability, solution_path, verification,
-};
+use crate::text::layout::{TEXT_WIDTH, wrapped};
+use crate::text::{coefficient_inference, coefficient_units, identifiability, verification};
 use sidc_lang::number::{percent, significant};
 
-/// The terminal's answer: each equation with proof, fit and doubts, then what was not found. `whole` prints all
-/// evidence.
-pub fn answer(d: &Discovery, whole: bool) -> String {
+/// Everything behind each equation, a line each: units, fit, proof, reasons, terms, what the data tell apart.
+pub fn evidence(d: &Discovery) -> String {
     let mut out = String::new();
-    for (e, lines) in d.equations.iter().zip(equations(d)) {
-        out.push_str(&lines);
+    for e in &d.equations {
+        out.push_str(&format!("{}:\n", d.name(e.target)));
         out.push_str(&coefficient_units::lines(d, e));
-        for line in said(d, e, whole) {
-            out.push_str(&format!("    {line}\n"));
-        }
-        out.push_str(&solution_path::table(d, e));
+        let mut lines = remarks(e);
+        lines.extend(e.reasons.iter().flat_map(|r| reason("doubt", r)));
+        lines.extend(coefficient_inference::lines(d, e));
+        let told = e.evidence.as_ref().and_then(|e| e.identifiability.as_ref());
+        lines.extend(told.into_iter().flat_map(|i| identifiability::lines(i)));
+        out.push_str(&indented(&lines));
     }
-    if whole {
-        let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let judged = judged.filter_map(|e| e.identifiability.as_deref());
-        for line in identifiability::ranges(judged) {
-            out.push_str(&format!("{line}\n"));
-        }
-    }
-    out.extend(coefficient_inference::rule(d, whole).map(|line| format!("{line}\n")));
     for f in &d.failed {
-        out.push_str(&format!("{}: not found\n", d.name(f.target)));
-        out.push_str(&reasons("failed", &f.reasons));
+        let lines: Vec<String> = f.reasons.iter().flat_map(|r| reason("failed", r)).collect();
+        out.push_str(&format!(
+            "{}: not found\n{}",
+            d.name(f.target),
+            indented(&lines)
+        ));
     }
+    let judged = d.equations.iter().filter_map(|e| e.evidence.as_ref());
+    let judged = judged.filter_map(|e| e.identifiability.as_deref());
+    let mut lines = identifiability::ranges(judged);
+    lines.extend(coefficient_inference::rule(d));
+    let wrapped = lines
+        .iter()
+        .flat_map(|l| wrapped(l, TEXT_WIDTH, "", "    "));
+    out.extend(wrapped.map(|l| format!("{l}\n")));
     out
 }
 
-/// Remarks on one equation, a sentence each: fit, proof, doubts, marks of its terms.
-pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
-    said(d, e, false)
+fn indented(lines: &[String]) -> String {
+    let wrapped = lines
+        .iter()
+        .flat_map(|l| wrapped(l, TEXT_WIDTH, "    ", "        "));
+    wrapped.map(|l| format!("{l}\n")).collect()
 }
 
-fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
+fn reason(kind: &str, r: &Reason) -> [String; 2] {
+    [
+        format!("{kind}[{}]: {}", r.code, r.text),
+        format!("help: {}", r.explained_advice()),
+    ]
+}
+
+/// Fit and proof of one equation, a sentence each.
+pub fn remarks(e: &Equation) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
@@ -60,18 +72,6 @@ fn said(d: &Discovery, e: &Equation, whole: bool) -> Vec<String> {
     if e.reasons.iter().all(|r| r.code != ReasonCode::SameRelation) {
         lines.extend(evidence.relation.as_ref().and_then(independent));
     }
-    if e.status == Status::Doubt {
-        lines.extend(
-            e.reasons
-                .iter()
-                .map(|r| format!("doubt[{}]: {}", r.code, r.text)),
-        );
-    }
-    lines.extend(coefficient_inference::lines(d, e, whole));
-    lines.extend(evidence.identifiability.iter().flat_map(|i| match whole {
-        true => identifiability::whole(i),
-        false => identifiability::brief(i, &e.reasons),
-    }));
     lines
 }
 
@@ -146,12 +146,6 @@ fn channel(c: &ChannelFit) -> Vec<String> {
         ));
     }
     lines
-}
-
-fn reasons(kind: &str, all: &[Reason]) -> String {
-    all.iter()
-        .map(|r| format!("    {kind}[{}]: {}\n", r.code, r.text))
-        .collect()
 }
 
 fn fit(e: &Evidence) -> String {

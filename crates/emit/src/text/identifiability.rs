@@ -1,31 +1,12 @@
-//! Identifiability as text: the few sentences that are always printed, and everything on request.
+//! Identifiability as text: which terms the data tell apart, and what to record next.
 //!
 //! In: an [`Identifiability`]. Out: lines. Judges nothing.
 
 use sidc_lang::number::significant;
-use sidc_system::discovery::{
-    Cause, Excitation, Finding, Identifiability, Leverage, Reason, ReasonCode, Relation,
-};
+use sidc_system::discovery::{Excitation, Finding, Identifiability, Leverage, Relation};
 
-/// Sentences on one equation that are always printed.
-const MAX_UNASKED_FINDINGS: usize = 3;
 /// Relations and findings printed on request.
 const MAX_LISTED_RELATIONS: usize = 12;
-
-/// At most three lines: findings that concern the equation, with advice.
-pub(crate) fn brief(i: &Identifiability, doubts: &[Reason]) -> Vec<String> {
-    // A doubt already says the same.
-    let said = doubts.iter().any(|r| r.code == ReasonCode::DependentStates);
-    let fresh = |f: &&Finding| f.matters && !(said && f.cause == Cause::Conserved);
-    let matters: Vec<&Finding> = i.findings.iter().filter(fresh).collect();
-    // Exchanges between terms of a wrong equation do not matter.
-    let decides = [Cause::TooFewRows, Cause::WrongOrder, Cause::MissingTerm];
-    let most = match matters.first() {
-        Some(first) if decides.contains(&first.cause) => 1,
-        _ => MAX_UNASKED_FINDINGS,
-    };
-    matters.into_iter().take(most).map(finding).collect()
-}
 
 /// Ranges and spectra of all signals, each once.
 pub(crate) fn ranges<'a>(all: impl Iterator<Item = &'a Identifiability>) -> Vec<String> {
@@ -39,7 +20,7 @@ pub(crate) fn ranges<'a>(all: impl Iterator<Item = &'a Identifiability>) -> Vec<
 }
 
 /// Everything about one equation.
-pub(crate) fn whole(i: &Identifiability) -> Vec<String> {
+pub(crate) fn lines(i: &Identifiability) -> Vec<String> {
     let mut lines = vec![scope(i)];
     lines.extend(condition(i));
     if let Some(p) = i.pairs.first() {

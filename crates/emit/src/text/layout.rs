@@ -1,11 +1,15 @@
 //! Layout of sums: one line where it fits, else a line for each term.
 
-use sidc_lang::number::significant;
+use sidc_lang::number::{significant, with_error};
 use sidc_lang::term::{Language, Precedence, Term, write_term};
-use sidc_system::discovery::Discovery;
+use sidc_system::discovery::{Discovery, FoundTerm};
 
-/// Widest line, in characters.
+/// Widest line of a sum, in characters.
 pub(crate) const LINE_WIDTH: usize = 100;
+/// Widest line of words.
+pub(crate) const TEXT_WIDTH: usize = 118;
+/// Significant digits of a coefficient that is known better.
+const DIGITS: usize = 6;
 
 /// A left side and its terms; a newline ends every line.
 pub(crate) fn sum_lines(left: &str, terms: &[(bool, String)]) -> String {
@@ -45,7 +49,17 @@ fn first_or_next(i: usize, (negative, text): &(bool, String)) -> String {
 
 /// Sign, and `1.29032*F`. A coefficient that rounds to 1 is omitted; a constant is its number.
 pub(crate) fn signed_term(d: &Discovery, coefficient: f64, term: &Term) -> (bool, String) {
-    let size = significant(coefficient.abs(), 6);
+    with_size(d, coefficient, significant(coefficient.abs(), DIGITS), term)
+}
+
+/// The same with the standard error in the last digits of the coefficient: `1.2903(12)*F`.
+pub(crate) fn signed_term_with_error(d: &Discovery, t: &FoundTerm) -> (bool, String) {
+    let error = t.standard_error.unwrap_or(0.0);
+    let size = with_error(t.coefficient.abs(), error, DIGITS);
+    with_size(d, t.coefficient, size, &t.term)
+}
+
+fn with_size(d: &Discovery, coefficient: f64, size: String, term: &Term) -> (bool, String) {
     let (text, binds) = write_term(&Language(d), term);
     let text = match (term.is_one(), size.as_str()) {
         (true, _) => size,
@@ -54,6 +68,27 @@ pub(crate) fn signed_term(d: &Discovery, coefficient: f64, term: &Term) -> (bool
         _ => format!("{size}*{text}"),
     };
     (coefficient < 0.0, text)
+}
+
+/// Text broken between words, `first` before its first line and `next` before the others. A word that is too long stands alone.
+pub(crate) fn wrapped(text: &str, width: usize, first: &str, next: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    let mut line = String::from(first);
+    let mut words = 0;
+    for word in text.split_whitespace() {
+        let room = usize::from(words > 0) + word.chars().count();
+        if words > 0 && line.chars().count() + room > width {
+            lines.push(std::mem::replace(&mut line, next.into()));
+            words = 0;
+        }
+        if words > 0 {
+            line.push(' ');
+        }
+        line.push_str(word);
+        words += 1;
+    }
+    lines.push(line);
+    lines
 }
 
 /// The width of each column of a table, in characters.
@@ -66,4 +101,18 @@ pub(crate) fn column_widths<'a>(rows: impl IntoIterator<Item = &'a [String]>) ->
         }
     }
     widths
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_stay_within_the_width() {
+        let text = "word ".repeat(60);
+        let lines = wrapped(&text, 50, "a: ", "   ");
+        assert!(lines.len() > 2 && lines.iter().all(|l| l.chars().count() <= 50));
+        assert_eq!(wrapped("one", 50, "  ", "    "), ["  one"]);
+        assert_eq!(wrapped("one overlong", 5, "", "  "), ["one", "  overlong"]);
+    }
 }

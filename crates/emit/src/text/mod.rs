@@ -1,12 +1,13 @@
 //! Equations, evidence, matrices and simulations as plain text for people.
 
+pub(crate) mod answer;
 pub(crate) mod coefficient_inference;
 mod coefficient_units;
 pub(crate) mod equations;
 pub(crate) mod evidence;
 pub(crate) mod free_runs;
 mod identifiability;
-mod layout;
+pub(crate) mod layout;
 pub(crate) mod linearization;
 pub(crate) mod matrices;
 mod solution_path;

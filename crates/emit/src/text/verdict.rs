@@ -2,21 +2,21 @@
 //!
 //! In: a discovery, its verdict. Out: lines of at most 120 characters. Says nothing that the verdict does not hold.
 
+use crate::text::coefficient_inference::firmness;
+use crate::text::layout::TEXT_WIDTH;
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames, VarId};
 use sidc_system::discovery::Discovery;
 use sidc_system::predict::{DataKind, ErrorFigures, Prediction, SignalPrediction};
-use sidc_system::verdict::{self, LawVerdict, RunStatus, RunVerdict, SignalRun, Verdict};
-
-/// The widest line of this part, in characters.
-const WIDTH: usize = 118;
+use sidc_system::ranked_reasons::ranked;
+use sidc_system::verdict::{LawVerdict, RunStatus, RunVerdict, SignalRun, Verdict};
 
 /// `law: …`, `prediction: …`, `run: …`; every line ends in a newline.
 pub fn verdict(d: &Discovery, v: &Verdict) -> String {
     let data = data(&v.prediction);
     let parts = [
-        ("law", vec![law(d, v.law)]),
+        ("law", law(d, v.law)),
         ("prediction", prediction(d, &v.prediction, &data)),
         ("run", run(&v.run, &v.prediction.unit, &data)),
     ];
@@ -32,7 +32,7 @@ fn wrapped(name: &str, parts: &[String]) -> String {
         let long = part.chars().count() + 2;
         if i > 0 {
             out.push(',');
-            match width + long > WIDTH {
+            match width + long > TEXT_WIDTH {
                 true => {
                     out.push_str("\n    ");
                     width = 4;
@@ -47,28 +47,26 @@ fn wrapped(name: &str, parts: &[String]) -> String {
     out
 }
 
-fn law(d: &Discovery, law: LawVerdict) -> String {
-    let mut codes: Vec<&str> = Vec::new();
-    let reasons = verdict::reasons(d);
-    for (_, reason) in &reasons {
-        if !codes.contains(&reason.code.as_str()) {
-            codes.push(reason.code.as_str());
+/// `passes`, and how firm its terms are; `doubted (misfit, tie)`, the costliest first.
+fn law(d: &Discovery, law: LawVerdict) -> Vec<String> {
+    let mut codes: Vec<String> = Vec::new();
+    for r in ranked(d) {
+        let code = r.reason.code.to_string();
+        if !codes.contains(&code) {
+            codes.push(code);
         }
     }
-    match (law, codes.len()) {
-        (LawVerdict::Passes, _) | (_, 0) => law.as_str().into(),
-        (_, n) if n > PRINTED.doubt_codes => {
-            let shown = codes
-                .get(..PRINTED.doubt_codes)
-                .unwrap_or(&codes)
-                .join(", ");
-            format!(
-                "{} ({shown} and {} more)",
-                law.as_str(),
-                n - PRINTED.doubt_codes
-            )
-        }
-        _ => format!("{} ({})", law.as_str(), codes.join(", ")),
+    let more = codes.len().saturating_sub(PRINTED.doubt_codes);
+    codes.truncate(PRINTED.doubt_codes);
+    let codes = codes.join(", ");
+    match (law, more) {
+        (LawVerdict::Passes, _) => [law.as_str().into()]
+            .into_iter()
+            .chain(firmness(d))
+            .collect(),
+        _ if codes.is_empty() => vec![law.as_str().into()],
+        (_, 0) => vec![format!("{} ({codes})", law.as_str())],
+        _ => vec![format!("{} ({codes} and {more} more)", law.as_str())],
     }
 }
 

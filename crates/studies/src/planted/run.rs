@@ -40,7 +40,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         .iter()
         .find(|e| discovery.name(e.target) == case.target);
     let Some(equation) = found else {
-        let shown = sidc_emit::answer(&discovery, true);
+        let shown = sidc_emit::evidence(&discovery);
         // An equation that could not be found at all is told what it lacks in its reason.
         let lacks = shown.contains("which it lacks") && case.causes.contains(&Cause::MissingTerm);
         return Ok(Outcome {
@@ -88,7 +88,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         right_answer,
         passes: equation.status != Status::Doubt,
         firm,
-        shown: sidc_emit::answer(&discovery, true),
+        shown: sidc_emit::evidence(&discovery),
     })
 }
 

@@ -2,6 +2,7 @@
 //!
 //! Terms are names as the language prints them.
 
+use super::Change;
 use serde::{Deserialize, Serialize};
 
 /// How well the rows separate the terms of one equation from its library.
@@ -200,6 +201,9 @@ pub struct Finding {
     /// The advice, with figures; empty if there is none.
     #[serde(skip_serializing_if = "String::is_empty", default)]
     pub advice: String,
+    /// The change of the model that follows it, if there is one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub change: Option<Change>,
     /// The figure to reach, in units of the signal or seconds.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reach: Option<f64>,

@@ -17,6 +17,6 @@ pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
 pub use mass_matrix_form::{Form, Rate, Row};
-pub use reason::{Notice, Reason, ReasonCode};
+pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};

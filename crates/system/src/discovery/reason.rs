@@ -1,4 +1,4 @@
-//! Why an equation is doubted, or was not found: a code and a sentence.
+//! Why an equation is doubted, or was not found: a code, a sentence, and what to do about it.
 //!
 //! In documents a code is its kebab-case string. Codes of newer documents are kept as they are.
 
@@ -12,6 +12,32 @@ pub struct Reason {
     pub code: ReasonCode,
     /// A sentence with its figures.
     pub text: String,
+    /// What to do about it, where more is known than the code says.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub remedy: Option<Remedy>,
+}
+
+/// What to do about a reason.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Remedy {
+    /// In words: `add sin(x) to the library`.
+    pub text: String,
+    /// What shows that it helps; empty if the reason says that.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub because: String,
+    /// The change of model or command that does it, ready to be made.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub change: Option<Change>,
+}
+
+/// A change of what was given to the program.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Change {
+    /// Lines of the model that take the place of those they resemble: `ddx ~ poly(x, dx; 3) + <sin(x)>`.
+    Model(Vec<String>),
+    /// Further options of `identify`: `--robust`.
+    Options(String),
 }
 
 impl Reason {
@@ -19,8 +45,66 @@ impl Reason {
         Reason {
             code,
             text: text.into(),
+            remedy: None,
         }
     }
+
+    /// With what to do about it, in words.
+    #[must_use]
+    pub fn remedy(self, text: impl Into<String>) -> Self {
+        Reason {
+            remedy: Some(Remedy {
+                text: text.into(),
+                because: String::new(),
+                change: None,
+            }),
+            ..self
+        }
+    }
+
+    /// With what to do about it, and the change that does it.
+    #[must_use]
+    pub fn change(self, text: impl Into<String>, change: Change) -> Self {
+        Reason {
+            remedy: Some(Remedy {
+                text: text.into(),
+                because: String::new(),
+                change: Some(change),
+            }),
+            ..self
+        }
+    }
+
+    /// What to do about it: its own remedy, or what usually helps.
+    pub fn advice(&self) -> &str {
+        let own = self.remedy.as_ref().map(|r| r.text.as_str());
+        own.unwrap_or_else(|| self.code.usual_remedy())
+    }
+
+    /// The same with what shows that it helps: `add sin(x) to the library (without it 3 % of ddx are left)`.
+    pub fn explained_advice(&self) -> String {
+        match self.remedy.as_ref().map_or("", |r| &r.because) {
+            "" => self.advice().into(),
+            because => format!("{} ({because})", self.advice()),
+        }
+    }
+}
+
+/// What a reason puts in question, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Cost {
+    /// There is no equation, or only a part of the search behind it.
+    Search,
+    /// The data are not what they seem, and everything rests on them.
+    Data,
+    /// The law is probably another.
+    Law,
+    /// Other terms may do as well.
+    Terms,
+    /// The coefficients may be off.
+    Coefficients,
+    /// Only the proof is missing.
+    Proof,
 }
 
 /// A message that is not about one equation, with the code under which the documentation knows it: a warning, or why a run
@@ -40,9 +124,9 @@ impl Notice {
     }
 }
 
-/// Declares the codes with their strings, once.
+/// Declares the codes once: string, what they put in question, what usually helps.
 macro_rules! codes {
-    ($($(#[doc = $meaning:literal])+ $code:ident = $text:literal,)+) => {
+    ($($(#[doc = $meaning:literal])+ $code:ident = $text:literal: $cost:ident, $usual:literal;)+) => {
         /// The code of a reason. Its string is stable and never renamed; docs/diagnostics.md lists all.
         #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(from = "String", into = "String")]
@@ -63,6 +147,22 @@ macro_rules! codes {
                     ReasonCode::Other(code) => code,
                 }
             }
+
+            /// What it puts in question.
+            pub fn cost(&self) -> Cost {
+                match self {
+                    $(ReasonCode::$code => Cost::$cost,)+
+                    ReasonCode::Other(_) => Cost::Law,
+                }
+            }
+
+            /// What to do about it where nothing more is known.
+            pub fn usual_remedy(&self) -> &'static str {
+                match self {
+                    $(ReasonCode::$code => $usual,)+
+                    ReasonCode::Other(_) => "see the documentation of the newer program",
+                }
+            }
         }
 
         impl From<String> for ReasonCode {
@@ -78,79 +178,116 @@ macro_rules! codes {
 
 codes! {
     /// A bound or a sign of a constraint is met only as an equality.
-    AtBound = "at-bound",
+    AtBound = "at-bound": Proof,
+        "see what the data say without this constraint";
     /// The criterion prefers the equation without one of its terms.
-    BetterWithout = "better-without",
+    BetterWithout = "better-without": Law,
+        "leave that term out of the library";
     /// Standard terms that the library lacks describe the data better.
-    BeyondLibrary = "beyond-library",
+    BeyondLibrary = "beyond-library": Law,
+        "add these terms to the library";
     /// The residuals of a channel are correlated in time.
-    ColouredResiduals = "coloured-residuals",
+    ColouredResiduals = "coloured-residuals": Law,
+        "look for a term, a state or a delay that the model lacks; if a sensor is noisy, for a quieter one";
     /// A constraint does not hold for the coefficients found.
-    ConstraintBroken = "constraint-broken",
+    ConstraintBroken = "constraint-broken": Law,
+        "check the constraint, or leave it out and see what the data say";
     /// A constraint holds, but the fit without it is many standard errors away.
-    ConstraintStrained = "constraint-strained",
+    ConstraintStrained = "constraint-strained": Law,
+        "check the constraint, or leave it out and see what the data say";
     /// A combination of states stays constant along the data.
-    DependentStates = "dependent-states",
+    DependentStates = "dependent-states": Terms,
+        "leave one of these states out of the libraries";
     /// The terms found are linearly dependent on these data.
-    DependentSupport = "dependent-support",
+    DependentSupport = "dependent-support": Coefficients,
+        "record another motion, or leave one of the terms out";
     /// A library was used up, or most of a large one.
-    ExhaustedLibrary = "exhausted-library",
+    ExhaustedLibrary = "exhausted-library": Law,
+        "offer terms of the physics: sines, quotients, products with inputs";
     /// Too few noisy rows for each term.
-    FewRows = "few-rows",
+    FewRows = "few-rows": Terms,
+        "record more";
     /// Rows not used are fitted worse.
-    HeldOut = "held-out",
+    HeldOut = "held-out": Law,
+        "offer fewer terms, or record more";
     /// The solver proves nothing.
-    HeuristicSolver = "heuristic-solver",
+    HeuristicSolver = "heuristic-solver": Proof,
+        "leave --solver out: the default solver proves its answer";
     /// No combination of the terms fits the rows.
-    InconsistentRows = "inconsistent-rows",
+    InconsistentRows = "inconsistent-rows": Data,
+        "say how noisy the data are, with `noise` in the model or --noise NAME=SIGMA";
     /// An input acts later or earlier than its record says.
-    InputDelay = "input-delay",
+    InputDelay = "input-delay": Data,
+        "shift the input in the table by that time";
     /// The user ended the search.
-    Interrupted = "interrupted",
+    Interrupted = "interrupted": Search,
+        "let it run to its end";
     /// The library's values on the rows do not fit into the memory allowed.
-    MemoryLimit = "memory-limit",
+    MemoryLimit = "memory-limit": Search,
+        "raise --memory-limit, or take fewer rows with --samples";
     /// The residual is larger than the error of the data.
-    Misfit = "misfit",
+    Misfit = "misfit": Law,
+        "look for a term, a state or an input that the model lacks";
     /// The target does not move.
-    NoMotion = "no-motion",
+    NoMotion = "no-motion": Search,
+        "record data in which it moves, or leave its equation out";
     /// No equations from the libraries reproduce the data.
-    NoTrajectory = "no-trajectory",
+    NoTrajectory = "no-trajectory": Search,
+        "see with --method regression what each equation fits alone";
     /// Free runs depart early from the data that were held out.
-    NotCarriedOver = "not-carried-over",
+    NotCarriedOver = "not-carried-over": Law,
+        "identify from records of both conditions, or offer fewer terms";
     /// Trajectory and coefficients still moved when their fit ended.
-    NotSettled = "not-settled",
+    NotSettled = "not-settled": Coefficients,
+        "offer fewer terms, or record more";
     /// Too many terms for the rows.
-    NotSparse = "not-sparse",
+    NotSparse = "not-sparse": Terms,
+        "record more, or offer a library that contains the physics";
     /// Verification contradicts a claim.
-    NotVerified = "not-verified",
+    NotVerified = "not-verified": Proof,
+        "report it with model and data: a claim of the program does not hold";
     /// Single readings lie far from the trajectory.
-    Outliers = "outliers",
+    Outliers = "outliers": Data,
+        "give such readings no weight, with --robust";
     /// Much of the target is left unexplained.
-    PoorFit = "poor-fit",
+    PoorFit = "poor-fit": Law,
+        "look for a term, a state or an input that the model lacks";
     /// A rate column contradicts the samples of its state.
-    RateDisagrees = "rate-disagrees",
+    RateDisagrees = "rate-disagrees": Data,
+        "leave the column out, so that the rate is estimated";
     /// A relation that holds along these data bears on the terms found.
-    Relation = "relation",
+    Relation = "relation": Terms,
+        "record another motion";
     /// The target had to be estimated, with a large error.
-    RoughDerivative = "rough-derivative",
+    RoughDerivative = "rough-derivative": Coefficients,
+        "sample faster, or measure the target";
     /// Rows of little weight are missed by far.
-    RowsMissed = "rows-missed",
+    RowsMissed = "rows-missed": Law,
+        "look at the record there; identify from the stretch before it, with --window";
     /// The error of a free run exceeds the spread of the signal.
-    RunLeavesData = "run-leaves-data",
+    RunLeavesData = "run-leaves-data": Law,
+        "look for what limits the motion: a stop, a saturation, a term of higher degree";
     /// Two equations are one relation, solved for different targets.
-    SameRelation = "same-relation",
+    SameRelation = "same-relation": Law,
+        "offer terms that stand in only one of these equations";
     /// A shifted zero of a sensor gives simpler laws.
-    SensorOffset = "sensor-offset",
+    SensorOffset = "sensor-offset": Data,
+        "check the zero of that sensor";
     /// The solver stopped before it converged.
-    SolverInaccurate = "solver-inaccurate",
+    SolverInaccurate = "solver-inaccurate": Proof,
+        "leave --solver out, or offer fewer terms";
     /// The problem is too large for the solver.
-    SolverRefused = "solver-refused",
+    SolverRefused = "solver-refused": Search,
+        "leave --solver out, or take fewer rows or terms";
     /// Other terms do as well on these data.
-    Tie = "tie",
+    Tie = "tie": Terms,
+        "record another motion, or leave the other terms out of the library";
     /// The time limit ended the search.
-    TimeLimit = "time-limit",
+    TimeLimit = "time-limit": Search,
+        "raise --time-limit";
     /// A standard error is large against its coefficient.
-    UncertainCoefficient = "uncertain-coefficient",
+    UncertainCoefficient = "uncertain-coefficient": Coefficients,
+        "record more";
 }
 
 impl From<ReasonCode> for String {

@@ -23,6 +23,7 @@ pub fn reads(d: &Discovery, model: &Model, given: &[(Signal, f64)]) -> Model {
         target,
         target_span: nowhere,
         span: nowhere,
+        written: String::new(),
         right: RightSide::Known(Expr::zero()),
     });
     Model {

@@ -1,6 +1,7 @@
 //! What `identify` prints and writes: equations with evidence, rows, signals; the same as a document.
 
 use super::arguments::Args;
+use super::next_step;
 use super::search::{Candidate, Identified, Search};
 use crate::exit_status;
 use crate::failure::Failure;
@@ -72,17 +73,29 @@ impl Answer<'_> {
             d.system.as_deref().unwrap_or("system"),
             signals::trajectories(measured)
         ));
-        text.push_str(&emit::answer(d, self.args.evidence));
+        text.push_str(&emit::answer(d, &self.found.verdict));
         text.push('\n');
-        text.push_str(&emit::verdict(d, &self.found.verdict));
-        text.push_str(&emit::consequences(d));
-        text.push('\n');
-        if let Some(validation) = &self.found.validation {
-            text.push_str(&emit::validation(validation));
+        if self.args.evidence {
+            text.push_str(&self.evidence());
             text.push('\n');
         }
-        text.push_str(&signals::describe(program, measured));
+        let tables = self.candidate.source.files.get(1..).unwrap_or_default();
+        text.push_str(&next_step::line(self.args, tables, d));
         text
+    }
+
+    /// What is behind the equations, and what follows from them.
+    fn evidence(&self) -> String {
+        let d = &self.found.discovery;
+        let runs = self.found.validation.as_ref();
+        let runs = runs.map(|v| format!("\n{}", emit::validation(v)));
+        format!(
+            "{}{}{}\n{}",
+            emit::evidence(d),
+            emit::consequences(d),
+            runs.unwrap_or_default(),
+            signals::describe(&self.candidate.program, &self.candidate.measured)
+        )
     }
 
     fn document(&self) -> Result<String, Failure> {

@@ -5,6 +5,7 @@
 mod answer;
 mod arguments;
 mod model_comparison;
+mod next_step;
 mod search;
 
 use crate::arguments::time_ranges::HeldOut;

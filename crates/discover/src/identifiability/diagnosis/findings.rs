@@ -13,7 +13,10 @@ use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames};
-use sidc_system::discovery::{Cause, Finding, Reason, ReasonCode, Status};
+use sidc_system::discovery::{Cause, Change, Finding, Reason, ReasonCode, Status};
+
+/// Beyond it a factor only says how exactly was computed.
+const LARGE_FACTOR: f64 = 1e6;
 
 /// Doubts that say that something is not explained.
 pub const UNEXPLAINED: [ReasonCode; 9] = [
@@ -75,15 +78,17 @@ pub fn relation_doubt(design: &ScaledDesign, relations: &[ExplainedRelation]) ->
         t.why.cause == Cause::WrongOrder && shares_signals(design, t) && !has_target(design, t)
     };
     let found = relations.iter().filter(|t| holds(design, t)).find(bears)?;
-    Some(Reason::new(
-        ReasonCode::Relation,
-        format!(
-            "along these data {}: {}, and laws that differ by multiples of it fit alike; {}",
-            sentence(design, &found.reduced, found.left_term().as_ref()),
-            why(design, &found.why),
-            advice(design, &found.why, None).text
-        ),
-    ))
+    Some(
+        Reason::new(
+            ReasonCode::Relation,
+            format!(
+                "along these data {}: {}, and laws that differ by multiples of it fit alike",
+                sentence(design, &found.reduced, found.left_term().as_ref()),
+                why(design, &found.why),
+            ),
+        )
+        .remedy(advice(design, &found.why, None).text),
+    )
 }
 
 /// Whether the relation contains a target: then it may be the laws of the system with one target eliminated.
@@ -123,6 +128,7 @@ fn zero_columns(design: &ScaledDesign, known: &[Finding]) -> Option<Finding> {
             count
         ),
         advice: format!("let {} move", names.join(" and ")),
+        change: None,
         reach: None,
         matters: design.equation.status == Status::Doubt,
     })
@@ -152,6 +158,7 @@ fn relation_finding(design: &ScaledDesign, t: &ExplainedRelation) -> Finding {
             why(design, &t.why)
         ),
         advice: text,
+        change: None,
         reach,
         matters: matters(design, t),
     }
@@ -175,6 +182,7 @@ fn too_few_rows(design: &ScaledDesign) -> Option<Finding> {
         cause: Cause::TooFewRows,
         text: format!("{m} rows for {n} terms: many sets of terms fit them"),
         advice: format!("record {more} rows more{time}, or leave terms out"),
+        change: None,
         reach: Some(more as f64),
         matters: design.equation.status == Status::Doubt,
     })
@@ -210,24 +218,32 @@ pub fn misspecification_finding(
 ) -> Finding {
     let var = model.variable(target.var);
     let name = model.name(target);
-    let finding = |cause, text, advice| Finding {
+    let finding = |cause, text, advice, change: Option<String>| Finding {
         cause,
         text,
         advice,
+        change: change.map(|line| Change::Model(vec![line])),
         reach: None,
         matters: true,
     };
+    let of_order = |order: u8| Some(format!("state {var} : order {order}"));
     match found {
         Misspecification::MissingTerm { term, factor, part } => {
             let term = Language(model).term(term);
+            let stated = model.equations.iter().find(|e| e.target == target);
+            let line = stated.map(|e| e.with(std::slice::from_ref(&term)));
             finding(
                 Cause::MissingTerm,
                 format!(
                     "the whole library leaves {} of {name}; {term}, which it lacks, would leave {} times less",
                     percent(*part),
-                    figure(*factor, 2)
+                    match *factor < LARGE_FACTOR {
+                        true => figure(*factor, 2),
+                        false => "over a million".into(),
+                    }
                 ),
                 format!("add {term} to the library"),
+                line,
             )
         }
         Misspecification::OrderTooLow { residual, part } => {
@@ -241,6 +257,7 @@ pub fn misspecification_finding(
                     percent(*residual)
                 ),
                 format!("declare {var} with order {order}"),
+                of_order(order),
             )
         }
         Misspecification::OrderTooHigh { residual } => {
@@ -255,6 +272,7 @@ pub fn misspecification_finding(
                 format!(
                     "declare {var} with order {order}, or excite it so that {lower} moves on its own"
                 ),
+                of_order(order),
             )
         }
         Misspecification::Unknown { part } => finding(
@@ -264,6 +282,7 @@ pub fn misspecification_finding(
                 percent(*part)
             ),
             "look for an input or a state that is not measured".into(),
+            None,
         ),
     }
 }
@@ -287,6 +306,7 @@ fn uncertain_terms(design: &ScaledDesign) -> Vec<Finding> {
                     percent(FINDINGS.wanted_error),
                     figure(times.sqrt(), 2)
                 ),
+                change: None,
                 reach: Some(more),
                 matters: true,
             }

@@ -131,9 +131,11 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
         if !length.is_finite() || length == 0.0 {
             continue;
         }
-        let outside = l.basis.residual(&weighted);
+        // Of unit length, so that no square overflows.
+        let unit: Vec<f64> = weighted.iter().map(|v| v / length).collect();
+        let outside = l.basis.residual(&unit);
         let room = dot(&outside, &outside);
-        if room < MISSPECIFICATION.dependent * length * length {
+        if room < MISSPECIFICATION.dependent {
             continue;
         }
         let gain = dot(&outside, &l.residual).powi(2) / room;

@@ -6,3 +6,4 @@ mod advice;
 pub mod findings;
 pub mod messages;
 pub mod misspecification;
+pub mod remedies;

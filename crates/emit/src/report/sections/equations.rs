@@ -17,7 +17,7 @@ pub(crate) fn html(s: &Subject) -> String {
         body.push_str(&format!(
             "<div class=\"equation\">\n<div class=\"formula\">{pieces}</div>\n{} {}\n</div>\n",
             badge(e.status),
-            remarks(s, e)
+            remarks(e)
         ));
     }
     for f in &d.failed {
@@ -36,11 +36,9 @@ pub(crate) fn html(s: &Subject) -> String {
     section("equations", "Equations", &body)
 }
 
-/// Fit, proof and units as the terminal prints them; reasons and marks have sections of their own.
-fn remarks(s: &Subject, e: &Equation) -> String {
-    let mut lines = evidence::remarks(s.discovery, e);
-    let elsewhere = ["doubt[", "data[", "95 %:", "firm:", "likely:", "doubtful:"];
-    lines.retain(|l| !elsewhere.iter().any(|head| l.starts_with(head)));
+/// Fit and proof as the terminal prints them; reasons and marks have sections of their own.
+fn remarks(e: &Equation) -> String {
+    let lines = evidence::remarks(e);
     let lines: String = (lines.iter())
         .map(|l| format!("<li>{}</li>", escape(l)))
         .collect();

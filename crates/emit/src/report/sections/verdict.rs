@@ -98,7 +98,10 @@ fn reasons(s: &Subject) -> String {
         let each: String = (all.iter())
             .map(|r| {
                 let (text, code) = (escape(&r.text), escape(r.code.as_str()));
-                format!("<dd><span class=\"{class}\">{text}</span> <code>{code}</code></dd>\n")
+                let help = escape(&r.explained_advice());
+                format!(
+                    "<dd><span class=\"{class}\">{text}</span> <code>{code}</code>; <strong>{help}</strong></dd>\n"
+                )
             })
             .collect();
         format!("<dt>{}</dt>\n{each}", notation.symbol(target))

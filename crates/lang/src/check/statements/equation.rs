@@ -50,6 +50,7 @@ impl Checker<'_> {
                         target,
                         target_span,
                         span: s.span,
+                        written: one_line(self.text(s.span)),
                         right,
                     });
                 }
@@ -198,4 +199,11 @@ impl Checker<'_> {
         let expr = self.arithmetic(arg)?;
         self.known_part(arg, expr, targets)
     }
+}
+
+/// A statement without comments and line breaks.
+fn one_line(text: &str) -> String {
+    let lines = text.lines().map(|l| l.split('#').next().unwrap_or(""));
+    let words: Vec<&str> = lines.flat_map(str::split_whitespace).collect();
+    words.join(" ")
 }

@@ -1,0 +1,103 @@
+//! What to try next: a command, or a line of the model.
+//!
+//! In: what was found, the command that was given. Out: one line. The first remedy with a change at hand comes first; an answer that passes
+//! is tried on data not used, kept, then reported.
+
+use super::arguments::Args;
+use sidc_system::discovery::{Change, Discovery};
+use sidc_system::ranked_reasons::{change, ranked};
+use sidc_system::result::FileEntry;
+
+/// The part of a record that is proposed to be held out.
+const HELD_OUT: &str = "--holdout=25%";
+/// Where the result is proposed to be kept.
+const RESULT: &str = "result.json";
+
+/// `next: sidc identify model.sid data.csv --robust`. `tables` are the files of the data.
+pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery) -> String {
+    let reasons = ranked(discovery);
+    let mut at_hand = reasons.iter().filter_map(|r| change(r.reason));
+    let step = match (at_hand.next(), reasons.first()) {
+        (Some(Change::Model(lines)), _) => lines.join(" and "),
+        (Some(Change::Options(options)), _) => again(options),
+        (None, Some(first)) => first.reason.advice().to_string(),
+        (None, None) => afterwards(args, tables),
+    };
+    format!("next: {step}\n")
+}
+
+/// After an answer without reasons against it.
+fn afterwards(args: &Args, tables: &[FileEntry]) -> String {
+    let models = args.files.len() - tables.len().min(args.files.len());
+    match &args.output {
+        // Of several models a part is held out anyway.
+        _ if args.holdout.is_empty() && models < 2 => again(HELD_OUT),
+        None => again(&format!("-o {RESULT}")),
+        Some(path) => {
+            let mut words = vec![
+                "sidc".into(),
+                "report".into(),
+                quoted(&path.to_string_lossy()),
+            ];
+            words.extend(tables.iter().map(|file| quoted(&file.name)));
+            words.extend(["-o".into(), "report.html".into()]);
+            words.join(" ")
+        }
+    }
+}
+
+/// The command that was given, with further options in place of its own.
+fn again(options: &str) -> String {
+    let given: Vec<String> = std::env::args().skip(1).collect();
+    let name = options.split([' ', '=']).next().unwrap_or(options);
+    let mut words = vec!["sidc".to_string()];
+    words.extend(without(&given, name).iter().map(|w| quoted(w)));
+    words.push(options.into());
+    words.join(" ")
+}
+
+/// The words of a command without one option and its value.
+fn without(words: &[String], option: &str) -> Vec<String> {
+    let mut kept = Vec::new();
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        match word.strip_prefix(option) {
+            Some("") => drop(words.next()),
+            Some(value) if value.starts_with('=') => {}
+            _ => kept.push(word.clone()),
+        }
+    }
+    kept
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_=./,:%+@".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.into(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_option_is_taken_out_with_its_value() {
+        let words = |text: &str| -> Vec<String> { text.split(' ').map(String::from).collect() };
+        for given in [
+            "m.sid d.csv --method joint -v",
+            "m.sid --method=joint d.csv -v",
+        ] {
+            assert_eq!(without(&words(given), "--method"), words("m.sid d.csv -v"));
+        }
+    }
+
+    #[test]
+    fn words_with_spaces_and_quotes_are_quoted() {
+        assert_eq!(quoted("models/a.sid"), "models/a.sid");
+        assert_eq!(quoted("my data's.csv"), "'my data'\\''s.csv'");
+        assert_eq!(quoted("$HOME"), "'$HOME'");
+    }
+}

@@ -1,0 +1,54 @@
+//! What to do about doubts, from what was found about the data.
+//!
+//! In: an equation or a failure with its reasons, findings. Out: the same reasons with remedies. Adds no reason.
+
+use super::findings::UNEXPLAINED;
+use sidc_system::discovery::{Cause, Equation, Finding, Reason, ReasonCode, Remedy};
+
+/// Gives every reason that has no remedy of its own the advice of the finding that explains it.
+pub fn advise(equation: &mut Equation) {
+    let evidence = equation.evidence.as_ref();
+    let Some(told) = evidence.and_then(|e| e.identifiability.as_deref()) else {
+        return;
+    };
+    for reason in &mut equation.reasons {
+        if reason.remedy.is_none() {
+            let mut of_it = told.findings.iter().filter(|f| f.matters);
+            reason.remedy = of_it.find(|f| explains(f, reason)).map(remedy);
+        }
+    }
+}
+
+/// A finding as what to do.
+pub fn remedy(finding: &Finding) -> Remedy {
+    Remedy {
+        text: finding.advice.clone(),
+        because: match finding.cause {
+            // The doubt gives the same figure.
+            Cause::WeakTerm => String::new(),
+            _ => finding.text.clone(),
+        },
+        change: finding.change.clone(),
+    }
+}
+
+/// Whether what was found is behind the reason.
+fn explains(finding: &Finding, reason: &Reason) -> bool {
+    let library = [Cause::TooFewRows, Cause::WrongOrder, Cause::MissingTerm];
+    match &reason.code {
+        _ if finding.advice.is_empty() => false,
+        ReasonCode::UncertainCoefficient => {
+            finding.cause == Cause::WeakTerm && subject(&finding.text) == subject(&reason.text)
+        }
+        ReasonCode::Tie | ReasonCode::DependentSupport => {
+            finding.cause != Cause::WeakTerm && finding.cause != Cause::MissingTerm
+        }
+        code if UNEXPLAINED.contains(code) => library.contains(&finding.cause),
+        _ => false,
+    }
+}
+
+/// `the coefficient of x^2` of `the coefficient of x^2 is known to 30 %`.
+fn subject(text: &str) -> &str {
+    text.split(" is known").next().unwrap_or(text)
+}
