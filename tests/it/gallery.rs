@@ -15,6 +15,9 @@ use sidc_lang::term::Language;
 use super::lang::texts_in;
 use sidc_testing::program::{Piece, Run, is_figure, is_proof_by_tolerance, pieces, sidc};
 
+/// Characters of the widest line that is printed.
+const WIDEST: usize = 120;
+
 /// Relative error of a coefficient where the header says nothing.
 const USUAL: f64 = 1e-3;
 
@@ -221,6 +224,13 @@ fn judge(name: &str, text: &str) -> (Vec<String>, String) {
     if run.status != if doubts.is_empty() { 0 } else { 3 } {
         faults.push(format!("status {}: {}", run.status, run.stderr));
     }
+    let wide = |line: &&str| line.chars().count() > WIDEST;
+    faults.extend(
+        run.stdout
+            .lines()
+            .find(wide)
+            .map(|l| format!("wide line: {l}")),
+    );
     let digits = if header.within > USUAL { 2 } else { 4 };
     let shown = reduced(&run.stdout, digits);
     if !faults.is_empty() {

@@ -23,6 +23,7 @@ pub use text::coefficient_inference::without;
 pub use text::equations::equations;
 pub use text::evidence::evidence;
 pub use text::free_runs::validation;
+pub use text::layout::{TEXT_WIDTH, wrapped};
 pub use text::linearization::{kink_warnings, linearization};
 pub use text::matrices::consequences;
 pub use text::verdict::verdict;

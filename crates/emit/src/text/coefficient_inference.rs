@@ -49,9 +49,8 @@ pub(crate) fn firmness(d: &Discovery) -> Option<String> {
     let firm = terms.len() - open.len();
     match (terms.len(), open.len()) {
         (0, _) => None,
-        (1, 0) => Some("its term is firm".into()),
         (_, 0) => Some("every term is firm".into()),
-        (all, _) if firm == 0 && all > 1 => Some(format!("none of {all} terms is firm")),
+        _ if terms.iter().all(|t| t.2 == Mark::Likely) => Some("every term is likely".into()),
         (all, _) => Some(format!(
             "{firm} of {all} terms firm, not {}",
             several(&open)

@@ -6,8 +6,8 @@ use sidc_system::discovery::{Discovery, FoundTerm};
 
 /// Widest line of a sum, in characters.
 pub(crate) const LINE_WIDTH: usize = 100;
-/// Widest line of words.
-pub(crate) const TEXT_WIDTH: usize = 118;
+/// Widest line of words, in characters.
+pub const TEXT_WIDTH: usize = 118;
 /// Significant digits of a coefficient that is known better.
 const DIGITS: usize = 6;
 
@@ -71,7 +71,7 @@ fn with_size(d: &Discovery, coefficient: f64, size: String, term: &Term) -> (boo
 }
 
 /// Text broken between words, `first` before its first line and `next` before the others. A word that is too long stands alone.
-pub(crate) fn wrapped(text: &str, width: usize, first: &str, next: &str) -> Vec<String> {
+pub fn wrapped(text: &str, width: usize, first: &str, next: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::from(first);
     let mut words = 0;

@@ -80,7 +80,8 @@ impl Answer<'_> {
             text.push('\n');
         }
         let tables = self.candidate.source.files.get(1..).unwrap_or_default();
-        text.push_str(&next_step::line(self.args, tables, d));
+        let held_out = !measured.held_out.is_empty();
+        text.push_str(&next_step::line(self.args, tables, d, held_out));
         text
     }
 

@@ -1,9 +1,10 @@
 //! What to try next: a command, or a line of the model.
 //!
-//! In: what was found, the command that was given. Out: one line. The first remedy with a change at hand comes first; an answer that passes
+//! In: what was found, the command that was given. Out: a line, broken where it is long. The first remedy with a change at hand comes first; an answer that passes
 //! is tried on data not used, kept, then reported.
 
 use super::arguments::Args;
+use sidc_emit::{TEXT_WIDTH, wrapped};
 use sidc_system::discovery::{Change, Discovery};
 use sidc_system::ranked_reasons::{change, ranked};
 use sidc_system::result::FileEntry;
@@ -13,25 +14,25 @@ const HELD_OUT: &str = "--holdout=25%";
 /// Where the result is proposed to be kept.
 const RESULT: &str = "result.json";
 
-/// `next: sidc identify model.sid data.csv --robust`. `tables` are the files of the data.
-pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery) -> String {
+/// `next: sidc identify model.sid data.csv --robust`. `tables` are the files of the data; `held_out` says whether some were not used.
+pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery, held_out: bool) -> String {
     let reasons = ranked(discovery);
     let mut at_hand = reasons.iter().filter_map(|r| change(r.reason));
-    let step = match (at_hand.next(), reasons.first()) {
-        (Some(Change::Model(lines)), _) => lines.join(" and "),
-        (Some(Change::Options(options)), _) => again(options),
-        (None, Some(first)) => first.reason.advice().to_string(),
-        (None, None) => afterwards(args, tables),
+    // A statement goes on after an operator, a command after a backslash.
+    let (step, broken) = match (at_hand.next(), reasons.first()) {
+        (Some(Change::Model(lines)), _) => (lines.join(" and "), "\n"),
+        (Some(Change::Options(options)), _) => (again(options), " \\\n"),
+        (None, Some(first)) => (first.reason.advice().to_string(), "\n"),
+        (None, None) => (afterwards(args, tables, held_out), " \\\n"),
     };
-    format!("next: {step}\n")
+    let lines = wrapped(&step, TEXT_WIDTH - " \\".len(), "next: ", "    ");
+    format!("{}\n", lines.join(broken))
 }
 
 /// After an answer without reasons against it.
-fn afterwards(args: &Args, tables: &[FileEntry]) -> String {
-    let models = args.files.len() - tables.len().min(args.files.len());
+fn afterwards(args: &Args, tables: &[FileEntry], held_out: bool) -> String {
     match &args.output {
-        // Of several models a part is held out anyway.
-        _ if args.holdout.is_empty() && models < 2 => again(HELD_OUT),
+        _ if !held_out => again(HELD_OUT),
         None => again(&format!("-o {RESULT}")),
         Some(path) => {
             let mut words = vec![
