@@ -10,6 +10,7 @@ use super::collinearity::term_relations::explained_relations;
 use super::diagnosis::findings::{UNEXPLAINED, findings, misspecification_finding, relation_doubt};
 use super::diagnosis::messages;
 use super::diagnosis::misspecification::{Specification, find_misspecification};
+use super::diagnosis::series_of_law::series_doubt;
 use super::excitation;
 use super::thresholds::LISTED;
 use crate::scaled_design::ScaledDesign;
@@ -67,11 +68,12 @@ pub fn misspecification(
     Some(misspecification_finding(model, failed.target, &found))
 }
 
-/// What the rows can distinguish for one equation, and the doubt that follows from a relation between its terms.
+/// What the rows can distinguish for one equation, and the doubts that follow from it.
 #[derive(Debug)]
 pub struct Assessment {
     identifiability: Identifiability,
-    relation: Option<Reason>,
+    /// Doubts that follow.
+    reasons: Vec<Reason>,
 }
 
 /// What the rows can distinguish for one equation.
@@ -141,9 +143,13 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Assessmen
         leverage: excitation::leverage(design),
         findings,
     };
+    let series = series_doubt(design, library);
     Assessment {
         identifiability,
-        relation: relation_doubt(design, &relations),
+        reasons: series
+            .into_iter()
+            .chain(relation_doubt(design, &relations))
+            .collect(),
     }
 }
 
@@ -189,9 +195,9 @@ fn cosine_table(design: &ScaledDesign, gram: &GramMatrix) -> Option<Alike> {
 pub fn attach(equation: &mut Equation, assessment: Assessment) {
     let Assessment {
         identifiability: assessment,
-        relation,
+        reasons,
     } = assessment;
-    if let Some(reason) = relation {
+    for reason in reasons {
         equation.doubt(reason);
     }
     let Some(evidence) = &equation.evidence else {

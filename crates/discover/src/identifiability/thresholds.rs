@@ -185,6 +185,16 @@ family! {
 }
 
 family! {
+    /// A series that comes near a law which the library lacks, on data almost without error.
+    pub(crate) SERIES: SeriesOfLaw {
+        /// Residual that one missing term of the law leaves.
+        left: f64 = 0.01, unit "of the residual without it", source "the errors of Runge-Kutta solvers along 120 random orbits are lowered by no standard term to less than a tenth";
+        /// Squared length off the span of the support below which a term lies in it.
+        dependent: f64 = 1e-28, unit "of the squared length", source "orthogonalising twice leaves rounding of 1e-15";
+    }
+}
+
+family! {
     /// The experiment that would distinguish two terms, by trying changed signals.
     pub(crate) EXPERIMENT: ExperimentAdvice {
         /// Difference that the experiment has to show.
@@ -245,6 +255,7 @@ pub(crate) fn tables() -> Vec<Table> {
         RestrictedIsometry::table(),
         EquivalentSupports::table(),
         RelationIdentity::table(),
+        SeriesOfLaw::table(),
         MisspecificationThresholds::table(),
         ExperimentAdvice::table(),
         ExcitationThresholds::table(),

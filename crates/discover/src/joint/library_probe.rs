@@ -42,6 +42,29 @@ fn lacking(problem: &Problem, law: &Law) -> Vec<Term> {
     signals.truncate(LIBRARY_PROBE.max_signals);
     let present = &system.columns[law.columns.clone()];
     let mut terms = standard_terms(&signals);
-    terms.retain(|t| !present.contains(t));
+    terms.retain(|t| !present.contains(t) && !may_diverge(problem, t));
     terms
+}
+
+/// Whether a term divides by a signal whose readings change their sign: near that pole it pushes as hard as any single reading wants.
+fn may_diverge(problem: &Problem, term: &Term) -> bool {
+    let divides = term.factors().any(|(_, power)| power < 0.0);
+    let mut crosses = false;
+    term.for_each_signal(&mut |s| crosses |= changes_sign(problem, s));
+    divides && crosses
+}
+
+fn changes_sign(problem: &Problem, signal: Signal) -> bool {
+    let system = &problem.system;
+    let state = system.state_index(signal);
+    let input = system.exogenous.iter().position(|s| *s == signal);
+    let readings = problem.records.iter().flat_map(|record| {
+        let state = state.and_then(|i| record.measured.get(i));
+        let input = input.and_then(|i| record.exogenous.get(i));
+        let input = input.map(|e| &e.values);
+        state.into_iter().chain(input).flatten()
+    });
+    let signs = readings.filter(|x| x.is_finite()).map(|x| *x > 0.0);
+    let (positive, negative): (Vec<bool>, Vec<bool>) = signs.partition(|p| *p);
+    !positive.is_empty() && !negative.is_empty()
 }

@@ -49,6 +49,8 @@ pub struct ScaledDesign<'a> {
     pub zero_columns: Vec<Term>,
     /// Weighted target as measured; where it was not, the value of the right side.
     pub target: Vec<f64>,
+    /// Weights of the rows.
+    pub weights: Vec<f64>,
     pub noise: Noise,
 }
 
@@ -136,6 +138,7 @@ impl<'a> ScaledDesign<'a> {
             candidates: library.len(),
             zero_columns,
             target,
+            weights: error.row.clone(),
             noise: Noise {
                 floor: error.floor,
                 rows: 1.0,

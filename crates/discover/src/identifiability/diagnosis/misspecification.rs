@@ -121,7 +121,7 @@ impl Projection {
 fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, f64)> {
     let square = dot(&l.residual, &l.residual);
     let mut best: Option<(f64, Term)> = None;
-    for term in standard_terms_of(specification, &l.samples) {
+    for term in standard_terms_of(specification.equation.target, &l.samples) {
         if specification.library.contains(&term).is_some() {
             continue;
         }
@@ -155,8 +155,7 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
 }
 
 /// Standard terms of the measured signals, the simplest first.
-fn standard_terms_of(specification: &Specification, samples: &Samples) -> Vec<Term> {
-    let target = specification.equation.target;
+pub(super) fn standard_terms_of(target: Signal, samples: &Samples) -> Vec<Term> {
     let usable = |s: &Signal| {
         let of_target = s.var == target.var && s.der >= target.der && s.shift >= target.shift;
         s.var != VarId::TIME && !of_target && s.shift <= 0 && s.der < 2

@@ -7,3 +7,4 @@ pub mod findings;
 pub mod messages;
 pub mod misspecification;
 pub mod remedies;
+pub mod series_of_law;

@@ -1,0 +1,85 @@
+//! A tiny residual that is still beyond the error of the data: a series that comes near the law, or the error of a solver that made the
+//! data.
+//!
+//! In: the design of an equation, its library. Out: the standard term with which nothing is left, and a doubt that names it. A solver's
+//! error is a function that no single term explains.
+
+use super::misspecification::standard_terms_of;
+use crate::dictionary::evaluate;
+use crate::doubts::thresholds::DOUBTS;
+use crate::identifiability::thresholds::SERIES;
+use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
+use crate::statistics::norm;
+use sidc_lang::library::Library;
+use sidc_lang::term::{Language, Term};
+use sidc_solve::simd::dot;
+use sidc_system::discovery::{Change, Reason, ReasonCode};
+
+/// The doubt `misfit` of an equation whose residual is too small to count as a misfit by itself.
+pub fn series_doubt(design: &ScaledDesign, library: &Library) -> Option<Reason> {
+    let (residual, error) = (design.evidence.residual, design.evidence.target_error);
+    let tiny = residual <= DOUBTS.solver_residual;
+    let beyond = error > 0.0 && residual > DOUBTS.misfit * error;
+    let measured = design.evidence.together.is_none() && design.evidence.method.is_empty();
+    if !(tiny && beyond && measured) {
+        return None;
+    }
+    let (term, rest) = term_of_law(design, library)?;
+    let explained = rest * residual <= (DOUBTS.misfit * error).max(SERIES.left * residual);
+    explained.then(|| doubt(design, &term, rest))
+}
+
+fn doubt(design: &ScaledDesign, term: &Term, rest: f64) -> Reason {
+    let term = Language(design.model).term(term);
+    let text = format!(
+        "the residual ({:.1e} of the target) is {:.0} times the estimated error of the data, and with {term}, which the library \
+         lacks, it would be {:.0} times less: the terms found are a series that comes near the law",
+        design.evidence.residual,
+        design.evidence.residual / design.evidence.target_error,
+        1.0 / rest.max(f64::MIN_POSITIVE)
+    );
+    let equations = &design.model.equations;
+    let stated = equations
+        .iter()
+        .find(|e| e.target == design.equation.target);
+    let reason = Reason::new(ReasonCode::Misfit, text);
+    let words = format!("add {term} to the library");
+    match stated {
+        Some(stated) => reason.change(words, Change::Model(vec![stated.with(&[term])])),
+        None => reason.remedy(words),
+    }
+}
+
+/// The standard term beside which the terms found leave least, and what they leave relative to what they leave without it.
+fn term_of_law(design: &ScaledDesign, library: &Library) -> Option<(Term, f64)> {
+    let target = design.equation.target;
+    let support = design.support.iter().filter_map(|p| design.columns.get(*p));
+    let basis = OrthonormalBasis::of(support.map(|c| &c.unit[..]));
+    let left = basis.residual(&design.target);
+    let square = dot(&left, &left);
+    let mut best: Option<(f64, Term)> = None;
+    for term in standard_terms_of(target, &design.samples) {
+        if library.contains(&term).is_some() {
+            continue;
+        }
+        let values = evaluate(&term, &design.samples);
+        let weighted: Vec<f64> = values
+            .iter()
+            .zip(&design.weights)
+            .map(|(v, w)| v * w)
+            .collect();
+        let length = norm(&weighted);
+        if !length.is_finite() || length == 0.0 {
+            continue;
+        }
+        let unit: Vec<f64> = weighted.iter().map(|v| v / length).collect();
+        let outside = basis.residual(&unit);
+        let room = dot(&outside, &outside);
+        let gain = dot(&outside, &left).powi(2) / room;
+        if room > SERIES.dependent && best.as_ref().is_none_or(|(g, _)| gain > *g) {
+            best = Some((gain, term));
+        }
+    }
+    let (gain, term) = best?;
+    Some((term, ((square - gain).max(0.0) / square).sqrt()))
+}
