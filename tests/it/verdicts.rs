@@ -7,7 +7,10 @@ const SEEDS: u64 = 3;
 
 fn identify(case: &Case) -> Discovery {
     let model = Model::parse(&case.model).unwrap();
-    let data = Data::new().run(case.columns()).unwrap();
+    let mut data = Data::new();
+    for run in case.columns() {
+        data = data.run(run).unwrap();
+    }
     model.identify(&data, &Options::default()).unwrap()
 }
 
@@ -24,7 +27,7 @@ fn answer(found: &Discovery) -> (Vec<String>, Vec<ReasonCode>) {
 }
 
 fn law(case: &Case) -> Vec<String> {
-    case.law.iter().map(ToString::to_string).collect()
+    case.laws[0].terms.clone()
 }
 
 #[test]
@@ -33,6 +36,21 @@ fn an_honest_law_passes_at_every_level_of_noise() {
         let case = case(Attack::Honest, seed, noise);
         let found = identify(&case);
         assert_eq!(answer(&found), (law(&case), vec![]), "{seed} {noise}");
+    }
+}
+
+#[test]
+fn random_laws_pass_on_exact_data_and_without_a_term_they_do_not() {
+    for seed in 0..SEEDS {
+        let found = identify(&case(Attack::RandomSystem, seed, 0.0));
+        assert!(found.passes(), "{seed}: {found}");
+        for noise in [0.0, 0.001] {
+            let case = case(Attack::OmittedTerm, seed, noise);
+            let found = identify(&case);
+            let law = case.laws.iter().find(|l| !l.offered).unwrap();
+            let doubted = found.doubts().any(|(target, _)| target == law.target);
+            assert!(doubted, "{seed} {noise}: {found}");
+        }
     }
 }
 

@@ -8,7 +8,7 @@
 //! with `--write` the models and tables of those.
 
 use sidc::{Data, Discovery, Model, Options};
-use sidc_testing::attacks::{Attack, Case, case};
+use sidc_testing::attacks::{Attack, Case, Law, case};
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -28,7 +28,7 @@ fn main() -> std::io::Result<()> {
                     counts[2] += 1;
                     continue;
                 };
-                let outcome = outcome(&case, attack, &found);
+                let outcome = outcome(&case, &found);
                 counts[outcome] += 1;
                 if outcome == 0 || outcome == 2 {
                     continue;
@@ -39,7 +39,9 @@ fn main() -> std::io::Result<()> {
                 if let Some(folder) = folder {
                     let name = format!("{folder}/{attack:?}_{noise}_{seed}");
                     std::fs::write(format!("{name}.sid"), &case.model)?;
-                    std::fs::write(format!("{name}.csv"), case.table.csv())?;
+                    for (i, run) in case.runs.iter().enumerate() {
+                        std::fs::write(format!("{name}_{i}.csv"), run.csv())?;
+                    }
                 }
             }
             let [a, b, c, d] = counts;
@@ -52,17 +54,31 @@ fn main() -> std::io::Result<()> {
 
 fn identify(case: &Case) -> Option<Discovery> {
     let model = Model::parse(&case.model).ok()?;
-    let data = Data::new().run(case.columns()).ok()?;
+    let mut data = Data::new();
+    for run in case.columns() {
+        data = data.run(run).ok()?;
+    }
     model.identify(&data, &Options::default()).ok()
 }
 
-/// 0 right and passes, 1 right and doubted, 2 wrong and doubted, 3 wrong and passes. Of the first equation.
-fn outcome(case: &Case, attack: Attack, found: &Discovery) -> usize {
-    let Some(equation) = found.equations().iter().find(|e| e.target == "ddx") else {
+/// 0 right and passes, 1 right and doubted, 2 wrong and doubted, 3 wrong and passes. Of the worst equation.
+fn outcome(case: &Case, found: &Discovery) -> usize {
+    case.laws
+        .iter()
+        .map(|law| judged(law, found))
+        .max()
+        .unwrap_or(2)
+}
+
+fn judged(law: &Law, found: &Discovery) -> usize {
+    let Some(equation) = found.equations().iter().find(|e| e.target == law.target) else {
         return 2;
     };
-    let terms: Vec<&str> = equation.terms.iter().map(|t| t.term.as_str()).collect();
-    let right = attack.has_law() && terms == case.law;
+    let mut terms: Vec<&str> = equation.terms.iter().map(|t| t.term.as_str()).collect();
+    let mut truth: Vec<&str> = law.terms.iter().map(String::as_str).collect();
+    terms.sort_unstable();
+    truth.sort_unstable();
+    let right = law.offered && terms == truth;
     let passes = equation.reasons.is_empty();
     match (right, passes) {
         (true, true) => 0,

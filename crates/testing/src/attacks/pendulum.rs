@@ -1,8 +1,8 @@
-//! Attacks on the verdict: random systems with data from which a wrong law may pass, or a right one be doubted.
+//! Attacks with a damped pendulum, a random input and random constants.
 //!
-//! In: a kind of attack, a seed, a level of noise. Out: a model, a table, and the terms of the law where the library holds it. Every
-//! number of a case follows from its seed.
+//! In: a kind of attack, a seed, a level of noise. Out: a case.
 
+use super::{Attack, Case, Law};
 use crate::integrate::{grid, integrate};
 use crate::pendulum_regression::Random;
 use crate::table::Table;
@@ -12,54 +12,8 @@ const STEP: f64 = 0.03;
 /// Samples for which a random input is held.
 const HOLD: usize = 20;
 
-/// What a case does to the verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Attack {
-    /// Nothing: the law is in the library.
-    Honest,
-    /// The sine of the law is not in the library.
-    MissingTerm,
-    /// The library holds the target in other words.
-    Copy,
-    /// A second sensor measures the rate.
-    SecondSensor,
-    /// The input is one sine, and only the steady motion is recorded.
-    SteadySine,
-    /// A small swing without noise, and powers in place of the sine.
-    Series,
-    /// The solver that made the data took few steps.
-    CoarseSolver,
-}
-
-impl Attack {
-    pub const ALL: [Attack; 7] = [
-        Attack::Honest,
-        Attack::MissingTerm,
-        Attack::Copy,
-        Attack::SecondSensor,
-        Attack::SteadySine,
-        Attack::Series,
-        Attack::CoarseSolver,
-    ];
-
-    /// Whether the library holds the law. A steady motion need not tell it.
-    pub fn has_law(self) -> bool {
-        let without = [Attack::MissingTerm, Attack::SecondSensor, Attack::Series];
-        !without.contains(&self)
-    }
-}
-
-/// One case.
-pub struct Case {
-    pub model: String,
-    /// Written with all digits, so that exact data stay exact.
-    pub table: Table,
-    /// The terms of ddx.
-    pub law: Vec<&'static str>,
-}
-
 /// A damped pendulum with a random input and random constants; `noise` is relative to the spread of each column.
-pub fn case(attack: Attack, seed: u64, noise: f64) -> Case {
+pub(super) fn case(attack: Attack, seed: u64, noise: f64) -> Case {
     let mut random = Random::new(1000 + seed);
     let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
     let (k, d, gain) = (between(3.0, 9.0), between(0.15, 0.5), between(1.0, 3.0));
@@ -103,12 +57,16 @@ pub fn case(attack: Attack, seed: u64, noise: f64) -> Case {
     };
     Case {
         model: model(attack),
-        table: Table {
+        runs: vec![Table {
             rows,
             digits: None,
             ..Table::new(names)
-        },
-        law: vec!["dx", "u", "sin(x)"],
+        }],
+        laws: vec![Law {
+            target: "ddx",
+            terms: ["dx", "u", "sin(x)"].map(String::from).to_vec(),
+            offered: attack.has_law(),
+        }],
     }
 }
 
@@ -128,6 +86,7 @@ fn model(attack: Attack) -> String {
         Attack::SecondSensor => ("state w\n", "poly(x, dx; 3) + dw*<1, x>"),
         Attack::SteadySine => ("", "poly(x, dx, u; 2) + <sin x, cos x>"),
         Attack::Series => ("", "poly(x, dx; 5)"),
+        Attack::RandomSystem | Attack::OmittedTerm => unreachable!("made by another module"),
     };
     let mut text = format!("state x : order 2\n{states}input u : {input}\nddx ~ {library}\n");
     if attack == Attack::SecondSensor {
@@ -166,14 +125,5 @@ fn disturb(rows: &mut [Vec<f64>], noise: f64, random: &mut Random) {
         for row in rows.iter_mut() {
             row[column] += sigma * random.normal();
         }
-    }
-}
-
-impl Case {
-    /// The columns by name, time first.
-    pub fn columns(&self) -> Vec<(&'static str, Vec<f64>)> {
-        let names = self.table.names.iter().enumerate();
-        let column = |i: usize| self.table.rows.iter().map(|r| r[i]).collect();
-        names.map(|(i, name)| (*name, column(i))).collect()
     }
 }

@@ -1,0 +1,91 @@
+//! Attacks on the verdict: random systems with data from which a wrong law may pass, or a right one be doubted.
+//!
+//! In: a kind of attack, a seed, a level of noise. Out: a model, a table, and the terms of the law where the library holds it. Every
+//! number of a case follows from its seed.
+
+mod pendulum;
+mod random_system;
+
+use crate::table::Table;
+
+/// What a case does to the verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Attack {
+    /// Nothing: the law is in the library.
+    Honest,
+    /// The sine of the law is not in the library.
+    MissingTerm,
+    /// The library holds the target in other words.
+    Copy,
+    /// A second sensor measures the rate.
+    SecondSensor,
+    /// The input is one sine, and only the steady motion is recorded.
+    SteadySine,
+    /// A small swing without noise, and powers in place of the sine.
+    Series,
+    /// The solver that made the data took few steps.
+    CoarseSolver,
+    /// Two states, random laws of two to four terms each.
+    RandomSystem,
+    /// The same, and a term of one law is not in its library.
+    OmittedTerm,
+}
+
+impl Attack {
+    pub const ALL: [Attack; 9] = [
+        Attack::Honest,
+        Attack::MissingTerm,
+        Attack::Copy,
+        Attack::SecondSensor,
+        Attack::SteadySine,
+        Attack::Series,
+        Attack::CoarseSolver,
+        Attack::RandomSystem,
+        Attack::OmittedTerm,
+    ];
+
+    /// Whether the library of the pendulum holds the law. A steady motion need not tell it.
+    fn has_law(self) -> bool {
+        let without = [Attack::MissingTerm, Attack::SecondSensor, Attack::Series];
+        !without.contains(&self)
+    }
+}
+
+/// One case.
+pub struct Case {
+    pub model: String,
+    /// Written with all digits, so that exact data stay exact.
+    pub runs: Vec<Table>,
+    /// Of every equation that is judged.
+    pub laws: Vec<Law>,
+}
+
+/// The true law of a target.
+pub struct Law {
+    pub target: &'static str,
+    /// In the order in which the program prints them.
+    pub terms: Vec<String>,
+    /// Whether its library holds all of them.
+    pub offered: bool,
+}
+
+/// A case; `noise` is relative to the spread of each column.
+pub fn case(attack: Attack, seed: u64, noise: f64) -> Case {
+    match attack {
+        Attack::RandomSystem => random_system::case(seed, noise, false),
+        Attack::OmittedTerm => random_system::case(seed, noise, true),
+        _ => pendulum::case(attack, seed, noise),
+    }
+}
+
+impl Case {
+    /// The columns of every run by name, time first.
+    pub fn columns(&self) -> Vec<Vec<(&'static str, Vec<f64>)>> {
+        let of = |table: &Table| {
+            let names = table.names.iter().enumerate();
+            let column = |i: usize| table.rows.iter().map(|r| r[i]).collect();
+            names.map(|(i, name)| (*name, column(i))).collect()
+        };
+        self.runs.iter().map(of).collect()
+    }
+}
