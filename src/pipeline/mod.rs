@@ -5,12 +5,14 @@
 mod document;
 mod evidence;
 mod identify;
+mod joint;
 mod judgement;
 mod measure;
 mod noise;
 mod program;
 mod rates;
 mod regression;
+mod second_way;
 mod thresholds;
 mod unevaluable;
 mod verification;

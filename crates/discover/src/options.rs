@@ -55,6 +55,13 @@ pub struct Options {
     pub robust: bool,
 }
 
+impl Options {
+    /// Whether the program chooses the way: the user named none, and asked for nothing that only one of them has.
+    pub fn chooses_way(&self) -> bool {
+        self.method == Method::Auto && self.samples.is_none() && !self.path
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Options {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Witness,
+    Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Ways, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
@@ -125,6 +125,9 @@ pub struct Evidence {
     /// Figures of the joint estimation with the trajectory, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub together: Option<Together>,
+    /// Which ways were tried, where the first ended in doubt.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub ways: Option<Box<Ways>>,
     /// Whether the equation repeats other equations of its system.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub relation: Option<Rearranged>,

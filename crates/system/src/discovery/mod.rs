@@ -7,6 +7,7 @@ mod mass_matrix_form;
 mod reason;
 pub mod thresholds;
 mod verification;
+mod ways;
 
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
@@ -20,3 +21,4 @@ pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Notice, Reason, ReasonCode};
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};
+pub use ways::Ways;
