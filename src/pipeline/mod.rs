@@ -18,6 +18,7 @@ mod unevaluable;
 mod verification;
 
 pub use document::{ModelSource, settings, signal_entries, warnings};
+pub use evidence::without_ranks;
 pub use identify::identify;
 pub use judgement::{Judgement, check_limits, judge};
 pub use measure::{Measured, from_tables, measure};

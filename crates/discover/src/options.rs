@@ -53,6 +53,8 @@ pub struct Options {
     pub path: bool,
     /// Whether outlying readings are left out.
     pub robust: bool,
+    /// Whether the rank of each library is wanted: of a thousand columns it takes as long as all other evidence.
+    pub ranks: bool,
 }
 
 impl Options {
@@ -72,6 +74,7 @@ impl Default for Options {
             memory: library::MEMORY,
             path: false,
             robust: false,
+            ranks: true,
         }
     }
 }

@@ -74,8 +74,8 @@ pub struct Assessment {
     relation: Option<Reason>,
 }
 
-/// What the rows can distinguish for one equation.
-pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Assessment {
+/// What the rows can distinguish for one equation; the rank of its library only if `ranks` is set.
+pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows, ranks: bool) -> Assessment {
     let model = design.model;
     let gram = GramMatrix::of(design);
     let language = Language(model);
@@ -90,8 +90,10 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Assessmen
         let findings = findings(design, library, read, &relations);
         (relations, findings, equivalent)
     };
-    let ((relations, findings, equivalent), (rank, tolerance)) =
-        threads::join(everything_else, || rank(design, &gram));
+    let ((relations, findings, equivalent), (rank, tolerance)) = match ranks {
+        true => threads::join(everything_else, || rank(design, &gram)),
+        false => (everything_else(), (0, 0.0)),
+    };
     let mut supports: Vec<Vec<String>> = Vec::new();
     for e in &equivalent {
         let names: Vec<String> = e.support.iter().map(|p| name(*p)).collect();

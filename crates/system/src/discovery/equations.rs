@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Ways, Witness,
+    Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
@@ -149,6 +149,20 @@ pub struct Evidence {
     /// What verification needs; not written.
     #[serde(skip)]
     pub witness: Option<Arc<Witness>>,
+}
+
+/// A second way, tried because the first ended in doubt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ways {
+    /// The way of `--method` that was tried first, and the doubts of all its equations.
+    pub first: String,
+    pub first_doubts: Vec<ReasonCode>,
+    /// The way that was tried then, and the doubts of all its equations; none where it holds.
+    pub second: String,
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub second_doubts: Vec<ReasonCode>,
+    /// The way that gave these equations.
+    pub given: String,
 }
 
 /// Two laws of one target, of which one follows from other equations of the system.

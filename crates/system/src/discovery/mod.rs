@@ -12,7 +12,7 @@ mod ways;
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, OtherLaw,
-    PathKnot, Proof, Rearranged, Status, Together, Variable,
+    PathKnot, Proof, Rearranged, Status, Together, Variable, Ways,
 };
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
@@ -21,4 +21,3 @@ pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Notice, Reason, ReasonCode};
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};
-pub use ways::Ways;

@@ -2,23 +2,7 @@
 //!
 //! In: two discoveries of one system. Out: the record of it in the evidence, and a notice. Never changes a term or a coefficient.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Discovery, Notice, ReasonCode};
-
-/// A second way, tried because the first ended in doubt.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ways {
-    /// The way of `--method` that was tried first, and the doubts of all its equations.
-    pub first: String,
-    pub first_doubts: Vec<ReasonCode>,
-    /// The way that was tried then, and the doubts of all its equations; none where it holds.
-    pub second: String,
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub second_doubts: Vec<ReasonCode>,
-    /// The way that gave these equations.
-    pub given: String,
-}
+use super::{Discovery, Notice, ReasonCode, Ways};
 
 impl Discovery {
     /// The codes of all doubts and failures, each once.
