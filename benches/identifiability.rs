@@ -100,7 +100,7 @@ fn whole(c: &mut Criterion) {
             b.iter(|| {
                 let design =
                     ScaledDesign::new(&program.model, &library, &samples, &equation, &options)?;
-                let told = assess(&design, &library, given);
+                let told = assess(&design, &library, given, true);
                 let mut found = discovery.clone();
                 if let Some(stretches) = uncertainty::block_normal_equations(&design) {
                     let stability = uncertainty::stability_selection(&stretches);

@@ -22,6 +22,12 @@ use sidc_system::discovery::{Discovery, Equation, Stretches};
 use super::program::{Program, needed};
 use super::thresholds::BUDGET;
 
+/// The same options without the ranks of libraries, for answers that neither print nor keep them.
+pub fn without_ranks(mut options: crate::Options) -> crate::Options {
+    options.search.ranks = false;
+    options
+}
+
 /// What equations are weighed on.
 pub(super) struct Weighing<'a> {
     pub program: &'a Program,
@@ -102,7 +108,12 @@ impl Weighing<'_> {
         let design = ScaledDesign::new(model, library, samples, equation, self.options)?;
         let stretches = uncertainty::block_normal_equations(&design);
         Some(Judged {
-            told: Some(identifiability::assess(&design, library, self.rows)),
+            told: Some(identifiability::assess(
+                &design,
+                library,
+                self.rows,
+                self.options.ranks,
+            )),
             halves: (stretches.as_ref()).and_then(uncertainty::stability_selection),
             stretches,
             readings: Some(design.noise.rows),

@@ -3,16 +3,18 @@
 //! In: a program, its signals on common rows. Out: equations with evidence, or why a term has no value.
 
 use sidc_discover as discover;
+use sidc_discover::Refusal;
 use sidc_discover::identifiability::Rows;
-use sidc_discover::{Fitted, Refusal};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
-use super::evidence::{self, Weighing};
+use super::evidence::Weighing;
+use super::joint::jointly;
 use super::measure::Measured;
 use super::program::Program;
 use super::rates;
+use super::second_way::better_way;
 use super::unevaluable;
 use crate::options::Options;
 
@@ -26,28 +28,12 @@ pub fn identify(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Discovery, Vec<Diagnostic>> {
-    let search = &options.search;
     let program = measured.searched(program);
     if let Some(problem) = &measured.joint {
-        let found = discover::discover_jointly(&program.model, problem, search, observer);
-        let (mut discovery, fitted) = found.unwrap_or_else(|| {
-            let nothing = discover::nothing_fits(&program.model, problem);
-            (nothing, Fitted::default())
-        });
-        rates::doubt(&mut discovery, &measured.dataset.rate_faults);
-        let read = evidence::readings(program, &measured.dataset, &discovery);
-        let weighing = Weighing {
-            program,
-            rows: Rows {
-                samples: &fitted.samples,
-                read: read.as_ref(),
-            },
-            stretches: fitted.stretches.as_ref(),
-            options: search,
-        };
-        weighing.weigh(&mut discovery, observer);
-        return Ok(discovery);
+        let dataset = &measured.dataset;
+        return Ok(jointly(program, dataset, problem, options, observer));
     }
+    let search = &options.search;
     let found = discover::discover(
         &program.model,
         &program.libraries,
@@ -67,7 +53,7 @@ pub fn identify(
         options: search,
     };
     weighing.weigh(&mut discovery, observer);
-    Ok(discovery)
+    Ok(better_way(program, measured, options, discovery, observer))
 }
 
 fn diagnostics(program: &Program, measured: &Measured, refused: Vec<Refusal>) -> Vec<Diagnostic> {

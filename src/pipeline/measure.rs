@@ -77,8 +77,7 @@ pub fn measure(
         Ok(_) => Default::default(),
         Err(_) => data::samples(model, &dataset, &needed(program), observer),
     };
-    let free = search.method == Method::Auto && search.samples.is_none() && !search.path;
-    if free && found.iter().any(|d| d.code == "no-samples") {
+    if search.chooses_way() && found.iter().any(|d| d.code == "no-samples") {
         // A trajectory can be estimated from readings that are never complete, or too sparse for derivatives.
         let method = Method::Joint;
         let jointly = discover::Options { method, ..*search };

@@ -5,17 +5,20 @@
 mod document;
 mod evidence;
 mod identify;
+mod joint;
 mod judgement;
 mod measure;
 mod noise;
 mod program;
 mod rates;
 mod regression;
+mod second_way;
 mod thresholds;
 mod unevaluable;
 mod verification;
 
 pub use document::{ModelSource, settings, signal_entries, warnings};
+pub use evidence::without_ranks;
 pub use identify::identify;
 pub use judgement::{Judgement, check_limits, judge};
 pub use measure::{Measured, from_tables, measure};

@@ -48,4 +48,5 @@ mod thresholds;
 mod units;
 mod verdicts;
 mod verify;
+mod ways;
 mod weak;

@@ -4,7 +4,7 @@
 //! equations need, measured or estimated. Opens no files.
 //!
 //! Flow: [`read`] (`csv`) → [`bind`] (`binding`, with `checks`) → [`Dataset`] → [`hold_out`], [`keep_window`] (`dataset`) →
-//! [`samples`] (`sample_assembly`, with `derivatives`). Beside it: [`smooth`] (`smoothing`) takes the noise off one signal, and
+//! [`samples`] (`sample_assembly`, with `derivatives`). Beside it: [`smooth`] (`smoothing`) takes the noise off one signal, [`is_smooth`] says that there is none, and
 //! [`draft`] writes a first model of a table. `time_axis`, `intersample` and `segmentation` say where a record is even, held and
 //! interrupted.
 
@@ -30,6 +30,7 @@ pub use dataset::{
     Column, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples, Trajectory, Window,
     hold_out, keep_window,
 };
+pub use derivatives::is_smooth;
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
 pub use smoothing::{Smoothed, smooth};

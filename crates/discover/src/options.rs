@@ -53,6 +53,15 @@ pub struct Options {
     pub path: bool,
     /// Whether outlying readings are left out.
     pub robust: bool,
+    /// Whether the rank of each library is wanted: of a thousand columns it takes as long as all other evidence.
+    pub ranks: bool,
+}
+
+impl Options {
+    /// Whether the program chooses the way: the user named none, and asked for nothing that only one of them has.
+    pub fn chooses_way(&self) -> bool {
+        self.method == Method::Auto && self.samples.is_none() && !self.path
+    }
 }
 
 impl Default for Options {
@@ -65,6 +74,7 @@ impl Default for Options {
             memory: library::MEMORY,
             path: false,
             robust: false,
+            ranks: true,
         }
     }
 }

@@ -66,9 +66,31 @@ where
     })
 }
 
+/// `work` of every task, in their order, whichever thread does it.
+pub fn map<T: Send, A: Send>(tasks: Vec<T>, work: impl Fn(T) -> A + Sync) -> Vec<A> {
+    let threads = available().min(tasks.len());
+    let numbered = |tasks: &mut dyn Iterator<Item = (usize, T)>| -> Vec<(usize, A)> {
+        tasks.map(|(i, task)| (i, work(task))).collect()
+    };
+    let done = share(threads, tasks.into_iter().enumerate(), numbered);
+    let mut done: Vec<(usize, A)> = done.into_iter().flatten().collect();
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, answer)| answer).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn answers_are_in_the_order_of_their_tasks() {
+        let tasks: Vec<usize> = (0..1000).collect();
+        assert_eq!(
+            map(tasks.clone(), |t| 2 * t),
+            tasks.iter().map(|t| 2 * t).collect::<Vec<_>>()
+        );
+        assert!(map(Vec::new(), |t: usize| t).is_empty());
+    }
 
     #[test]
     fn every_task_is_done_once() {

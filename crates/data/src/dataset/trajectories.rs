@@ -28,6 +28,21 @@ impl Dataset {
     pub fn between(&self, var: VarId) -> Option<Between> {
         self.inputs.iter().find(|i| i.var == var).map(|i| i.between)
     }
+
+    /// Whether some record has a column of this signal.
+    pub fn has(&self, s: Signal) -> bool {
+        self.trajectories.iter().any(|t| t.column(s).is_some())
+    }
+
+    /// The same records as if these signals had not been measured.
+    pub fn without(&self, signals: &[Signal]) -> Dataset {
+        let mut rest = self.clone();
+        for trajectory in &mut rest.trajectories {
+            trajectory.columns.retain(|(s, _)| !signals.contains(s));
+        }
+        rest.rate_faults.retain(|f| !signals.contains(&f.signal));
+        rest
+    }
 }
 
 /// One uninterrupted record.

@@ -1,14 +1,16 @@
 //! The noise of a channel from its high differences, in which smooth motion vanishes and white noise does not.
 //!
-//! In: times and values in segments. Out: one standard deviation; rounding in print counts as noise. Fits nothing.
+//! In: times and values in segments. Out: one standard deviation; rounding in print counts as noise. Beside it, whether there is
+//! anything at all that differences do not remove. Fits nothing.
 //!
 //! The method of Gasser, Sroka and Jennen-Steinmetz 1986, Biometrika 73, with medians for means and several orders.
 
 use super::orthonormal_polynomials::{divided_difference, dot};
 use super::quantization_noise::quantization_noise;
 use super::thresholds::NOISE;
-use crate::segmentation::Segment;
-use crate::time_axis::TimeGrid;
+use crate::segmentation::{Segment, breaks_at, segments};
+use crate::series::range;
+use crate::time_axis::{TimeGrid, gaps};
 
 /// Median of |x|, x standard normal.
 pub(crate) const MEDIAN_OF_ABS_NORMAL: f64 = 0.6745;
@@ -35,29 +37,55 @@ pub(crate) fn noise_level(grid: &TimeGrid, values: &[f64], segments: &[Segment])
     seen.max(quantization_noise(values, segments)).max(floor)
 }
 
+/// Whether all of `values`, NaN where one is missing, are smooth to `part` of their range: differences of one order vanish to that
+/// everywhere, not in the median alone. Then what a smoother leaves is motion: it does so on records that rest most of the time. False
+/// for records too short to tell.
+pub fn is_smooth(time: &[f64], values: &[f64], part: f64) -> bool {
+    let missing: Vec<bool> = values.iter().map(|x| !x.is_finite()).collect();
+    let within = segments(&missing, &breaks_at(&gaps(time), &[], 1));
+    let (least, largest) = range(values);
+    let most = part * (largest - least);
+    let grid = TimeGrid::new(time);
+    let long = |s: &Segment| s.len() > NOISE.max_order + NOISE.min_differences;
+    let vanish = |k| contrasts_at(&grid, values, &within, k, 1).all(|r| r <= most);
+    !within.is_empty()
+        && within.iter().all(long)
+        && (NOISE.min_order..=NOISE.max_order).rev().any(vanish)
+}
+
 fn contrasts(grid: &TimeGrid, values: &[f64], segments: &[Segment], k: usize) -> Vec<f64> {
+    let total: usize = segments.iter().map(|s| s.len().saturating_sub(k)).sum();
+    let stride = total.div_ceil(NOISE.max_places).max(1);
+    contrasts_at(grid, values, segments, k, stride).collect()
+}
+
+/// Absolute unit contrasts of order `k` that begin at every so-many-th row of a segment.
+fn contrasts_at(
+    grid: &TimeGrid,
+    values: &[f64],
+    segments: &[Segment],
+    k: usize,
+    stride: usize,
+) -> impl Iterator<Item = f64> {
     let even = grid.is_even().then(|| {
         let tau: Vec<f64> = (0..=k).map(|j| 2.0 * j as f64 / k as f64 - 1.0).collect();
         divided_difference(&tau)
     });
-    let total: usize = segments.iter().map(|s| s.len().saturating_sub(k)).sum();
-    let stride = total.div_ceil(NOISE.max_places).max(1);
-    let mut out = Vec::with_capacity(total.min(NOISE.max_places) + 1);
-    for s in segments {
-        for i in (s.start..s.end.saturating_sub(k)).step_by(stride) {
-            let window = values.get(i..=i + k).unwrap_or(&[]);
-            let r = match &even {
-                Some(c) => dot(c, window),
-                None => {
-                    let t = grid.time().get(i..=i + k).unwrap_or(&[]);
-                    let (a, b) = (t.first().unwrap_or(&0.0), t.last().unwrap_or(&1.0));
-                    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-                    let tau: Vec<f64> = t.iter().map(|t| (t - middle) / half).collect();
-                    dot(&divided_difference(&tau), window)
-                }
-            };
-            out.push(r.abs());
-        }
-    }
-    out
+    let places = segments
+        .iter()
+        .flat_map(move |s| (s.start..s.end.saturating_sub(k)).step_by(stride));
+    places.map(move |i| {
+        let window = values.get(i..=i + k).unwrap_or(&[]);
+        let contrast = match &even {
+            Some(c) => dot(c, window),
+            None => {
+                let t = grid.time().get(i..=i + k).unwrap_or(&[]);
+                let (a, b) = (t.first().unwrap_or(&0.0), t.last().unwrap_or(&1.0));
+                let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+                let tau: Vec<f64> = t.iter().map(|t| (t - middle) / half).collect();
+                dot(&divided_difference(&tau), window)
+            }
+        };
+        contrast.abs()
+    })
 }

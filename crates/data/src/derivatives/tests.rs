@@ -236,3 +236,29 @@ fn uneven_times_are_no_worse() {
         s.covered
     );
 }
+
+#[test]
+fn only_what_is_smooth_everywhere_is_called_smooth() {
+    for uneven in [false, true] {
+        let shift = |k: usize| if uneven { 0.2 * (k as f64).sin() } else { 0.0 };
+        let time: Vec<f64> = (0..400).map(|k| 0.01 * (k as f64 + shift(k))).collect();
+        for (name, f) in SIGNALS {
+            let values: Vec<f64> = time.iter().map(|t| f(*t, 0)).collect();
+            assert!(is_smooth(&time, &values, 1e-9), "{name}");
+            let with = |change: &dyn Fn(usize) -> f64| -> Vec<f64> {
+                let changed = values.iter().enumerate().map(|(k, x)| x + change(k));
+                changed.collect()
+            };
+            let hold = |k: usize| if k == 200 { 1e-6 } else { 0.0 };
+            let kink = |k: usize| 1e-4 * (k as f64 - 200.0).max(0.0);
+            let grain = noise(3, values.len());
+            for rough in [with(&hold), with(&kink), with(&|k| 1e-7 * grain[k])] {
+                assert!(!is_smooth(&time, &rough, 1e-9), "{name}");
+            }
+            let gap = with(&|k| if k == 50 { f64::NAN } else { 0.0 });
+            assert!(is_smooth(&time, &gap, 1e-9), "{name}");
+        }
+        assert!(!is_smooth(&time[..12], &[0.0; 12], 1e-9));
+        assert!(!is_smooth(&time, &vec![f64::NAN; time.len()], 1e-9));
+    }
+}

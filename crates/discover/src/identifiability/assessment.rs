@@ -76,8 +76,8 @@ pub struct Assessment {
     reasons: Vec<Reason>,
 }
 
-/// What the rows can distinguish for one equation.
-pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Assessment {
+/// What the rows can distinguish for one equation; the rank of its library only if `ranks` is set.
+pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows, ranks: bool) -> Assessment {
     let model = design.model;
     let gram = GramMatrix::of(design);
     let language = Language(model);
@@ -92,8 +92,10 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows) -> Assessmen
         let findings = findings(design, library, read, &relations);
         (relations, findings, equivalent)
     };
-    let ((relations, findings, equivalent), (rank, tolerance)) =
-        threads::join(everything_else, || rank(design, &gram));
+    let ((relations, findings, equivalent), (rank, tolerance)) = match ranks {
+        true => threads::join(everything_else, || rank(design, &gram)),
+        false => (everything_else(), (0, 0.0)),
+    };
     let mut supports: Vec<Vec<String>> = Vec::new();
     for e in &equivalent {
         let names: Vec<String> = e.support.iter().map(|p| name(*p)).collect();

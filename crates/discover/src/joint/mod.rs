@@ -25,6 +25,7 @@ use crate::redundancy::doubt_redundant_equations;
 use crate::selection::screening::{CandidatePools, screen};
 use crate::trajectory;
 use crate::trajectory::{Channel, Found, Problem, System};
+use sidc_data as data;
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -59,6 +60,10 @@ pub fn joint(
         return Err(format!("{} is measured", model.name(target)));
     }
     let make = |pools: &CandidatePools| System::new(model, libraries, pools);
+    let clean = || "the data are clean".to_owned();
+    if !asked && !options.robust && plainly_clean(model, dataset) {
+        return Err(clean());
+    }
     // The noise shows with one column for each equation, which is quick to set up.
     let bare = make(&libraries.iter().map(|_| Some(vec![0])).collect())?;
     let missing = |s: Signal| format!("the data have no {}", model.name(s));
@@ -67,7 +72,7 @@ pub fn joint(
     let noisy = |c: &Channel| c.noise > JOINT.clean_data * c.spread;
     let noisy = bare.channels().iter().any(noisy) || !bare.left_out.is_empty();
     if !asked && !noisy {
-        return Err("the data are clean".into());
+        return Err(clean());
     }
     let with = |system: System| bare.with_system(system, dataset, &noise, options.robust);
     let size = (bare.states(), bare.samples());
@@ -90,8 +95,23 @@ pub fn joint(
 
 /// The first target that was measured.
 fn measured(model: &Model, dataset: &Dataset) -> Option<Signal> {
-    let held = |s: &Signal| dataset.trajectories.iter().any(|t| t.column(*s).is_some());
-    model.equations.iter().map(|e| e.target).find(held)
+    let mut targets = model.equations.iter().map(|e| e.target);
+    targets.find(|s| dataset.has(*s))
+}
+
+/// Whether the readings of all states with a law are so smooth that there is no noise to look for. What a model says of its sensors
+/// is not doubted.
+fn plainly_clean(model: &Model, dataset: &Dataset) -> bool {
+    let part = JOINT.vanishing_differences;
+    let readings = |s: Signal| {
+        let held = dataset.trajectories.iter().map(move |t| (t, t.column(s)));
+        held.filter_map(|(t, column)| Some((&t.time, column?)))
+    };
+    let below =
+        |target: Signal| (0..target.der).map(move |der| Signal::derivative(target.var, der));
+    let mut states = model.equations.iter().flat_map(|e| below(e.target));
+    let smooth = |s: Signal| readings(s).all(|(time, x)| data::is_smooth(time, x, part));
+    states.all(|s| model.noise(s).is_none() && smooth(s))
 }
 
 /// What is kept of a joint estimate so that it can be judged.

@@ -9,6 +9,8 @@ family! {
     pub(crate) JOINT: JointEstimate {
         /// Noise below which differentiating loses nothing, and each equation can be proved alone.
         clean_data: f64 = 1e-6, unit "noise over spread", source "set by hand";
+        /// Differences below which readings are clean without being smoothed to see it.
+        vanishing_differences: f64 = 1e-9, unit "of the range", source "a thousandth of `clean_data`: what smoothing leaves beyond that is motion";
         /// Loss up to which it is reported what a term earns.
         weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand";
         /// Difference below which a support with more terms is a tie: simplicity decides.

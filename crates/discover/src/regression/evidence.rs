@@ -65,6 +65,7 @@ impl Task<'_> {
             certificate: answer.proof.clone(),
             together: None,
             relation: None,
+            ways: None,
             ties: self.named(&self.other_laws(answer), names),
             halves: None,
             nearest: None,

@@ -8,6 +8,7 @@ use super::omitted_terms::nearest_omitted_terms;
 use super::stability_selection::Stability;
 use super::target_regression::TargetRegression;
 use sidc_lang::term::{Language, Signal, Term};
+use sidc_solve::threads;
 use sidc_system::discovery::{
     Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
 };
@@ -20,12 +21,17 @@ pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery
     for target in targets {
         let regression = TargetRegression::new(blocks, target, None);
         let nearest = nearest_omitted_terms(&regression, target, &Language(&*discovery));
-        for (k, column) in blocks.support.iter().enumerate() {
+        let own = blocks.support.iter().enumerate().filter_map(|(k, column)| {
             let found = blocks.columns.get(*column);
-            let Some((_, term)) = found.filter(|(t, _)| *t == target) else {
-                continue;
-            };
-            let without = drop_one_refit(&regression, *column, &Language(&*discovery));
+            let (_, term) = found.filter(|(t, _)| *t == target)?;
+            Some((k, *column, term))
+        });
+        let own: Vec<(usize, usize, &Term)> = own.collect();
+        let names = &*discovery;
+        let refits = threads::map(own.clone(), |(_, column, _)| {
+            drop_one_refit(&regression, column, &Language(names))
+        });
+        for ((k, _, term), without) in own.into_iter().zip(refits) {
             let found = equation(discovery, target).and_then(|e| found_term(e, term));
             if let Some(found) = found {
                 let trust = found.trust.get_or_insert_with(Box::default);

@@ -27,6 +27,15 @@ pub struct SupportFit {
     pub square: f64,
 }
 
+/// The normal equations of a support, solved on unit columns.
+struct SupportSolution {
+    /// (R_SS)⁻¹ by rows.
+    inverse: Vec<f64>,
+    x: Vec<f64>,
+    /// χ²
+    square: f64,
+}
+
 /// An addition, removal or exchange of a support, and the change of the criterion that it causes.
 #[derive(Clone, Copy)]
 pub struct SingleChange {
@@ -58,26 +67,26 @@ impl QuadraticForm {
 
     /// Least squares on a support.
     pub fn least_squares(&self, support: &[usize]) -> SupportFit {
-        let Some(inverse) = self.inverse(support) else {
+        let Some(solution) = self.solve(support) else {
             return SupportFit {
                 coefficients: vec![0.0; support.len()],
                 square: self.total,
             };
         };
-        let x = self.times_right(&inverse, support);
-        let gain: f64 = support
-            .iter()
-            .zip(&x)
-            .map(|(j, x)| self.right[*j] * x)
-            .sum();
+        let unit = support.iter().zip(&solution.x);
         SupportFit {
-            coefficients: support
-                .iter()
-                .zip(&x)
-                .map(|(j, x)| x / self.norms[*j])
-                .collect(),
-            square: self.total - gain,
+            coefficients: unit.map(|(j, x)| x / self.norms[*j]).collect(),
+            square: solution.square,
         }
+    }
+
+    /// The normal equations of a support; `None` if they are singular beyond the ridge.
+    fn solve(&self, support: &[usize]) -> Option<SupportSolution> {
+        let inverse = self.inverse(support)?;
+        let x = self.times_right(&inverse, support);
+        let gains = support.iter().zip(&x).map(|(j, x)| self.right[*j] * x);
+        let square = self.total - gains.sum::<f64>();
+        Some(SupportSolution { inverse, x, square })
     }
 
     /// (R_SS)⁻¹ c_S
@@ -152,10 +161,14 @@ impl QuadraticForm {
     /// Applies the best single addition, removal or exchange until none helps. The last column stays.
     pub fn steepest_descent(&self, start: &[usize], penalty: f64) -> Vec<usize> {
         let mut support = start.to_vec();
-        let mut value = self.least_squares(&support).square + penalty * support.len() as f64;
+        let mut solution = self.solve(&support);
+        let square = |s: &Option<SupportSolution>| s.as_ref().map_or(self.total, |s| s.square);
+        let mut value = square(&solution) + penalty * support.len() as f64;
         for _ in 0..QUADRATIC_FORM.max_changes {
             // Only one change can remove the last column, so the second best keeps one.
-            let best = self.single_changes(&support, penalty, 2);
+            let here = solution.as_ref();
+            let best = here.map(|s| self.changes_from(s, &support, penalty, 2));
+            let best = best.unwrap_or_default();
             let mut best = best.iter().map(|m| (m.change, m.applied(&support)));
             let Some((change, next)) = best.find(|(_, next)| !next.is_empty()) else {
                 break;
@@ -163,7 +176,8 @@ impl QuadraticForm {
             if change >= -QUADRATIC_FORM.predicted_gain * penalty.max(1.0) {
                 break;
             }
-            let after = self.least_squares(&next).square + penalty * next.len() as f64;
+            solution = self.solve(&next);
+            let after = square(&solution) + penalty * next.len() as f64;
             let better = after < value - QUADRATIC_FORM.gain * value.abs().max(1.0);
             if !better {
                 break;
@@ -180,17 +194,22 @@ impl QuadraticForm {
         penalty: f64,
         most: usize,
     ) -> Vec<SingleChange> {
+        let changes = |s: SupportSolution| self.changes_from(&s, support, penalty, most);
+        self.solve(support).map(changes).unwrap_or_default()
+    }
+
+    /// The same where the support is solved.
+    fn changes_from(
+        &self,
+        SupportSolution { inverse, x, square }: &SupportSolution,
+        support: &[usize],
+        penalty: f64,
+        most: usize,
+    ) -> Vec<SingleChange> {
         let (k, p) = (support.len(), self.p);
-        let Some(inverse) = self.inverse(support).filter(|_| p > 0) else {
+        if p == 0 {
             return Vec::new();
-        };
-        let x = self.times_right(&inverse, support);
-        let square = self.total
-            - support
-                .iter()
-                .zip(&x)
-                .map(|(j, x)| self.right[*j] * x)
-                .sum::<f64>();
+        }
         let square = square.max(0.0);
         // Rows of R_SS⁻¹ R_S·, length p each; of every column the squared length outside the support and its product with the
         // residual.
@@ -203,7 +222,7 @@ impl QuadraticForm {
                     axpy(*weight, self.row(*s), row);
                 }
             }
-            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(&x) {
+            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(x) {
                 let gram_row = self.row(*s);
                 for ((free, row), gram) in free.iter_mut().zip(row).zip(gram_row) {
                     *free -= gram * row;

@@ -79,6 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 memory: pipeline::MEMORY,
                 path: false,
                 robust: false,
+                ranks: false,
             };
             outcomes.push(one(&program, draw, &options)?);
         }

@@ -125,6 +125,9 @@ pub struct Evidence {
     /// Figures of the joint estimation with the trajectory, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub together: Option<Together>,
+    /// Which ways were tried, where the first ended in doubt.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub ways: Option<Box<Ways>>,
     /// Whether the equation repeats other equations of its system.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub relation: Option<Rearranged>,
@@ -146,6 +149,20 @@ pub struct Evidence {
     /// What verification needs; not written.
     #[serde(skip)]
     pub witness: Option<Arc<Witness>>,
+}
+
+/// A second way, tried because the first ended in doubt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ways {
+    /// The way of `--method` that was tried first, and the doubts of all its equations.
+    pub first: String,
+    pub first_doubts: Vec<ReasonCode>,
+    /// The way that was tried then, and the doubts of all its equations; none where it holds.
+    pub second: String,
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub second_doubts: Vec<ReasonCode>,
+    /// The way that gave these equations.
+    pub given: String,
 }
 
 /// Two laws of one target, of which one follows from other equations of the system.

@@ -12,7 +12,7 @@ pub struct Identifiability {
     /// Columns examined: the whole library, or the support and the columns closest to its span.
     pub columns: usize,
     pub candidates: usize,
-    /// Numerical rank of those columns, at unit length.
+    /// Numerical rank of those columns, at unit length; 0 if it was not asked for.
     pub rank: usize,
     /// Singular values below this part of the largest count as zero.
     pub tolerance: f64,

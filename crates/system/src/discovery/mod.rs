@@ -7,11 +7,12 @@ mod mass_matrix_form;
 mod reason;
 pub mod thresholds;
 mod verification;
+mod ways;
 
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
     ChannelFit, Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, InputDelay, OtherLaw,
-    PathKnot, Proof, Rearranged, Status, Together, Variable,
+    PathKnot, Proof, Rearranged, Status, Together, Variable, Ways,
 };
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,

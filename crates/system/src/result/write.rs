@@ -1,6 +1,6 @@
 //! Discovery → document → text.
 
-use crate::discovery::{Discovery, Equation, FoundTerm, PathKnot};
+use crate::discovery::{Discovery, Equation, FoundTerm, Notice, PathKnot};
 use crate::result::{
     Beside, Document, EquationEntry, FailedEntry, KnotEntry, TermEntry, TimeKind, VERSION,
     VariableEntry,
@@ -47,11 +47,18 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
             .collect(),
         settings: beside.settings,
         signals: beside.signals,
-        warnings: beside.warnings,
+        warnings: warnings(d, beside.warnings),
         validation: beside.validation,
         verdict: beside.verdict,
         candidates: beside.candidates,
     }
+}
+
+/// Warnings of model and data, and what is to be said of how the equations were found.
+fn warnings(d: &Discovery, mut given: Vec<Notice>) -> Vec<Notice> {
+    let other = d.other_way().filter(|notice| !given.contains(notice));
+    given.extend(other);
+    given
 }
 
 fn variable(v: &crate::discovery::Variable) -> VariableEntry {

@@ -63,9 +63,11 @@ impl Answer<'_> {
             Some(n) if (n as usize) < rows => format!(" ({n} drawn, seed {})", self.args.seed),
             _ => String::new(),
         };
+        let mut evidence = d.equations.iter().filter_map(|e| e.evidence.as_ref());
+        let is_joint = measured.joint.is_some() || evidence.any(|e| e.together.is_some());
         let rows = match rows {
             0 => "no rows were ready".into(),
-            n if measured.joint.is_some() => format!("{n} samples"),
+            n if is_joint => format!("{n} samples"),
             n => format!("{n} rows{drawn}"),
         };
         text.push_str(&format!(

@@ -8,6 +8,7 @@ use crate::arguments::{assignments, limits, names, quantities, time_ranges};
 use crate::failure::Failure;
 use crate::monitoring::verbosity::Verbosity;
 use crate::thresholds::MODEL_COMPARISON;
+use sidc::pipeline;
 use sidc::{HoldOutRange, Method, Options};
 use sidc_discover::METHODS;
 use sidc_solve::SOLVERS;
@@ -204,6 +205,10 @@ impl Args {
         if models > 1 && self.holdout.is_empty() {
             options = options.hold_out(HoldOutRange::Last(MODEL_COMPARISON.held_out));
         }
-        Ok(options)
+        let all = self.evidence || self.json || self.output.is_some();
+        Ok(match all {
+            true => options,
+            false => pipeline::without_ranks(options),
+        })
     }
 }

@@ -17,6 +17,7 @@ use crate::outputs::diagnostics;
 use crate::thresholds::PROGRESS;
 use sidc::pipeline::{self, Judgement, Measured, ModelSource, Program};
 use sidc::{Data, Method, Options, Validation, Verdict};
+use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_system::discovery::{Discovery, Notice};
 
@@ -148,6 +149,11 @@ impl Search {
         stages.close();
         stages.done("evidence weighed");
         let mut discovery = found.map_err(|d| diagnostics::failure(&d, &self.sources))?;
+        if let Some(notice) = discovery.other_way() {
+            let warning = Diagnostic::warning("other-way", notice.text);
+            let said = (Some(()), vec![warning]);
+            diagnostics::report(said, &self.sources, self.monitor.notes)?;
+        }
         if self.verify {
             if self.monitor.notes != Notes::None {
                 announce(pipeline::verification_work(program, measured, &discovery));

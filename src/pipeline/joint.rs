@@ -1,0 +1,45 @@
+//! The problem of all equations together → equations with evidence.
+//!
+//! In: a program, its data, the problem. Out: a [`Discovery`]. Decides nothing about when this is the way.
+
+use sidc_data::Dataset;
+use sidc_discover as discover;
+use sidc_discover::Fitted;
+use sidc_discover::identifiability::Rows;
+use sidc_discover::trajectory::Problem;
+use sidc_progress::Observer;
+use sidc_system::discovery::Discovery;
+
+use super::evidence::{self, Weighing};
+use super::program::Program;
+use super::rates;
+use crate::options::Options;
+
+/// All equations together with their trajectory.
+pub(super) fn jointly(
+    program: &Program,
+    dataset: &Dataset,
+    problem: &Problem,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Discovery {
+    let search = &options.search;
+    let found = discover::discover_jointly(&program.model, problem, search, observer);
+    let (mut discovery, fitted) = found.unwrap_or_else(|| {
+        let nothing = discover::nothing_fits(&program.model, problem);
+        (nothing, Fitted::default())
+    });
+    rates::doubt(&mut discovery, &dataset.rate_faults);
+    let read = evidence::readings(program, dataset, &discovery);
+    let weighing = Weighing {
+        program,
+        rows: Rows {
+            samples: &fitted.samples,
+            read: read.as_ref(),
+        },
+        stretches: fitted.stretches.as_ref(),
+        options: search,
+    };
+    weighing.weigh(&mut discovery, observer);
+    discovery
+}

@@ -1,0 +1,88 @@
+//! The second way to the equations, where regression of measured rates ends in doubt: all of them together with their trajectory, as
+//! if the rates had not been measured.
+//!
+//! In: a program, measured, the equations of the first way. Out: the equations of the way that holds, with a record of both. A way
+//! that the user chose is the only one. Clean records are never asked a second time: there regression sees the smaller errors.
+
+use sidc_data::Dataset;
+use sidc_discover as discover;
+use sidc_discover::Method;
+use sidc_discover::trajectory::Problem;
+use sidc_lang::term::Signal;
+use sidc_progress::Observer;
+use sidc_system::discovery::{Discovery, ReasonCode, Ways};
+
+use super::joint::jointly;
+use super::measure::Measured;
+use super::program::Program;
+use crate::options::Options;
+
+/// The first equations, or those of the joint estimate where only these pass.
+pub(super) fn better_way(
+    program: &Program,
+    measured: &Measured,
+    options: &Options,
+    mut first: Discovery,
+    observer: &mut dyn Observer,
+) -> Discovery {
+    if first.passes() || !options.search.chooses_way() || !may_be_settled(&first) {
+        return first;
+    }
+    let Some(dataset) = without_targets(program, &measured.dataset) else {
+        return first;
+    };
+    let Some(problem) = problem(program, &dataset, options, observer) else {
+        return first;
+    };
+    let mut second = jointly(program, &dataset, &problem, options, observer);
+    let holds = second.passes();
+    let name = |method: Method| method.chosen().to_owned();
+    let (regression, joint) = (name(Method::Regression), name(Method::Joint));
+    let ways = Ways {
+        first: regression.clone(),
+        first_doubts: first.doubt_codes(),
+        second: joint.clone(),
+        second_doubts: second.doubt_codes(),
+        given: if holds { joint } else { regression },
+    };
+    let given = if holds { &mut second } else { &mut first };
+    given.record_ways(&ways);
+    if holds { second } else { first }
+}
+
+/// Whether the doubts are about what the data show. Limits and stops are not, nor a solver that proves nothing, which the user chose.
+fn may_be_settled(first: &Discovery) -> bool {
+    use ReasonCode::{
+        HeuristicSolver, Interrupted, MemoryLimit, NoMotion, SolverRefused, TimeLimit,
+    };
+    let others = [
+        HeuristicSolver,
+        Interrupted,
+        MemoryLimit,
+        NoMotion,
+        SolverRefused,
+        TimeLimit,
+    ];
+    first.doubt_codes().iter().all(|c| !others.contains(c))
+}
+
+/// The data as if no target had been measured; `None` where none was.
+fn without_targets(program: &Program, dataset: &Dataset) -> Option<Dataset> {
+    let equations = program.model.equations.iter();
+    let targets: Vec<Signal> = equations.map(|e| e.target).collect();
+    let measured = targets.iter().any(|s| dataset.has(*s));
+    measured.then(|| dataset.without(&targets))
+}
+
+/// The problem of all equations together; `None` where it is not the program's way for such data, or where a candidate is its target
+/// in other words.
+fn problem(
+    program: &Program,
+    dataset: &Dataset,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Option<Problem> {
+    let (model, libraries, search) = (&program.model, &program.libraries, &options.search);
+    let problem = discover::joint(model, libraries, dataset, search, observer).ok()?;
+    problem.target_copies().is_empty().then_some(problem)
+}

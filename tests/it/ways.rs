@@ -1,0 +1,122 @@
+//! Which way is taken: clean records are known as such, and where regression of measured rates is doubted the joint estimate is
+//! tried, and the way that holds is given, with both named.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, sidc};
+
+const STEP: f64 = 0.05;
+const ROWS: usize = 400;
+
+/// Two species, dx = x − x y/2, dy = −0.8 y + 0.4 x y.
+fn law([x, y]: [f64; 2]) -> [f64; 2] {
+    [x - 0.5 * x * y, -0.8 * y + 0.4 * x * y]
+}
+
+/// States with noise `sigma`, and their rates: the first reads 0.3 too much.
+fn table(sigma: f64) -> String {
+    let mut random = Random::new(11);
+    let (mut z, h) = ([1.0, 1.0], STEP / 8.0);
+    let mut text = String::from("t,x,y,dx,dy\n");
+    for row in 0..ROWS {
+        let [dx, dy] = law(z);
+        let mut read = |v: f64| v + sigma * random.normal();
+        let (x, y, dx, dy) = (read(z[0]), read(z[1]), read(dx) + 0.3, read(dy));
+        text.push_str(&format!("{},{x},{y},{dx},{dy}\n", row as f64 * STEP));
+        for _ in 0..8 {
+            let ahead = |k: [f64; 2], h: f64| law([z[0] + h * k[0], z[1] + h * k[1]]);
+            let a = law(z);
+            let b = ahead(a, 0.5 * h);
+            let c = ahead(b, 0.5 * h);
+            let d = ahead(c, h);
+            let sum = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
+            z = [z[0] + h * sum(0), z[1] + h * sum(1)];
+        }
+    }
+    text
+}
+
+fn identify(folder: &Path, sigma: f64, more: &[&str]) -> (Run, Value) {
+    let model = "state x, y\ndx, dy ~ poly(x, y; 2)\n";
+    let paths = [("m.sid", model.to_string()), ("run.csv", table(sigma))];
+    let paths = paths.map(|(name, text)| {
+        let path = folder.join(name);
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_string()
+    });
+    let run = sidc(&[&["identify", &paths[0], &paths[1], "--json"][..], more].concat());
+    let document = serde_json::from_str(&run.stdout).unwrap();
+    (run, document)
+}
+
+fn ways(document: &Value) -> &Value {
+    &document["equations"][0]["evidence"]["ways"]
+}
+
+#[test]
+fn where_regression_is_doubted_the_joint_estimate_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, document) = identify(folder.path(), 0.005, &[]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stderr.contains("warning[other-way]"), "{}", run.stderr);
+    let terms = document["equations"][0]["terms"].as_array().unwrap();
+    let terms: Vec<&str> = terms.iter().filter_map(|t| t["term"].as_str()).collect();
+    assert_eq!(terms, ["x", "x*y"]);
+    let ways = ways(&document);
+    assert_eq!(ways["first"], "regression");
+    assert_eq!(ways["second"], "joint");
+    assert_eq!(ways["given"], "joint");
+    let codes = ways["first_doubts"].as_array().unwrap();
+    assert!(codes.iter().any(|c| c == "rate-disagrees"), "{codes:?}");
+    assert!(ways["second_doubts"].is_null());
+    let warnings = document["warnings"].as_array().unwrap();
+    let told = warnings.iter().find(|w| w["code"] == "other-way").unwrap();
+    let text = told["text"].as_str().unwrap();
+    for named in ["regression", "rate-disagrees", "joint"] {
+        assert!(text.contains(named), "{text}");
+    }
+}
+
+#[test]
+fn a_way_that_was_asked_for_is_the_only_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, document) = identify(folder.path(), 0.005, &["--method", "regression"]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    assert!(ways(&document).is_null());
+    assert!(!run.stderr.contains("other-way"), "{}", run.stderr);
+}
+
+/// Without noise the likelihood of the readings cannot tell a law from a close approximation; regression can.
+#[test]
+fn clean_records_have_one_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, document) = identify(folder.path(), 0.0, &[]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    assert!(ways(&document).is_null());
+}
+
+/// A smoother takes the first second for noise where the other sixty are at rest; differences do not.
+#[test]
+fn exact_records_that_come_to_rest_are_clean() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = |k: i32| {
+        let t = 0.1 * f64::from(k);
+        format!("{t},{}\n", (-0.7 * t).exp())
+    };
+    let table: String = std::iter::once("t,x\n".into())
+        .chain((0..600).map(row))
+        .collect();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_string()
+    };
+    let model = write("m.sid", "state x\ndx ~ poly(x; 3)\n");
+    let run = sidc(&["identify", &model, &write("run.csv", &table), "--evidence"]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("dx = -0.7*x"), "{}", run.stdout);
+    assert!(run.stdout.contains("proved"), "{}", run.stdout);
+}
