@@ -1,6 +1,7 @@
 //! Initial states by least squares: the start from which a free run follows the first noisy readings best.
 //!
-//! In: readings with their noise, a first estimate, a function that simulates. Out: the estimate over the longest
+//! In: readings with their noise, a first estimate, a function that simulates. What is estimated may hold more than the state, as samples
+//! before it, each with a reading of its own. Out: the estimate over the longest
 //! stretch that the equations follow, with standard errors. The equations stay as they are. Where they follow no stretch to
 //! within the noise, the shortest decides: its readings say more together than the first of them alone.
 
@@ -16,6 +17,8 @@ pub(crate) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Rows>;
 pub(crate) struct Readings {
     /// Column in a simulated row, readings by row of the leg (NaN: none), standard deviation of the noise.
     pub channels: Vec<(usize, Vec<f64>, f64)>,
+    /// Components of what is estimated that no simulated row shows: index, reading, standard deviation of its noise.
+    pub before: Vec<(usize, f64, f64)>,
     pub rows: usize,
 }
 
@@ -35,7 +38,7 @@ pub(crate) fn rms_residual(readings: &Readings, start: &[f64], run: Trial) -> Op
     let rows = (2 * INITIAL_STATE.rows_a_component)
         .max(INITIAL_STATE.rows_a_component * start.len())
         .min(readings.rows);
-    let left = residuals(readings, &run(start, rows)?, rows);
+    let left = residuals(readings, start, &run(start, rows)?, rows);
     (!left.is_empty()).then(|| left.norm() / (left.len() as f64).sqrt())
 }
 
@@ -75,7 +78,7 @@ fn fit(
     run: Trial,
 ) -> Option<FittedStart> {
     let mut x = start.to_vec();
-    let mut left = residuals(readings, &run(&x, rows)?, rows);
+    let mut left = residuals(readings, &x, &run(&x, rows)?, rows);
     let mut damping = 1e-3;
     let mut normal = DMatrix::zeros(free.len(), free.len());
     for _ in 0..INITIAL_STATE.iterations {
@@ -89,7 +92,7 @@ fn fit(
         for ((place, size), s) in free.iter().zip(step.iter()) {
             trial[*place] += size * s;
         }
-        let after = run(&trial, rows).map(|path| residuals(readings, &path, rows));
+        let after = run(&trial, rows).map(|path| residuals(readings, &trial, &path, rows));
         match after.filter(|a| a.norm_squared() < left.norm_squared()) {
             Some(after) => {
                 let gained = 1.0 - after.norm_squared() / left.norm_squared();
@@ -122,8 +125,11 @@ fn fit(
 }
 
 /// Simulated minus measured, in standard deviations of the noise.
-fn residuals(readings: &Readings, path: &Rows, rows: usize) -> DVector<f64> {
-    let mut out = Vec::new();
+fn residuals(readings: &Readings, x: &[f64], path: &Rows, rows: usize) -> DVector<f64> {
+    let before = readings.before.iter();
+    let off =
+        |(place, reading, sigma): &(usize, f64, f64)| Some((x.get(*place)? - reading) / sigma);
+    let mut out: Vec<f64> = before.filter_map(off).collect();
     for (place, values, sigma) in &readings.channels {
         for (s, m) in path.column(*place).zip(values).take(rows) {
             if m.is_finite() {
@@ -147,7 +153,7 @@ fn slopes(
     for (place, size) in free {
         let mut moved = x.to_vec();
         moved[*place] += INITIAL_STATE.difference * size;
-        let there = residuals(readings, &run(&moved, rows)?, rows);
+        let there = residuals(readings, &moved, &run(&moved, rows)?, rows);
         if there.len() != left.len() {
             return None;
         }
