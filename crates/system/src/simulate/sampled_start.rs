@@ -4,7 +4,9 @@
 //! worth is the noise declared, or what the equations leave of one sample after another. Readings that the equations meet stay as they are.
 
 use crate::simulate::initial_state::candidates::{self, Candidates};
-use crate::simulate::initial_state::least_squares::{Readings, fit_initial_state, rms_residual};
+use crate::simulate::initial_state::least_squares::{
+    Readings, fit_initial_state, rms_residual, shortest,
+};
 use crate::simulate::integrate::continuous_time::LegSetup;
 use crate::simulate::record_simulation::RecordSimulation;
 use crate::simulate::run::{LegStart, Origin, Start};
@@ -48,7 +50,7 @@ impl RecordSimulation<'_> {
             let values = self.record.column(s.signal)?.get(begin..)?;
             Some((place, values.to_vec(), *sigma.get(place)?))
         };
-        let readings = Readings {
+        let mut readings = Readings {
             channels: raw.iter().enumerate().filter_map(column).collect(),
             before,
             rows: leg.time.len(),
@@ -66,6 +68,14 @@ impl RecordSimulation<'_> {
         if left.is_some_and(|left| left <= INITIAL_STATE.as_read) {
             return LegStart::as_read(raw);
         }
+        // What the equations leave of one sample after another is the noise of two: a start fitted to few rows shows that of one.
+        let whole = std::mem::replace(&mut readings.rows, 2 * shortest(free.len()));
+        readings.rows = readings.rows.min(whole);
+        if let Some(first) = fit_initial_state(&readings, &x, &free, &mut trial) {
+            let left = rms_residual(&readings, &first.start, &mut trial);
+            readings.scale_noise(left.map_or(1.0, |left| left.clamp(INITIAL_STATE.as_read, 1.0)));
+        }
+        readings.rows = whole;
         let Some(found) = fit_initial_state(&readings, &x, &free, &mut trial) else {
             return LegStart::as_read(raw);
         };

@@ -22,6 +22,19 @@ pub(crate) struct Readings {
     pub rows: usize,
 }
 
+impl Readings {
+    /// Takes the noise of all readings for so many times what it is.
+    pub fn scale_noise(&mut self, factor: f64) {
+        self.channels.iter_mut().for_each(|c| c.2 *= factor);
+        self.before.iter_mut().for_each(|b| b.2 *= factor);
+    }
+}
+
+/// Rows of the shortest stretch for so many components.
+pub(crate) fn shortest(components: usize) -> usize {
+    INITIAL_STATE.rows_a_component * components.max(2)
+}
+
 pub(crate) struct FittedStart {
     pub start: Vec<f64>,
     /// Standard errors of the free components; 0 for the others.
@@ -35,9 +48,7 @@ pub(crate) struct FittedStart {
 /// Root mean square of the residuals over the first stretch, in standard deviations of the noise; `None` if the run
 /// fails.
 pub(crate) fn rms_residual(readings: &Readings, start: &[f64], run: Trial) -> Option<f64> {
-    let rows = (2 * INITIAL_STATE.rows_a_component)
-        .max(INITIAL_STATE.rows_a_component * start.len())
-        .min(readings.rows);
+    let rows = shortest(start.len()).min(readings.rows);
     let left = residuals(readings, start, &run(start, rows)?, rows);
     (!left.is_empty()).then(|| left.norm() / (left.len() as f64).sqrt())
 }
@@ -52,8 +63,7 @@ pub(crate) fn fit_initial_state(
     let most = (readings.rows / INITIAL_STATE.record_part)
         .max(readings.rows.min(2 * INITIAL_STATE.short_record) / 2)
         .min(INITIAL_STATE.longest_stretch);
-    let mut rows =
-        (INITIAL_STATE.rows_a_component * free.len()).max(INITIAL_STATE.rows_a_component * 2);
+    let mut rows = shortest(free.len());
     let mut best: Option<FittedStart> = None;
     while rows <= most {
         let from = best.as_ref().map_or(start, |b| &b.start);
