@@ -6,10 +6,10 @@ FOLDER holds the measured sets, which are not part of this project (docs/rigs.md
 file is identified on three quarters of its record, or on a whole one beside another, and judged on what was held out. Needs Python 3.8.
 """
 import json
+import os
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
@@ -41,12 +41,13 @@ def row(program, folder, model, data, held, horizon):
     with tempfile.TemporaryDirectory() as scratch:
         result = Path(scratch) / "result.json"
         asked = [f"--holdout={held_out}", f"--horizon={horizon}", "--good=10%"]
-        began = time.time()
+        before = os.times()
         run = subprocess.run(
             [program, "identify", "-q", HERE / f"{model}.sid", folder / data, *asked, "-o", result],
             capture_output=True, text=True,
         )
-        seconds = time.time() - began
+        after = os.times()
+        seconds = after.children_user - before.children_user
         if not result.exists():
             return f"| {model} | status {run.returncode} | | | | | | |"
         found = json.loads(result.read_text())
@@ -63,13 +64,15 @@ def row(program, folder, model, data, held, horizon):
         for f in ((e.get("evidence") or {}).get("identifiability") or {}).get("findings", [])
         if f.get("matters") and f.get("advice")
     ]
+    for e in equations:
+        advice += [r["text"].split(": ")[-1] for r in e["reasons"] if r["code"] in ("beyond-library", "outliers")]
     ended = sum(e["starts"] for e in prediction.get("ended", []))
     starts = f"{prediction['starts'] - ended} of {prediction['starts']}" if ended else str(prediction["starts"])
     names = ", ".join(f"{s['signal']} {number(s['error'].get('quantile_90'))} {s.get('unit', '')}".strip() for s in shown)
     cells = [
         model, laws, f"{horizon} {prediction['unit']}: {names}", column("no_change"), column("linear"), starts,
         "yes" if prediction.get("good") else "no", verdict["run"]["status"],
-        ", ".join(f"`{c}`" for c in codes), "; ".join(dict.fromkeys(advice)) or "–", f"{seconds:.0f}",
+        ", ".join(f"`{c}`" for c in codes), "; ".join(dict.fromkeys(advice)) or "–", f"{seconds:.2g}",
     ]
     return "| " + " | ".join(c.replace("|", "\\|") for c in cells) + " |"
 
