@@ -1,7 +1,7 @@
 //! Standard errors are true: intervals hold the known coefficients as often as they say.
 
 use sidc_studies::coverage::figures::Row;
-use sidc_studies::coverage::{accelerometer, odebench, run};
+use sidc_studies::coverage::{accelerometer, odebench, run, sampled_input};
 
 /// Some draws of a case: all intervals together, and the size of every standard error. `cargo run --release -p sidc-studies --bin coverage`
 /// does 200 draws of all cases.
@@ -29,6 +29,20 @@ fn holds(name: &str, count: u64, exact: usize) {
 #[test]
 fn the_slack_of_the_laws_is_no_error_of_the_coefficients() {
     holds("ode32_double_well", 40, 40);
+}
+
+/// Samples of an input do not say what it did between them: both answers lie in the intervals.
+#[test]
+fn inputs_between_samples_widen_the_intervals() {
+    for case in sampled_input::cases() {
+        let draws = run::draws(&case, 1e-3, 12).unwrap();
+        let row = Row::new(&case, &draws);
+        let (covered, all) = row.covered();
+        let text = format!("{}\n{}", row.text(), row.terms_text());
+        assert!(all >= 33, "{text}");
+        // One draw that is off misses with all of its terms.
+        assert!(f64::from(covered) >= 0.85 * f64::from(all), "{text}");
+    }
 }
 
 /// Least squares on a target whose errors are white, and on one whose errors last for some samples.

@@ -29,10 +29,10 @@ fn write(folder: &Path, name: &str, text: &str) -> String {
 }
 
 /// A free pendulum that swings widely, positions only, with noise: time and angles.
-fn pendulum(rows: usize, noise: f64) -> (Vec<f64>, Vec<f64>) {
+fn pendulum(rows: usize, noise: f64, seed: u64) -> (Vec<f64>, Vec<f64>) {
     let time = grid(rows, 0.02);
     let law = |_: f64, x: &[f64; 2]| [x[1], -9.8 * x[0].sin() - 0.1 * x[1]];
-    let (mut x, mut angles, mut random) = ([1.5, 0.0], Vec::new(), Random::new(4));
+    let (mut x, mut angles, mut random) = ([1.5, 0.0], Vec::new(), Random::new(seed));
     for (k, t) in time.iter().enumerate() {
         angles.push(x[0] + noise * random.normal());
         if let Some(next) = time.get(k + 1) {
@@ -70,7 +70,7 @@ fn a_law_that_passes_is_good_or_not_by_what_is_asked() {
 #[test]
 fn a_law_that_is_doubted_is_good_or_not_by_what_is_asked() {
     let folder = tempfile::tempdir().unwrap();
-    let (time, angles) = pendulum(600, 0.01);
+    let (time, angles) = pendulum(600, 0.01, 4);
     let mut table = Table::new(&["t", "th"]);
     time.iter()
         .zip(&angles)
@@ -92,28 +92,31 @@ fn a_law_that_is_doubted_is_good_or_not_by_what_is_asked() {
 
 #[test]
 fn noisy_positions_alone_are_predicted_from_fitted_states() {
-    let (time, angles) = pendulum(800, 0.02);
-    let data = Data::new()
-        .run([("t", &time[..]), ("th", &angles[..])])
-        .unwrap();
     let model = Model::parse("state th : order 2\nddth ~ <sin(th), dth, th, th^3>\n").unwrap();
     let options = Options::default()
         .hold_out(HoldOutRange::Last(0.25))
         .horizon(1.0);
-    let found = model.identify(&data, &options).unwrap();
-    let prediction = &found.verdict().unwrap().prediction;
-    assert!(prediction.fitted_rows > 2, "{prediction:?}");
-    let [th] = prediction.signals.as_slice() else {
-        panic!("{prediction:?}")
-    };
-    let (error, kept) = (th.error.rms.unwrap(), th.no_change.rms.unwrap());
+    let mut errors = Vec::new();
+    for seed in 1..=8 {
+        let (time, angles) = pendulum(800, 0.02, seed);
+        let data = Data::new()
+            .run([("t", &time[..]), ("th", &angles[..])])
+            .unwrap();
+        let found = model.identify(&data, &options).unwrap();
+        let prediction = &found.verdict().unwrap().prediction;
+        assert!(prediction.fitted_rows > 2, "{prediction:?}");
+        let [th] = prediction.signals.as_slice() else {
+            panic!("{prediction:?}")
+        };
+        let (error, kept) = (th.error.rms.unwrap(), th.no_change.rms.unwrap());
+        assert!(kept > 0.5 && error < 0.1 * kept, "{error} {kept}");
+        assert!(error < 0.5 * th.linear.unwrap().rms.unwrap());
+        assert!(th.curve.windows(2).all(|w| w[0].ahead < w[1].ahead));
+        errors.push(error);
+    }
+    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
     // The readings that it is compared with have noise of 0.02 themselves.
-    assert!(
-        error < 0.03 && error > 0.015 && kept > 0.5,
-        "{error} {kept}"
-    );
-    assert!(error < 0.5 * th.linear.unwrap().rms.unwrap());
-    assert!(th.curve.windows(2).all(|w| w[0].ahead < w[1].ahead));
+    assert!(mean < 0.026 && mean > 0.015, "{errors:?}");
 }
 
 #[test]

@@ -136,7 +136,7 @@ pub fn discover_jointly(
     let stopped = watcher.stop();
     let Some(JointFit {
         problem,
-        found,
+        mut found,
         late,
         offset,
     }) = settled
@@ -151,6 +151,7 @@ pub fn discover_jointly(
         return Some((discovery, Fitted::default()));
     };
     let problem = problem.as_ref();
+    trajectory::widen_by_interpolation(problem, &mut found, &mut watcher);
     let report = Report {
         model,
         problem,

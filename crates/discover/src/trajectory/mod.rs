@@ -60,6 +60,6 @@ pub use residuals::{Channel, File, Outliers, channels, leave_out};
 pub use search::{BetterLaws, Found, LawChange, SearchObserver, search, search_beyond_libraries};
 pub use sensor_faults::{
     DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
-    fit_delay, screen_delays, with_delay,
+    fit_delay, screen_delays, widen_by_interpolation, with_delay,
 };
 pub use thresholds::tables;

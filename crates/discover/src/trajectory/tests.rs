@@ -239,6 +239,7 @@ fn flow(system: &System, active: &[usize], a: &[f64], states: &[f64]) -> Interva
         time: vec![0.0, 0.05, 0.12],
         measured: vec![vec![f64::NAN; 3]; n],
         exogenous: vec![exogenous; system.exogenous.len()],
+        curved: false,
     };
     let code = CompiledLaws::new(system, active);
     let flow = ShootingIntegrator {

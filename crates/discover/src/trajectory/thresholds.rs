@@ -55,6 +55,14 @@ family! {
 }
 
 family! {
+    /// Inputs between their samples.
+    pub(crate) INTERPOLATION: Interpolation {
+        /// Second difference up to which a signal is straight by itself.
+        straight: f64 = 1e-9, unit "of its largest value", source "above rounding of ten digits in print; what it moves is below any noise";
+    }
+}
+
+family! {
     /// When a Gauss-Newton fit of one support ends.
     pub(crate) GAUSS_NEWTON: GaussNewton {
         /// Most steps.
@@ -231,6 +239,7 @@ pub fn tables() -> Vec<Table> {
     vec![
         Records::table(),
         Shooting::table(),
+        Interpolation::table(),
         GaussNewton::table(),
         Criterion::table(),
         Search::table(),

@@ -120,12 +120,11 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
     if hidden > 0 {
         parts.push(format!("{hidden} more with smaller parts of their spread"));
     }
-    parts.push(format!("90 % of {} starts on {data}", p.starts));
+    let ended: usize = p.ended.iter().map(|e| e.starts).sum();
+    let reached = p.starts.saturating_sub(ended);
+    parts.push(format!("90 % of {reached} starts on {data}"));
     for ended in &p.ended {
-        parts.push(format!(
-            "{} of them end early ({})",
-            ended.starts, ended.code
-        ));
+        parts.push(format!("{} more end early ({})", ended.starts, ended.code));
     }
     parts.extend(until(p));
     parts.extend(p.unavailable.iter().map(|why| why.text.clone()));

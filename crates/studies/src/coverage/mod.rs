@@ -6,3 +6,4 @@ pub mod figures;
 pub mod odebench;
 pub mod pendulum;
 pub mod run;
+pub mod sampled_input;

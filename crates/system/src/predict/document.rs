@@ -1,6 +1,7 @@
 //! A prediction as it is written into documents and read back.
 //!
-//! In: nothing but these types. A figure that is infinite is absent: the equations could not be run that far.
+//! In: nothing but these types. Figures are those of the runs that reach the horizon, and absent where none does; how many end before is
+//! said beside them.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,12 +24,12 @@ pub struct Prediction {
     pub starts: usize,
     /// Rows of readings before each start that its state was fitted to; 0 for the reading itself.
     pub fitted_rows: usize,
-    /// Whether every error asked for is met in 90 % of the starts; absent if none was asked for.
+    /// Whether every error asked for is met in 90 % of all starts; absent if none was asked for.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub good: Option<bool>,
     /// Every signal that is predicted and measured.
     pub signals: Vec<SignalPrediction>,
-    /// Runs that ended before the horizon, by reason. Their error counts as infinite.
+    /// Runs that ended before the horizon, by reason. They are in no figure, and never good enough.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub ended: Vec<EndedRuns>,
     /// Why nothing, or less than asked for, was predicted.
@@ -86,12 +87,12 @@ pub struct SignalPrediction {
     pub curve: Vec<AheadFigures>,
 }
 
-/// Errors over all starts.
+/// Errors over the starts whose runs reach the horizon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorFigures {
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub rms: Option<f64>,
-    /// What 90 % of the starts stay within.
+    /// What 90 % of them stay within.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub quantile_90: Option<f64>,
 }
@@ -103,6 +104,9 @@ pub struct AheadFigures {
     pub ahead: f64,
     /// Starts compared: the further ahead, the fewer have a reading there.
     pub starts: usize,
+    /// Those whose run ended before; they are in no figure.
+    #[serde(skip_serializing_if = "is_zero", default)]
+    pub ended: usize,
     pub error: ErrorFigures,
     pub no_change: ErrorFigures,
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -118,25 +122,43 @@ pub struct EndedRuns {
 }
 
 impl ErrorFigures {
-    /// Of absolute errors; infinite ones are those of runs that ended.
-    pub(super) fn of(mut errors: Vec<f64>) -> ErrorFigures {
-        if errors.is_empty() {
+    /// Of absolute errors; infinite ones, those of runs that ended, are left out.
+    pub(super) fn of(errors: &[f64]) -> ErrorFigures {
+        let mut reached: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
+        if reached.is_empty() {
             return ErrorFigures::default();
         }
-        errors.sort_by(f64::total_cmp);
-        let n = errors.len();
-        let square = errors.iter().map(|e| e * e).sum::<f64>() / n as f64;
-        // The least error that at least 90 % of the starts do not exceed.
-        let place = (9 * n).div_ceil(10).saturating_sub(1);
+        let square = reached.iter().map(|e| e * e).sum::<f64>() / reached.len() as f64;
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
         ErrorFigures {
             rms: finite(square.sqrt()),
-            quantile_90: errors.get(place).copied().and_then(finite),
+            quantile_90: quantile_90(&mut reached),
         }
     }
 }
 
+/// The least error that at least 90 % do not exceed.
+fn quantile_90(errors: &mut [f64]) -> Option<f64> {
+    errors.sort_by(f64::total_cmp);
+    let place = (9 * errors.len()).div_ceil(10).checked_sub(1)?;
+    errors.get(place).copied()
+}
+
+/// Whether at least 90 % of all errors, infinite ones among them, are within a limit.
+pub(super) fn within(errors: &[f64], limit: f64) -> bool {
+    quantile_90(&mut errors.to_vec()).is_some_and(|e| e <= limit)
+}
+
+fn is_zero(n: &usize) -> bool {
+    *n == 0
+}
+
 impl Prediction {
+    /// True if at least 90 % of the runs reach the horizon.
+    pub(crate) fn mostly_reaches(&self) -> bool {
+        10 * self.ended.iter().map(|e| e.starts).sum::<usize>() <= self.starts
+    }
+
     /// A prediction that could not be made.
     pub(super) fn unavailable(code: &str, text: impl Into<String>) -> Prediction {
         Prediction {
@@ -153,12 +175,18 @@ mod tests {
     #[test]
     fn ninety_per_cent_of_the_starts_stay_within_the_quantile() {
         let errors: Vec<f64> = (1..=20).map(f64::from).rev().collect();
-        let figures = ErrorFigures::of(errors);
+        let figures = ErrorFigures::of(&errors);
         assert_eq!(figures.quantile_90, Some(18.0));
-        let one_ended = [vec![0.1; 19], vec![f64::INFINITY]].concat();
-        let figures = ErrorFigures::of(one_ended);
-        assert_eq!((figures.rms, figures.quantile_90), (None, Some(0.1)));
-        let three_ended = [vec![0.1; 17], vec![f64::INFINITY; 3]].concat();
-        assert_eq!(ErrorFigures::of(three_ended).quantile_90, None);
+        assert!(within(&errors, 18.0) && !within(&errors, 17.0));
+        assert!(!within(&[], 1.0));
+    }
+
+    #[test]
+    fn runs_that_end_are_in_no_figure_and_never_within_a_limit() {
+        let ended = |n: usize| [vec![0.5; 20 - n], vec![f64::INFINITY; n]].concat();
+        let figures = ErrorFigures::of(&ended(3));
+        assert_eq!((figures.rms, figures.quantile_90), (Some(0.5), Some(0.5)));
+        assert!(within(&ended(2), 0.5) && !within(&ended(3), 0.5));
+        assert_eq!(ErrorFigures::of(&ended(20)), ErrorFigures::default());
     }
 }

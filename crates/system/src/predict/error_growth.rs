@@ -105,17 +105,13 @@ impl Growth<'_> {
             .as_ref()
             .map(|x| estimator.runs.run(start.row..last + 1, x, observer));
         let run = run.unwrap_or_default();
-        // Without a state that the equations can follow the last reading is what is kept.
-        let kept = state
-            .clone()
-            .ok()
-            .or_else(|| estimator.smoothed(start.row, 0));
         let on = Along {
             estimator,
             inputs: self.inputs.get(start.record)?,
         };
         let behind: Vec<usize> = rows.iter().flatten().map(|k| k - start.row).collect();
-        let linear = kept
+        let rival_start = linear.start(on, start.row, state.as_ref().ok());
+        let linear = rival_start
             .as_ref()
             .and_then(|x| linear.ahead(on, start.row, x, &behind));
         for (place, row) in rows.iter().enumerate() {
@@ -137,7 +133,11 @@ impl Growth<'_> {
                     error.filter(|e| e.is_finite()).unwrap_or(f64::INFINITY)
                 };
                 errors.equations.push(off(reached));
-                errors.no_change.push(off(kept.as_ref()));
+                let first = record.column(s.signal).and_then(|c| c.get(start.row));
+                let kept = first.copied().filter(|v| v.is_finite());
+                let kept = kept.or_else(|| rival_start.as_ref()?.get(s.place).copied());
+                let kept = kept.map_or(f64::INFINITY, |x| (x - reading).abs());
+                errors.no_change.push(kept);
                 if linear.is_some() {
                     errors.linear.push(off(rival));
                 }

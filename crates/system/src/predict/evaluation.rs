@@ -4,8 +4,10 @@
 
 use super::ErrorLimit;
 use super::PredictionRequest;
+use super::continued_records::continued;
 use super::document::{
     AheadFigures, DataKind, EndedRuns, ErrorFigures, HorizonChoice, Prediction, SignalPrediction,
+    within,
 };
 use super::error_growth::{Errors, Growth, GrowthErrors};
 use super::horizon::{Predicted, choose, median_step};
@@ -21,6 +23,7 @@ use sidc_lang::model::Model;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::Observer;
+use std::ops::Range;
 
 /// The names of the signals that equations of these targets predict: those of the state.
 pub fn predictable(model: &Model) -> Vec<String> {
@@ -88,7 +91,10 @@ fn attempt(
         let all: Result<Vec<SegmentRuns>, _> = (0..dataset.trajectories.len()).map(runs).collect();
         all.map_err(|why| Notice::new(why.code, why.message))
     };
-    let (runs_used, runs_held) = (compile(used)?, compile(held)?);
+    let runs_used = compile(used)?;
+    let fits = records_rows(&runs_used, &[]) / STATE_FIT.record_part;
+    let (continued, first) = continued(used, held, fits);
+    let runs_held = compile(&continued)?;
     let all: Vec<&Trajectory> = used.trajectories.iter().chain(&held.trajectories).collect();
     let signals = predicted(model, runs_used.first(), &all);
     if signals.is_empty() {
@@ -107,7 +113,7 @@ fn attempt(
     };
     let records: Vec<&Trajectory> = on.iter().map(SegmentRuns::record).collect();
     let step = median_step(&records);
-    let longest = longest(on);
+    let longest = longest(on, &first);
     let (horizon, chosen) = match request.horizon {
         Some(horizon) => (horizon, HorizonChoice::Asked),
         None => choose(&all, &signals, longest),
@@ -123,9 +129,8 @@ fn attempt(
         return Err(Notice::new("no-horizon", text));
     }
     // States are fitted to as many rows as predict best on the data used.
-    let most = records_rows(&runs_used) / STATE_FIT.record_part;
     let shortest = states_used.first().map_or(1, StateEstimator::shortest);
-    let most = most.min(shortest << STATE_FIT.doublings);
+    let most = fits.min(shortest << STATE_FIT.doublings);
     let lags = runs_used.iter().flat_map(SegmentRuns::history);
     let lags = lags
         .map(|s| s.shift.unsigned_abs() as usize)
@@ -133,7 +138,8 @@ fn attempt(
         .unwrap_or(0);
     let step_used = median_step(&used.trajectories.iter().collect::<Vec<_>>());
     let before = most.max(shortest) + lags;
-    let trial_starts = test_starts(&runs_used, before, (horizon, step_used), STATE_FIT.starts);
+    let ahead_used = (horizon, step_used);
+    let trial_starts = test_starts(&runs_used, (&[], before), ahead_used, STATE_FIT.starts);
     let trial = Trial {
         estimators: &states_used,
         starts: &trial_starts,
@@ -144,15 +150,17 @@ fn attempt(
     };
     let fitted_rows = choose_rows(&trial, most, observer);
     let rows = (horizon / step).round().max(1.0) as usize;
-    let plan = Plan::new(rows, fitted_rows, &runs_used, records_rows(on));
+    let plan = Plan::new(rows, fitted_rows, &runs_used, records_rows(on, &first));
     let ahead: Vec<f64> = plan.multiples.iter().map(|m| m * horizon).collect();
     let asked = plan.multiples.iter().position(|m| *m == 1.0).unwrap_or(0);
-    let starts = test_starts(on, fitted_rows + lags, (horizon, step), plan.starts);
+    let before = (&first[..], fitted_rows + lags);
+    let starts = test_starts(on, before, (horizon, step), plan.starts);
     let sums_used: Vec<InputSums> = states_used.iter().map(InputSums::of).collect();
     let sums_held: Vec<InputSums> = states_held.iter().map(InputSums::of).collect();
     let along = states_used.iter().zip(&sums_used);
     let along = along.map(|(estimator, inputs)| Along { estimator, inputs });
     let mut linear = LinearModel::new(along.collect(), rows);
+    linear.choose_start(&trial, &sums_used, fitted_rows, observer);
     let growth = Growth {
         estimators: states_on,
         inputs: if held.trajectories.is_empty() {
@@ -272,22 +280,30 @@ fn states<'a>(
     })
 }
 
-/// The longest uninterrupted time.
-fn longest(runs: &[SegmentRuns]) -> f64 {
-    let span = |r: &SegmentRuns| {
+/// The longest uninterrupted time, from the first row of each record on that may be a start.
+fn longest(runs: &[SegmentRuns], first: &[usize]) -> f64 {
+    let span = |(k, r): (usize, &SegmentRuns)| {
         let time = &r.record().time;
-        let of = |rows: &std::ops::Range<usize>| {
-            Some(time.get(rows.end.checked_sub(1)?)? - time.get(rows.start)?)
-        };
-        r.contiguous().iter().filter_map(of).fold(0.0, f64::max)
+        let of =
+            |rows: Range<usize>| Some(time.get(rows.end.checked_sub(1)?)? - time.get(rows.start)?);
+        stretches(r, first.get(k))
+            .filter_map(of)
+            .fold(0.0, f64::max)
     };
-    runs.iter().map(span).fold(0.0, f64::max)
+    runs.iter().enumerate().map(span).fold(0.0, f64::max)
 }
 
 /// Rows of the longest uninterrupted stretch.
-fn records_rows(runs: &[SegmentRuns]) -> usize {
-    let all = runs.iter().flat_map(SegmentRuns::contiguous);
+fn records_rows(runs: &[SegmentRuns], first: &[usize]) -> usize {
+    let all = runs.iter().enumerate();
+    let all = all.flat_map(|(k, r)| stretches(r, first.get(k)));
     all.map(|r| r.len()).max().unwrap_or(0)
+}
+
+fn stretches(runs: &SegmentRuns, first: Option<&usize>) -> impl Iterator<Item = Range<usize>> {
+    let first = first.copied().unwrap_or(0);
+    let all = runs.contiguous().into_iter();
+    all.map(move |r| r.start.max(first)..r.end.max(first))
 }
 
 /// How many starts there are, and how far the curve goes.
@@ -350,7 +366,7 @@ fn signal(
         .find(named)
         .or(request.good.iter().find(|l| own(l).is_some()));
     let limit = limit.and_then(own);
-    let met = |limit: f64| here.error.quantile_90.is_some_and(|e| e <= limit);
+    let met = |limit: f64| of(asked).is_some_and(|e| within(&e.equations, limit));
     SignalPrediction {
         spread: s.spread,
         error: here.error,
@@ -369,17 +385,20 @@ fn figures(ahead: f64, e: &Errors) -> AheadFigures {
     AheadFigures {
         ahead,
         starts: e.equations.len(),
-        error: ErrorFigures::of(e.equations.clone()),
-        no_change: ErrorFigures::of(e.no_change.clone()),
-        linear: (!e.linear.is_empty()).then(|| ErrorFigures::of(e.linear.clone())),
+        ended: e.equations.iter().filter(|e| !e.is_finite()).count(),
+        error: ErrorFigures::of(&e.equations),
+        no_change: ErrorFigures::of(&e.no_change),
+        linear: (!e.linear.is_empty()).then(|| ErrorFigures::of(&e.linear)),
     }
 }
 
-/// Where the error passes a bound, on straight lines through the logarithms of the errors; `None` if it does not.
+/// Where the error passes a bound, on straight lines through the logarithms of the errors, or where more than a tenth of the runs have
+/// ended; `None` if neither happens.
 fn follows(curve: &[AheadFigures], bound: f64) -> Option<f64> {
     let mut last: Option<(f64, f64)> = None;
     for point in curve {
-        let error = point.error.rms.unwrap_or(f64::INFINITY);
+        let error = point.error.rms.filter(|_| 10 * point.ended <= point.starts);
+        let error = error.unwrap_or(f64::INFINITY);
         if error > bound {
             let Some((ahead, before)) = last else {
                 return Some(point.ahead);

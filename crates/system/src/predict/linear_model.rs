@@ -8,9 +8,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::horizon::row_ahead;
 use super::state_estimation::StateEstimator;
 use super::thresholds::LINEAR_MODEL;
+use super::window_choice::{Trial, mean_square, median_score};
 use sidc_lang::term::Signal;
+use sidc_progress::Observer;
 
 /// Sums of the inputs before each row.
 pub(super) struct InputSums(Vec<Vec<f64>>);
@@ -47,6 +50,8 @@ pub(super) struct LinearModel<'a> {
     step: usize,
     /// Matrices by the rows of their step; `None` where too few pairs are so far apart.
     maps: BTreeMap<usize, Option<DMatrix<f64>>>,
+    /// Whether its starts are the readings themselves, and not the states that the equations were fitted to.
+    from_readings: bool,
 }
 
 impl<'a> LinearModel<'a> {
@@ -59,6 +64,55 @@ impl<'a> LinearModel<'a> {
                 false => (horizon_rows / LINEAR_MODEL.steps).max(1),
             },
             maps: BTreeMap::new(),
+            from_readings: false,
+        }
+    }
+
+    /// Takes the starts from which it predicts better on the data used: states fitted with the equations have less noise than readings,
+    /// and are far from them where the equations are wrong.
+    pub fn choose_start(
+        &mut self,
+        trial: &Trial,
+        inputs: &[InputSums],
+        fitted_rows: usize,
+        observer: &mut dyn Observer,
+    ) {
+        let mut score = |from_readings: bool| {
+            self.from_readings = from_readings;
+            median_score(trial, |s| {
+                let estimator = trial.estimators.get(s.record)?;
+                let row = row_ahead(
+                    &estimator.runs.record().time,
+                    s.row,
+                    trial.ahead,
+                    trial.step,
+                )?;
+                let fitted = estimator.state(s.row, fitted_rows, observer).ok();
+                let inputs = inputs.get(s.record)?;
+                let on = Along { estimator, inputs };
+                let end = self
+                    .start(on, s.row, fitted.as_ref())
+                    .and_then(|x| self.ahead(on, s.row, &x, &[row - s.row]))
+                    .and_then(|mut all| all.pop());
+                match end {
+                    Some(end) => mean_square(trial, estimator, row, &end),
+                    None => Some(f64::INFINITY),
+                }
+            })
+        };
+        let fitted = score(false);
+        let read = score(true);
+        self.from_readings = read < fitted;
+    }
+
+    /// The state at a row that it predicts from.
+    pub fn start(&self, on: Along, row: usize, fitted: Option<&Vec<f64>>) -> Option<Vec<f64>> {
+        let before = 2 * LINEAR_MODEL.slope_rows;
+        match fitted.filter(|_| !self.from_readings) {
+            Some(fitted) => Some(fitted.clone()),
+            None => on
+                .estimator
+                .smoothed(row, row.saturating_sub(before)..row + 1),
         }
     }
 
@@ -155,8 +209,11 @@ fn fit(used: &[Along], rows: usize) -> Option<DMatrix<f64>> {
                 .take_while(|r| r + rows < range.end)
             {
                 let pair = || {
-                    let x = on.estimator.smoothed(row, around)?;
-                    let next = on.estimator.smoothed(row + rows, around)?;
+                    let smoothed = |row: usize| {
+                        let rows = row.saturating_sub(around)..row + around + 1;
+                        on.estimator.smoothed(row, rows)
+                    };
+                    let (x, next) = (smoothed(row)?, smoothed(row + rows)?);
                     Some((regressors(*on, row, &x, rows, past)?, next))
                 };
                 if let Some((regressors, next)) = pair() {

@@ -6,6 +6,7 @@
 //! Flow: `horizon` (how far ahead) → `state_estimation` (the state at a start) → `error_growth` (runs from all starts, and errors)
 //! with `linear_model` beside it → `document`.
 
+mod continued_records;
 mod document;
 mod error_growth;
 mod evaluation;

@@ -85,12 +85,12 @@ impl<'a> StateEstimator<'a> {
         self.components.iter().map(value).collect()
     }
 
-    /// The state at a row by local polynomials around it alone, as the linear model is fitted to it.
-    pub fn smoothed(&self, row: usize, around: usize) -> Option<Vec<f64>> {
+    /// The state at a row by local polynomials through these rows alone, without the equations.
+    pub fn smoothed(&self, row: usize, rows: std::ops::Range<usize>) -> Option<Vec<f64>> {
         let value = |c: &Component| match c.noise {
             Some(_) => c.readings.get(row).copied().filter(|v| v.is_finite()),
             None => {
-                let rows = row.saturating_sub(around)..(row + around + 1).min(c.readings.len());
+                let rows = rows.start..rows.end.min(c.readings.len());
                 self.local(c, rows, row)
             }
         };

@@ -1,6 +1,7 @@
 //! Starts all along the data, evenly spread.
 //!
-//! In: records, how many rows a start needs before it, how far ahead there must be a reading. Out: records and rows. Never looks at values.
+//! In: records, the first row of each that may be a start, how many rows a start needs before it, how far ahead there must be a reading.
+//! Out: records and rows. Never looks at values.
 
 use super::horizon::row_ahead;
 use crate::simulate::SegmentRuns;
@@ -14,10 +15,11 @@ pub(super) struct TestStart {
     pub end: usize,
 }
 
-/// At most `count` starts with so many rows before them and a reading `ahead` of them.
+/// At most `count` starts with so many rows before them and a reading `ahead` of them. `first`: the first row of each record that may be
+/// one; rows before it only serve to find its state. Empty for all rows.
 pub(super) fn test_starts(
     records: &[SegmentRuns],
-    before: usize,
+    (first, before): (&[usize], usize),
     (ahead, step): (f64, f64),
     count: usize,
 ) -> Vec<TestStart> {
@@ -27,7 +29,8 @@ pub(super) fn test_starts(
         for rows in runs.contiguous() {
             let end = rows.end;
             let fits = |row: &usize| row_ahead(time, *row, ahead, step).is_some_and(|k| k < end);
-            let rows = (rows.start + before..end).filter(fits);
+            let earliest = first.get(record).copied().unwrap_or(0);
+            let rows = (earliest.max(rows.start + before)..end).filter(fits);
             all.extend(rows.map(|row| TestStart { record, row, end }));
         }
     }

@@ -47,13 +47,17 @@ pub(super) fn choose_rows(trial: &Trial, most: usize, observer: &mut dyn Observe
 
 /// Median over the starts of the mean square error, in spreads.
 fn score(trial: &Trial, rows: usize, observer: &mut dyn Observer) -> f64 {
-    let of_start = |s: &TestStart| -> Option<f64> {
+    median_score(trial, |s| {
         let estimator = trial.estimators.get(s.record)?;
         let Ok(x) = estimator.state(s.row, rows, observer) else {
             return Some(f64::INFINITY);
         };
         squares(trial, estimator, s, &x, trial.ahead, observer)
-    };
+    })
+}
+
+/// Median over the starts that have a score; infinite if none has.
+pub(super) fn median_score(trial: &Trial, of_start: impl FnMut(&TestStart) -> Option<f64>) -> f64 {
     let mut scores: Vec<f64> = trial.starts.iter().filter_map(of_start).collect();
     let middle = scores.len() / 2;
     if scores.is_empty() {
@@ -100,6 +104,17 @@ fn squares(
     else {
         return Some(f64::INFINITY);
     };
+    mean_square(trial, estimator, row, reached)
+}
+
+/// Mean over the signals of the squared distance of a state from the readings at a row, in spreads.
+pub(super) fn mean_square(
+    trial: &Trial,
+    estimator: &StateEstimator,
+    row: usize,
+    reached: &[f64],
+) -> Option<f64> {
+    let record = estimator.runs.record();
     let (mut sum, mut count) = (0.0, 0.0);
     for s in trial.signals {
         let reading = record.column(s.signal)?.get(row)?;

@@ -15,6 +15,7 @@ mod record_path;
 mod record_simulation;
 mod required_signals;
 mod run;
+mod sampled_start;
 mod scores;
 mod segment_runs;
 mod stiff;

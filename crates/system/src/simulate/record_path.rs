@@ -23,6 +23,8 @@ pub(crate) struct RecordPath<'a> {
     pub discrete: bool,
     /// Of the integrator.
     pub tolerance: f64,
+    /// Samples of states before the run in discrete time, latest last, where they are not the readings.
+    pub past: &'a [(Signal, Vec<f64>)],
 }
 
 impl RecordPath<'_> {
@@ -62,7 +64,9 @@ impl RecordPath<'_> {
             let base = Signal::new(s.var);
             match form.state.iter().position(|x| *x == base) {
                 Some(place) => {
-                    let before = self.record.column(base).and_then(|c| c.get(..begin));
+                    let given = self.past.iter().find(|(s, _)| *s == base);
+                    let read = || self.record.column(base).and_then(|c| c.get(..begin));
+                    let before = given.map(|(_, past)| past.as_slice()).or_else(read);
                     LagSource::State(place, before.unwrap_or(&[]))
                 }
                 None => LagSource::Input(self.drives.lagged(base), begin),

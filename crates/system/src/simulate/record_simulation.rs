@@ -15,7 +15,7 @@ use crate::simulate::inputs::sources::{self, Inputs};
 use crate::simulate::integrate::continuous_time;
 use crate::simulate::integrate::trajectory::Path;
 use crate::simulate::record_path::RecordPath;
-use crate::simulate::run::{Leg, Options, Origin, Run, Start};
+use crate::simulate::run::{Leg, LegStart, Options, Origin, Run, Start};
 use crate::simulate::scores::goodness_of_fit::score;
 use crate::simulate::thresholds::{BUDGET, INITIAL_STATE};
 use sidc_data as data;
@@ -83,15 +83,15 @@ pub fn simulate(
 }
 
 /// One record with everything needed to simulate it.
-struct RecordSimulation<'a> {
+pub(super) struct RecordSimulation<'a> {
     d: &'a Discovery,
-    model: &'a Model,
+    pub(super) model: &'a Model,
     inputs: &'a Dataset,
-    record: &'a Trajectory,
-    plant: &'a Plant,
+    pub(super) record: &'a Trajectory,
+    pub(super) plant: &'a Plant,
     drives: &'a Inputs,
     /// Typical sizes of the state.
-    sizes: Vec<f64>,
+    pub(super) sizes: Vec<f64>,
     options: &'a Options,
 }
 
@@ -201,16 +201,20 @@ impl RecordSimulation<'_> {
         let begin = rows.start + from;
         let guess = self.guess(&part, from);
         let leg = self.leg_setup(begin..rows.end, &guess);
-        let (starts, settled) = self.start(&leg, &found, (begin, from), observer);
-        let x: Vec<f64> = starts.iter().map(|s| s.value).collect();
-        let path = self.path(&leg, &x, begin, self.budget(rows.len()), observer);
+        let start = match self.d.discrete {
+            true => self.sampled_start(&leg, &found, (begin, from), observer),
+            false => self.start(&leg, &found, (begin, from), observer),
+        };
+        let x: Vec<f64> = start.state.iter().map(|s| s.value).collect();
+        let budget = self.budget(rows.len());
+        let path = self.path(&leg, (&x, &start.past), begin, budget, observer);
         let count = path.rows.len();
         let fault = path.fault.clone();
         run.fill(begin, &path, &self.plain());
         Ok(Leg {
             rows: begin..begin + count,
-            settled,
-            start: starts,
+            settled: start.settled,
+            start: start.state,
             fault,
         })
     }
@@ -258,11 +262,11 @@ impl RecordSimulation<'_> {
         adaptive.max(fixed as u64 + 8 * rows as u64)
     }
 
-    /// One simulation from the row `begin`.
-    fn path(
+    /// One simulation from the row `begin`, and in discrete time samples before it.
+    pub(super) fn path(
         &self,
         leg: &continuous_time::LegSetup,
-        x: &[f64],
+        (x, past): (&[f64], &[(Signal, Vec<f64>)]),
         begin: usize,
         budget: u64,
         observer: &mut dyn Observer,
@@ -274,6 +278,7 @@ impl RecordSimulation<'_> {
             sizes: &self.sizes,
             discrete: self.d.discrete,
             tolerance: self.options.tolerance,
+            past,
         };
         along.run(leg, x, (begin, budget), observer)
     }
@@ -287,11 +292,11 @@ impl RecordSimulation<'_> {
         candidates: &Candidates,
         (begin, from): (usize, usize),
         observer: &mut dyn Observer,
-    ) -> (Vec<Start>, usize) {
+    ) -> LegStart {
         let raw = candidates::at_row(&candidates.raw, from);
         let mut starts = candidates::at_row(&candidates.smooth, from);
         if starts.is_empty() || starts.iter().any(|s| !s.value.is_finite()) {
-            return (raw, 0);
+            return LegStart::as_read(raw);
         }
         let names = self.names();
         let readings = Readings {
@@ -300,6 +305,7 @@ impl RecordSimulation<'_> {
                 .iter()
                 .filter_map(|n| self.channel(&names, n, (begin, from)))
                 .collect(),
+            before: Vec::new(),
             rows: leg.time.len(),
         };
         let mut trial = |x: &[f64], rows: usize| {
@@ -308,20 +314,20 @@ impl RecordSimulation<'_> {
                 step: None,
                 ..*leg
             };
-            let path = self.path(&short, x, begin, BUDGET.trial_evaluations, observer);
+            let path = self.path(&short, (x, &[]), begin, BUDGET.trial_evaluations, observer);
             path.fault.is_none().then_some(path.rows)
         };
         let values = |starts: &[Start]| starts.iter().map(|s| s.value).collect::<Vec<f64>>();
         let left = rms_residual(&readings, &values(&raw), &mut trial);
         if left.is_some_and(|left| left <= INITIAL_STATE.as_read) {
-            return (raw, 0);
+            return LegStart::as_read(raw);
         }
         let estimated = |s: &Start| matches!(s.origin, Origin::Smoothed | Origin::Differentiated);
         let sized = starts.iter().zip(&self.sizes).enumerate();
         let free = sized.filter(|(_, (s, _))| estimated(s));
         let free: Vec<(usize, f64)> = free.map(|(i, (_, size))| (i, *size)).collect();
         let Some(found) = fit_initial_state(&readings, &values(&starts), &free, &mut trial) else {
-            return (starts, 0);
+            return LegStart::as_read(starts);
         };
         for (i, _) in free {
             let (Some(s), Some(value), Some(error)) =
@@ -333,7 +339,11 @@ impl RecordSimulation<'_> {
             s.error = Some(*error);
             s.origin = Origin::Fitted;
         }
-        (starts, found.rows)
+        LegStart {
+            state: starts,
+            settled: found.rows,
+            past: Vec::new(),
+        }
     }
 
     /// Readings of a noisy channel from a leg's first row on, without outliers.

@@ -120,6 +120,25 @@ pub struct Leg {
     pub fault: Option<Fault>,
 }
 
+/// The state at the first row of a leg, and what it was estimated from.
+pub(crate) struct LegStart {
+    pub state: Vec<Start>,
+    /// First rows that it was fitted to.
+    pub settled: usize,
+    /// Fitted samples before it, in discrete time; empty if they are the readings.
+    pub past: Vec<(Signal, Vec<f64>)>,
+}
+
+impl LegStart {
+    pub fn as_read(state: Vec<Start>) -> LegStart {
+        LegStart {
+            state,
+            settled: 0,
+            past: Vec::new(),
+        }
+    }
+}
+
 /// Initial value of one component of the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {

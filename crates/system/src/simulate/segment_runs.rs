@@ -134,6 +134,7 @@ impl SegmentRuns {
             sizes: &self.sizes,
             discrete: self.discrete,
             tolerance: SEGMENTS.tolerance,
+            past: &[],
         };
         let budget = SEGMENTS.evaluations + SEGMENTS.evaluations_a_row * time.len() as u64;
         let path = along.run(&leg, x, (begin, budget), observer);

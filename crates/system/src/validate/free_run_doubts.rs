@@ -106,10 +106,15 @@ impl<'a> Runs<'a> {
         held.clone().find(|r| r.sensitive)?;
         let of = |p: &'a Prediction| p.signals.iter().find(|s| s.signal == self.name);
         let (used, held_out) = (of(k_step.used)?, of(k_step.held_out)?);
-        let error = |s: &SignalPrediction| s.error.quantile_90.unwrap_or(f64::INFINITY);
-        let bound = (FREE_RUNS.slight * held_out.spread).max(FREE_RUNS.worse * error(used));
-        (error(held_out) > bound).then(|| {
-            let shown = |s| match error(s) {
+        let spread = held_out.spread;
+        let error = |p: &Prediction, s: &SignalPrediction| {
+            let error = s.error.quantile_90.filter(|_| p.mostly_reaches());
+            error.unwrap_or(f64::INFINITY)
+        };
+        let (used, held_out) = (error(k_step.used, used), error(k_step.held_out, held_out));
+        let bound = (FREE_RUNS.slight * spread).max(FREE_RUNS.worse * used);
+        (held_out > bound).then(|| {
+            let shown = |error: f64| match error {
                 e if e.is_finite() => rounded(e, 2).to_string(),
                 _ => "infinity (its runs end early)".into(),
             };

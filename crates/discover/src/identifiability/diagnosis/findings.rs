@@ -281,7 +281,10 @@ pub fn misspecification_finding(
                 "the whole library leaves {} of {name}, and no simple term of the measured signals explains it",
                 percent(*part)
             ),
-            "look for an input or a state that is not measured".into(),
+            format!(
+                "look for an input or a state that is not measured; a hidden state acts like a higher order: compare with {var} of order {}",
+                target.der + 1
+            ),
             None,
         ),
     }

@@ -23,6 +23,8 @@ pub struct Record {
     pub measured: Vec<Vec<f64>>,
     /// The exogenous signals of the system, in its order.
     pub exogenous: Vec<Exogenous>,
+    /// Whether exogenous signals that are not held run along cubics through four samples instead of straight.
+    pub curved: bool,
 }
 
 /// An exogenous signal.
@@ -55,6 +57,7 @@ impl Record {
             time: keep(&self.time),
             measured: self.measured.iter().map(keep).collect(),
             exogenous: exogenous.collect(),
+            curved: self.curved,
         }
     }
 
@@ -68,7 +71,22 @@ impl Record {
             return here;
         }
         let next = o.values.get(k + 1).copied().unwrap_or(here);
-        here + part * (next - here)
+        let cubic = || self.cubic_at(&o.values, k, part);
+        let curved = self.curved.then(cubic).flatten();
+        curved.unwrap_or(here + part * (next - here))
+    }
+
+    /// Lagrange's cubic through the two samples on either side; `None` at the ends.
+    fn cubic_at(&self, values: &[f64], k: usize, part: f64) -> Option<f64> {
+        let from = k.checked_sub(1)?;
+        let (time, values) = (self.time.get(from..k + 3)?, values.get(from..k + 3)?);
+        let at = time[1] + part * (time[2] - time[1]);
+        let weight = |i: usize| {
+            let others = (0..4).filter(|j| *j != i);
+            let factors = others.map(|j| (at - time[j]) / (time[i] - time[j]));
+            factors.product::<f64>()
+        };
+        Some((0..4).map(|i| weight(i) * values[i]).sum())
     }
 }
 
@@ -144,6 +162,7 @@ fn record(
             .map(|s| cut(*s).unwrap_or_else(unmeasured))
             .collect(),
         exogenous,
+        curved: false,
     })
 }
 

@@ -13,4 +13,4 @@ pub(crate) use beam_search::best_subsets;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
 pub use search_observer::SearchObserver;
 pub use support_search::{Found, search};
-pub(crate) use support_search::{final_criterion, initial_fit};
+pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};

@@ -145,7 +145,13 @@ fn continuation(
 
 /// The criterion of the last level for white residuals.
 pub(crate) fn final_criterion(problem: &Problem) -> PenalizedLikelihood {
-    PenalizedLikelihood::at_floor(problem, SEARCH.floors[SEARCH.floors.len() - 1], 1.0)
+    last_criterion(problem, 1.0)
+}
+
+/// The same for residuals of this statistical inefficiency.
+pub(crate) fn last_criterion(problem: &Problem, inefficiency: f64) -> PenalizedLikelihood {
+    let lowest = SEARCH.floors[SEARCH.floors.len() - 1];
+    PenalizedLikelihood::at_floor(problem, lowest, inefficiency)
 }
 
 /// The best fit of the supports that integral matching proposes, under the highest floor.

@@ -5,9 +5,11 @@
 
 mod delay_screening;
 mod input_delay;
+mod input_interpolation;
 mod sensor_offset;
 mod time_shift;
 
 pub use delay_screening::{DelayProposal, screen_delays};
 pub use input_delay::{DelayedInputs, criterion_without_delay, fit_delay, with_delay};
+pub use input_interpolation::widen_by_interpolation;
 pub use sensor_offset::{SensorOffset, find_sensor_offset};

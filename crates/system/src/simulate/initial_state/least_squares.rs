@@ -1,6 +1,7 @@
 //! Initial states by least squares: the start from which a free run follows the first noisy readings best.
 //!
-//! In: readings with their noise, a first estimate, a function that simulates. Out: the estimate over the longest
+//! In: readings with their noise, a first estimate, a function that simulates. What is estimated may hold more than the state, as samples
+//! before it, each with a reading of its own. Out: the estimate over the longest
 //! stretch that the equations follow, with standard errors. The equations stay as they are. Where they follow no stretch to
 //! within the noise, the shortest decides: its readings say more together than the first of them alone.
 
@@ -16,7 +17,22 @@ pub(crate) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Rows>;
 pub(crate) struct Readings {
     /// Column in a simulated row, readings by row of the leg (NaN: none), standard deviation of the noise.
     pub channels: Vec<(usize, Vec<f64>, f64)>,
+    /// Components of what is estimated that no simulated row shows: index, reading, standard deviation of its noise.
+    pub before: Vec<(usize, f64, f64)>,
     pub rows: usize,
+}
+
+impl Readings {
+    /// Takes the noise of all readings for so many times what it is.
+    pub fn scale_noise(&mut self, factor: f64) {
+        self.channels.iter_mut().for_each(|c| c.2 *= factor);
+        self.before.iter_mut().for_each(|b| b.2 *= factor);
+    }
+}
+
+/// Rows of the shortest stretch for so many components.
+pub(crate) fn shortest(components: usize) -> usize {
+    INITIAL_STATE.rows_a_component * components.max(2)
 }
 
 pub(crate) struct FittedStart {
@@ -32,10 +48,8 @@ pub(crate) struct FittedStart {
 /// Root mean square of the residuals over the first stretch, in standard deviations of the noise; `None` if the run
 /// fails.
 pub(crate) fn rms_residual(readings: &Readings, start: &[f64], run: Trial) -> Option<f64> {
-    let rows = (2 * INITIAL_STATE.rows_a_component)
-        .max(INITIAL_STATE.rows_a_component * start.len())
-        .min(readings.rows);
-    let left = residuals(readings, &run(start, rows)?, rows);
+    let rows = shortest(start.len()).min(readings.rows);
+    let left = residuals(readings, start, &run(start, rows)?, rows);
     (!left.is_empty()).then(|| left.norm() / (left.len() as f64).sqrt())
 }
 
@@ -49,8 +63,7 @@ pub(crate) fn fit_initial_state(
     let most = (readings.rows / INITIAL_STATE.record_part)
         .max(readings.rows.min(2 * INITIAL_STATE.short_record) / 2)
         .min(INITIAL_STATE.longest_stretch);
-    let mut rows =
-        (INITIAL_STATE.rows_a_component * free.len()).max(INITIAL_STATE.rows_a_component * 2);
+    let mut rows = shortest(free.len());
     let mut best: Option<FittedStart> = None;
     while rows <= most {
         let from = best.as_ref().map_or(start, |b| &b.start);
@@ -75,7 +88,7 @@ fn fit(
     run: Trial,
 ) -> Option<FittedStart> {
     let mut x = start.to_vec();
-    let mut left = residuals(readings, &run(&x, rows)?, rows);
+    let mut left = residuals(readings, &x, &run(&x, rows)?, rows);
     let mut damping = 1e-3;
     let mut normal = DMatrix::zeros(free.len(), free.len());
     for _ in 0..INITIAL_STATE.iterations {
@@ -89,7 +102,7 @@ fn fit(
         for ((place, size), s) in free.iter().zip(step.iter()) {
             trial[*place] += size * s;
         }
-        let after = run(&trial, rows).map(|path| residuals(readings, &path, rows));
+        let after = run(&trial, rows).map(|path| residuals(readings, &trial, &path, rows));
         match after.filter(|a| a.norm_squared() < left.norm_squared()) {
             Some(after) => {
                 let gained = 1.0 - after.norm_squared() / left.norm_squared();
@@ -122,8 +135,11 @@ fn fit(
 }
 
 /// Simulated minus measured, in standard deviations of the noise.
-fn residuals(readings: &Readings, path: &Rows, rows: usize) -> DVector<f64> {
-    let mut out = Vec::new();
+fn residuals(readings: &Readings, x: &[f64], path: &Rows, rows: usize) -> DVector<f64> {
+    let before = readings.before.iter();
+    let off =
+        |(place, reading, sigma): &(usize, f64, f64)| Some((x.get(*place)? - reading) / sigma);
+    let mut out: Vec<f64> = before.filter_map(off).collect();
     for (place, values, sigma) in &readings.channels {
         for (s, m) in path.column(*place).zip(values).take(rows) {
             if m.is_finite() {
@@ -147,7 +163,7 @@ fn slopes(
     for (place, size) in free {
         let mut moved = x.to_vec();
         moved[*place] += INITIAL_STATE.difference * size;
-        let there = residuals(readings, &run(&moved, rows)?, rows);
+        let there = residuals(readings, &moved, &run(&moved, rows)?, rows);
         if there.len() != left.len() {
             return None;
         }
