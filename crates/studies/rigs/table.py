@@ -58,21 +58,15 @@ def row(program, folder, model, data, held, horizon):
     terms = lambda e: ", ".join(f"{t['coefficient']:.4g} {t['term']}" for t in e["terms"])
     laws = "; ".join(f"{e['target']}: {terms(e)}" for e in equations)
     codes = list(dict.fromkeys(r["code"] for e in equations + found["failed"] for r in e["reasons"]))
-    advice = [
-        f["advice"]
-        for e in equations
-        for f in ((e.get("evidence") or {}).get("identifiability") or {}).get("findings", [])
-        if f.get("matters") and f.get("advice")
-    ]
-    for e in equations:
-        advice += [r["text"].split(": ")[-1] for r in e["reasons"] if r["code"] in ("beyond-library", "outliers")]
+    step = " ".join(run.stdout.rsplit("next: ", 1)[-1].split())
+    step = step.replace(str(folder) + "/", "").replace(str(HERE) + "/", "")
     ended = sum(e["starts"] for e in prediction.get("ended", []))
     starts = f"{prediction['starts'] - ended} of {prediction['starts']}" if ended else str(prediction["starts"])
     names = ", ".join(f"{s['signal']} {number(s['error'].get('quantile_90'))} {s.get('unit', '')}".strip() for s in shown)
     cells = [
         model, laws, f"{horizon} {prediction['unit']}: {names}", column("no_change"), column("linear"), starts,
         "yes" if prediction.get("good") else "no", verdict["run"]["status"],
-        ", ".join(f"`{c}`" for c in codes), "; ".join(dict.fromkeys(advice)) or "–", f"{seconds:.2g}",
+        ", ".join(f"`{c}`" for c in codes), f"`{step}`" if "~" in step or step.startswith("sidc") else step, f"{seconds:.2g}",
     ]
     return "| " + " | ".join(c.replace("|", "\\|") for c in cells) + " |"
 
