@@ -4,7 +4,7 @@
 
 use crate::dictionary::bytes;
 use sidc_lang::library::Library;
-use sidc_system::discovery::{Reason, ReasonCode};
+use sidc_system::discovery::{Change, Reason, ReasonCode};
 
 /// The failure `memory-limit` if Φ with `rows` rows of this library would take more than `limit` bytes.
 pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Reason> {
@@ -13,12 +13,7 @@ pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Rea
         let fixed = bytes(library, 0);
         let row = bytes(library, 1) - fixed;
         let fits = u128::from(limit).saturating_sub(fixed) / row.max(1);
-        let way_out = if fits == 0 {
-            "not one row fits: take a smaller library or a higher --memory-limit".into()
-        } else {
-            format!("--samples {fits} fits, or set a higher --memory-limit")
-        };
-        Reason::new(
+        let reason = Reason::new(
             ReasonCode::MemoryLimit,
             format!(
                 "{rows} rows of {} terms take {}, the limit is {}",
@@ -26,8 +21,16 @@ pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Rea
                 size(needed),
                 size(limit.into())
             ),
-        )
-        .remedy(way_out)
+        );
+        match fits {
+            0 => {
+                reason.remedy("not one row fits: take a smaller library or a higher --memory-limit")
+            }
+            _ => reason.change(
+                format!("--samples {fits} fits, or set a higher --memory-limit"),
+                Change::Options(format!("--samples {fits}")),
+            ),
+        }
     })
 }
 
