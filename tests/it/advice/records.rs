@@ -130,13 +130,13 @@ pub fn uncertain_coefficient() -> Scenario {
     let step = 0.05;
     let table = move |rows: usize| {
         let (u, w) = (levels(rows, 10, 2), levels(rows, 7, 5));
-        let rate = |(u, w): (&f64, &f64)| 2.0 * u + 0.02 * w;
+        let rate = |(u, w): (&f64, &f64)| 2.0 * u + 0.035 * w;
         let dx: Vec<f64> = u.iter().zip(&w).map(rate).collect();
         let dx = read(&dx, 0.05, 3);
         let x = normal(rows, 4);
         record(step, &[("x", &x), ("u", &u), ("w", &w), ("dx", &dx)])
     };
-    let rows = 200;
+    let rows = 80;
     let case = Case::new("state x\ninput u, w\ndx ~ <u, w>\n", table(rows));
     Scenario::words(case, move |case, reason| {
         let seconds: f64 = reason.advice().split(' ').next().unwrap().parse().unwrap();

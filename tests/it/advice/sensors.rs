@@ -1,6 +1,6 @@
 //! Advice on sensors: their noise, zero, time and outliers.
 
-use sidc_testing::records::{bounces, contradicting_rows, difference_equation};
+use sidc_testing::records::{contradicting_rows, difference_equation};
 
 use super::experiment::{levels, motion, normal, read, record};
 use super::follow::{Case, Scenario};
@@ -78,13 +78,15 @@ pub fn rate_disagrees() -> Scenario {
     Scenario::change(Case::new(model, record(0.02, &[("x", &x), ("dx", &dx)])))
 }
 
-/// A ball's height, read so roughly that its acceleration hardly shows; then an accelerometer on it.
+/// A fast oscillation with three samples a period, and the same with an accelerometer.
 pub fn rough_derivative() -> Scenario {
-    let y = read(&bounces(300, 0.01), 0.002, 1);
-    let falls = read(&vec![-9.81; 60], 0.1, 2);
-    let measured = record(0.01, &[("y", &y[..60]), ("ddy", &falls)]);
-    let model = "state y : order 2\nddy ~ poly(y, dy; 3)\n";
-    let case = Case::new(model, record(0.01, &[("y", &y)])).option("--method regression");
+    let rate = |_: f64, z: &[f64; 2]| [z[1], -100.0 * z[0] - 0.2 * z[1]];
+    let [x, dx] = motion(rate, [1.0, 0.0], 0.2, 120);
+    let rates = x.iter().zip(&dx);
+    let ddx: Vec<f64> = rates.map(|(x, dx)| -100.0 * x - 0.2 * dx).collect();
+    let measured = record(0.2, &[("x", &x), ("ddx", &read(&ddx, 0.1, 2))]);
+    let model = "state x : order 2\nddx ~ <x, dx, x^3>\n";
+    let case = Case::new(model, record(0.2, &[("x", &x)])).option("--method regression");
     Scenario::words(case, move |case, _| case.recorded(vec![measured.clone()]))
 }
 
