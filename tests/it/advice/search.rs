@@ -7,9 +7,10 @@ use super::follow::{Case, Scenario};
 
 /// The solver is left to the program.
 fn without_solver(case: Case) -> Scenario {
-    Scenario::words(case, |case, _| Case {
-        options: Vec::new(),
-        ..case.clone()
+    Scenario::words(case, |case, _| {
+        let mut case = case.clone();
+        case.options.retain(|o| !o.starts_with("--solver"));
+        case
     })
 }
 
@@ -21,12 +22,16 @@ pub fn heuristic_solver() -> Scenario {
 
 /// As many numbers as `stlsq` takes at once, and some more.
 pub fn solver_refused() -> Scenario {
-    let u = normal(8200, 1);
+    let u = normal(1000, 1);
     let dx: Vec<f64> = u.iter().map(|u| 2.0 * u).collect();
-    let x = normal(8200, 2);
+    let x = normal(1000, 2);
     let table = record(1.0, &[("x", &x), ("u", &u), ("dx", &dx)]);
-    let model = "state x\ninput u\ndx ~ powers(u; 20)*powers(x; 60)\n";
-    without_solver(Case::new(model, table).option("--solver stlsq"))
+    let model = "state x\ninput u\ndx ~ powers(u; 90)*powers(x; 91)\n";
+    let mut case = Case::new(model, table);
+    case.options = ["--solver stlsq", "--samples 1000"]
+        .map(String::from)
+        .to_vec();
+    without_solver(case)
 }
 
 /// A term that acts on few rows only, and too few of them drawn.
