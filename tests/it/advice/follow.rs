@@ -130,10 +130,13 @@ impl Answer {
     }
 }
 
+/// What a reason makes of a case.
+type Following = dyn Fn(&Case, &Reason) -> Case;
+
 /// A case with a doubt, and how its advice is followed.
 pub struct Scenario {
     case: Case,
-    follow: Box<dyn Fn(&Case, &Reason) -> Case>,
+    follow: Box<Following>,
     /// Whether nothing else is doubted in the end.
     passes: bool,
 }
