@@ -66,17 +66,19 @@ mod tests {
         assert_eq!(exceeded(100, &library, needed), None);
         let reason = exceeded(100, &library, needed - 1).unwrap();
         assert_eq!(reason.code, ReasonCode::MemoryLimit);
-        for figure in ["100 rows of 10 terms", "--samples 99 "] {
-            assert!(reason.text.contains(figure), "{}", reason.text);
-        }
+        assert!(reason.text.contains("100 rows of 10 terms"), "{reason:?}");
+        assert!(reason.advice().contains("--samples 99 "), "{reason:?}");
+        let change = reason.remedy.and_then(|r| r.change);
+        assert_eq!(change, Some(Change::Options("--samples 99".into())));
     }
 
     #[test]
     fn where_no_row_fits_none_is_offered() {
-        let text = exceeded(1, &library(10), 79).unwrap().text;
+        let reason = exceeded(1, &library(10), 79).unwrap();
+        let advice = reason.advice();
         assert!(
-            text.contains("not one row") && !text.contains("--samples"),
-            "{text}"
+            advice.contains("not one row") && !advice.contains("--samples"),
+            "{advice}"
         );
     }
 
