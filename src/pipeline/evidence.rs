@@ -83,7 +83,7 @@ impl Weighing<'_> {
                 uncertainty::assess_terms(own, &judged.halves, discovery);
             }
         }
-        uncertainty::doubt_unneeded_terms(discovery);
+        uncertainty::doubt_unneeded_terms(discovery, &self.program.model);
         uncertainty::mark_terms(discovery);
         for failed in &mut discovery.failed {
             let sought = self.program.sought(failed.target);

@@ -191,6 +191,13 @@ fn every_reason_is_documented() {
         );
         assert!(method.contains(&format!("`{code}`")), "method: {code}");
     }
+    for code in ReasonCode::ALL {
+        let own = format!("| `{code}` |");
+        for row in table.lines().filter(|l| l.starts_with(&own)) {
+            let remedy = format!(" | {}", code.usual_remedy());
+            assert!(row.contains(&remedy), "{row}\nwithout{remedy}");
+        }
+    }
     let errors = codes_behind("error[", ']');
     assert!(errors.len() >= 8, "{errors:?}");
     for code in errors {

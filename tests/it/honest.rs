@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{Run, sidc_in};
+use sidc_testing::records::{bounces, difference_equation};
 
 /// Rows of states every `step`, by Runge–Kutta with ten steps a sample.
 fn simulate(
@@ -133,29 +134,14 @@ fn a_tiny_swing_cannot_tell_the_sine_from_the_angle() {
     );
 }
 
-/// Heights of a ball let fall from 2 m, that loses a fifth of its speed at every impact.
-fn bounces(rows: usize, step: f64) -> Vec<Vec<f64>> {
-    let (mut start, mut height, mut speed) = (0.0, 2.0f64, 0.0f64);
-    let mut fall = |time: f64| loop {
-        let s = time - start;
-        let y = height + speed * s - 9.81 / 2.0 * s * s;
-        if y >= 0.0 || speed.abs() < 1e-3 && height == 0.0 {
-            return vec![y];
-        }
-        let flight = (speed + (speed * speed + 2.0 * 9.81 * height).sqrt()) / 9.81;
-        speed = 0.8 * (9.81 * flight - speed);
-        (start, height) = (start + flight, 0.0);
-    };
-    (0..rows).map(|k| fall(k as f64 * step)).collect()
-}
-
 #[test]
 fn impacts_between_the_rows_of_a_clean_flight_are_not_hidden() {
     let model = "state y : order 2\nddy ~ poly(y, dy; 2)\n";
     let flight = |rows| {
+        let heights: Vec<Vec<f64>> = bounces(rows, 0.01).into_iter().map(|y| vec![y]).collect();
         identify_with(
             model,
-            &[table("y", &bounces(rows, 0.01), &[0], &[0.0], 0.01)],
+            &[table("y", &heights, &[0], &[0.0], 0.01)],
             &["-q", "--method", "regression"],
         )
     };
@@ -286,22 +272,8 @@ fn noise_alone_is_no_law() {
 /// y' = 1.6 y − 0.7 y₋₁ + 0.1 u: noise of the process leaves the coefficients right, noise of the sensor does not.
 #[test]
 fn noise_on_both_sides_of_a_difference_equation_is_said() {
-    let table = |process: f64, sensor: f64| {
-        let mut random = Random::new(3);
-        let (mut y, mut before, mut u) = (0.0, 0.0, 0.0);
-        let mut text = String::from("y,u\n");
-        for k in 0..1500 {
-            if k % 15 == 0 {
-                u = random.normal();
-            }
-            writeln!(text, "{:.9},{u:.9}", y + sensor * random.normal()).unwrap();
-            let next = 1.6 * y - 0.7 * before + 0.1 * u + process * random.normal();
-            (y, before) = (next, y);
-        }
-        text
-    };
     let model = "state y\ninput u\nnext y ~ <y, lag(y, 1), u>\n";
-    let run = identify(model, &[table(0.01, 0.0)]);
+    let run = identify(model, &[difference_equation(0.01, 0.0)]);
     assert_eq!(run.status, 0, "{}", run.stdout);
     assert!(
         run.stdout.contains("next(y) = -0.70") || run.stdout.contains("next(y) = -0.69"),
@@ -310,7 +282,7 @@ fn noise_on_both_sides_of_a_difference_equation_is_said() {
     );
     for sensor in [0.01, 0.03, 0.1] {
         says(
-            &identify(model, &[table(0.0, sensor)]),
+            &identify(model, &[difference_equation(0.0, sensor)]),
             &["coloured-residuals"],
         );
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{Run, file, sidc};
+use sidc_testing::records::contradicting_rows;
 
 /// Standard deviation of the angular acceleration's sensor; the signal's own size is 20.
 const SIGMA: f64 = 0.05;
@@ -84,17 +85,8 @@ fn rows_that_contradict_each_other_are_doubted_however_many_terms_there_are() {
     let folder = tempfile::tempdir().unwrap();
     let (model, data) = (folder.path().join("m.sid"), folder.path().join("d.csv"));
     fs::write(&model, "state x, z\ndx ~ poly(x, z; 8)\n").unwrap();
-    // The same states three times, with rates that differ by a thousandth: twelve different rows and 45 terms.
-    let row = |i: usize| {
-        let (x, z) = (
-            (i % 12) as f64 / 4.0 - 1.0,
-            ((i % 12) * (i % 12) % 7) as f64 / 5.0,
-        );
-        let rate = 2.0 * x - z + 1e-3 * (i / 12) as f64;
-        format!("{i},{x},{z},{rate}\n")
-    };
-    let rows: String = (0..36).map(row).collect();
-    fs::write(&data, format!("t,x,z,dx\n{rows}")).unwrap();
+    // Twelve different rows and 45 terms.
+    fs::write(&data, contradicting_rows()).unwrap();
     let run = sidc(&[
         "identify",
         "-q",

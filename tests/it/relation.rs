@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use sidc_testing::pendulum_regression::Random;
 use sidc_testing::program::{Run, record, sidc_in};
+use sidc_testing::records::joined;
 
 const STEP: f64 = 0.01;
 
@@ -383,51 +384,6 @@ ddtheta2 ~ near + cos(theta1 - theta2)*ddtheta1 + sin(theta1 - theta2)*<dtheta2^
             "{method}"
         );
     }
-}
-
-/// Two bodies joined by inertia and springs, of which the first is pushed: ddx + m ddy = u − k₁ x − k₁₂ y − 0.2 dx,
-/// ddy + m ddx = −k₂ y − k₁₂ x − 0.1 dy. Everything is measured.
-fn joined(m: f64, [k1, k2, k12]: [f64; 3], seed: u64) -> String {
-    let mut random = Random::new(seed);
-    let mut z = [0.0f64; 4];
-    let (mut u, mut text) = (0.0, "t,x,y,dx,dy,ddx,ddy,u\n".to_string());
-    let rates = |z: &[f64; 4], u: f64| {
-        let [x, y, dx, dy] = *z;
-        let f = u - k1 * x - k12 * y - 0.2 * dx;
-        let g = -k2 * y - k12 * x - 0.1 * dy;
-        let det = 1.0 - m * m;
-        [(f - m * g) / det, (g - m * f) / det]
-    };
-    for row in 0..500 {
-        if row % 20 == 0 {
-            u = 4.0 * random.uniform() - 2.0;
-        }
-        let [ddx, ddy] = rates(&z, u);
-        let [x, y, dx, dy] = z;
-        let t = STEP * f64::from(row);
-        writeln!(text, "{t},{x},{y},{dx},{dy},{ddx},{ddy},{u}").unwrap();
-        // Runge–Kutta: rates late by half of a Euler step would contradict the positions.
-        let slope = |z: &[f64; 4]| {
-            let [ddx, ddy] = rates(z, u);
-            [z[2], z[3], ddx, ddy]
-        };
-        let ahead = |z: &[f64; 4], k: &[f64; 4], h: f64| {
-            let mut out = *z;
-            out.iter_mut().zip(k).for_each(|(z, k)| *z += h * k);
-            out
-        };
-        for _ in 0..2 {
-            let h = 5e-3;
-            let a = slope(&z);
-            let b = slope(&ahead(&z, &a, 0.5 * h));
-            let c = slope(&ahead(&z, &b, 0.5 * h));
-            let d = slope(&ahead(&z, &c, h));
-            for i in 0..4 {
-                z[i] += h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
-            }
-        }
-    }
-    text
 }
 
 prop_compose! {

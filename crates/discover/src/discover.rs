@@ -15,6 +15,7 @@ use crate::regression::weak_regression::WeakSystem;
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
+use sidc_lang::term::Signal;
 use sidc_progress::{EquationObserver, Observer};
 use sidc_system::discovery::{Discovery, Equation, Failed};
 
@@ -140,7 +141,13 @@ pub fn discover(
         watcher: &mut watcher,
     };
     redundancy::doubt_redundant_equations(&mut discovery, samples, Some(refit));
-    doubt_dependent_states(&mut discovery, &states_in_samples(model, samples));
+    let offered: Vec<(Signal, Vec<Signal>)> = model
+        .equations
+        .iter()
+        .zip(libraries)
+        .filter_map(|(e, library)| Some((e.target, library.as_ref()?.signals())))
+        .collect();
+    doubt_dependent_states(&mut discovery, &states_in_samples(model, samples), &offered);
     constraint_check::doubt_broken(&mut discovery, model);
     Ok(discovery)
 }

@@ -52,3 +52,22 @@ pub fn doubt_unassessed(d: &mut Discovery, first: usize, stop: Stop) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn a_search_that_was_cut_short_may_take_longer() {
+        let stopped = doubt(Stop::TimeLimit(Duration::from_millis(500)));
+        assert_eq!(stopped.advice(), "give it longer, 5 s say");
+        let change = stopped.remedy.and_then(|r| r.change);
+        assert_eq!(change, Some(Change::Options("--time-limit 5".into())));
+    }
+
+    #[test]
+    fn a_search_that_was_interrupted_is_to_run_to_its_end() {
+        assert_eq!(doubt(Stop::Interrupted).advice(), "let it run to its end");
+    }
+}

@@ -197,6 +197,20 @@ pub struct DataBlock {
     pub run: Option<(String, Span)>,
 }
 
+impl DataBlock {
+    /// The header of the column that a signal called `name` is read from as it stands; `None` where the block converts it, or leaves
+    /// it out.
+    pub fn column<'a>(&'a self, signal: Signal, name: &'a str) -> Option<&'a str> {
+        let Some(entry) = self.entries.iter().find(|e| e.signal == signal) else {
+            return Some(name);
+        };
+        match &entry.source.as_ref()?.kind {
+            ColumnKind::Column(header) => Some(header),
+            _ => None,
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct DataEntry {
     pub signal: Signal,

@@ -16,6 +16,7 @@ pub mod pendulum_regression;
 pub mod plants;
 pub mod program;
 pub mod random;
+pub mod records;
 pub mod runtimes;
 pub mod table;
 pub mod thresholds;

@@ -17,6 +17,8 @@ pub(crate) struct BadlyFittedRows {
     pub time: f64,
     /// Its residual, in its own estimated errors.
     pub errors: f64,
+    /// The longest time without a missed row, from a row to another.
+    pub between: (f64, f64),
 }
 
 /// `left`: unweighted residuals by row. `size`: root mean square of the weighted target. `None` if no row is missed, or no error is
@@ -42,7 +44,21 @@ pub(crate) fn badly_fitted_rows(
         rows: missed.len(),
         time: *time,
         errors: *errors,
+        between: longest_stretch(&missed, &samples.time),
     })
+}
+
+/// The longest time between rows of which none is missed.
+fn longest_stretch(missed: &[(f64, f64)], times: &[f64]) -> (f64, f64) {
+    let missed: Vec<f64> = missed.iter().map(|(time, _)| *time).collect();
+    let mut times = times.to_vec();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let stretches = times.split(|t| missed.contains(t));
+    let ends = stretches.filter_map(|s| Some((*s.first()?, *s.last()?)));
+    let longer = |a: &(f64, f64), b: &(f64, f64)| (b.1 - b.0).total_cmp(&(a.1 - a.0));
+    // The first of equals.
+    ends.min_by(longer).unwrap_or_default()
 }
 
 /// The median residual of a row over its own estimated error; 0 if no error is estimated.
@@ -82,6 +98,7 @@ mod tests {
         let found = badly_fitted_rows(&left, &error, &samples(6), 2.0).unwrap();
         // Row 4 is far beyond its error, but misses less than half of the target; row 5 may be its error.
         assert_eq!(found.rows, 3);
+        assert_eq!(found.between, (4.0, 5.0));
         assert_eq!(found.time, 2.0);
         assert!((found.errors - 40.0).abs() < 1e-9);
         assert_eq!(

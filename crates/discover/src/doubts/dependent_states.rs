@@ -81,8 +81,13 @@ fn doubt_total_derivatives(d: &mut Discovery) {
     });
 }
 
-/// Doubts every equation that contains a state of a linear relation, or is one.
-pub(crate) fn doubt_dependent_states(d: &mut Discovery, states: &[MeasuredState]) {
+/// Doubts every equation that contains a state of a linear relation, or is one. A term can be exchanged only where the library offers
+/// all states of the relation; `offered` are the signals in the library of each target.
+pub(crate) fn doubt_dependent_states(
+    d: &mut Discovery,
+    states: &[MeasuredState],
+    offered: &[(Signal, Vec<Signal>)],
+) {
     doubt_total_derivatives(d);
     let Some(relation) = relation(d, states) else {
         return;
@@ -99,7 +104,10 @@ pub(crate) fn doubt_dependent_states(d: &mut Discovery, states: &[MeasuredState]
             t.term
                 .for_each_signal(&mut |s| within |= relation.signals.contains(&s));
         }
-        if within && e.status != Status::Known {
+        let all_offered = offered.iter().any(|(target, signals)| {
+            *target == e.target && relation.signals.iter().all(|s| signals.contains(s))
+        });
+        if within && all_offered && e.status != Status::Known {
             e.doubt(Reason::new(ReasonCode::DependentStates, &text).remedy(remedy));
         }
     }

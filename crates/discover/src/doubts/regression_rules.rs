@@ -8,7 +8,10 @@ use crate::doubts::thresholds::DOUBTS;
 use crate::early_stop;
 use sidc_progress::Stop;
 use sidc_solve::Status as Solved;
-use sidc_system::discovery::{Evidence, FoundTerm, Reason, ReasonCode};
+use sidc_system::discovery::{Change, Evidence, FoundTerm, Reason, ReasonCode};
+
+/// How many times as many rows an equation may take that does not carry over; it is only proposed.
+const MORE_ROWS: usize = 10;
 
 /// What the residuals show beyond their size.
 #[derive(Default)]
@@ -219,13 +222,19 @@ fn strayed(c: &RegressionCase) -> Option<Reason> {
     let s = c.remains.strays?;
     let hidden = poor_fit(c).is_none() && misfit(c).is_none();
     hidden.then(|| {
-        Reason::new(
+        let reason = Reason::new(
             ReasonCode::RowsMissed,
             format!(
                 "{} of {} rows are missed by more than half of the target's size and ten times their own error, at t = {} by {:.0} errors: \
                  an impact, a switch, outliers, or a term that matters there alone",
                 s.rows, c.evidence.rows, s.time, s.errors
             ),
+        );
+        let (from, to) = s.between;
+        let window = format!("--window={from}..{to}");
+        reason.change(
+            format!("look at the record there; identify from the longest stretch that is not missed, with {window}"),
+            Change::Options(window),
         )
     })
 }
@@ -265,12 +274,18 @@ fn held_out(c: &RegressionCase) -> Option<Reason> {
         .max(c.evidence.target_error)
         .max(DOUBTS.held_out_rounding);
     (held.residual > DOUBTS.overfit * expected).then(|| {
+        let rows = c.evidence.rows;
+        let more = (MORE_ROWS * rows).min(rows + held.rows);
         Reason::new(
             ReasonCode::HeldOut,
             format!(
                 "on {} rows not used the residual is {:.1e}, in the fit {:.1e}: the equation does not carry over",
                 held.rows, held.residual, c.evidence.residual
             ),
+        )
+        .change(
+            format!("take more rows, {more} say, or offer fewer terms"),
+            Change::Options(format!("--samples {more}")),
         )
     })
 }

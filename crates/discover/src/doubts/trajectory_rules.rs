@@ -78,7 +78,7 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
 
 /// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do. `terms` are those of this equation; without
 /// any, it has the state in other terms.
-pub(crate) fn offset(names: &Discovery, offset: &SensorOffset, terms: &[String]) -> Reason {
+pub(crate) fn offset(model: &Model, offset: &SensorOffset, terms: &[String]) -> Reason {
     let needed = match terms {
         [] => "terms of another equation are".into(),
         [one] => format!("{one} is"),
@@ -89,18 +89,29 @@ pub(crate) fn offset(names: &Discovery, offset: &SensorOffset, terms: &[String])
         true => format!("which the criterion prefers by {:.0}", offset.gain),
         false => "and the fit is as good".into(),
     };
-    Reason::new(
+    let name = model.name(offset.signal);
+    let reason = Reason::new(
         ReasonCode::SensorOffset,
         format!(
-            "if the sensor of {} reads {:.4} too much, {needed} not needed ({all} fewer in all, {as_well})",
-            names.name(offset.signal),
+            "if the sensor of {name} reads {:.4} too much, {needed} not needed ({all} fewer in all, {as_well})",
             offset.value,
         ),
-    )
-    .remedy(format!(
+    );
+    let told = format!(
         "check its zero; if it is off, subtract {:.4} in the data block",
         offset.value
-    ))
+    );
+    match model.data.column(offset.signal, &name) {
+        Some(column) => {
+            let sign = if offset.value < 0.0 { '+' } else { '-' };
+            let line = format!(
+                "data {{ {name} = \"{column}\" {sign} {:.4} }}",
+                offset.value.abs()
+            );
+            reason.change(told, Change::Model(vec![line]))
+        }
+        None => reason.remedy(told),
+    }
 }
 
 /// The doubt `beyond-library` for every law that would be better with terms that its library lacks.

@@ -24,7 +24,7 @@ use crate::options::{Method, Options};
 use crate::redundancy::doubt_redundant_equations;
 use crate::selection::screening::{CandidatePools, screen};
 use crate::trajectory;
-use crate::trajectory::{Channel, Found, Problem, System};
+use crate::trajectory::{Channel, Found, Law, Problem, System};
 use sidc_data as data;
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
@@ -186,7 +186,7 @@ pub fn discover_jointly(
         evidence.witness = Some(witness.clone());
     }
     doubt_redundant_equations(&mut discovery, &samples, None);
-    doubt_dependent_states(&mut discovery, &measured_states(problem));
+    doubt_dependent_states(&mut discovery, &measured_states(problem), &offered(problem));
     let stretches = match watcher.at(Stage::Weighing) {
         None => likelihood_by_stretch(problem, &found, &mut watcher),
         Some(_) => None,
@@ -195,6 +195,21 @@ pub fn discover_jointly(
         doubt_unassessed(&mut discovery, 0, stop);
     }
     Some((discovery, Fitted { samples, stretches }))
+}
+
+/// The signals among the candidates of each law.
+fn offered(problem: &Problem) -> Vec<(Signal, Vec<Signal>)> {
+    let system = &problem.system;
+    let of = |law: &Law| {
+        let mut signals = Vec::new();
+        for term in &system.columns[law.columns.clone()] {
+            term.for_each_signal(&mut |s| signals.push(s));
+        }
+        signals.sort_unstable();
+        signals.dedup();
+        (law.target, signals)
+    };
+    system.laws.iter().map(of).collect()
 }
 
 /// The quadratic form of the likelihood about the answer, stretch by stretch.

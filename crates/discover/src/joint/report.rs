@@ -76,7 +76,7 @@ impl Report<'_> {
             let mut own = support.filter(|j| law.columns.contains(j));
             let signal = offset.signal;
             if own.any(|j| self.problem.system.columns[*j].mentions(signal)) {
-                reasons.push(trajectory_rules::offset(names, offset, &terms));
+                reasons.push(trajectory_rules::offset(self.model, offset, &terms));
             }
         }
         let mut all: Vec<FoundTerm> = known.into_iter().map(fixed).collect();

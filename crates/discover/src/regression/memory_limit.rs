@@ -4,7 +4,7 @@
 
 use crate::dictionary::bytes;
 use sidc_lang::library::Library;
-use sidc_system::discovery::{Reason, ReasonCode};
+use sidc_system::discovery::{Change, Reason, ReasonCode};
 
 /// The failure `memory-limit` if Φ with `rows` rows of this library would take more than `limit` bytes.
 pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Reason> {
@@ -13,12 +13,7 @@ pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Rea
         let fixed = bytes(library, 0);
         let row = bytes(library, 1) - fixed;
         let fits = u128::from(limit).saturating_sub(fixed) / row.max(1);
-        let way_out = if fits == 0 {
-            "not one row fits: take a smaller library or a higher --memory-limit".into()
-        } else {
-            format!("--samples {fits} fits, or set a higher --memory-limit")
-        };
-        Reason::new(
+        let reason = Reason::new(
             ReasonCode::MemoryLimit,
             format!(
                 "{rows} rows of {} terms take {}, the limit is {}",
@@ -26,8 +21,16 @@ pub(crate) fn exceeded(rows: usize, library: &Library, limit: u64) -> Option<Rea
                 size(needed),
                 size(limit.into())
             ),
-        )
-        .remedy(way_out)
+        );
+        match fits {
+            0 => {
+                reason.remedy("not one row fits: take a smaller library or a higher --memory-limit")
+            }
+            _ => reason.change(
+                format!("--samples {fits} fits, or set a higher --memory-limit"),
+                Change::Options(format!("--samples {fits}")),
+            ),
+        }
     })
 }
 
@@ -63,17 +66,19 @@ mod tests {
         assert_eq!(exceeded(100, &library, needed), None);
         let reason = exceeded(100, &library, needed - 1).unwrap();
         assert_eq!(reason.code, ReasonCode::MemoryLimit);
-        for figure in ["100 rows of 10 terms", "--samples 99 "] {
-            assert!(reason.text.contains(figure), "{}", reason.text);
-        }
+        assert!(reason.text.contains("100 rows of 10 terms"), "{reason:?}");
+        assert!(reason.advice().contains("--samples 99 "), "{reason:?}");
+        let change = reason.remedy.and_then(|r| r.change);
+        assert_eq!(change, Some(Change::Options("--samples 99".into())));
     }
 
     #[test]
     fn where_no_row_fits_none_is_offered() {
-        let text = exceeded(1, &library(10), 79).unwrap().text;
+        let reason = exceeded(1, &library(10), 79).unwrap();
+        let advice = reason.advice();
         assert!(
-            text.contains("not one row") && !text.contains("--samples"),
-            "{text}"
+            advice.contains("not one row") && !advice.contains("--samples"),
+            "{advice}"
         );
     }
 

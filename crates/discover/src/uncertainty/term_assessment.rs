@@ -7,10 +7,11 @@ use super::drop_one_refit::drop_one_refit;
 use super::omitted_terms::nearest_omitted_terms;
 use super::stability_selection::Stability;
 use super::target_regression::TargetRegression;
+use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, Term};
 use sidc_solve::threads;
 use sidc_system::discovery::{
-    Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
+    Change, Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
 };
 
 /// Gives every term found on these blocks its stability and the best equation without it.
@@ -48,12 +49,12 @@ pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery
 }
 
 /// Doubts every equation that the criterion prefers without one of its terms, by as much as separates two answers.
-pub fn doubt_unneeded_terms(discovery: &mut Discovery) {
-    discovery.doubt_each(|d, e| unneeded(e, &Language(d)));
+pub fn doubt_unneeded_terms(discovery: &mut Discovery, model: &Model) {
+    discovery.doubt_each(|d, e| unneeded(e, model, &Language(d)));
 }
 
 /// The term whose loss gains most, if that is enough.
-fn unneeded(equation: &Equation, names: &Language<Discovery>) -> Option<Reason> {
+fn unneeded(equation: &Equation, model: &Model, names: &Language<Discovery>) -> Option<Reason> {
     let free = equation.terms.iter().filter(|t| !t.fixed);
     let gains = free.filter_map(|t| Some((t, t.trust.as_ref()?.without.as_ref()?)));
     let (term, without) = gains.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
@@ -63,14 +64,19 @@ fn unneeded(equation: &Equation, names: &Language<Discovery>) -> Option<Reason> 
             enter => format!(" and with {}", enter.join(", ")),
         };
         let name = names.term(&term.term);
-        Reason::new(
+        let reason = Reason::new(
             ReasonCode::BetterWithout,
             format!(
                 "the criterion prefers the equation without {name}{instead} by {:.0}",
                 -without.cost
             ),
-        )
-        .remedy(format!("leave {name} out of the library"))
+        );
+        let told = format!("leave {name} out of the library");
+        let stated = model.equations.iter().find(|e| e.target == equation.target);
+        match stated {
+            Some(stated) => reason.change(told, Change::Model(vec![stated.without(&[name])])),
+            None => reason.remedy(told),
+        }
     })
 }
 

@@ -5,6 +5,7 @@ use super::{
     stability_selection,
 };
 use crate::SplitMix;
+use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_system::discovery::{
     Discovery, Equation, Evidence, FoundTerm, MARKS, Mark, ReasonCode, Status, Stretches, Trust,
@@ -164,7 +165,7 @@ fn an_equation_that_is_better_without_a_term_is_doubted() {
             without: Some(without),
             ..Trust::default()
         }));
-        doubt_unneeded_terms(&mut d);
+        doubt_unneeded_terms(&mut d, &Model::default());
         d.equations[0].reasons.iter().map(|r| r.code.clone()).next()
     };
     assert_eq!(with(-7.0), Some(ReasonCode::BetterWithout));

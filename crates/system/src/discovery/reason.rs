@@ -209,7 +209,7 @@ codes! {
         "record more";
     /// Rows not used are fitted worse.
     HeldOut = "held-out": Law,
-        "offer fewer terms, or record more";
+        "take more rows with --samples, or offer fewer terms";
     /// The solver proves nothing.
     HeuristicSolver = "heuristic-solver": Proof,
         "leave --solver out: the default solver proves its answer";

@@ -300,14 +300,20 @@ fn uncertain_terms(design: &ScaledDesign) -> Vec<Finding> {
             let times = (part / FINDINGS.wanted_error).powi(2);
             let more = seconds * (times - 1.0);
             let name = Language(design.model).term(&t.term);
+            let larger = match t.term.is_one() {
+                true => String::new(),
+                false => format!(
+                    ", or let {name} be {} times larger",
+                    figure(times.sqrt(), 2)
+                ),
+            };
             Finding {
                 cause: Cause::WeakTerm,
                 text: format!("the coefficient of {name} is known to {}", percent(part)),
                 advice: format!(
-                    "{} s more of such data bring it to {}, or let {name} be {} times larger",
+                    "{} s more of such data bring it to {}{larger}",
                     figure(more, 2),
                     percent(FINDINGS.wanted_error),
-                    figure(times.sqrt(), 2)
                 ),
                 change: None,
                 reach: Some(more),

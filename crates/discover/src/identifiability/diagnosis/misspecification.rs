@@ -39,6 +39,8 @@ pub struct Specification<'a> {
 struct Projection {
     samples: Samples,
     terms: Vec<Term>,
+    /// Whether these are all terms of the library, so that what is left is left by all of it.
+    whole: bool,
     weights: Vec<f64>,
     basis: OrthonormalBasis,
     /// Weighted.
@@ -67,10 +69,13 @@ pub fn find_misspecification(
     if let Some((term, factor)) = missing_term(specification, &projection) {
         return Some(Misspecification::MissingTerm { term, factor, part });
     }
-    Some(match higher_order(&projection, all, target) {
-        Some(residual) if residual < part => Misspecification::OrderTooLow { residual, part },
-        _ => Misspecification::Unknown { part },
-    })
+    match higher_order(&projection, all, target) {
+        Some(residual) if residual < part => Some(Misspecification::OrderTooLow { residual, part }),
+        // Terms of the library that were not found may explain it.
+        _ => projection
+            .whole
+            .then_some(Misspecification::Unknown { part }),
+    }
 }
 
 impl Projection {
@@ -86,13 +91,12 @@ impl Projection {
         let weighted =
             |v: &[f64]| -> Vec<f64> { v.iter().zip(&weights.row).map(|(v, w)| v * w).collect() };
         let y = weighted(&y);
-        let terms: Vec<Term> = match specification.library.len() {
-            n if n <= MISSPECIFICATION.span_terms
-                && MISSPECIFICATION.span_rows * n <= rows.len() =>
-            {
-                specification.library.terms().map(|(_, t)| t).collect()
-            }
-            _ => (specification.equation.terms.iter())
+        let n = specification.library.len();
+        let whole =
+            n <= MISSPECIFICATION.span_terms && MISSPECIFICATION.span_rows * n <= rows.len();
+        let terms: Vec<Term> = match whole {
+            true => specification.library.terms().map(|(_, t)| t).collect(),
+            false => (specification.equation.terms.iter())
                 .map(|t| t.term.clone())
                 .collect(),
         };
@@ -111,6 +115,7 @@ impl Projection {
             weights: weights.row,
             samples,
             terms,
+            whole,
             basis,
             residual,
         })

@@ -32,9 +32,18 @@ pub fn remedy(finding: &Finding) -> Remedy {
     }
 }
 
+/// Doubts that say that too much fits.
+const CROWDED: [ReasonCode; 2] = [ReasonCode::NotSparse, ReasonCode::ExhaustedLibrary];
+
+/// Doubts behind which sensors or solver may be as well as the library.
+const MEASURED: [ReasonCode; 3] = [
+    ReasonCode::ColouredResiduals,
+    ReasonCode::InconsistentRows,
+    ReasonCode::SolverInaccurate,
+];
+
 /// Whether what was found is behind the reason.
 fn explains(finding: &Finding, reason: &Reason) -> bool {
-    let library = [Cause::TooFewRows, Cause::WrongOrder, Cause::MissingTerm];
     match &reason.code {
         _ if finding.advice.is_empty() => false,
         ReasonCode::UncertainCoefficient => {
@@ -43,7 +52,14 @@ fn explains(finding: &Finding, reason: &Reason) -> bool {
         ReasonCode::Tie | ReasonCode::DependentSupport => {
             finding.cause != Cause::WeakTerm && finding.cause != Cause::MissingTerm
         }
-        code if UNEXPLAINED.contains(code) => library.contains(&finding.cause),
+        code if UNEXPLAINED.contains(code) => match finding.cause {
+            // More rows fit no better, but fewer sets of terms fit them.
+            Cause::TooFewRows => CROWDED.contains(code),
+            // That nothing simple is missing says less than the usual advice.
+            Cause::MissingTerm => finding.change.is_some() || !MEASURED.contains(code),
+            Cause::WrongOrder => true,
+            _ => false,
+        },
         _ => false,
     }
 }

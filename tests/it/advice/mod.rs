@@ -1,0 +1,88 @@
+//! Advice is checked by following it: for each kind of doubt a case in which it appears, what is done about it, and that it is gone.
+//!
+//! A change of the model or of the command is made as it stands. Advice in words is followed by the case, with the figure it gives.
+
+mod experiment;
+mod follow;
+mod library;
+mod records;
+mod search;
+mod sensors;
+
+use sidc_system::discovery::ReasonCode;
+
+use follow::follow;
+
+/// Declares a test for each code: its name, where the case is, and words that the advice contains.
+macro_rules! followed {
+    ($($code:ident: $group:ident::$test:ident, $words:literal;)+) => {
+        /// Codes whose advice is followed.
+        const FOLLOWED: &[ReasonCode] = &[$(ReasonCode::$code),+];
+
+        $(#[test]
+        fn $test() {
+            follow(&ReasonCode::$code, $words, &$group::$test());
+        })+
+    };
+}
+
+followed! {
+    AtBound: library::at_bound, "without this constraint";
+    BetterWithout: library::better_without, "leave x^5 out of the library";
+    BeyondLibrary: library::beyond_library, "add sin(x) to the library";
+    ColouredResiduals: sensors::coloured_residuals, "if a sensor is noisy, for a quieter one";
+    ConstraintBroken: library::constraint_broken, "or leave it out";
+    ConstraintStrained: library::constraint_strained, "or leave it out";
+    DependentStates: library::dependent_states, "leave one of these states out of the libraries";
+    DependentSupport: records::dependent_support, "record another motion";
+    ExhaustedLibrary: library::exhausted_library, "add sin(x) to the library";
+    FewRows: records::few_rows, "record 30 readings or more";
+    HeldOut: search::held_out, "take more rows, 100 say";
+    HeuristicSolver: search::heuristic_solver, "leave --solver out";
+    InconsistentRows: sensors::inconsistent_rows, "--noise NAME=SIGMA";
+    InputDelay: sensors::input_delay, "shift u by it in the table";
+    MemoryLimit: search::memory_limit, "--samples 416 fits";
+    Misfit: library::misfit, "add sin(x) to the library";
+    NoMotion: records::no_motion, "record data in which it moves";
+    NoTrajectory: library::no_trajectory, "add sin(x) to the library";
+    NotCarriedOver: records::not_carried_over, "identify from records of both conditions";
+    NotSettled: records::not_settled, "record more";
+    NotSparse: records::not_sparse, "rows more";
+    Outliers: sensors::outliers, "--robust";
+    PoorFit: library::poor_fit, "add x^2*dx to the library";
+    RateDisagrees: sensors::rate_disagrees, "leave the column out";
+    Relation: records::relation, "excite it so that dx moves on its own";
+    RoughDerivative: sensors::rough_derivative, "or measure the target";
+    RowsMissed: records::rows_missed, "with --window=";
+    RunLeavesData: library::run_leaves_data, "look for what limits the motion: a stop";
+    SameRelation: library::same_relation, "offer terms that stand in only one of these equations";
+    SensorOffset: sensors::sensor_offset, "subtract 0.";
+    SolverInaccurate: sensors::solver_inaccurate, "--noise NAME=SIGMA";
+    SolverRefused: search::solver_refused, "leave --solver out";
+    Tie: records::tie, "reach |x| > ";
+    UncertainCoefficient: records::uncertain_coefficient, "s more of such data";
+}
+
+/// Codes whose advice no case can follow, with the reason. What they advise is tested where they are made.
+const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
+    (ReasonCode::Interrupted, "a user ends the search"),
+    (ReasonCode::NotVerified, "a claim of the program is wrong"),
+    (ReasonCode::TimeLimit, "a clock ends the search"),
+];
+
+#[test]
+fn the_advice_of_every_code_is_followed() {
+    for code in ReasonCode::ALL {
+        let aside = NOT_FOLLOWED.iter().any(|(c, _)| c == code);
+        assert!(FOLLOWED.contains(code) != aside, "{code}");
+    }
+}
+
+/// What cannot be followed says at least whose turn it is.
+#[test]
+fn advice_that_no_case_follows_says_what_to_do() {
+    let wanted = ["let it run to its end", "report it", "raise --time-limit"];
+    for ((code, why), words) in NOT_FOLLOWED.iter().zip(wanted) {
+        assert!(code.usual_remedy().contains(words), "{code}: {why}");
+    }
+}

@@ -1,0 +1,145 @@
+//! Advice on the records: how much, and of which motion.
+
+use sidc_testing::records::bounces;
+
+use super::experiment::{levels, motion, normal, read, record, swing};
+use super::follow::{Case, Scenario, figure};
+
+const PENDULUM: &str = "state x : order 2\nddx ~ <sin x, cos x, 1> + poly(dx; 2)\n";
+
+/// A swing read with noise, as a table.
+fn swung(start: f64, step: f64, rows: usize, sigma: f64) -> String {
+    record(step, &[("x", &read(&swing(start, step, rows), sigma, 1))])
+}
+
+/// Thousand units with a motion of some hundred-thousandths: x and 1 are hardly two columns.
+pub fn dependent_support() -> Scenario {
+    let table = |size: f64| {
+        let decay: Vec<f64> = (0..200)
+            .map(|k| size * (-0.05 * f64::from(k)).exp())
+            .collect();
+        let x: Vec<f64> = decay.iter().map(|d| 1000.0 + d).collect();
+        let dx: Vec<f64> = x.iter().map(|x| 1000.0 - x).collect();
+        record(0.05, &[("x", &x), ("dx", &dx)])
+    };
+    let case = Case::new("state x\ndx ~ <1, x>\n", table(3e-5));
+    Scenario::words(case, move |case, _| case.recorded(vec![table(1.0)]))
+}
+
+pub fn few_rows() -> Scenario {
+    let case = Case::new(PENDULUM, swung(2.5, 0.2, 10, 0.01));
+    Scenario::words(case, |case, reason| {
+        let rows = figure(reason, "record ") as usize;
+        case.recorded(vec![swung(2.5, 0.2, rows, 0.01)])
+    })
+}
+
+pub fn no_motion() -> Scenario {
+    let case = Case::new(PENDULUM, swung(0.0, 0.02, 400, 0.01));
+    Scenario::words(case, |case, _| {
+        case.recorded(vec![swung(2.5, 0.02, 400, 0.01)])
+    })
+}
+
+/// Small swings of a spring that hardens do not show that it does.
+pub fn not_carried_over() -> Scenario {
+    let swing = |start: f64, rows: usize, seed: u64| {
+        let rate = |_: f64, z: &[f64; 2]| [z[1], -4.0 * z[0] - z[0].powi(3) - 0.05 * z[1]];
+        let [x, _] = motion(rate, [start, 0.0], 0.05, rows);
+        record(0.05, &[("x", &read(&x, 0.001, seed))])
+    };
+    let model = "state x : order 2\nddx ~ poly(x, dx; 3)\n";
+    let case = Case {
+        held_out: Some(swing(1.5, 300, 6)),
+        ..Case::new(model, swing(0.1, 200, 1))
+    };
+    Scenario::words(case, move |case, _| {
+        case.recorded(vec![swing(0.1, 200, 1), swing(2.0, 300, 5)])
+    })
+}
+
+/// One of three chaotic states, read roughly.
+pub fn not_settled() -> Scenario {
+    let rate = |_: f64, z: &[f64; 3]| {
+        [
+            10.0 * (z[1] - z[0]),
+            z[0] * (28.0 - z[2]) - z[1],
+            z[0] * z[1] - 8.0 / 3.0 * z[2],
+        ]
+    };
+    let [x, _, _] = motion(rate, [-8.0, 8.0, 27.0], 0.05, 40);
+    let table = record(0.05, &[("x", &read(&x, 2.0, 1))]);
+    let model = "state x : order 2\nddx ~ poly(x, dx; 3)\n";
+    Scenario::words(Case::new(model, table), |case, _| {
+        case.rewritten("poly(x, dx; 3)", "poly(x, dx; 1)")
+    })
+    .doubted()
+}
+
+pub fn not_sparse() -> Scenario {
+    let table = |rows: usize| {
+        let (x, z) = (normal(rows, 1), normal(rows, 2));
+        let rate = |(x, z): (&f64, &f64)| 2.0 * x - z + x.powi(3);
+        let dx: Vec<f64> = x.iter().zip(&z).map(rate).collect();
+        record(1.0, &[("x", &x), ("z", &z), ("dx", &dx)])
+    };
+    let case = Case::new("state x, z\ndx ~ poly(x, z; 3)\n", table(8));
+    Scenario::words(case, move |case, reason| {
+        let more = figure(reason, "record ") as usize;
+        case.recorded(vec![table(8 + more)])
+    })
+}
+
+/// A steady oscillation under one sine, and then any push.
+pub fn relation() -> Scenario {
+    let step = 0.03;
+    let read = |x: &[f64], u: &[f64]| record(step, &[("x", &read(x, 0.002, 1)), ("u", u)]);
+    let rate = |x: f64, dx: f64, u: f64| -6.0 * x - 0.3 * dx + 2.0 * u;
+    let sine = |t: f64| (1.7 * t).sin();
+    let steady = |t: f64, z: &[f64; 2]| [z[1], rate(z[0], z[1], sine(t))];
+    let [x, _] = motion(steady, [1.0, 0.0], step, 3600);
+    let u: Vec<f64> = (0..3600).map(|k| sine(step * f64::from(k))).collect();
+    let model = "state x : order 2\ninput u : linear\nddx ~ <x, dx, u>\n";
+    let case = Case::new(model, read(&x[3000..], &u[3000..]));
+    let other = |t: f64| (1.7 * t).sin() + (4.3 * t).cos() + (0.6 * t).sin();
+    let pushed = move |t: f64, z: &[f64; 2]| [z[1], rate(z[0], z[1], other(t))];
+    let [x, _] = motion(pushed, [1.0, 0.0], step, 600);
+    let u: Vec<f64> = (0..600).map(|k| other(step * f64::from(k))).collect();
+    let excited = read(&x, &u);
+    Scenario::words(case, move |case, _| case.recorded(vec![excited.clone()]))
+}
+
+/// A ball between its impacts.
+pub fn rows_missed() -> Scenario {
+    let model = "state y : order 2\nddy ~ poly(y, dy; 2)\n";
+    let table = record(0.01, &[("y", &bounces(401, 0.01))]);
+    Scenario::change(Case::new(model, table))
+}
+
+/// A swing too small to tell the sine from the angle, and one as large as the advice wants it.
+pub fn tie() -> Scenario {
+    let model = "state x : order 2\nddx ~ <sin x, x, x^3, cos x, 1> + poly(dx; 2)\n";
+    let case = Case::new(model, swung(0.02, 0.02, 800, 2e-4));
+    Scenario::words(case, |case, reason| {
+        let reach = figure(reason, "reach |x| > ");
+        case.recorded(vec![swung(1.05 * reach, 0.02, 800, 2e-4)])
+    })
+}
+
+pub fn uncertain_coefficient() -> Scenario {
+    let step = 0.05;
+    let table = move |rows: usize| {
+        let (u, w) = (levels(rows, 10, 2), levels(rows, 7, 5));
+        let rate = |(u, w): (&f64, &f64)| 2.0 * u + 0.035 * w;
+        let dx: Vec<f64> = u.iter().zip(&w).map(rate).collect();
+        let dx = read(&dx, 0.05, 3);
+        let x = normal(rows, 4);
+        record(step, &[("x", &x), ("u", &u), ("w", &w), ("dx", &dx)])
+    };
+    let rows = 80;
+    let case = Case::new("state x\ninput u, w\ndx ~ <u, w>\n", table(rows));
+    Scenario::words(case, move |case, reason| {
+        let seconds: f64 = reason.advice().split(' ').next().unwrap().parse().unwrap();
+        case.recorded(vec![table(rows + (seconds / step) as usize)])
+    })
+}
