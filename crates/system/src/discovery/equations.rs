@@ -336,6 +336,16 @@ impl Discovery {
         }
     }
 
+    /// The noise of a signal's sensor, declared or seen by smoothing, in its unit; 0 where none was estimated.
+    pub fn sensor_noise(&self, signal: Signal) -> f64 {
+        let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
+        let together = evidence.filter_map(|e| e.together.as_ref());
+        let name = self.name(signal);
+        let mut channels = together.flat_map(|t| &t.channels);
+        let channel = channels.find(|c| c.signal == name);
+        channel.map_or(0.0, |c| c.noise).clamp(0.0, f64::MAX)
+    }
+
     pub fn variable_of(&self, id: VarId) -> Option<&Variable> {
         self.variables.get(id.0 as usize)
     }

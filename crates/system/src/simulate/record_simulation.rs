@@ -16,7 +16,7 @@ use crate::simulate::integrate::continuous_time;
 use crate::simulate::integrate::trajectory::Path;
 use crate::simulate::record_path::RecordPath;
 use crate::simulate::run::{Leg, LegStart, Options, Origin, Run, Start};
-use crate::simulate::scores::goodness_of_fit::score;
+use crate::simulate::scores::goodness_of_fit::{FollowingLimit, score};
 use crate::simulate::thresholds::{BUDGET, INITIAL_STATE};
 use sidc_data as data;
 use sidc_data::{Dataset, Trajectory};
@@ -371,9 +371,12 @@ impl RecordSimulation<'_> {
             };
             let measured = measured.get(..run.time.len()).unwrap_or(measured);
             let pair = (values.as_slice(), measured);
-            let bound = self.options.bound;
+            let limit = FollowingLimit {
+                bound: self.options.bound,
+                noise: self.d.sensor_noise(*signal),
+            };
             run.scores
-                .extend(score(*signal, &run.time, pair, &run.legs, bound));
+                .extend(score(*signal, &run.time, pair, &run.legs, &limit));
             run.measured.push((*signal, measured.to_vec()));
         }
     }

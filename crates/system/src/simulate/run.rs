@@ -176,7 +176,7 @@ pub struct Score {
     pub fit: f64,
     /// 1 − ‖error‖²/‖signal − its mean‖².
     pub r_squared: f64,
-    /// Seconds from the start until the error first exceeds the bound; `None` if it never does.
+    /// Seconds from the start until the run departs; `None` if it never does.
     pub follows: Option<f64>,
     /// The bound, in the signal's unit.
     pub bound: f64,

@@ -143,6 +143,10 @@ sidc_thresholds::family! {
     pub SCORES: Scores {
         /// Error up to which a run follows, where `--bound` does not say otherwise.
         bound: f64 = 0.25, unit "standard deviations of the signal", source "set by hand";
+        /// Noise of the readings beside it, added as variances are.
+        noise: f64 = 2.0, unit "standard deviations of the noise", source "with the rule of most rows: of noise of 0.2 spreads 2 % of the rows exceed it, three of five successive ones once in 10^4";
+        /// Successive rows of which most have to be off.
+        rows: usize = 5, unit "rows", source "an outlier, or two, are no departure";
     }
 }
 
