@@ -58,8 +58,9 @@ def row(program, folder, model, data, held, horizon):
     terms = lambda e: ", ".join(f"{t['coefficient']:.4g} {t['term']}" for t in e["terms"])
     laws = "; ".join(f"{e['target']}: {terms(e)}" for e in equations)
     codes = list(dict.fromkeys(r["code"] for e in equations + found["failed"] for r in e["reasons"]))
-    step = " ".join(run.stdout.rsplit("next: ", 1)[-1].split())
-    step = step.replace(str(folder) + "/", "").replace(str(HERE) + "/", "")
+    step = " ".join(w for w in run.stdout.rsplit("next: ", 1)[-1].split() if w != "\\")
+    for part in (f"-o {result} ", "-q ", f"{folder}/", f"{HERE}/"):
+        step = step.replace(part, "")
     ended = sum(e["starts"] for e in prediction.get("ended", []))
     starts = f"{prediction['starts'] - ended} of {prediction['starts']}" if ended else str(prediction["starts"])
     names = ", ".join(f"{s['signal']} {number(s['error'].get('quantile_90'))} {s.get('unit', '')}".strip() for s in shown)

@@ -71,7 +71,7 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
         ),
     )
     .remedy(format!(
-        "the equations are those with the delay: shift {} by it in the table, or find where it arises",
+        "shift {} by it in the table, or find where it arises; the equations are those with the delay",
         inputs.join(", ")
     ))
 }
@@ -125,7 +125,7 @@ pub(crate) fn doubt_libraries(
         let Some(stated) = model.equations.get(law.equation) else {
             continue;
         };
-        let reason = beyond_library(discovery, stated, change, better.gain);
+        let reason = beyond_library(discovery, stated, change, better);
         let mut all = discovery.equations.iter_mut();
         let Some(equation) = all.find(|e| e.target == law.target) else {
             continue;
@@ -136,12 +136,22 @@ pub(crate) fn doubt_libraries(
     }
 }
 
-fn beyond_library(names: &Discovery, stated: &Equation, change: &LawChange, gain: f64) -> Reason {
+fn beyond_library(
+    names: &Discovery,
+    stated: &Equation,
+    change: &LawChange,
+    laws: &BetterLaws,
+) -> Reason {
     let all =
         |terms: &[Term]| -> Vec<String> { terms.iter().map(|t| Language(names).term(t)).collect() };
     let list = |terms: &[Term]| all(terms).join(", ");
     let (enter, leave) = (list(&change.enter), list(&change.leave));
-    let better = format!("the readings are described better, the criterion says by {gain:.0}");
+    let better = format!(
+        "the readings are described better, the criterion says by {:.0}",
+        laws.gain
+    );
+    // Terms that leave more than noise imitate something else.
+    let explained = !laws.channels.iter().any(unexplained);
     let (many, lacking) = (change.enter.len(), all(&change.lacking));
     let text = match (many, change.leave.len()) {
         (many, _) if many > TRAJECTORY_DOUBTS.named_terms => {
@@ -160,6 +170,9 @@ fn beyond_library(names: &Discovery, stated: &Equation, change: &LawChange, gain
         ),
         (0, _) => reason.remedy("mend the other equations first"),
         (_, true) => reason.remedy("offer fewer terms: the search may have missed it"),
+        (_, false) if !explained => reason.remedy(
+            "look for a state or an input that the model lacks: with these terms too more than noise is left",
+        ),
         (_, false) => reason.change(
             format!("add {} to the library", lacking.join(", ")),
             Change::Model(vec![stated.with(&lacking)]),

@@ -7,6 +7,7 @@ use super::level::SearchLevel;
 use super::support_search::Found;
 use crate::trajectory::likelihood::PenalizedLikelihood;
 use crate::trajectory::model::Problem;
+use crate::trajectory::residuals::{Channel, channels};
 use crate::trajectory::thresholds::SEARCH;
 use sidc_lang::term::Term;
 use sidc_progress::Observer;
@@ -18,6 +19,8 @@ pub struct BetterLaws {
     pub changes: Vec<LawChange>,
     /// Gain of the criterion, in units of independent readings.
     pub gain: f64,
+    /// What they leave of each state that is read.
+    pub channels: Vec<Channel>,
 }
 
 /// How the terms of one law change.
@@ -75,5 +78,6 @@ pub fn search_beyond_libraries(
     Some(BetterLaws {
         changes: (0..more.system.laws.len()).map(change).collect(),
         gain: gain / found.inefficiency,
+        channels: channels(more, best),
     })
 }
