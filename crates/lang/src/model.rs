@@ -92,9 +92,17 @@ impl Equation {
         format!("{} + <{}>", self.written, terms.join(", "))
     }
 
-    /// The statement with these terms taken out of its library.
-    pub fn without(&self, terms: &[String]) -> String {
-        format!("{} - <{}>", self.written, terms.join(", "))
+    /// The statement with these terms taken out of the library of the target `name`; the other targets of the statement keep theirs.
+    pub fn without(&self, name: &str, terms: &[String]) -> Vec<String> {
+        let terms = terms.join(", ");
+        let (left, right) = self.written.split_once('~').unwrap_or((name, ""));
+        let others = left.split(',').map(str::trim).filter(|t| *t != name);
+        let others: Vec<&str> = others.collect();
+        let mut lines = vec![format!("{name} ~{right} - <{terms}>")];
+        if !others.is_empty() {
+            lines.push(format!("{} ~{right}", others.join(", ")));
+        }
+        lines
     }
 }
 

@@ -30,7 +30,7 @@ followed! {
     AtBound: library::at_bound, "without this constraint";
     BetterWithout: library::better_without, "leave x^5 out of the library";
     BeyondLibrary: library::beyond_library, "add sin(x) to the library";
-    ColouredResiduals: sensors::coloured_residuals, "if a sensor is noisy, for a quieter one";
+    ColouredResiduals: sensors::coloured_residuals, "or use a quieter sensor";
     ConstraintBroken: library::constraint_broken, "or leave it out";
     ConstraintStrained: library::constraint_strained, "or leave it out";
     DependentStates: library::dependent_states, "leave one of these states out of the libraries";
@@ -40,7 +40,7 @@ followed! {
     HeldOut: search::held_out, "take more rows, 100 say";
     HeuristicSolver: search::heuristic_solver, "leave --solver out";
     InconsistentRows: sensors::inconsistent_rows, "--noise NAME=SIGMA";
-    InputDelay: sensors::input_delay, "shift u by it in the table";
+    InputDelay: sensors::input_delay, "shift u by 0.15 s in the table";
     MemoryLimit: search::memory_limit, "--samples 416 fits";
     Misfit: library::misfit, "add sin(x) to the library";
     NoMotion: records::no_motion, "record data in which it moves";

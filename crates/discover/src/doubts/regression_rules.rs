@@ -210,11 +210,19 @@ fn misfit(c: &RegressionCase) -> Option<Reason> {
         Reason::new(
             ReasonCode::Misfit,
             format!(
-                "the residual ({r:.1e} of the target) is {:.0} times the estimated error of the data",
-                r / e
+                "the residual ({r:.1e} of the target) is {} times the estimated error of the data",
+                times(r / e)
             ),
         )
     })
+}
+
+/// A factor; a huge one only says how exactly was computed.
+pub(crate) fn times(factor: f64) -> String {
+    match factor < 1e6 {
+        true => format!("{factor:.0}"),
+        false => "over a million".into(),
+    }
 }
 
 /// Rows of small weight that contradict an equation whose residual as a whole passes.

@@ -71,8 +71,9 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
         ),
     )
     .remedy(format!(
-        "shift {} by it in the table, or find where it arises; the equations are those with the delay",
-        inputs.join(", ")
+        "shift {} by {} s in the table, or find where that arises; the equations are those with the delay",
+        inputs.join(", "),
+        short(late.seconds.abs())
     ))
 }
 
@@ -171,7 +172,7 @@ fn beyond_library(
         (0, _) => reason.remedy("mend the other equations first"),
         (_, true) => reason.remedy("offer fewer terms: the search may have missed it"),
         (_, false) if !explained => reason.remedy(
-            "look for a state or an input that the model lacks: with these terms too more than noise is left",
+            "look for a state or an input that the model lacks: even with these terms more than noise is left",
         ),
         (_, false) => reason.change(
             format!("add {} to the library", lacking.join(", ")),
@@ -246,7 +247,7 @@ fn outliers(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
     Some(Reason::new(
         ReasonCode::Outliers,
         format!(
-            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst {:.0}, in {file} at {} s",
+            "{}: {lie} alone, more than 5 standard deviations from the trajectory; the worst by {:.0}, in {file} at {} s",
             case.names.name(c.signal),
             s.worst,
             short(s.time)

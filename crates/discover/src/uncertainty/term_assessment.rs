@@ -8,7 +8,7 @@ use super::omitted_terms::nearest_omitted_terms;
 use super::stability_selection::Stability;
 use super::target_regression::TargetRegression;
 use sidc_lang::model::Model;
-use sidc_lang::term::{Language, Signal, Term};
+use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_solve::threads;
 use sidc_system::discovery::{
     Change, Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
@@ -74,7 +74,10 @@ fn unneeded(equation: &Equation, model: &Model, names: &Language<Discovery>) -> 
         let told = format!("leave {name} out of the library");
         let stated = model.equations.iter().find(|e| e.target == equation.target);
         match stated {
-            Some(stated) => reason.change(told, Change::Model(vec![stated.without(&[name])])),
+            Some(stated) => {
+                let target = model.name(equation.target);
+                reason.change(told, Change::Model(stated.without(&target, &[name])))
+            }
             None => reason.remedy(told),
         }
     })

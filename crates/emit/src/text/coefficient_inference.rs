@@ -51,6 +51,7 @@ pub(crate) fn firmness(d: &Discovery) -> Option<String> {
         (0, _) => None,
         (_, 0) => Some("every term is firm".into()),
         _ if terms.iter().all(|t| t.2 == Mark::Likely) => Some("every term is likely".into()),
+        (_, _) if firm == 0 => Some("no term is firm".into()),
         (all, _) => Some(format!(
             "{firm} of {all} terms firm, not {}",
             several(&open)

@@ -3,7 +3,7 @@
 //! In: a discovery, its verdict. Out: lines of at most 120 characters. Says nothing that the verdict does not hold.
 
 use crate::text::coefficient_inference::firmness;
-use crate::text::layout::TEXT_WIDTH;
+use crate::text::layout::{self, TEXT_WIDTH};
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames, VarId};
@@ -20,8 +20,13 @@ pub fn verdict(d: &Discovery, v: &Verdict) -> String {
         ("prediction", prediction(d, &v.prediction, &data)),
         ("run", run(&v.run, &v.prediction.unit, &data)),
     ];
-    let lines = parts.map(|(name, parts)| wrapped(name, &parts));
-    lines.concat()
+    let text = parts.map(|(name, parts)| wrapped(name, &parts)).concat();
+    // A part may be wider than a line.
+    let lines = text.lines().flat_map(|line| {
+        let indent: String = line.chars().take_while(|c| *c == ' ').collect();
+        layout::wrapped(line, TEXT_WIDTH, &indent, "    ")
+    });
+    lines.map(|l| format!("{l}\n")).collect()
 }
 
 /// Parts with commas between, broken between parts.
@@ -126,7 +131,10 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
     for ended in &p.ended {
         parts.push(format!("{} more end early ({})", ended.starts, ended.code));
     }
-    parts.extend(until(p));
+    let until = until(p);
+    // Beyond the time that chaos can be followed, a rival's figure means as little.
+    let rival = until.is_none().then(|| rival(&shown(d, p))).flatten();
+    parts.extend(until.into_iter().chain(rival));
     parts.extend(p.unavailable.iter().map(|why| why.text.clone()));
     parts.extend(met);
     parts
@@ -173,6 +181,24 @@ fn error(s: &SignalPrediction) -> String {
 
 fn figure(e: ErrorFigures) -> String {
     e.quantile_90.map_or("∞".into(), |x| significant(x, 2))
+}
+
+/// What predicts every signal better than the equations do, where that is more than rounding.
+fn rival(signals: &[&SignalPrediction]) -> Option<String> {
+    let worse = |of: &dyn Fn(&SignalPrediction) -> Option<ErrorFigures>| {
+        !signals.is_empty()
+            && signals.iter().all(|s| {
+                let own = s.error.quantile_90.unwrap_or(f64::INFINITY);
+                let rival = of(s).and_then(|e| e.quantile_90);
+                let visible = own > PRINTED.exact_prediction * s.spread;
+                visible && rival.is_some_and(|r| r < own)
+            })
+    };
+    match (worse(&|s| Some(s.no_change)), worse(&|s| s.linear)) {
+        (true, _) => Some("worse than no change".into()),
+        (false, true) => Some("the linear model is better".into()),
+        _ => None,
+    }
 }
 
 /// Until when the first signal stays below half its spread.

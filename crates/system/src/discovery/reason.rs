@@ -181,14 +181,14 @@ codes! {
     AtBound = "at-bound": Proof,
         "see what the data say without this constraint";
     /// The criterion prefers the equation without one of its terms.
-    BetterWithout = "better-without": Law,
+    BetterWithout = "better-without": Terms,
         "leave that term out of the library";
     /// Standard terms that the library lacks describe the data better.
     BeyondLibrary = "beyond-library": Law,
         "add these terms to the library";
     /// The residuals of a channel are correlated in time.
     ColouredResiduals = "coloured-residuals": Law,
-        "look for a term, a state or a delay that the model lacks; if a sensor is noisy, for a quieter one";
+        "look for a term, a state or a delay that the model lacks, or use a quieter sensor";
     /// A constraint does not hold for the coefficients found.
     ConstraintBroken = "constraint-broken": Law,
         "check the constraint, or leave it out and see what the data say";
@@ -203,7 +203,7 @@ codes! {
         "record another motion, or leave one of the terms out";
     /// A library was used up, or most of a large one.
     ExhaustedLibrary = "exhausted-library": Law,
-        "offer terms of the physics: sines, quotients, products with inputs";
+        "offer terms of the physics: sines, quotients, products";
     /// Too few noisy rows for each term.
     FewRows = "few-rows": Terms,
         "record more";
@@ -217,7 +217,7 @@ codes! {
     InconsistentRows = "inconsistent-rows": Data,
         "say how noisy the data are, with `noise` in the model or --noise NAME=SIGMA";
     /// An input acts later or earlier than its record says.
-    InputDelay = "input-delay": Data,
+    InputDelay = "input-delay": Coefficients,
         "shift the input in the table by that time";
     /// The user ended the search.
     Interrupted = "interrupted": Search,
@@ -247,7 +247,7 @@ codes! {
     NotVerified = "not-verified": Proof,
         "report it with model and data: a claim of the program does not hold";
     /// Single readings lie far from the trajectory.
-    Outliers = "outliers": Data,
+    Outliers = "outliers": Terms,
         "give such readings no weight, with --robust";
     /// Much of the target is left unexplained.
     PoorFit = "poor-fit": Law,
@@ -271,7 +271,7 @@ codes! {
     SameRelation = "same-relation": Law,
         "offer terms that stand in only one of these equations";
     /// A shifted zero of a sensor gives simpler laws.
-    SensorOffset = "sensor-offset": Data,
+    SensorOffset = "sensor-offset": Terms,
         "check the zero of that sensor";
     /// The solver stopped before it converged.
     SolverInaccurate = "solver-inaccurate": Proof,

@@ -65,7 +65,7 @@ impl Fault {
                 format!("Newton's method finds nothing that fulfils {equations}")
             }
             FaultKind::Diverged { signal, bound } => format!(
-                "{} has left the world of its data (±{bound:.2e}), moved by {equations}",
+                "{} runs away (beyond ±{bound:.2e}), moved by {equations}",
                 names.name(signal),
             ),
             FaultKind::StepTooSmall => {

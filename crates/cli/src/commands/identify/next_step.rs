@@ -5,10 +5,12 @@
 
 use super::arguments::Args;
 use sidc_emit::{TEXT_WIDTH, wrapped};
-use sidc_system::discovery::{Change, Discovery};
-use sidc_system::ranked_reasons::{change, ranked};
+use sidc_system::discovery::{Change, Discovery, ReasonCode};
+use sidc_system::ranked_reasons::{RankedReason, change, ranked};
 use sidc_system::result::FileEntry;
 
+/// Room behind `next: `, a backslash left free.
+const WIDTH: usize = TEXT_WIDTH - "next:  \\".len();
 /// The part of a record that is proposed to be held out.
 const HELD_OUT: &str = "--holdout=25%";
 /// Where the result is proposed to be kept.
@@ -17,16 +19,55 @@ const RESULT: &str = "result.json";
 /// `next: sidc identify model.sid data.csv --robust`. `tables` are the files of the data; `held_out` says whether some were not used.
 pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery, held_out: bool) -> String {
     let reasons = ranked(discovery);
-    let mut at_hand = reasons.iter().filter_map(|r| change(r.reason));
-    // A statement goes on after an operator, a command after a backslash.
-    let (step, broken) = match (at_hand.next(), reasons.first()) {
-        (Some(Change::Model(lines)), _) => (lines.join(" and "), "\n"),
-        (Some(Change::Options(options)), _) => (again(options), " \\\n"),
-        (None, Some(first)) => (first.reason.advice().to_string(), "\n"),
-        (None, None) => (afterwards(args, tables, held_out), " \\\n"),
+    let step = match reasons.first() {
+        None => command(&afterwards(args, tables, held_out)),
+        Some(first) => {
+            let cost = first.reason.code.cost();
+            let alike = reasons.iter().filter(|r| r.reason.code.cost() == cost);
+            let at_hand = alike.filter_map(|r| Some((r, change(r.reason)?))).next();
+            match at_hand {
+                Some((_, Change::Options(options))) => command(&again(options)),
+                Some((r, Change::Model(_))) => statements(&reasons, &r.reason.code),
+                None => words(first.reason.advice()),
+            }
+        }
     };
-    let lines = wrapped(&step, TEXT_WIDTH - " \\".len(), "next: ", "    ");
-    format!("{}\n", lines.join(broken))
+    format!("next: {step}\n")
+}
+
+/// The lines of the model that answer all reasons of one code. Entries of the data block stand in one block.
+fn statements(reasons: &[RankedReason], code: &ReasonCode) -> String {
+    let of_code = reasons.iter().filter(|r| r.reason.code == *code);
+    let mut lines: Vec<&String> = Vec::new();
+    for change in of_code.filter_map(|r| change(r.reason)) {
+        if let Change::Model(more) = change {
+            let subject = |line: &str| line.split('~').next().map(String::from);
+            // A statement takes one change at a time.
+            let fresh = |l: &&String| lines.iter().all(|k| subject(k) != subject(l));
+            let more: Vec<&String> = more.iter().filter(fresh).collect();
+            lines.extend(more);
+        }
+    }
+    let entries: Vec<&str> = lines.iter().filter_map(|l| entry(l)).collect();
+    let others = lines.iter().filter(|l| entry(l).is_none());
+    let block = (!entries.is_empty()).then(|| format!("data {{ {} }}", entries.join("; ")));
+    // A statement goes on behind an operator or a comma.
+    let each = others.map(|l| words(l)).chain(block);
+    each.collect::<Vec<String>>().join("\n    ")
+}
+
+/// `dx = none` of `data { dx = none }`.
+fn entry(line: &str) -> Option<&str> {
+    line.strip_prefix("data { ")?.strip_suffix(" }")
+}
+
+fn words(text: &str) -> String {
+    wrapped(text, WIDTH, "", "        ").join("\n")
+}
+
+/// A command goes on behind a backslash.
+fn command(text: &str) -> String {
+    wrapped(text, WIDTH, "", "    ").join(" \\\n")
 }
 
 /// After an answer without reasons against it.

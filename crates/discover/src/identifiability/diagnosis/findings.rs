@@ -5,18 +5,16 @@
 use super::advice::{Exchange, advice};
 use super::messages::{figure, percent, sentence, why};
 use super::misspecification::{Misspecification, Specification, find_misspecification};
+use crate::doubts::regression_rules::times;
 use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::collinearity::relation::ExplainedRelation;
 use crate::identifiability::thresholds::{COLLINEARITY, FINDINGS};
 use crate::scaled_design::ScaledDesign;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
-use sidc_lang::model::Model;
+use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_system::discovery::{Cause, Change, Finding, Reason, ReasonCode, Status};
-
-/// Beyond it a factor only says how exactly was computed.
-const LARGE_FACTOR: f64 = 1e6;
 
 /// Doubts that say that something is not explained.
 pub const UNEXPLAINED: [ReasonCode; 9] = [
@@ -218,28 +216,27 @@ pub fn misspecification_finding(
 ) -> Finding {
     let var = model.variable(target.var);
     let name = model.name(target);
-    let finding = |cause, text, advice, change: Option<String>| Finding {
+    let finding = |cause, text, advice, change: Option<Vec<String>>| Finding {
         cause,
         text,
         advice,
-        change: change.map(|line| Change::Model(vec![line])),
+        change: change.map(Change::Model),
         reach: None,
         matters: true,
     };
-    let of_order = |order: u8| Some(format!("state {var} : order {order}"));
     match found {
         Misspecification::MissingTerm { term, factor, part } => {
             let term = Language(model).term(term);
             let stated = model.equations.iter().find(|e| e.target == target);
-            let line = stated.map(|e| e.with(std::slice::from_ref(&term)));
+            let line = stated.map(|e| vec![e.with(std::slice::from_ref(&term))]);
             finding(
                 Cause::MissingTerm,
                 format!(
                     "the whole library leaves {} of {name}; {term}, which it lacks, would leave {} times less",
                     percent(*part),
-                    match *factor < LARGE_FACTOR {
+                    match *factor < 10.0 {
                         true => figure(*factor, 2),
-                        false => "over a million".into(),
+                        false => times(*factor),
                     }
                 ),
                 format!("add {term} to the library"),
@@ -256,8 +253,11 @@ pub fn misspecification_finding(
                     percent(*part),
                     percent(*residual)
                 ),
-                format!("declare {var} with order {order}"),
-                of_order(order),
+                format!(
+                    "declare {var} with order {order} and look for {}, with {name} among its terms",
+                    model.name(Signal::derivative(target.var, order))
+                ),
+                of_higher_order(model, target),
             )
         }
         Misspecification::OrderTooHigh { residual } => {
@@ -272,7 +272,7 @@ pub fn misspecification_finding(
                 format!(
                     "declare {var} with order {order}, or excite it so that {lower} moves on its own"
                 ),
-                of_order(order),
+                None,
             )
         }
         Misspecification::Unknown { part } => finding(
@@ -288,6 +288,21 @@ pub fn misspecification_finding(
             None,
         ),
     }
+}
+
+/// The lines of a model of one state with an order more: its declaration, and the equation of its next derivative.
+fn of_higher_order(model: &Model, target: Signal) -> Option<Vec<String>> {
+    let states = model.vars.iter().filter(|v| v.kind == VarKind::State);
+    let stated = model.equations.iter().find(|e| e.target == target)?;
+    let (left, right) = stated.written.split_once('~')?;
+    let (name, order) = (model.name(target), target.der + 1);
+    let next = model.name(Signal::derivative(target.var, order));
+    let simple = states.count() == 1 && left.trim() == name;
+    let declared = model.var(target.var).is_some_and(|v| v.order >= order);
+    let declaration = format!("state {} : order {order}", model.variable(target.var));
+    let mut lines: Vec<String> = (!declared).then_some(declaration).into_iter().collect();
+    lines.push(format!("{next} ~{right} + <{name}>"));
+    simple.then_some(lines)
 }
 
 /// Terms whose coefficients could as well be zero.

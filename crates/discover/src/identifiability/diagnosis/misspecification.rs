@@ -163,7 +163,9 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
 pub(super) fn standard_terms_of(target: Signal, samples: &Samples) -> Vec<Term> {
     let usable = |s: &Signal| {
         let of_target = s.var == target.var && s.der >= target.der && s.shift >= target.shift;
-        s.var != VarId::TIME && !of_target && s.shift <= 0 && s.der < 2
+        // The rate of another state is what its own equation is for.
+        let other_rate = s.der > 0 && s.der == target.der && s.var != target.var;
+        s.var != VarId::TIME && !of_target && !other_rate && s.shift <= 0 && s.der < 2
     };
     let measured = samples.columns.iter().map(|c| c.signal).filter(usable);
     standard_terms(&measured.take(MISSPECIFICATION.signals).collect::<Vec<_>>())

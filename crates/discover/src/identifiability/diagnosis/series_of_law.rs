@@ -6,6 +6,7 @@
 
 use super::misspecification::standard_terms_of;
 use crate::dictionary::evaluate;
+use crate::doubts::regression_rules::times;
 use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::thresholds::SERIES;
 use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
@@ -32,11 +33,11 @@ pub fn series_doubt(design: &ScaledDesign, library: &Library) -> Option<Reason> 
 fn doubt(design: &ScaledDesign, term: &Term, rest: f64) -> Reason {
     let term = Language(design.model).term(term);
     let text = format!(
-        "the residual ({:.1e} of the target) is {:.0} times the estimated error of the data, and with {term}, which the library \
-         lacks, it would be {:.0} times less: the terms found are a series that comes near the law",
+        "the residual ({:.1e} of the target) is {} times the estimated error of the data, and with {term}, which the library \
+         lacks, it would be {} times less: the terms found are a series that comes near the law",
         design.evidence.residual,
-        design.evidence.residual / design.evidence.target_error,
-        1.0 / rest.max(f64::MIN_POSITIVE)
+        times(design.evidence.residual / design.evidence.target_error),
+        times(1.0 / rest.max(f64::MIN_POSITIVE))
     );
     let equations = &design.model.equations;
     let stated = equations
