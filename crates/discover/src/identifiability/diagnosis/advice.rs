@@ -66,7 +66,7 @@ pub(super) fn advice(
                 let reach = rounded_up(a.abs().max(b.abs()));
                 (format!("reach |{name}| > {}", figure(reach, 2)), reach)
             });
-            (change, format!("let {name} move further from zero"))
+            (change, format!("move {name} further from zero"))
         }
         Cause::NarrowRange => {
             let middle = 0.5 * (least + most);
@@ -75,10 +75,10 @@ pub(super) fn advice(
             });
             let change = widened.map(|(_, samples)| {
                 let (a, b) = range(about, &samples);
-                let text = format!("let {name} range over {} to {}", figure(a, 2), figure(b, 2));
+                let text = format!("vary {name} over {} to {}", figure(a, 2), figure(b, 2));
                 (text, b - a)
             });
-            (change, format!("let {name} range further"))
+            (change, format!("vary {name} further"))
         }
         Cause::OneSign => {
             let mirrored = find(first, &|row, s| {
@@ -93,10 +93,10 @@ pub(super) fn advice(
             };
             let change = mirrored.map(|(s, _)| {
                 let reach = -farther * s;
-                let text = format!("let {name} change its sign and reach {}", figure(reach, 2));
+                let text = format!("take {name} through zero to {}", figure(reach, 2));
                 (text, reach)
             });
-            (change, format!("let {name} change its sign"))
+            (change, format!("take {name} through zero"))
         }
         Cause::ConstantSignal => {
             let size = if largest == 0.0 { 1.0 } else { largest };
@@ -111,7 +111,7 @@ pub(super) fn advice(
                 let text = format!("step {name} by {figure} or more for half of the record");
                 (text, step)
             });
-            (change, format!("let {name} move"))
+            (change, format!("move {name}"))
         }
         Cause::Feedback => {
             let perturbed = find(first, &|row, s| {
@@ -126,7 +126,7 @@ pub(super) fn advice(
                 );
                 (text, step)
             });
-            (change, format!("let {name} move independently"))
+            (change, format!("move {name} independently"))
         }
         Cause::WrongOrder => {
             let var = design.model.variable(design.equation.target.var);

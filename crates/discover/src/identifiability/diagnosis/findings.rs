@@ -125,7 +125,7 @@ fn zero_columns(design: &ScaledDesign, known: &[Finding]) -> Option<Finding> {
             names.join(" and "),
             count
         ),
-        advice: format!("let {} move", names.join(" and ")),
+        advice: format!("move {}", names.join(" and ")),
         change: None,
         reach: None,
         matters: design.equation.status == Status::Doubt,
@@ -317,10 +317,7 @@ fn uncertain_terms(design: &ScaledDesign) -> Vec<Finding> {
             let name = Language(design.model).term(&t.term);
             let larger = match t.term.is_one() {
                 true => String::new(),
-                false => format!(
-                    ", or let {name} be {} times larger",
-                    figure(times.sqrt(), 2)
-                ),
+                false => format!(", or make {name} {} times larger", figure(times.sqrt(), 2)),
             };
             Finding {
                 cause: Cause::WeakTerm,
