@@ -52,24 +52,22 @@ impl Reason {
     /// With what to do about it, in words.
     #[must_use]
     pub fn remedy(self, text: impl Into<String>) -> Self {
-        Reason {
-            remedy: Some(Remedy {
-                text: text.into(),
-                because: String::new(),
-                change: None,
-            }),
-            ..self
-        }
+        self.with(text.into(), None)
     }
 
     /// With what to do about it, and the change that does it.
     #[must_use]
     pub fn change(self, text: impl Into<String>, change: Change) -> Self {
+        self.with(text.into(), Some(change))
+    }
+
+    fn with(self, text: String, change: Option<Change>) -> Self {
+        let because = String::new();
         Reason {
             remedy: Some(Remedy {
-                text: text.into(),
-                because: String::new(),
-                change: Some(change),
+                text,
+                because,
+                change,
             }),
             ..self
         }

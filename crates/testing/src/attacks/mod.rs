@@ -89,3 +89,19 @@ impl Case {
         self.runs.iter().map(of).collect()
     }
 }
+
+/// One step of the classical Runge-Kutta method: quick, and with an error.
+fn runge_kutta_step(
+    rate: &impl Fn(f64, &[f64; 2]) -> [f64; 2],
+    t: f64,
+    h: f64,
+    z: &[f64; 2],
+) -> [f64; 2] {
+    let moved = |k: &[f64; 2], by: f64| [z[0] + by * k[0], z[1] + by * k[1]];
+    let a = rate(t, z);
+    let b = rate(t + 0.5 * h, &moved(&a, 0.5 * h));
+    let c = rate(t + 0.5 * h, &moved(&b, 0.5 * h));
+    let d = rate(t + h, &moved(&c, h));
+    let mean = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
+    moved(&[mean(0), mean(1)], h)
+}

@@ -2,7 +2,7 @@
 //!
 //! In: a kind of attack, a seed, a level of noise. Out: a case.
 
-use super::{Attack, Case, Law};
+use super::{Attack, Case, Law, runge_kutta_step};
 use crate::integrate::{grid, integrate};
 use crate::pendulum_regression::Random;
 use crate::table::Table;
@@ -43,7 +43,7 @@ pub(super) fn case(attack: Attack, seed: u64, noise: f64) -> Case {
             [z[1], -k * z[0].sin() - d * z[1] + gain * u]
         };
         z = match attack {
-            Attack::CoarseSolver => runge_kutta(&rate, *t, STEP, z),
+            Attack::CoarseSolver => coarsely(&rate, *t, STEP, z),
             _ => integrate(&rate, *t, t + STEP, z),
         };
     }
@@ -96,22 +96,15 @@ fn model(attack: Attack) -> String {
 }
 
 /// Four steps of the classical Runge-Kutta method.
-fn runge_kutta(
-    rate: &dyn Fn(f64, &[f64; 2]) -> [f64; 2],
+fn coarsely(
+    rate: &impl Fn(f64, &[f64; 2]) -> [f64; 2],
     from: f64,
     step: f64,
     start: [f64; 2],
 ) -> [f64; 2] {
     let h = step / 4.0;
-    let moved = |z: &[f64; 2], k: &[f64; 2], by: f64| [z[0] + by * k[0], z[1] + by * k[1]];
     (0..4).fold(start, |z, i| {
-        let t = from + f64::from(i) * h;
-        let a = rate(t, &z);
-        let b = rate(t + 0.5 * h, &moved(&z, &a, 0.5 * h));
-        let c = rate(t + 0.5 * h, &moved(&z, &b, 0.5 * h));
-        let d = rate(t + h, &moved(&z, &c, h));
-        let mean = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
-        moved(&z, &[mean(0), mean(1)], h)
+        runge_kutta_step(rate, from + f64::from(i) * h, h, &z)
     })
 }
 

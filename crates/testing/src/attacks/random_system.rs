@@ -3,7 +3,7 @@
 //! In: a seed, a level of noise, whether a term is left out of its library. Out: a case of two runs, in which both states move, stay
 //! bounded, and every term matters.
 
-use super::{Case, Law};
+use super::{Case, Law, runge_kutta_step};
 use crate::integrate::{grid, integrate};
 use crate::pendulum_regression::Random;
 use crate::table::Table;
@@ -134,7 +134,7 @@ fn is_told(laws: &[Terms; 2], starts: &[State]) -> bool {
     for start in starts {
         let mut z = *start;
         for _ in 0..ROWS * SUBSTEPS {
-            z = runge_kutta(laws, &z, STEP / SUBSTEPS as f64);
+            z = runge_kutta_step(&|_, z| rate(laws, z), 0.0, STEP / SUBSTEPS as f64, &z);
             if z.iter().any(|x| !x.is_finite() || x.abs() > BOUND) {
                 return false;
             }
@@ -148,16 +148,6 @@ fn is_told(laws: &[Terms; 2], starts: &[State]) -> bool {
             let part = |(a, t): &(f64, Candidate)| spread(all.iter().map(|z| a * t.value(z)));
             laws[i].iter().all(|term| part(term) > MATTERS * whole)
         })
-}
-
-fn runge_kutta(laws: &[Terms; 2], z: &State, h: f64) -> State {
-    let moved = |k: &State, by: f64| [z[0] + by * k[0], z[1] + by * k[1]];
-    let a = rate(laws, z);
-    let b = rate(laws, &moved(&a, 0.5 * h));
-    let c = rate(laws, &moved(&b, 0.5 * h));
-    let d = rate(laws, &moved(&c, h));
-    let mean = |i: usize| (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]) / 6.0;
-    moved(&[mean(0), mean(1)], h)
 }
 
 /// All rows of a run, to the accuracy of the integrator.

@@ -24,10 +24,10 @@ pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery, held_out: 
         Some(first) => {
             let cost = first.reason.code.cost();
             let alike = reasons.iter().filter(|r| r.reason.code.cost() == cost);
-            let at_hand = alike.filter_map(|r| Some((r, change(r.reason)?))).next();
-            match at_hand {
+            let mut at_hand = alike.filter_map(|r| Some((&r.reason.code, change(r.reason)?)));
+            match at_hand.next() {
                 Some((_, Change::Options(options))) => command(&again(options)),
-                Some((r, Change::Model(_))) => statements(&reasons, &r.reason.code),
+                Some((code, Change::Model(_))) => statements(&reasons, code),
                 None => words(first.reason.advice()),
             }
         }

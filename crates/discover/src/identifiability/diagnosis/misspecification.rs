@@ -3,15 +3,15 @@
 //! In: a library, a doubted equation, rows with the measured target. Out: a simple term of the measured signals that explains the
 //! residual, or a higher or lower order of the variable, or neither. Never changes the equation.
 
+use super::lacking_terms::Residual;
 use crate::Weights;
 use crate::dictionary::{evaluate, subtract};
 use crate::identifiability::thresholds::MISSPECIFICATION;
 use crate::scaled_design::OrthonormalBasis;
-use crate::standard_terms::standard_terms;
 use crate::statistics::norm;
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
-use sidc_lang::term::{Signal, Term, VarId};
+use sidc_lang::term::{Signal, Term};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::Equation;
 
@@ -126,24 +126,15 @@ impl Projection {
 fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, f64)> {
     let square = dot(&l.residual, &l.residual);
     let mut best: Option<(f64, Term)> = None;
-    for term in standard_terms_of(specification.equation.target, &l.samples) {
-        if specification.library.contains(&term).is_some() {
-            continue;
-        }
-        let values = evaluate(&term, &l.samples);
-        let weighted: Vec<f64> = values.iter().zip(&l.weights).map(|(v, w)| v * w).collect();
-        let length = norm(&weighted);
-        if !length.is_finite() || length == 0.0 {
-            continue;
-        }
-        // Of unit length, so that no square overflows.
-        let unit: Vec<f64> = weighted.iter().map(|v| v / length).collect();
-        let outside = l.basis.residual(&unit);
-        let room = dot(&outside, &outside);
-        if room < MISSPECIFICATION.dependent {
-            continue;
-        }
-        let gain = dot(&outside, &l.residual).powi(2) / room;
+    let residual = Residual {
+        target: specification.equation.target,
+        library: specification.library,
+        samples: &l.samples,
+        weights: &l.weights,
+        basis: &l.basis,
+        values: &l.residual,
+    };
+    for (gain, term) in residual.gains(MISSPECIFICATION.dependent) {
         // Of two that do equally well, the simpler one, which comes first.
         let better = |g: f64| gain > g + MISSPECIFICATION.complexity * (square - g);
         if best.as_ref().is_none_or(|(g, _)| better(*g)) {
@@ -157,18 +148,6 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
     let factor = (square / (square - gain).max(1e-30 * square)).sqrt();
     let improvement = MISSPECIFICATION.improvement * MISSPECIFICATION.improvement;
     (beyond_noise > improvement).then_some((term, factor))
-}
-
-/// Standard terms of the measured signals, the simplest first.
-pub(super) fn standard_terms_of(target: Signal, samples: &Samples) -> Vec<Term> {
-    let usable = |s: &Signal| {
-        let of_target = s.var == target.var && s.der >= target.der && s.shift >= target.shift;
-        // The rate of another state is what its own equation is for.
-        let other_rate = s.der > 0 && s.der == target.der && s.var != target.var;
-        s.var != VarId::TIME && !of_target && !other_rate && s.shift <= 0 && s.der < 2
-    };
-    let measured = samples.columns.iter().map(|c| c.signal).filter(usable);
-    standard_terms(&measured.take(MISSPECIFICATION.signals).collect::<Vec<_>>())
 }
 
 /// The estimated error of a signal relative to the signal.

@@ -4,6 +4,7 @@
 
 mod advice;
 pub mod findings;
+mod lacking_terms;
 pub mod messages;
 pub mod misspecification;
 pub mod remedies;

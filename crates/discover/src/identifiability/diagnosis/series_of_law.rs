@@ -4,13 +4,11 @@
 //! In: the design of an equation, its library. Out: the standard term with which nothing is left, and a doubt that names it. A solver's
 //! error is a function that no single term explains.
 
-use super::misspecification::standard_terms_of;
-use crate::dictionary::evaluate;
+use super::lacking_terms::Residual;
 use crate::doubts::regression_rules::times;
 use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::thresholds::SERIES;
 use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
-use crate::statistics::norm;
 use sidc_lang::library::Library;
 use sidc_lang::term::{Language, Term};
 use sidc_solve::simd::dot;
@@ -58,26 +56,18 @@ fn term_of_law(design: &ScaledDesign, library: &Library) -> Option<(Term, f64)> 
     let basis = OrthonormalBasis::of(support.map(|c| &c.unit[..]));
     let left = basis.residual(&design.target);
     let square = dot(&left, &left);
+    let residual = Residual {
+        target,
+        library,
+        samples: &design.samples,
+        weights: &design.weights,
+        basis: &basis,
+        values: &left,
+    };
     let mut best: Option<(f64, Term)> = None;
-    for term in standard_terms_of(target, &design.samples) {
-        if library.contains(&term).is_some() {
-            continue;
-        }
-        let values = evaluate(&term, &design.samples);
-        let weighted: Vec<f64> = values
-            .iter()
-            .zip(&design.weights)
-            .map(|(v, w)| v * w)
-            .collect();
-        let length = norm(&weighted);
-        if !length.is_finite() || length == 0.0 {
-            continue;
-        }
-        let unit: Vec<f64> = weighted.iter().map(|v| v / length).collect();
-        let outside = basis.residual(&unit);
-        let room = dot(&outside, &outside);
-        let gain = dot(&outside, &left).powi(2) / room;
-        if room > SERIES.dependent && best.as_ref().is_none_or(|(g, _)| gain > *g) {
+    for (gain, term) in residual.gains(SERIES.dependent) {
+        // The first of equals.
+        if best.as_ref().is_none_or(|(g, _)| gain > *g) {
             best = Some((gain, term));
         }
     }
