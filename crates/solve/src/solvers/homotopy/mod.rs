@@ -9,8 +9,10 @@ mod column_generation;
 mod interior_dual;
 mod lasso_path;
 mod path;
+mod side_by_side;
 mod updated_qr;
 mod working_set;
 
 pub use basis_pursuit::Homotopy;
 pub use lasso_path::{Knot, lasso, lasso_path};
+pub use side_by_side::side_by_side;
