@@ -14,6 +14,12 @@ pub struct Grading {
     pub base: f64,
 }
 
+impl Default for Grading {
+    fn default() -> Grading {
+        Grading::PLAIN
+    }
+}
+
 impl Grading {
     /// The plain norm: a term weighs as much as its column is long.
     pub const PLAIN: Grading = Grading { base: 1.0 };

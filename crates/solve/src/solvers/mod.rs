@@ -12,7 +12,7 @@ mod stlsq;
 use crate::solver::Solver;
 
 pub use clarabel::Clarabel;
-pub use homotopy::{Homotopy, Knot, lasso, lasso_path, side_by_side};
+pub use homotopy::{Homotopy, Knot, lasso, lasso_path};
 pub use omp::Omp;
 pub use stlsq::Stlsq;
 

@@ -2,6 +2,7 @@
 
 use super::column_generation::ColumnGeneration;
 use super::path::{Goal, PathPoint};
+use super::side_by_side::side_by_side;
 use crate::linalg::quotient;
 use crate::problem::{Problem, Solution, Status};
 use crate::solver::Solver;
@@ -21,6 +22,10 @@ impl Solver for Homotopy {
 
     fn about(&self) -> &'static str {
         "Lasso path on a growing working set, for libraries of any size (default)"
+    }
+
+    fn solve_all(&self, problems: &[Problem], observer: &mut dyn Observer) -> Vec<Solution> {
+        side_by_side(problems, observer)
     }
 
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
