@@ -5,15 +5,15 @@
 
 use crate::regression::certificate::certify;
 use crate::regression::design::Design;
+use crate::regression::proposals::Proposal;
 use crate::regression::task::Task;
 use crate::selection::information_criterion::InformationCriterion;
-use crate::regression::proposals::Proposal;
 use crate::selection::term_selection::TermSelection;
 use sidc_lang::library::Grading;
 use sidc_progress::{EquationObserver, Stop};
 use sidc_solve as solve;
 use sidc_solve::{Problem, Refit, Solution, Status as Solved};
-use sidc_system::discovery::{Proof, Witness};
+use sidc_system::discovery::{NormGrading, Proof, Witness};
 
 /// The proposal of the solver, and the terms that the criterion selected.
 pub(crate) struct Selected {
@@ -107,8 +107,8 @@ impl Task<'_> {
         let solution = &proposal.solution;
         let (mut proof, mut witness) =
             proposal.problem(design, |p| certify(p, solution, selection, polished));
-        proof.grading = proposal.grading.base;
-        witness.grading = proposal.grading;
+        proof.grading = NormGrading::of(&proposal.grading);
+        witness.grading = proposal.grading.clone();
         Estimate {
             support: selection.support.clone(),
             coefficients: polished.coefficients.clone(),

@@ -69,10 +69,12 @@ family! {
 }
 
 family! {
-    /// Gradings of the 1-norm: a term weighs κ^degree times the length of its column.
+    /// Gradings of the 1-norm: a term of degree d weighs κ^d times the length of its column.
     pub(crate) GRADING: GradingNumbers {
-        /// κ of the gradings that are solved beside the plain norm.
-        bases: [f64; 2] = [1.2, 1.5], unit "", source "study `coupled`";
+        /// κ where each factor counts by how much it varies.
+        by_variation: f64 = 1.5, unit "", source "study `coupled`";
+        /// κ where every factor counts 1.
+        by_degree: f64 = 1.5, unit "", source "study `coupled`";
         /// Terms of a proposal up to which it takes part in the selection.
         near: usize = 2, unit "times the fewest", source "set by hand";
     }
