@@ -13,7 +13,7 @@ use sidc_lang::library::Grading;
 use sidc_progress::{EquationObserver, Stop};
 use sidc_solve as solve;
 use sidc_solve::{Problem, Refit, Solution, Status as Solved};
-use sidc_system::discovery::{NormGrading, Proof, Witness};
+use sidc_system::discovery::{Proof, Witness};
 
 /// The proposal of the solver, and the terms that the criterion selected.
 pub(crate) struct Selected {
@@ -107,7 +107,7 @@ impl Task<'_> {
         let solution = &proposal.solution;
         let (mut proof, mut witness) =
             proposal.problem(design, |p| certify(p, solution, selection, polished));
-        proof.grading = NormGrading::of(&proposal.grading);
+        proof.grading = (!proposal.grading.is_plain()).then_some(proposal.grading.base);
         witness.grading = proposal.grading.clone();
         Estimate {
             support: selection.support.clone(),

@@ -73,15 +73,13 @@ impl Task<'_> {
             RowKind::Samples { used, .. } => used,
             RowKind::Integrals { .. } => self.samples,
         };
-        let by_variation = Grading {
-            base: GRADING.by_variation,
-            counts: Some(Arc::new(variations(self.library, samples))),
+        let counts = Arc::new(variations(self.library, samples));
+        let bases = [GRADING.slight, GRADING.middle, GRADING.steep];
+        let grading = |base| Grading {
+            base,
+            counts: Some(counts.clone()),
         };
-        let by_degree = Grading {
-            base: GRADING.by_degree,
-            counts: None,
-        };
-        vec![by_variation, by_degree]
+        bases.map(grading).to_vec()
     }
 
     /// The solver's answers under these gradings, those of fewest terms first.

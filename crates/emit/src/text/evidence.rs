@@ -225,12 +225,8 @@ fn norm(p: &Proof) -> String {
     let Some(grading) = p.grading else {
         return "1-norm".into();
     };
-    let base = significant(grading.base, 3);
-    let counted = match grading.by_variation {
-        true => ", each factor counted by its std/rms",
-        false => "",
-    };
-    format!("1-norm in which a term of degree d weighs {base}^d{counted}")
+    let base = significant(grading, 3);
+    format!("1-norm in which a term of degree d weighs {base}^d")
 }
 
 fn figures(p: &Proof) -> String {

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use crate::discovery::{
     Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Witness,
 };
-use sidc_lang::library::Grading;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
@@ -280,31 +279,12 @@ pub struct Proof {
     pub unique: bool,
     /// True if the printed terms are the support of the ℓ1 answer, not a choice among its proposals.
     pub of_answer: bool,
-    /// The weights of the 1-norm; `None` is the plain one on unit columns.
+    /// κ of the norm Σ κ^d ‖φ‖ |a|, d the degree of a term, each factor counted by how much it varies; `None` is the plain 1-norm.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub grading: Option<NormGrading>,
+    pub grading: Option<f64>,
     /// True if all equations tied by constraints were solved together.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub constrained: bool,
-}
-
-/// The norm Σ κ^d ‖φ‖ |a|, d the degree of a term.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NormGrading {
-    /// κ
-    pub base: f64,
-    /// Whether a factor counts by how much it varies, std/rms of its values, and not 1 for each power.
-    pub by_variation: bool,
-}
-
-impl NormGrading {
-    /// `None` for the plain norm.
-    pub fn of(grading: &Grading) -> Option<NormGrading> {
-        (!grading.is_plain()).then_some(NormGrading {
-            base: grading.base,
-            by_variation: grading.counts.is_some(),
-        })
-    }
 }
 
 impl Discovery {
