@@ -10,10 +10,11 @@ use crate::regression::task::Task;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::TermSelection;
 use sidc_lang::library::Grading;
+use sidc_lang::term::{Atom, Language, Term};
 use sidc_progress::{EquationObserver, Stop};
 use sidc_solve as solve;
 use sidc_solve::{Problem, Refit, Solution, Status as Solved};
-use sidc_system::discovery::{Proof, Witness};
+use sidc_system::discovery::{NormGrading, Proof, Witness};
 
 /// The proposal of the solver, and the terms that the criterion selected.
 pub(crate) struct Selected {
@@ -107,7 +108,7 @@ impl Task<'_> {
         let solution = &proposal.solution;
         let (mut proof, mut witness) =
             proposal.problem(design, |p| certify(p, solution, selection, polished));
-        proof.grading = (!proposal.grading.is_plain()).then_some(proposal.grading.base);
+        proof.grading = self.norm_grading(&proposal.grading);
         witness.grading = proposal.grading.clone();
         Estimate {
             support: selection.support.clone(),
@@ -124,6 +125,17 @@ impl Task<'_> {
             status: solution.status.clone(),
             stopped: selected.stopped,
         }
+    }
+}
+
+impl Task<'_> {
+    /// A grading as it is told; `None` for the plain norm.
+    fn norm_grading(&self, grading: &Grading) -> Option<NormGrading> {
+        let name = |atom: &Atom| Language(self.model).term(&Term::atom(atom.clone()));
+        (!grading.is_plain()).then(|| NormGrading {
+            base: grading.base,
+            dear: grading.dear.as_ref().map(name).unwrap_or_default(),
+        })
     }
 }
 

@@ -11,6 +11,7 @@ use crate::selection::term_selection::{TermSelection, select_terms};
 use crate::selection::thresholds::TERM_SELECTION;
 use sidc_lang::library::Grading;
 use sidc_lang::model::PreferredNorms;
+use sidc_lang::term::Atom;
 use sidc_progress::{EquationObserver, Stage};
 use sidc_solve as solve;
 use sidc_solve::dictionary::{Graded, Grades};
@@ -25,6 +26,8 @@ pub(crate) struct Proposal {
     pub solution: Solution,
     /// Terms that are more than rounding.
     pub terms: usize,
+    /// Whether they are few beside the rows.
+    pub sparse: bool,
 }
 
 impl Proposal {
@@ -74,30 +77,52 @@ impl Task<'_> {
             RowKind::Integrals { .. } => self.samples,
         };
         let counts = Arc::new(variations(self.library, samples));
-        let bases = [GRADING.slight, GRADING.middle, GRADING.steep];
         let grading = |base| Grading {
             base,
             counts: Some(counts.clone()),
+            dear: None,
         };
-        bases.map(grading).to_vec()
+        [GRADING.slight, GRADING.steep].map(grading).to_vec()
     }
 
-    /// The solver's answers under these gradings, those of fewest terms first.
+    /// The solver's answers under these gradings, those of fewest terms first. Where none of several is sparse, the slight grading is tried
+    /// with each factor of the library made dear in turn: every multiple of a law has a term with a factor of that law, so
+    /// multiples go where that factor is not needed.
     pub fn proposals(
         &self,
         design: &Design,
         gradings: &[Grading],
         watcher: &mut EquationObserver,
     ) -> Vec<Proposal> {
+        let mut found = self.solutions(design, gradings, usize::MAX, watcher);
+        let graded = gradings.iter().find(|g| !g.is_plain());
+        let sparse = found.iter().any(|p| p.sparse);
+        if let Some(graded) = graded.filter(|_| !sparse && watcher.stop().is_none()) {
+            let atoms = graded.counts.iter().flat_map(|counts| counts.keys());
+            let dear = |atom: &Atom| Grading {
+                dear: Some(atom.clone()),
+                ..graded.clone()
+            };
+            let dear: Vec<Grading> = atoms.take(GRADING.dear).map(dear).collect();
+            found.extend(self.solutions(design, &dear, GRADING.dear_steps, watcher));
+        }
+        // A stable sort: of equals the plain norm comes first.
+        found.sort_by_key(|p| (!p.answers(), p.terms));
+        found
+    }
+
+    fn solutions(
+        &self,
+        design: &Design,
+        gradings: &[Grading],
+        most_steps: usize,
+        watcher: &mut EquationObserver,
+    ) -> Vec<Proposal> {
         let of = |g: &Grading| (!g.is_plain()).then(|| grades(self.library, &|t| g.of(t)));
         let all: Vec<Option<Grades>> = gradings.iter().map(of).collect();
-        let graded: Vec<Option<Graded>> = all
-            .iter()
-            .map(|grades| {
-                let columns = design.phi.as_ref();
-                grades.as_ref().map(|grades| Graded { columns, grades })
-            })
-            .collect();
+        let columns = design.phi.as_ref();
+        let graded = |grades| Graded { columns, grades };
+        let graded: Vec<Option<Graded>> = all.iter().map(|g| g.as_ref().map(graded)).collect();
         let plain = design.problem();
         let problems: Vec<Problem> = graded
             .iter()
@@ -106,22 +131,27 @@ impl Task<'_> {
                 ..plain
             })
             .collect();
-        let solutions = self.options.solver.solve_all(&problems, watcher);
-        let terms =
-            |(problem, s): (&Problem, &Solution)| solve::support(problem, &s.coefficients).len();
-        let terms: Vec<usize> = problems.iter().zip(&solutions).map(terms).collect();
-        let parts = gradings.iter().zip(all).zip(solutions).zip(terms);
-        let mut proposals: Vec<Proposal> = parts
-            .map(|(((grading, grades), solution), terms)| Proposal {
-                grading: grading.clone(),
-                grades,
-                solution,
-                terms,
-            })
-            .collect();
-        // A stable sort: of equals the plain norm comes first.
-        proposals.sort_by_key(|p| (!p.answers(), p.terms));
-        proposals
+        let solutions = self
+            .options
+            .solver
+            .solve_all(&problems, most_steps, watcher);
+        let facts = |(problem, s): (&Problem, &Solution)| {
+            let terms = solve::support(problem, &s.coefficients).len();
+            (terms, solve::is_sparse(problem, s))
+        };
+        let facts: Vec<(usize, bool)> = problems.iter().zip(&solutions).map(facts).collect();
+        let parts = gradings.iter().zip(all).zip(solutions).zip(facts);
+        parts
+            .map(
+                |(((grading, grades), solution), (terms, sparse))| Proposal {
+                    grading: grading.clone(),
+                    grades,
+                    solution,
+                    terms,
+                    sparse,
+                },
+            )
+            .collect()
     }
 
     /// The proposal from which the best set of terms was selected, moved to the front, and that selection.

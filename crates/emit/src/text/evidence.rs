@@ -2,7 +2,8 @@
 
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{
-    ChannelFit, Discovery, Equation, Evidence, Proof, Rearranged, Reason, ReasonCode, Together,
+    ChannelFit, Discovery, Equation, Evidence, NormGrading, Proof, Rearranged, Reason, ReasonCode,
+    Together,
 };
 
 use crate::text::layout::{TEXT_WIDTH, wrapped};
@@ -222,11 +223,15 @@ fn proof(e: &Evidence) -> String {
 
 /// Which norm is meant.
 fn norm(p: &Proof) -> String {
-    let Some(grading) = p.grading else {
+    let Some(NormGrading { base, dear }) = &p.grading else {
         return "1-norm".into();
     };
-    let base = significant(grading, 3);
-    format!("1-norm in which a term of degree d weighs {base}^d")
+    let base = significant(*base, 3);
+    let dear = match dear.is_empty() {
+        true => String::new(),
+        false => format!(", and one with {dear} 1e5 times as much"),
+    };
+    format!("1-norm in which a term of degree d weighs {base}^d{dear}")
 }
 
 fn figures(p: &Proof) -> String {

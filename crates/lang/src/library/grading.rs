@@ -17,6 +17,8 @@ pub struct Grading {
     pub base: f64,
     /// How much of a degree each power of a factor counts; `None` counts 1 for all. A factor that is not listed counts 1.
     pub counts: Option<Arc<BTreeMap<Atom, f64>>>,
+    /// A factor whose terms weigh [`Grading::DEAR`] times as much for each power: they come in only where nothing else fits.
+    pub dear: Option<Atom>,
 }
 
 impl Grading {
@@ -24,20 +26,28 @@ impl Grading {
     pub const PLAIN: Grading = Grading {
         base: 1.0,
         counts: None,
+        dear: None,
     };
+    /// What a power of a dear factor weighs: more than coefficients of laws differ, and little enough to be computed with.
+    pub const DEAR: f64 = 1e5;
 
     pub fn is_plain(&self) -> bool {
         self.base == 1.0
     }
 
-    /// κ^d
+    /// κ^d, times what dear factors weigh
     pub fn of(&self, term: &Term) -> f64 {
         let count = |atom: &Atom| {
             let counted = self.counts.as_ref().and_then(|c| c.get(atom));
             counted.copied().unwrap_or(1.0)
         };
         let degree = |(atom, power): (&Atom, f64)| count(atom) * power.abs();
-        self.base.powf(term.factors().map(degree).sum())
+        let dear = |(atom, power): (&Atom, f64)| match self.dear.as_ref() == Some(atom) {
+            true => power.abs(),
+            false => 0.0,
+        };
+        let dear: f64 = term.factors().map(dear).sum();
+        self.base.powf(term.factors().map(degree).sum()) * Grading::DEAR.powf(dear)
     }
 }
 

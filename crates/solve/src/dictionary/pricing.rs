@@ -6,6 +6,8 @@ use std::cmp::Ordering;
 
 /// Columns compared at once, without branches.
 const LANES: usize = 8;
+/// Less than one by more than the rounding of a product and a quotient.
+const BELOW: f64 = 1.0 - 1e-14;
 
 /// Columns whose correlation with λ exceeds a bound.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,39 +66,19 @@ impl PricingCollector {
         let (group_norms, few_norms) = norms.as_chunks::<LANES>();
         let columns = (first..).step_by(LANES);
         for (column, (products, norms)) in columns.zip(groups.iter().zip(group_norms)) {
-            // Divide first, then select: no branch.
-            let quotients: [f64; LANES] = std::array::from_fn(|k| products[k] / norms[k]);
-            let chosen = |k| {
-                if norms[k] > 0.0 {
-                    quotients[k]
-                } else {
-                    f64::NAN
+            // Most groups exceed no bound. They are compared without a division or a branch for each column.
+            let least = self.bound.max(0.0) * BELOW;
+            let near = |k: usize| products[k].abs() >= least * norms[k];
+            let near: [bool; LANES] = std::array::from_fn(near);
+            if near.iter().fold(false, |any, n| any | n) {
+                for ((j, product), norm) in (column..).zip(products).zip(norms) {
+                    self.offer(j, quotient(*product, *norm));
                 }
-            };
-            self.offer_group(column, &std::array::from_fn(chosen));
+            }
         }
         let columns = first + groups.len() * LANES..;
         for (column, (product, norm)) in columns.zip(few.iter().zip(few_norms)) {
             self.offer(column, quotient(*product, *norm));
-        }
-    }
-
-    /// Most groups exceed no bound, and are only compared.
-    #[inline]
-    fn offer_group(&mut self, first: usize, correlations: &[f64; LANES]) {
-        let sizes = correlations.map(f64::abs);
-        let over = |bound: f64| -> usize { sizes.iter().map(|s| usize::from(*s > bound)).sum() };
-        let exceeding = over(self.bound);
-        if exceeding == 0 {
-            return;
-        }
-        let kept = sizes.iter().filter(|s| **s >= self.threshold).count();
-        if self.most == 0 || kept == 0 {
-            self.count += exceeding;
-            return;
-        }
-        for (column, correlation) in (first..).zip(correlations) {
-            self.offer(column, *correlation);
         }
     }
 

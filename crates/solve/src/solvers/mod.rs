@@ -12,7 +12,7 @@ mod stlsq;
 use crate::solver::Solver;
 
 pub use clarabel::Clarabel;
-pub use homotopy::{Homotopy, Knot, lasso, lasso_path};
+pub use homotopy::{Homotopy, Knot, is_sparse, lasso, lasso_path};
 pub use omp::Omp;
 pub use stlsq::Stlsq;
 

@@ -279,12 +279,22 @@ pub struct Proof {
     pub unique: bool,
     /// True if the printed terms are the support of the ℓ1 answer, not a choice among its proposals.
     pub of_answer: bool,
-    /// κ of the norm Σ κ^d ‖φ‖ |a|, d the degree of a term, each factor counted by how much it varies; `None` is the plain 1-norm.
+    /// The weights of the 1-norm; `None` is the plain one on unit columns.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub grading: Option<f64>,
+    pub grading: Option<NormGrading>,
     /// True if all equations tied by constraints were solved together.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub constrained: bool,
+}
+
+/// The norm Σ κ^d ‖φ‖ |a|, d the degree of a term, each factor counted by how much it varies.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NormGrading {
+    /// κ
+    pub base: f64,
+    /// A factor whose terms weigh 1e5 times as much; empty if there is none.
+    #[serde(skip_serializing_if = "String::is_empty", default)]
+    pub dear: String,
 }
 
 impl Discovery {

@@ -24,8 +24,13 @@ impl Solver for Homotopy {
         "Lasso path on a growing working set, for libraries of any size (default)"
     }
 
-    fn solve_all(&self, problems: &[Problem], observer: &mut dyn Observer) -> Vec<Solution> {
-        side_by_side(problems, observer)
+    fn solve_all(
+        &self,
+        problems: &[Problem],
+        most_steps: usize,
+        observer: &mut dyn Observer,
+    ) -> Vec<Solution> {
+        side_by_side(problems, most_steps, observer)
     }
 
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {

@@ -15,3 +15,4 @@ mod working_set;
 
 pub use basis_pursuit::Homotopy;
 pub use lasso_path::{Knot, lasso, lasso_path};
+pub use side_by_side::is_sparse;

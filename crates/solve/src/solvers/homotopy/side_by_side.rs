@@ -11,18 +11,26 @@ use crate::certificates::support;
 use crate::problem::{Problem, Solution, Status};
 use crate::thresholds::SIDE_BY_SIDE;
 
-/// Solves each problem by [`super::Homotopy`]. A path that was given up has the status [`Status::Interrupted`].
-pub fn side_by_side(problems: &[Problem], observer: &mut dyn Observer) -> Vec<Solution> {
+/// Solves each problem by [`super::Homotopy`]. A path that was given up, which none is within its first round, has the status
+/// [`Status::Interrupted`].
+pub fn side_by_side(
+    problems: &[Problem],
+    mut most_steps: usize,
+    observer: &mut dyn Observer,
+) -> Vec<Solution> {
     let targets: Vec<_> = problems.iter().map(start).collect();
     let mut runs: Vec<Run> = problems.iter().zip(&targets).map(Run::new).collect();
-    let mut most_steps = usize::MAX;
     loop {
         let going = runs.iter_mut().filter(|run| run.solution.is_none());
         let Some(run) = going.min_by_key(|run| run.steps()) else {
             break;
         };
         run.round(most_steps, observer);
-        if run.is_sparse() {
+        if run
+            .solution
+            .as_ref()
+            .is_some_and(|s| is_sparse(run.problem, s))
+        {
             let allowed = run.steps().max(SIDE_BY_SIDE.least_steps) * SIDE_BY_SIDE.patience;
             most_steps = most_steps.min(allowed);
         }
@@ -67,15 +75,13 @@ impl<'a> Run<'a> {
             };
         }
     }
+}
 
-    /// Whether it has ended in an answer with so few terms that it is no fit of as many columns as rows.
-    fn is_sparse(&self) -> bool {
-        let rows = self.problem.dictionary.rows() as f64;
-        self.solution.as_ref().is_some_and(|solution| {
-            let terms = support(self.problem, &solution.coefficients).len();
-            solution.status == Status::Solved && (terms as f64) <= SIDE_BY_SIDE.sparse * rows
-        })
-    }
+/// Whether an answer has so few terms that it is no fit of as many columns as rows.
+pub fn is_sparse(problem: &Problem, solution: &Solution) -> bool {
+    let terms = support(problem, &solution.coefficients).len() as f64;
+    let rows = problem.dictionary.rows() as f64;
+    solution.status == Status::Solved && terms <= SIDE_BY_SIDE.sparse * rows
 }
 
 #[cfg(test)]
@@ -137,7 +143,7 @@ mod tests {
         };
         let alone = |p: &Problem| Homotopy.solve(p, &mut Unwatched);
         let problems = [problem(&columns as &dyn Dictionary), problem(&graded)];
-        let found = side_by_side(&problems, &mut Unwatched);
+        let found = side_by_side(&problems, usize::MAX, &mut Unwatched);
         assert_eq!(
             support,
             crate::support(&problems[1], &found[1].coefficients)
@@ -155,7 +161,7 @@ mod tests {
             target: &noise,
             ..p
         });
-        let found = side_by_side(&dense, &mut Unwatched);
+        let found = side_by_side(&dense, usize::MAX, &mut Unwatched);
         assert!(found.iter().all(|s| s.status == Status::Solved));
     }
 }
