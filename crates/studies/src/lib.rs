@@ -2,6 +2,7 @@
 //!
 //! Here is what several programs or the tests use; each study runs what `sidc identify` runs, on records of known systems.
 
+pub mod coupled;
 pub mod coverage;
 pub mod decorrelation;
 pub mod planted;
