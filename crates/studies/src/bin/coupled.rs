@@ -62,7 +62,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 continue;
             }
             for swing in [Swing::Large, Swing::Small] {
-                cases.push(Case { family, swing, seed });
+                cases.push(Case {
+                    family,
+                    swing,
+                    seed,
+                });
             }
         }
     }
@@ -115,7 +119,7 @@ fn trials(case: &Case, args: &Args) -> String {
                     if !args.gradings.is_empty() && !args.gradings.contains(&k) {
                         continue;
                     }
-                    phi.grade(&library.atoms, grading);
+                    phi.grade(&library.atoms, &points, grading);
                     let found = outcome(&phi, &target, &law, &library, args.steps);
                     let _ = writeln!(
                         lines,

@@ -64,10 +64,12 @@ impl Products {
         self.lengths[column]
     }
 
-    pub fn grade(&mut self, atoms: &[Factor], grading: &Grading) {
+    pub fn grade(&mut self, atoms: &[Factor], rows: &[&Point], grading: &Grading) {
         let mut weights = vec![1.0];
         for atom in atoms {
-            let powers: Vec<f64> = (0..=POWER).map(|p| grading.weight(*atom, p)).collect();
+            let values: Vec<f64> = rows.iter().map(|p| atom.value(p)).collect();
+            let weight = |p| grading.weight(*atom, p, &values);
+            let powers: Vec<f64> = (0..=POWER).map(weight).collect();
             let with = |w: &f64| powers.iter().map(|p| w * p).collect::<Vec<f64>>();
             weights = weights.iter().flat_map(with).collect();
         }

@@ -1,12 +1,24 @@
 //! Weights that grow with a term's grade: κ to the sum of its factors' grades.
 //!
-//! In: factors. Out: weights, of which that of a product is the product. Reads no data.
+//! In: factors, and their values on the rows. Out: weights, of which that of a product is the product.
 
 use sidc_testing::plants::coupled::Factor;
+
+/// What a factor's grade is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// Its kind alone
+    Kind,
+    /// Standard deviation over root mean square, to a power: 0 of a factor that stays the same, 1 of one about zero
+    Deviation(f64),
+    /// The logarithm of the largest magnitude over the root mean square
+    Crest,
+}
 
 /// How much the factors of a term count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grading {
+    pub measure: Measure,
     /// κ; 1 is the plain norm.
     pub base: f64,
     /// Of a sine or cosine.
@@ -19,6 +31,7 @@ pub struct Grading {
 
 const fn degree(base: f64) -> Grading {
     Grading {
+        measure: Measure::Kind,
         base,
         wave: 1.0,
         acceleration: 1.0,
@@ -33,9 +46,9 @@ const fn waves(base: f64, wave: f64) -> Grading {
     }
 }
 
-const fn accelerations(base: f64, acceleration: f64) -> Grading {
+const fn of(measure: Measure, base: f64) -> Grading {
     Grading {
-        acceleration,
+        measure,
         ..degree(base)
     }
 }
@@ -43,55 +56,30 @@ const fn accelerations(base: f64, acceleration: f64) -> Grading {
 /// What is compared.
 pub const GRADINGS: &[Grading] = &[
     degree(1.0),
-    degree(1.05),
-    degree(1.1),
     degree(1.2),
     degree(1.5),
-    degree(2.0),
-    degree(3.0),
-    waves(1.2, 0.25),
-    waves(1.5, 0.25),
-    waves(2.0, 0.25),
-    waves(1.2, 0.5),
-    waves(1.5, 0.5),
-    waves(2.0, 0.5),
-    waves(3.0, 0.5),
     waves(1.2, 0.0),
-    waves(1.5, 0.0),
-    waves(2.0, 0.0),
-    waves(1.2, 2.0),
-    accelerations(1.2, 0.0),
-    accelerations(1.5, 0.0),
-    accelerations(1.2, 2.0),
-    accelerations(1.5, 2.0),
-    Grading {
-        square: 0.0,
-        ..degree(1.2)
-    },
-    Grading {
-        square: 0.0,
-        ..degree(1.5)
-    },
-    Grading {
-        square: 2.0,
-        ..degree(1.2)
-    },
-    Grading {
-        wave: 0.5,
-        acceleration: 0.5,
-        ..degree(1.5)
-    },
-    Grading {
-        wave: 0.5,
-        acceleration: 0.0,
-        ..degree(1.5)
-    },
+    of(Measure::Deviation(0.5), 1.25),
+    of(Measure::Deviation(0.5), 1.5),
+    of(Measure::Deviation(0.5), 2.0),
+    of(Measure::Deviation(0.5), 3.0),
+    of(Measure::Deviation(0.5), 4.0),
+    of(Measure::Deviation(0.7), 1.25),
+    of(Measure::Deviation(0.7), 1.5),
+    of(Measure::Deviation(0.7), 2.0),
+    of(Measure::Deviation(0.7), 3.0),
+    of(Measure::Deviation(0.7), 4.0),
+    of(Measure::Deviation(1.0), 1.25),
+    of(Measure::Deviation(1.0), 1.5),
+    of(Measure::Deviation(1.0), 2.0),
+    of(Measure::Deviation(1.0), 3.0),
+    of(Measure::Deviation(1.0), 4.0),
 ];
 
 impl Grading {
     /// κ to the grade of a factor's power.
-    pub fn weight(&self, factor: Factor, power: usize) -> f64 {
-        let grade = match factor {
+    pub fn weight(&self, factor: Factor, power: usize, values: &[f64]) -> f64 {
+        let kind = match factor {
             Factor::Sin(_) | Factor::Cos(_) => self.wave,
             Factor::Acceleration(_) => self.acceleration,
             _ => 1.0,
@@ -100,13 +88,31 @@ impl Grading {
             0 => 0.0,
             n => 1.0 + self.square * (n - 1) as f64,
         };
-        self.base.powf(grade * times)
+        self.base.powf(kind * times * self.measure.of(values))
     }
 
     pub fn name(&self) -> String {
         format!(
-            "k{} w{} a{} s{}",
-            self.base, self.wave, self.acceleration, self.square
+            "{:?} k{} w{} a{} s{}",
+            self.measure, self.base, self.wave, self.acceleration, self.square
         )
+    }
+}
+
+impl Measure {
+    fn of(self, values: &[f64]) -> f64 {
+        let count = values.len().max(1) as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let square = values.iter().map(|x| x * x).sum::<f64>() / count;
+        if square == 0.0 {
+            return 0.0;
+        }
+        let variance = (1.0 - mean * mean / square).max(0.0);
+        let largest = values.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        match self {
+            Measure::Kind => 1.0,
+            Measure::Deviation(power) => variance.sqrt().powf(power),
+            Measure::Crest => (largest / square.sqrt()).ln(),
+        }
     }
 }

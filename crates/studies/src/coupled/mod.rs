@@ -9,6 +9,6 @@ mod library;
 mod trial;
 
 pub use dictionary::Products;
-pub use grading::{GRADINGS, Grading};
+pub use grading::{GRADINGS, Grading, Measure};
 pub use library::{Library, Size};
 pub use trial::{Outcome, outcome};

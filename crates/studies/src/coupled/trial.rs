@@ -7,7 +7,6 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use sidc_progress::{Activity, Stop};
-use sidc_solve::dictionary::Dictionary;
 use sidc_solve::{Problem, SOLVERS, Status};
 use sidc_testing::plants::coupled::Law;
 

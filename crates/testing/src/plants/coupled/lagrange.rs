@@ -67,13 +67,10 @@ impl Mechanism {
 
     /// V
     fn potential(&self) -> Polynomial {
-        let weight = self
-            .masses
-            .iter()
-            .fold(Polynomial::default(), |sum, mass| {
-                let [_, height] = mass.place();
-                sum.plus(GRAVITY * mass.mass, &height)
-            });
+        let weight = self.masses.iter().fold(Polynomial::default(), |sum, mass| {
+            let [_, height] = mass.place();
+            sum.plus(GRAVITY * mass.mass, &height)
+        });
         self.springs.iter().fold(weight, |sum, (stiffness, of)| {
             let position = |sum: Polynomial, (i, w): &(usize, f64)| {
                 sum.plus(1.0, &Polynomial::term(*w, &[Factor::Position(*i)]))
@@ -90,7 +87,10 @@ impl Mechanism {
             let own = of.iter().filter(|(k, _)| *k == i).map(|(_, w)| w);
             let own: f64 = own.sum();
             for (j, w) in of {
-                sum = sum.plus(friction * own * w, &Polynomial::term(1.0, &[Factor::Speed(*j)]));
+                sum = sum.plus(
+                    friction * own * w,
+                    &Polynomial::term(1.0, &[Factor::Speed(*j)]),
+                );
             }
         }
         for (k, _) in self.inputs.iter().enumerate().filter(|(_, at)| **at == i) {
@@ -154,7 +154,10 @@ impl Laws {
             );
         }
         let own = vec![Factor::Acceleration(i)];
-        let inertia = whole.terms().find(|(m, _)| **m == own).map_or(1.0, |(_, c)| c);
+        let inertia = whole
+            .terms()
+            .find(|(m, _)| **m == own)
+            .map_or(1.0, |(_, c)| c);
         let others = whole.terms().filter(|(m, _)| **m != own);
         others.map(|(m, c)| (m.clone(), -c / inertia)).collect()
     }

@@ -165,7 +165,10 @@ impl Coupled {
             record.push((*time, self.point(&state, inputs)));
             let rate = |_: f64, s: &State| {
                 let at = self.point(s, inputs);
-                [at.speeds, at.accelerations].concat().try_into().unwrap_or(*s)
+                [at.speeds, at.accelerations]
+                    .concat()
+                    .try_into()
+                    .unwrap_or(*s)
             };
             state = integrate(&rate, 0.0, step, state);
         }
