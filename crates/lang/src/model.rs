@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::library::Grading;
 use crate::source::Span;
 use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
 use crate::units;
@@ -22,6 +23,8 @@ pub struct Model {
     pub symmetries: Vec<Symmetry>,
     /// Largest sum of |exponents| of a term, if limited.
     pub degree: Option<f64>,
+    /// The grading of the 1-norm that `prefer` states.
+    pub grading: Option<Grading>,
     pub data: DataBlock,
 }
 

@@ -3,7 +3,8 @@
 use crate::dictionary::Dictionary;
 use crate::simd::axpy;
 
-/// `min ‖D a‖₁ s.t. ‖Φ a − y‖₂ ≤ ε`, D the column norms: basis pursuit (ε = 0) or basis pursuit denoising on unit columns.
+/// `min ‖D a‖₁ s.t. ‖Φ a − y‖₂ ≤ ε`, D the columns' weights: basis pursuit (ε = 0) or basis pursuit denoising. The weights are the
+/// columns' lengths, or more where columns are graded.
 pub struct Problem<'a> {
     pub dictionary: &'a dyn Dictionary,
     /// y, length M.
@@ -24,10 +25,9 @@ impl Problem<'_> {
         residual
     }
 
-    /// |a_j|‖φ_j‖ of the coefficients given, in their order; zero past the last column.
+    /// |a_j| w_j of the coefficients given, in their order; zero past the last column.
     pub fn contributions(&self, coefficients: &[(usize, f64)]) -> impl Iterator<Item = f64> {
-        let norms = self.dictionary.norms();
-        let contribution = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
+        let contribution = |(j, a): &(usize, f64)| a.abs() * self.dictionary.weight(*j);
         coefficients.iter().map(contribution)
     }
 }
@@ -37,7 +37,7 @@ impl Problem<'_> {
 pub struct Solution {
     /// The coefficients that are not zero, by rising column, in the units of the raw columns.
     pub coefficients: Vec<(usize, f64)>,
-    /// λ, length M: a dual point, near-feasible for |φ_jᵀλ| ≤ ‖φ_j‖.
+    /// λ, length M: a dual point, near-feasible for |φ_jᵀλ| ≤ w_j.
     pub dual: Vec<f64>,
     pub status: Status,
     pub iterations: usize,

@@ -16,4 +16,9 @@ pub trait Solver: Sync {
     }
     /// Tells the observer of every iteration; where it ends the work, the answer is what there is by then.
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution;
+    /// Answers of problems that differ in their weights only. A solver may give up those that do not lead to a sparse answer while
+    /// another does; their status is then [`crate::Status::Interrupted`].
+    fn solve_all(&self, problems: &[Problem], observer: &mut dyn Observer) -> Vec<Solution> {
+        problems.iter().map(|p| self.solve(p, observer)).collect()
+    }
 }

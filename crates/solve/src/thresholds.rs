@@ -87,6 +87,8 @@ family! {
         min_steps: usize = 1500, unit "steps", source "set by hand";
         /// Columns of the first working set.
         initial_columns: usize = 256, unit "columns", source "set by hand";
+        /// Correlation with the target above which columns make the first working set, if there are any.
+        initial_bound: f64 = 0.03, unit "", source "what correlates less does not begin a path: one in a thousand of the variance";
         /// Columns that enter the working set in one round.
         added_columns: usize = 256, unit "columns", source "set by hand";
         /// Once a bound is broken, correlation from which columns enter too: the path is about to meet them.
@@ -105,6 +107,18 @@ family! {
         line_search: usize = 30, unit "steps", source "(2/3)^30 = 5e-6 of the interval is left";
         /// Entries of Φ up to which least squares checks a path that ended short of ε.
         least_squares_entries: usize = 1_000_000, unit "numbers", source "set by hand: about a second";
+    }
+}
+
+family! {
+    /// Several weights of the same columns, solved side by side.
+    pub(crate) SIDE_BY_SIDE: SideBySide {
+        /// Terms of a sparse answer, at most.
+        sparse: f64 = 0.5, unit "of the rows", source "fewer than half as many columns as rows are unique where every set of that many columns is independent (Donoho & Elad 2003)";
+        /// Steps that the others may take, once one has ended in a sparse answer.
+        patience: usize = 2, unit "times its steps", source "set by hand";
+        /// Steps that count at least.
+        least_steps: usize = 64, unit "steps", source "one round";
     }
 }
 
@@ -239,6 +253,7 @@ pub fn tables() -> Vec<Table> {
         Parallelism::table(),
         Certificates::table(),
         HomotopyNumbers::table(),
+        SideBySide::table(),
         ColumnGeneration::table(),
         Conic::table(),
         Heuristics::table(),

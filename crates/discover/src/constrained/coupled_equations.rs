@@ -13,6 +13,7 @@ use crate::constrained::joint_certificate;
 use crate::refusal::Refusal;
 use crate::regression::estimate::Estimate;
 use crate::regression::task::Task;
+use sidc_lang::library::Grading;
 use sidc_lang::model::Constraint;
 use sidc_progress::EquationObserver;
 use sidc_solve::LinearConstraint;
@@ -49,7 +50,7 @@ impl<'a> CoupledGroup<'a> {
                 Err(value) => bad.push(Refusal::Unevaluable((*place, value))),
                 Ok(Err(failed)) => done.push((*place, Err(failed))),
                 Ok(Ok(mut design)) => {
-                    let selected = task.select(&mut design, watcher);
+                    let selected = task.select(&mut design, &[Grading::PLAIN], watcher);
                     members.push(Member {
                         place: *place,
                         task,

@@ -109,15 +109,15 @@ fn bounded_by_free(
     joint: &ConstrainedProblem,
     chosen: &ConstrainedSelection,
 ) -> Option<ConstrainedCertificate> {
-    let silent = |m: &Member| m.selected.solution.dual.iter().all(|l| *l == 0.0);
+    let silent = |m: &Member| m.selected.proposal.solution.dual.iter().all(|l| *l == 0.0);
     if members.iter().any(silent) {
         return None;
     }
     let blocks = || members.iter().zip(&chosen.supports).zip(&chosen.fit.values);
-    let plain = blocks().map(|((m, _), _)| m.selected.solution.dual.clone());
+    let plain = blocks().map(|((m, _), _)| m.selected.proposal.solution.dual.clone());
     let refined = blocks().map(|((m, support), values)| {
         let signs: Vec<f64> = values.iter().map(|a| a.signum()).collect();
-        let dual = &m.selected.solution.dual;
+        let dual = &m.selected.proposal.solution.dual;
         solve::refine_dual(&m.design.problem(), support, &signs, dual)
     });
     let certify = |duals: Vec<Vec<f64>>| {
@@ -183,7 +183,7 @@ pub(crate) fn answer(
     let proof = &proved.proof;
     let smallest = narrowest(proof);
     let full = polished.rank == support.len();
-    let solution = &member.selected.solution;
+    let solution = &member.selected.proposal.solution;
     let free = member.task.options.solver;
     let (solver, exact, iterations, status) = match &proved.joint {
         None => (free.name(), free.exact(), 0, Solved::Solved),
@@ -209,6 +209,7 @@ pub(crate) fn answer(
                 && smallest > 0.0
                 && proof.gap.max(0.0) / smallest <= JOINT_CERTIFICATE.elsewhere,
             of_answer: proved.of_answer,
+            grading: 1.0,
             constrained: true,
         },
         // The multipliers of the constraints are not kept, so this certificate cannot be verified later.

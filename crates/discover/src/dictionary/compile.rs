@@ -80,7 +80,7 @@ pub fn subtract<'a>(
 }
 
 /// The terms of a library that is a single list without empty slots.
-fn listed(library: &Library) -> Option<&[Term]> {
+pub(super) fn listed(library: &Library) -> Option<&[Term]> {
     match library.blocks() {
         [b] if library.empty_slots().is_empty()
             && matches!(b.right.as_slice(), [r] if r.is_one()) =>
@@ -114,6 +114,17 @@ fn factored(
     samples: &Samples,
     weights: Option<&[f64]>,
 ) -> Result<Factored, Box<BadValue>> {
+    let (blocks, [lefts, rights]) = factors(library);
+    let left = fill(lefts.iter().copied(), samples, weights).values;
+    let right = fill(rights.iter().copied(), samples, None).values;
+    Factored::new(samples.len(), [left, right], blocks, library.empty_slots()).map_err(|bad| {
+        let [l, r] = bad.factors;
+        Box::new(explain([lefts[l], rights[r]], bad.row, samples))
+    })
+}
+
+/// The blocks of a library that have slots, and their left and right factors, one block after another.
+pub(super) fn factors(library: &Library) -> (Vec<Block>, [Vec<&Term>; 2]) {
     let used = || library.blocks().iter().filter(|b| b.slots() > 0);
     let lefts: Vec<&Term> = used().flat_map(|b| &b.left).collect();
     let rights: Vec<&Term> = used().flat_map(|b| &b.right).collect();
@@ -126,12 +137,7 @@ fn factored(
             right: right..right + b.right.len(),
         });
     }
-    let left = fill(lefts.iter().copied(), samples, weights).values;
-    let right = fill(rights.iter().copied(), samples, None).values;
-    Factored::new(samples.len(), [left, right], blocks, library.empty_slots()).map_err(|bad| {
-        let [l, r] = bad.factors;
-        Box::new(explain([lefts[l], rights[r]], bad.row, samples))
-    })
+    (blocks, [lefts, rights])
 }
 
 fn explain(factors: [&Term; 2], row: usize, samples: &Samples) -> BadValue {

@@ -67,7 +67,8 @@ pub(super) fn find_independent_law(
 ) -> Option<IndependentLaw> {
     let task = refit.tasks.iter().find(|t| t.target == equation.target)?;
     let mut design = task.design_about(names, equation, refit.watcher)?;
-    let mut selected = task.select(&mut design, refit.watcher);
+    let gradings = task.gradings(&design);
+    let mut selected = task.select(&mut design, &gradings, refit.watcher);
     if refit.watcher.stop().is_some() {
         return None;
     }
@@ -80,7 +81,7 @@ pub(super) fn find_independent_law(
     let others: Vec<Signal> = (names.equations.iter().map(|e| e.target))
         .filter(|s| *s != equation.target)
         .collect();
-    let pool = search.pool(&selected.solution.coefficients);
+    let pool = search.pool(&selected.proposal.solution.coefficients);
     let found = search.best(&pool, &others, refit.watcher)?;
     let criterion = search.criterion;
     let polished = solve::refit(design.phi.as_ref(), &design.target, &found.columns);
@@ -93,6 +94,7 @@ pub(super) fn find_independent_law(
     let worse = fit(&polished) - fit(&before);
     selected.selection = TermSelection {
         support: found.columns,
+        value: found.value,
         ties: Vec::new(),
         searched: pool.len(),
         as_proposed: false,

@@ -7,15 +7,17 @@ use crate::regression::certificate::certify;
 use crate::regression::design::Design;
 use crate::regression::task::Task;
 use crate::selection::information_criterion::InformationCriterion;
-use crate::selection::term_selection::{self, TermSelection};
-use sidc_progress::{EquationObserver, Stage, Stop};
+use crate::regression::proposals::Proposal;
+use crate::selection::term_selection::TermSelection;
+use sidc_lang::library::Grading;
+use sidc_progress::{EquationObserver, Stop};
 use sidc_solve as solve;
 use sidc_solve::{Problem, Refit, Solution, Status as Solved};
 use sidc_system::discovery::{Proof, Witness};
 
 /// The proposal of the solver, and the terms that the criterion selected.
 pub(crate) struct Selected {
-    pub solution: Solution,
+    pub proposal: Proposal,
     pub criterion: InformationCriterion,
     pub selection: TermSelection,
     pub polished: Refit,
@@ -64,11 +66,16 @@ pub(crate) fn pairs(columns: &[usize], coefficients: &[f64]) -> Vec<(usize, f64)
 }
 
 impl Task<'_> {
-    /// Runs the solver, selects terms by the criterion and fits them.
-    pub fn select(&self, design: &mut Design, watcher: &mut EquationObserver) -> Selected {
-        let problem = design.problem();
-        let solution = self.options.solver.solve(&problem, watcher);
-        let largest = largest_contribution(&problem, &solution);
+    /// Runs the solver under each grading, selects terms by the criterion and fits them.
+    pub fn select(
+        &self,
+        design: &mut Design,
+        gradings: &[Grading],
+        watcher: &mut EquationObserver,
+    ) -> Selected {
+        let mut proposals = self.proposals(design, gradings, watcher);
+        let sparsest = proposals.first().map(|p| &p.solution);
+        let largest = sparsest.map_or(0.0, |s| largest_contribution(&design.problem(), s));
         design.weights.raise_floor(largest);
         let (phi, weights) = (design.phi.as_ref(), &design.weights);
         let criterion = InformationCriterion::new(
@@ -77,19 +84,13 @@ impl Task<'_> {
             self.library.len(),
             weights.floor,
         );
-        let proposals = &solution.coefficients;
-        let selection = term_selection::select_terms(
-            phi,
-            &design.target,
-            proposals,
-            criterion,
-            watcher.during(Stage::Choosing),
-        );
-        let cut = selection.cut || solution.status == Solved::Interrupted;
+        let selection = self.best_selection(design, &mut proposals, criterion, watcher);
+        let proposal = proposals.swap_remove(0);
+        let cut = selection.cut || proposal.solution.status == Solved::Interrupted;
         Selected {
             polished: solve::refit(phi, &design.target, &selection.support),
             stopped: watcher.stop().filter(|_| cut),
-            solution,
+            proposal,
             criterion,
             selection,
         }
@@ -98,12 +99,16 @@ impl Task<'_> {
     /// The selection as an estimate, with its certificate.
     pub fn estimate(&self, design: &Design, selected: &Selected) -> Estimate {
         let Selected {
-            solution,
+            proposal,
             selection,
             polished,
             ..
         } = selected;
-        let (proof, witness) = certify(&design.problem(), solution, selection, polished);
+        let solution = &proposal.solution;
+        let (mut proof, mut witness) =
+            proposal.problem(design, |p| certify(p, solution, selection, polished));
+        proof.grading = proposal.grading.base;
+        witness.grading = proposal.grading;
         Estimate {
             support: selection.support.clone(),
             coefficients: polished.coefficients.clone(),
@@ -114,7 +119,7 @@ impl Task<'_> {
             searched: selection.searched,
             solver: self.options.solver.name(),
             exact: self.options.solver.exact(),
-            proposed: solve::support(&design.problem(), &solution.coefficients).len(),
+            proposed: proposal.terms,
             iterations: solution.iterations,
             status: solution.status.clone(),
             stopped: selected.stopped,

@@ -9,6 +9,7 @@ pub(crate) mod estimate;
 mod evidence;
 mod lasso_path;
 mod memory_limit;
+pub(crate) mod proposals;
 pub(crate) mod row_sampling;
 pub(crate) mod task;
 pub(crate) mod thresholds;
@@ -41,7 +42,8 @@ impl Task<'_> {
         design: &mut Design,
         watcher: &mut EquationObserver,
     ) -> Equation {
-        let selected = self.select(design, watcher);
+        let gradings = self.gradings(design);
+        let selected = self.select(design, &gradings, watcher);
         let estimate = self.estimate(design, &selected);
         let mut equation = self.conclude(names, design, &estimate);
         equation.path = self.lasso_path(design, watcher);

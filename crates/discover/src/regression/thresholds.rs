@@ -68,6 +68,16 @@ family! {
     }
 }
 
+family! {
+    /// Gradings of the 1-norm: a term weighs κ^degree times the length of its column.
+    pub(crate) GRADING: GradingNumbers {
+        /// κ of the gradings that are solved beside the plain norm.
+        bases: [f64; 2] = [1.2, 1.5], unit "", source "study `coupled`";
+        /// Terms of a proposal up to which it takes part in the selection.
+        near: usize = 2, unit "times the fewest", source "set by hand";
+    }
+}
+
 /// The families as tables.
 pub(crate) fn tables() -> Vec<Table> {
     vec![
@@ -75,5 +85,6 @@ pub(crate) fn tables() -> Vec<Table> {
         Tolerance::table(),
         LassoPath::table(),
         WeakForm::table(),
+        GradingNumbers::table(),
     ]
 }

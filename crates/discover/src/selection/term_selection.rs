@@ -13,9 +13,12 @@ use crate::selection::qr_reduction::qr_reduction;
 use sidc_solve::dictionary::Dictionary;
 
 /// The selected terms, and the supports that tie with them.
+#[derive(Clone, Debug, Default)]
 pub struct TermSelection {
     /// Columns of the dictionary, rising.
     pub support: Vec<usize>,
+    /// Its criterion.
+    pub value: f64,
     /// Supports of the same size within [`TERM_SELECTION.tie`].
     pub ties: Vec<Vec<usize>>,
     /// Candidates that took part.
@@ -57,6 +60,7 @@ pub fn select_terms(
     let Some(best) = found.first() else {
         return TermSelection {
             support: Vec::new(),
+            value: f64::INFINITY,
             ties: Vec::new(),
             searched: pool.len(),
             as_proposed: proposed.is_empty(),
@@ -77,6 +81,7 @@ pub fn select_terms(
     TermSelection {
         as_proposed: own == support,
         support,
+        value: best.value,
         ties,
         searched: pool.len(),
         cut,

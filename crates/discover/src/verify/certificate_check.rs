@@ -1,7 +1,7 @@
 //! The certificate checked: is λ a dual point of all columns, and does it bound the 1-norm of what is proved?
 //!
 //! In: an equation with the sums over its rows. Out: bounds of gap, correlations and margin, and claims that they do not confirm. Rests on weak
-//! duality alone: where |φ_jᵀλ| ≤ ‖φ_j‖ for all j, every a with ‖Φa − y‖₂ ≤ ε has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂.
+//! duality alone: where |φ_jᵀλ| ≤ w_j for all j, every a with ‖Φa − y‖₂ ≤ ε has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂.
 
 use super::ball::Ball;
 use super::double_double::DoubleDouble;
@@ -53,24 +53,36 @@ impl EquationCheck<'_> {
         };
         let mut support: Vec<usize> = slots;
         support.sort_unstable();
-        let pricing = pricing::price(library, &self.rows, &self.witness.dual, &support, observer)?;
+        let pricing = pricing::price(
+            library,
+            &self.rows,
+            (&self.witness.dual, self.witness.grading),
+            &support,
+            observer,
+        )?;
         out.columns = pricing.columns;
-        let (coefficients, sums) = match &other {
-            Some((coefficients, sums)) => (coefficients.clone(), sums),
-            None => (self.terms(false).iter().map(|(_, a)| *a).collect(), own),
+        let (graded, sums) = match &other {
+            Some((terms, sums)) => (self.graded(terms), sums),
+            None => (self.graded(&self.terms(false)), own),
         };
-        let found = self.figures(&coefficients, sums, &pricing);
+        let found = self.figures(&graded, sums, &pricing);
         self.compare(&found, &pricing, out);
         out.proof = Some(found);
         Some(())
     }
 
-    /// Coefficients and sums of the solver's own answer on the same rows.
+    /// Coefficients times the grades of their terms.
+    fn graded<T: std::borrow::Borrow<Term>>(&self, terms: &[(T, f64)]) -> Vec<f64> {
+        let grade = |term: &T| self.witness.grading.of(term.borrow());
+        terms.iter().map(|(term, a)| a * grade(term)).collect()
+    }
+
+    /// Terms and sums of the solver's own answer on the same rows.
     fn proposal_sums(
         &self,
         proposal: &[(usize, f64)],
         observer: &mut dyn Observer,
-    ) -> Option<(Vec<f64>, WeightedSums)> {
+    ) -> Option<(Vec<(Term, f64)>, WeightedSums)> {
         let term =
             |(slot, a): &(usize, f64)| (self.case.library.term(*slot).unwrap_or_default(), *a);
         let terms: Vec<(Term, f64)> = proposal.iter().map(term).collect();
@@ -83,10 +95,10 @@ impl EquationCheck<'_> {
             gram: false,
         };
         let sums = self.rows.sums(&request, observer)?;
-        Some((proposal.iter().map(|(_, a)| *a).collect(), sums))
+        Some((terms, sums))
     }
 
-    /// Bounds of all figures, with λ scaled so that it is certainly feasible.
+    /// Bounds of all figures, from coefficients times grades, with λ scaled so that it is certainly feasible.
     fn figures(
         &self,
         coefficients: &[f64],

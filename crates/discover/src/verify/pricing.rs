@@ -1,6 +1,6 @@
 //! All columns of a library priced with a dual point, in 106 bits.
 //!
-//! In: a library, rows, λ. Out: the largest |φ_jᵀλ|/‖φ_j‖ over all columns and over those off a support, with bounds. Columns are evaluated
+//! In: a library, rows, λ, a grading. Out: the largest |φ_jᵀλ|/w_j, w_j = κ^degree ‖φ_j‖, over all columns and over those off a support, with bounds. Columns are evaluated
 //! from the factors of their terms, a tile at a time; only the values of the atoms are kept, where they are few. Sums are compensated
 //! (Ogita, Rump & Oishi 2005), as if made in twice the digits; bounds on the errors of the entries are summed beside them.
 
@@ -12,7 +12,7 @@ use super::double_double::{DoubleDouble, ROUNDING, two_prod, two_sum};
 use super::term_evaluation;
 use super::thresholds::{ARITHMETIC, TILES};
 use super::weighted_sums::WeightedRows;
-use sidc_lang::library::{Block, Library};
+use sidc_lang::library::{Block, Grading, Library};
 use sidc_lang::term::{Atom, Term};
 use sidc_solve::simd::wide;
 
@@ -27,7 +27,7 @@ const SUM_ROUNDING: f64 = 1.0 / (1_u128 << 104) as f64;
 pub struct Pricing {
     /// Columns that are candidates.
     pub columns: usize,
-    /// max |φ_jᵀλ|/‖φ_j‖, and its slot.
+    /// max |φ_jᵀλ|/w_j, and its slot.
     pub largest: Ball,
     pub largest_slot: usize,
     /// The same off the support.
@@ -46,7 +46,7 @@ pub fn work(library: &Library, rows: usize) -> u128 {
 pub fn price(
     library: &Library,
     rows: &WeightedRows,
-    dual: &[f64],
+    (dual, grading): (&[f64], Grading),
     support: &[usize],
     observer: &mut dyn Observer,
 ) -> Option<Pricing> {
@@ -57,6 +57,7 @@ pub fn price(
         rows,
         dual,
         length,
+        grading,
         support,
         atoms,
         pricing: Pricing::default(),
@@ -75,6 +76,7 @@ struct Pricer<'a> {
     dual: &'a [f64],
     /// ‖λ‖, rounded up.
     length: f64,
+    grading: Grading,
     support: &'a [usize],
     atoms: Atoms<'a>,
     pricing: Pricing,
@@ -103,7 +105,9 @@ impl Pricer<'_> {
             tile.fill(terms, rows, |term, row| {
                 self.atoms.term(term, self.rows, row)
             });
+            let grades: Vec<f64> = terms.iter().map(|t| self.grading.of(t)).collect();
             for (s, single) in singles.iter().enumerate() {
+                let grade = self.grading.of(single);
                 for (row, out) in column.iter_mut().enumerate() {
                     let weight = self.rows.weight(row);
                     *out = self.atoms.term(single, self.rows, row).scale(weight);
@@ -115,7 +119,7 @@ impl Pricer<'_> {
                         true => place * across + s,
                         false => s * across + place,
                     };
-                    self.add_column(first_slot + slot, &sum);
+                    self.add_column(first_slot + slot, &sum, grade * grades[k]);
                 }
                 done += terms.len();
                 let verifying = Stage::Verifying(done, self.library.slots());
@@ -126,7 +130,7 @@ impl Pricer<'_> {
     }
 
     /// Takes in the sums of one column.
-    fn add_column(&mut self, slot: usize, sum: &Sum) {
+    fn add_column(&mut self, slot: usize, sum: &Sum, grade: f64) {
         if self.library.is_empty_slot(slot) {
             return;
         }
@@ -157,6 +161,7 @@ impl Pricer<'_> {
             value,
             error: error * (1.0 + 1e-9),
         };
+        let found = found.over(Ball::exact(grade));
         if exceeds(found, self.pricing.largest) {
             self.pricing.largest = found;
             self.pricing.largest_slot = slot;

@@ -9,6 +9,7 @@ mod block_layout;
 mod candidates;
 mod expansion;
 mod generators;
+mod grading;
 mod library_errors;
 mod pythagorean_identity;
 mod readable;
@@ -26,6 +27,7 @@ pub use block::Block;
 pub use candidates::Library;
 pub use generators::generator::{Exponents, Generator, Misuse};
 pub use generators::{GENERATORS, generator};
+pub use grading::Grading;
 pub use readable::{readable, readable_bytes};
 pub use sets::selection_rule::restrictions;
 

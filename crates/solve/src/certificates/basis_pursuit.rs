@@ -1,6 +1,6 @@
 //! The optimality certificate of basis pursuit.
 //!
-//! Weak duality: for any λ with |φ_jᵀλ| ≤ ‖φ_j‖ every feasible a has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂ (Boyd & Vandenberghe, section 5.2).
+//! Weak duality: for any λ with |φ_jᵀλ| ≤ w_j every feasible a has ‖Da‖₁ ≥ yᵀλ − ε‖λ‖₂ (Boyd & Vandenberghe, section 5.2).
 //! Any λ is scaled into that set; the gap that remains is the proof. It never alters coefficients.
 
 use crate::dictionary::unit_columns;
@@ -24,9 +24,9 @@ pub struct Certificate {
     pub residual: f64,
     /// The same relative to ‖y‖.
     pub relative_residual: f64,
-    /// max |φ_jᵀλ|/‖φ_j‖ over all columns, of λ as given.
+    /// max |φ_jᵀλ|/w_j over all columns, of λ as given.
     pub largest_correlation: f64,
-    /// 1 − max |φ_jᵀλ|/‖φ_j‖ over the columns off the support, of the scaled λ.
+    /// 1 − max |φ_jᵀλ|/w_j over the columns off the support, of the scaled λ.
     pub margin: f64,
     /// gap/margin: bound on the part of its 1-norm that any other minimiser can have off the support.
     pub off_support: f64,
@@ -112,12 +112,12 @@ pub fn certify_support(
     }
 }
 
-/// λ plus the least-norm correction after which φ_jᵀλ = sign_j ‖φ_j‖ on the support, where that gives a larger lower bound than λ.
+/// λ plus the least-norm correction after which φ_jᵀλ = sign_j w_j on the support, where that gives a larger lower bound than λ.
 /// `signs` (±1) goes with `support`. With ε > 0 the given λ is usually kept.
 pub fn refine_dual(problem: &Problem, support: &[usize], signs: &[f64], dual: &[f64]) -> Vec<f64> {
-    let norms = problem.dictionary.norms();
-    let lengths: Vec<f64> = support.iter().map(|&j| nonzero(norms[j])).collect();
-    let unit = unit_columns(problem.dictionary, support, &lengths);
+    let weight = |j: &usize| nonzero(problem.dictionary.weight(*j));
+    let weights: Vec<f64> = support.iter().map(weight).collect();
+    let unit = unit_columns(problem.dictionary, support, &weights);
     let Some(qr) = RankRevealingQr::new(&unit) else {
         return dual.to_vec();
     };

@@ -1,5 +1,6 @@
 //! Φ stored whole, column after column.
 
+use super::graded::Grades;
 use super::operator::Dictionary;
 use super::pricing::{Priced, PricingCollector};
 use crate::linalg::{dot_in_lanes, is_safe, norm, scaled_dot};
@@ -52,9 +53,9 @@ impl Dense {
     pub(super) fn price_on(
         &self,
         threads: usize,
+        grades: Option<&Grades>,
         lambda: &[f64],
-        most: usize,
-        bound: f64,
+        (most, bound): (usize, f64),
     ) -> Priced {
         let rows = self.rows.max(1);
         let group = (PARALLELISM.dense_task / rows).max(1);
@@ -64,10 +65,11 @@ impl Dense {
             for (i, values) in tasks {
                 for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
                     let product = dot_in_lanes::<8>(column, lambda);
+                    let grade = grades.map_or(1.0, |g| g.of(j));
                     if product.is_finite() {
-                        found.offer_all(j, &[product], &self.norms[j..=j]);
+                        found.offer_all(j, &[product / grade], &self.norms[j..=j]);
                     } else {
-                        found.offer(j, scaled_dot(column, self.norms[j], lambda));
+                        found.offer(j, scaled_dot(column, self.norms[j], lambda) / grade);
                     }
                 }
             }
@@ -96,7 +98,12 @@ impl Dictionary for Dense {
 
     fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced {
         let threads = threads::threads_for(self.values.len());
-        self.price_on(threads, lambda, most, bound)
+        self.price_on(threads, None, lambda, (most, bound))
+    }
+
+    fn price_graded(&self, grades: &Grades, lambda: &[f64], most: usize, bound: f64) -> Priced {
+        let threads = threads::threads_for(self.values.len());
+        self.price_on(threads, Some(grades), lambda, (most, bound))
     }
 }
 
@@ -109,10 +116,10 @@ mod tests {
         let values: Vec<f64> = (0..300_000).map(|i| f64::from(i % 101 - 50)).collect();
         let phi = Dense::new(30, values);
         let lambda: Vec<f64> = (0..30).map(|i| f64::from(i % 7 - 3)).collect();
-        let one = phi.price_on(1, &lambda, 20, 0.5);
+        let one = phi.price_on(1, None, &lambda, (20, 0.5));
         assert!(one.columns.len() == 20 && one.count > 20);
         for threads in [2, 3, 8] {
-            assert_eq!(one, phi.price_on(threads, &lambda, 20, 0.5));
+            assert_eq!(one, phi.price_on(threads, None, &lambda, (20, 0.5)));
         }
     }
 }

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrixView, DMatrixViewMut};
 
+use super::graded::{Grades, length, within_bound};
 use super::operator::Dictionary;
 use super::pricing::{Priced, PricingCollector};
 use crate::linalg::{dot_in_lanes, gemm, is_safe, largest_magnitude, norm, scaled_dot, transposed};
@@ -27,7 +28,7 @@ pub struct Factored {
 }
 
 /// Every product of some left columns with some right ones; the right one varies fastest.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Block {
     pub first_slot: usize,
     pub left: Range<usize>,
@@ -116,7 +117,8 @@ impl Factored {
             out.iter_mut().zip(scaled).for_each(|(o, x)| *o = x * x);
         };
         let mut bad = None;
-        self.products(task, right_squares, square, |l, right, squares| {
+        let all = |_: Range<usize>, _: Range<usize>| true;
+        self.products(task, right_squares, all, square, |l, right, squares| {
             let slot = task.block.slot(l, right.start);
             let norms = &mut norms[slot - task.slots().start..][..squares.len()];
             let scales = &right_scales[right];
@@ -169,29 +171,40 @@ impl Factored {
         squares
     }
 
+    /// Prices all columns. Tiles whose grades alone keep them within the bound are not computed.
     pub(super) fn price_on(
         &self,
         threads: usize,
+        grades: Option<&Grades>,
         lambda: &[f64],
-        most: usize,
-        bound: f64,
+        (most, bound): (usize, f64),
     ) -> Priced {
-        let price = |_: usize, column: &[f64], out: &mut [f64]| {
-            let priced = column.iter().zip(lambda).map(|(x, l)| x * l);
+        let graded = |l: usize| grades.map_or(1.0, |g| g.left(l));
+        let price = |l: usize, column: &[f64], out: &mut [f64]| {
+            let grade = 1.0 / graded(l);
+            let priced = column.iter().zip(lambda).map(|(x, l)| x * (l * grade));
             out.iter_mut().zip(priced).for_each(|(o, p)| *o = p);
+        };
+        let size = length(lambda);
+        let wanted = |left: Range<usize>, right: Range<usize>| {
+            grades.is_none_or(|g| !within_bound(size, g.least(left, right), bound))
         };
         let collectors = threads::share(threads, self.tasks(), |tasks| {
             let mut found = PricingCollector::new(most, bound);
             for task in tasks {
-                self.products(&task, &self.right, price, |l, right, products| {
+                self.products(&task, &self.right, wanted, price, |l, right, products| {
                     let slot = task.block.slot(l, right.start);
                     let norms = &self.norms[slot..slot + products.len()];
                     // No early exit, so that the loop is vectorised.
-                    if products.iter().fold(true, |all, p| all & p.is_finite()) {
-                        found.offer_all(slot, products, norms);
-                    } else {
-                        self.offer_scaled(slot..slot + products.len(), lambda, &mut found);
+                    if !products.iter().fold(true, |all, p| all & p.is_finite()) {
+                        let slots = slot..slot + products.len();
+                        return self.offer_scaled(slots, grades, lambda, &mut found);
                     }
+                    if let Some(grades) = grades {
+                        let rights = grades.rights(right);
+                        products.iter_mut().zip(rights).for_each(|(p, g)| *p /= g);
+                    }
+                    found.offer_all(slot, products, norms);
                 });
             }
             found
@@ -200,37 +213,49 @@ impl Factored {
     }
 
     /// Prices columns again as columns of length one, where a product overflowed.
-    fn offer_scaled(&self, slots: Range<usize>, lambda: &[f64], found: &mut PricingCollector) {
+    fn offer_scaled(
+        &self,
+        slots: Range<usize>,
+        grades: Option<&Grades>,
+        lambda: &[f64],
+        found: &mut PricingCollector,
+    ) {
         let mut column = vec![0.0; self.rows];
         for slot in slots.filter(|slot| self.norms[*slot] > 0.0) {
             self.product(slot, &mut column);
-            found.offer(slot, scaled_dot(&column, self.norms[slot], lambda));
+            let grade = grades.map_or(1.0, |g| g.of(slot));
+            found.offer(slot, scaled_dot(&column, self.norms[slot], lambda) / grade);
         }
     }
 
-    /// `Rᵀ prepare(L)` for a task, in tiles: `visit` gets a left column, some right columns and their products.
+    /// `Rᵀ prepare(L)` for a task, in tiles that are `wanted`: `visit` gets a left column, some right columns and their products.
     /// Tiles do not depend on the number of threads, so the digits do not either.
     fn products(
         &self,
         task: &Task,
         right: &[f64],
+        wanted: impl Fn(Range<usize>, Range<usize>) -> bool,
         prepare: impl Fn(usize, &[f64], &mut [f64]),
-        mut visit: impl FnMut(usize, Range<usize>, &[f64]),
+        mut visit: impl FnMut(usize, Range<usize>, &mut [f64]),
     ) {
         let rows = self.rows.max(1);
         let (width, height) = (self.left_columns(), TILE_RIGHT.min(task.block.right.len()));
         let mut prepared = vec![0.0; rows * width.min(task.left.len())];
         let mut tile = vec![0.0; height * width.min(task.left.len())];
         for lefts in pieces(task.left.clone(), width) {
+            if !wanted(lefts.clone(), task.block.right.clone()) {
+                continue;
+            }
             let prepared = &mut prepared[..rows * lefts.len()];
             for (l, out) in lefts.clone().zip(prepared.chunks_exact_mut(rows)) {
                 prepare(l, &self.left[l * rows..(l + 1) * rows], out);
             }
-            for rights in pieces(task.block.right.clone(), TILE_RIGHT) {
+            let tiles = pieces(task.block.right.clone(), TILE_RIGHT);
+            for rights in tiles.filter(|rights| wanted(lefts.clone(), rights.clone())) {
                 let tile = &mut tile[..rights.len() * lefts.len()];
                 let right = &right[rights.start * rows..rights.end * rows];
                 multiply(right, prepared, rows, tile);
-                for (l, products) in lefts.clone().zip(tile.chunks_exact(rights.len())) {
+                for (l, products) in lefts.clone().zip(tile.chunks_exact_mut(rights.len())) {
                     visit(l, rights.clone(), products);
                 }
             }
@@ -304,7 +329,11 @@ impl Dictionary for Factored {
     }
 
     fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced {
-        self.price_on(self.threads(), lambda, most, bound)
+        self.price_on(self.threads(), None, lambda, (most, bound))
+    }
+
+    fn price_graded(&self, grades: &Grades, lambda: &[f64], most: usize, bound: f64) -> Priced {
+        self.price_on(self.threads(), Some(grades), lambda, (most, bound))
     }
 }
 
@@ -327,7 +356,8 @@ impl Block {
         )
     }
 
-    fn factors(&self, slot: usize) -> [usize; 2] {
+    /// The left and the right factor of a slot of the block.
+    pub(super) fn factors(&self, slot: usize) -> [usize; 2] {
         let (place, rights) = (slot - self.first_slot, self.right.len());
         [
             self.left.start + place / rights,
@@ -413,10 +443,10 @@ mod tests {
     fn answers_do_not_depend_on_the_number_of_threads() {
         let phi = factored();
         let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
-        let one = phi.price_on(1, &lambda, 50, 0.5);
+        let one = phi.price_on(1, None, &lambda, (50, 0.5));
         assert!(one.columns.len() == 50 && one.count > 50);
         for threads in [2, 3, 8] {
-            assert_eq!(one, phi.price_on(threads, &lambda, 50, 0.5));
+            assert_eq!(one, phi.price_on(threads, None, &lambda, (50, 0.5)));
             let mut norms = vec![0.0; phi.cols()];
             phi.measure(threads, &[17], &mut norms).unwrap();
             norms[17] = 0.0;

@@ -1,6 +1,8 @@
 //! Φ as an operator: what a solver may ask of a library on data, however it is stored.
 
-use super::pricing::Priced;
+use super::graded::Grades;
+use super::pricing::{Priced, PricingCollector};
+use crate::linalg::scaled_dot;
 
 /// The matrix Φ (M rows, N columns) of a library on samples.
 ///
@@ -13,8 +15,22 @@ pub trait Dictionary: Sync {
     fn cols(&self) -> usize;
     /// ‖φ_j‖₂ of every column; length N.
     fn norms(&self) -> &[f64];
+    /// w_j, the weight of column `j` in the 1-norm: ‖φ_j‖, and more where columns are [`super::Graded`]. Zero past the last column.
+    fn weight(&self, j: usize) -> f64 {
+        self.norms().get(j).copied().unwrap_or(0.0)
+    }
     /// Writes column `j` into `out` (length M).
     fn column(&self, j: usize, out: &mut [f64]);
-    /// Prices every column with λ (length M) in one pass: counts those with |φ_jᵀλ|/‖φ_j‖ > `bound`, and returns the `most` largest.
+    /// Prices every column with λ (length M) in one pass: counts those with |φ_jᵀλ|/w_j > `bound`, and returns the `most` largest.
     fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced;
+    /// The same under grades: w_j = g_j ‖φ_j‖.
+    fn price_graded(&self, grades: &Grades, lambda: &[f64], most: usize, bound: f64) -> Priced {
+        let mut found = PricingCollector::new(most, bound);
+        let mut column = vec![0.0; self.rows()];
+        for (j, length) in self.norms().iter().enumerate().filter(|(_, n)| **n > 0.0) {
+            self.column(j, &mut column);
+            found.offer(j, scaled_dot(&column, *length, lambda) / grades.of(j));
+        }
+        found.finish()
+    }
 }

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use super::infeasibility::diagnose;
 use super::presolve::presolve;
 use super::range_reduction::ReducedProblem;
-use crate::dictionary::{Dense, Dictionary, Priced};
-use crate::linalg::norm;
+use crate::dictionary::{Dense, Dictionary, Graded, Grades, Priced};
+use crate::linalg::{nonzero, norm};
 use crate::problem::{Problem, Solution, Status};
 use crate::thresholds::COLUMN_GENERATION;
 
@@ -30,8 +30,13 @@ pub(super) fn generate_columns(
     for _ in 0..COLUMN_GENERATION.max_rounds {
         let working_set: Vec<usize> = columns.iter().copied().collect();
         let restricted = restrict(dictionary, &working_set);
+        let grade = |j: &usize| dictionary.weight(*j) / nonzero(dictionary.norms()[*j]);
+        let grades = Grades::of_columns(working_set.iter().map(grade).collect());
         let mut found = solve(&Problem {
-            dictionary: &restricted,
+            dictionary: &Graded {
+                columns: &restricted,
+                grades: &grades,
+            },
             ..*problem
         });
         iterations += found.iterations;

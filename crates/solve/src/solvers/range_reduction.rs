@@ -27,7 +27,7 @@ pub(super) struct ReducedProblem {
     /// ε/‖y‖ for the whole residual.
     pub tolerance: f64,
     kept: Vec<usize>,
-    norms: Vec<f64>,
+    weights: Vec<f64>,
     /// U, M × r.
     basis: DMatrix<f64>,
     /// That part as a unit vector, length M.
@@ -40,8 +40,8 @@ impl ReducedProblem {
         let dictionary = problem.dictionary;
         let target_norm = norm(problem.target);
         let kept = usable_columns(dictionary);
-        let norms: Vec<f64> = kept.iter().map(|&j| dictionary.norms()[j]).collect();
-        let unit = unit_columns(dictionary, &kept, &norms);
+        let weights: Vec<f64> = kept.iter().map(|&j| dictionary.weight(j)).collect();
+        let unit = unit_columns(dictionary, &kept, &weights);
         let y = quotient(problem.target, nonzero(target_norm));
         let range = Range::new(&unit);
         let mut unreachable_direction = range.outside(&y);
@@ -57,7 +57,7 @@ impl ReducedProblem {
             unreachable,
             tolerance: problem.tolerance / nonzero(target_norm),
             kept,
-            norms,
+            weights,
             basis: range.basis,
             unreachable_direction,
         }
@@ -74,7 +74,7 @@ impl ReducedProblem {
 
     /// a in model units from x; what is zero or overflows is left out.
     pub fn coefficients(&self, x: &[f64]) -> Vec<(usize, f64)> {
-        let raw = self.kept.iter().zip(&self.norms).zip(x);
+        let raw = self.kept.iter().zip(&self.weights).zip(x);
         raw.map(|((&j, &n), &x)| (j, x * self.target_norm / n))
             .filter(|(_, a)| a.is_finite() && *a != 0.0)
             .collect()

@@ -262,9 +262,9 @@ pub struct HeldOut {
 pub struct Proof {
     /// ε of ‖Φa − y‖₂ ≤ ε, relative to ‖y‖; 0 is basis pursuit with equality.
     pub tolerance: f64,
-    /// (‖a‖₁ − dual value) / ‖a‖₁ on unit columns.
+    /// (‖a‖₁ − dual value) / ‖a‖₁, ‖a‖₁ with the weights of `grading`.
     pub gap: f64,
-    /// max |φᵀλ| over all unit columns; 1 on the support of an optimal answer.
+    /// max |φᵀλ| over all columns, each over its weight; 1 on the support of an optimal answer.
     pub max_correlation: f64,
     /// 1 − max |φᵀλ| off the support.
     pub margin: f64,
@@ -279,9 +279,20 @@ pub struct Proof {
     pub unique: bool,
     /// True if the printed terms are the support of the ℓ1 answer, not a choice among its proposals.
     pub of_answer: bool,
+    /// κ of the norm Σ κ^degree ‖φ‖ |a| that the answer is the minimum of; 1 is the plain 1-norm on unit columns.
+    #[serde(skip_serializing_if = "is_one", default = "one")]
+    pub grading: f64,
     /// True if all equations tied by constraints were solved together.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub constrained: bool,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn is_one(x: &f64) -> bool {
+    *x == 1.0
 }
 
 impl Discovery {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use sidc_data::Samples;
+use sidc_lang::library::Grading;
 
 /// The problem of a proof, min ‖Da‖₁ with ‖Φa − y‖₂ ≤ ε, and its dual point. Φ and y are the terms and the target on
 /// the rows, each row multiplied by its weight.
@@ -17,7 +18,9 @@ pub struct Witness {
     pub weights: Vec<f64>,
     /// ε, in the units of y.
     pub tolerance: f64,
-    /// Dual point λ, one number for each row: |φ_jᵀλ| ≤ ‖φ_j‖ for every column j, up to rounding.
+    /// What a term weighs beyond the length of its column: the diagonal D.
+    pub grading: Grading,
+    /// Dual point λ, one number for each row: |φ_jᵀλ| ≤ D_jj for every column j, up to rounding.
     pub dual: Vec<f64>,
     /// The solver's own answer where the proof is about that and not the equation: slots of the library with
     /// coefficients.

@@ -1,7 +1,8 @@
 //! Basis pursuit by the Lasso path: the end of the path at ε.
 
 use super::column_generation::ColumnGeneration;
-use super::path::Goal;
+use super::path::{Goal, PathPoint};
+use super::side_by_side::side_by_side;
 use crate::linalg::quotient;
 use crate::problem::{Problem, Solution, Status};
 use crate::solver::Solver;
@@ -23,37 +24,99 @@ impl Solver for Homotopy {
         "Lasso path on a growing working set, for libraries of any size (default)"
     }
 
+    fn solve_all(&self, problems: &[Problem], observer: &mut dyn Observer) -> Vec<Solution> {
+        side_by_side(problems, observer)
+    }
+
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
-        let target_norm = match presolve(problem) {
-            Ok(target_norm) => target_norm,
+        let started = start(problem);
+        let mut running = match started.run(problem) {
+            Ok(running) => running,
             Err(solved) => return solved,
         };
-        let target = quotient(problem.target, target_norm);
+        loop {
+            if let Some(solution) = running.round(observer) {
+                return solution;
+            }
+        }
+    }
+}
+
+/// A problem brought to a target of length one.
+pub(super) struct Started {
+    target: Vec<f64>,
+    /// ‖y‖, or the answer that needs no path.
+    target_norm: Result<f64, Solution>,
+}
+
+/// Presolve.
+pub(super) fn start(problem: &Problem) -> Started {
+    let target_norm = presolve(problem);
+    let target = target_norm.as_ref().map(|n| quotient(problem.target, *n));
+    Started {
+        target: target.unwrap_or_default(),
+        target_norm,
+    }
+}
+
+impl Started {
+    /// The path at its start, or the answer that needs none.
+    pub fn run<'a>(&'a self, problem: &'a Problem<'a>) -> Result<Running<'a>, Solution> {
+        let target_norm = self.target_norm.clone()?;
         let goal = Goal {
             tolerance: problem.tolerance / target_norm,
             penalty: 0.0,
         };
-        let Some(mut path) = ColumnGeneration::new(problem.dictionary, &target, goal) else {
-            return Solution::zero(
-                problem,
-                Status::Inconsistent {
-                    residual: target_norm,
-                },
-            );
-        };
-        let (point, status) = path.run(observer);
-        let solution = Solution {
-            coefficients: path.raw(&point.coefficients, target_norm),
-            dual: path.interior_dual(&point),
+        let path = ColumnGeneration::new(problem.dictionary, &self.target, goal);
+        let residual = target_norm;
+        let none = || Solution::zero(problem, Status::Inconsistent { residual });
+        Ok(Running {
+            problem,
+            target_norm,
+            path: path.ok_or_else(none)?,
+        })
+    }
+}
+
+/// A path on its way to ε.
+pub(super) struct Running<'a> {
+    problem: &'a Problem<'a>,
+    target_norm: f64,
+    path: ColumnGeneration<'a>,
+}
+
+impl Running<'_> {
+    pub fn steps(&self) -> usize {
+        self.path.steps()
+    }
+
+    /// One round; the answer if it was the last.
+    pub fn round(&mut self, observer: &mut dyn Observer) -> Option<Solution> {
+        let (point, status) = self.path.round(observer);
+        let solution = self.solution(&point, status?);
+        Some(check_infeasibility(self.problem, solution))
+    }
+
+    /// What there is so far: nothing that fits.
+    pub fn given_up(&self) -> Solution {
+        Solution {
+            iterations: self.steps(),
+            ..Solution::zero(self.problem, Status::Interrupted)
+        }
+    }
+
+    fn solution(&self, point: &PathPoint, status: Status) -> Solution {
+        Solution {
+            coefficients: self.path.raw(&point.coefficients, self.target_norm),
+            dual: self.path.interior_dual(point),
             status: match status {
                 Status::Inconsistent { residual } => Status::Inconsistent {
-                    residual: residual * target_norm,
+                    residual: residual * self.target_norm,
                 },
                 other => other,
             },
-            iterations: path.steps(),
-        };
-        check_infeasibility(problem, solution)
+            iterations: self.steps(),
+        }
     }
 }
 

@@ -33,11 +33,7 @@ impl<'a> ColumnGeneration<'a> {
         goal: Goal,
     ) -> Option<ColumnGeneration<'a>> {
         let mut set = WorkingSet::new(dictionary);
-        set.add(indices(dictionary.price(
-            target,
-            HOMOTOPY.initial_columns,
-            0.0,
-        )));
+        set.add(indices(first_columns(dictionary, target)));
         (set.len() > 0).then(|| ColumnGeneration {
             dictionary,
             path: Path::new(target, goal, &set),
@@ -84,7 +80,7 @@ impl<'a> ColumnGeneration<'a> {
     }
 
     /// One round; a status if it was the last.
-    fn round(&mut self, observer: &mut dyn Observer) -> (PathPoint, Option<Status>) {
+    pub fn round(&mut self, observer: &mut dyn Observer) -> (PathPoint, Option<Status>) {
         // As many steps as cost about what pricing costs.
         let stride = self.dictionary.cols() / (2 * self.set.len());
         let point = self.advance(
@@ -196,6 +192,15 @@ impl<'a> ColumnGeneration<'a> {
             Priced::default()
         }
     }
+}
+
+/// The columns that correlate most with the target. Bounds spare those that their grade dismisses; the largest correlation is that of
+/// the first column whatever the bound.
+fn first_columns(dictionary: &dyn Dictionary, target: &[f64]) -> Priced {
+    let price = |bound| dictionary.price(target, HOMOTOPY.initial_columns, bound);
+    let bounds = [HOMOTOPY.initial_bound, 0.0].into_iter().map(price);
+    let found = bounds.into_iter().find(|found| found.count > 0);
+    found.unwrap_or_default()
 }
 
 /// What pricing all columns showed.

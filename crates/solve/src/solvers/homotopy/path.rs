@@ -96,6 +96,8 @@ pub(super) struct Path<'a> {
     change: ActiveSetChange,
     /// Columns that met a bound, with its sign, while they were dependent on the active ones.
     dependent: Vec<(usize, f64)>,
+    /// Pᵀλ at the present τ; empty where it is to be computed anew.
+    correlations: Vec<f64>,
     pub steps: usize,
 }
 
@@ -132,6 +134,7 @@ impl<'a> Path<'a> {
             qr: UpdatedQr::new(target.len()),
             change: ActiveSetChange::Enters(0),
             dependent: Vec::new(),
+            correlations: Vec::new(),
             steps: 0,
         };
         path.enter(set, 0, c.signum());
@@ -150,6 +153,8 @@ impl<'a> Path<'a> {
         let most = (HOMOTOPY.max_work / work) as usize;
         let most = most.min(HOMOTOPY.steps_per_row * self.target.len());
         let most = most.max(HOMOTOPY.min_steps);
+        // Fresh for every call, so that rounding does not gather.
+        self.correlations.clear();
         for step in 0.. {
             let segment = self.segment();
             if step == stride {
@@ -162,7 +167,8 @@ impl<'a> Path<'a> {
             if self.steps > most {
                 return segment.point(self, self.penalty, Stop::Breakdown);
             }
-            let Some((event, penalty)) = self.next(&segment, set) else {
+            let slopes = self.slopes(&segment, set);
+            let Some((event, penalty)) = self.next(&segment, &slopes) else {
                 self.push_knot(&segment, 0.0);
                 return segment.point(self, self.penalty, Stop::ResidualOrthogonal);
             };
@@ -185,6 +191,13 @@ impl<'a> Path<'a> {
                     self.change = ActiveSetChange::Enters(column);
                     self.dependent.clear();
                 }
+            }
+            if penalty > 0.0 {
+                axpy(
+                    1.0 / penalty - 1.0 / self.penalty,
+                    &slopes,
+                    &mut self.correlations,
+                );
             }
             self.penalty = penalty;
             if self.active.is_empty() {
@@ -285,15 +298,23 @@ impl<'a> Path<'a> {
         }
     }
 
+    /// Pᵀd: the slopes of Pᵀλ in 1/τ. λ has no jump where the active set changes, so Pᵀλ itself is only added up.
+    fn slopes(&mut self, s: &Segment, set: &WorkingSet) -> Vec<f64> {
+        if self.correlations.is_empty() {
+            self.correlations = set.correlations(&s.lambda(self.penalty));
+        }
+        set.correlations(&s.d)
+    }
+
     /// The event of largest τ below the present one.
-    fn next(&self, s: &Segment, set: &WorkingSet) -> Option<(Event, f64)> {
+    fn next(&self, s: &Segment, slopes: &[f64]) -> Option<(Event, f64)> {
         let unexplained = norm(&s.d);
         let leave = self.first_to_leave(s);
         let explained = unexplained <= HOMOTOPY.explained;
         let enter = if explained {
             None
         } else {
-            self.first_to_enter(s, unexplained, set)
+            self.first_to_enter(unexplained, slopes)
         };
         let goal = s.goal(unexplained, self.goal, explained);
         let goal = goal.map(|penalty| (Event::Goal, penalty.min(self.penalty)));
@@ -319,41 +340,30 @@ impl<'a> Path<'a> {
     }
 
     /// The column whose bound λ = w + u d meets first as u = 1/τ grows.
-    fn first_to_enter(
-        &self,
-        s: &Segment,
-        unexplained: f64,
-        set: &WorkingSet,
-    ) -> Option<(Event, f64)> {
-        let (cw, cd) = s.correlations(set);
-        let mut is_out = vec![true; set.len()];
+    fn first_to_enter(&self, unexplained: f64, slopes: &[f64]) -> Option<(Event, f64)> {
+        let mut is_out = vec![true; slopes.len()];
         self.active.iter().for_each(|&k| is_out[k] = false);
-        let now = 1.0 / self.penalty;
         let flat = (HOMOTOPY.flat * unexplained).max(HOMOTOPY.rounding);
         let mut best: Option<(usize, f64, f64)> = None;
-        for k in 0..set.len() {
-            let sign = cd[k].signum();
+        for (k, (c, slope)) in self.correlations.iter().zip(slopes).enumerate() {
+            let sign = slope.signum();
             // A column that has just left its bound moves away from it; only rounding says otherwise.
             let excluded = self.change == ActiveSetChange::Leaves(k, sign)
                 || self.dependent.contains(&(k, sign));
-            if !is_out[k] || cd[k].abs() <= flat || excluded {
+            if !is_out[k] || slope.abs() <= flat || excluded {
                 continue;
             }
-            let u = ((sign - cw[k]) / cd[k]).max(now);
-            if best.is_none_or(|(_, least, _)| u < least) {
-                best = Some((k, u, sign));
+            let further = ((sign - c) / slope).max(0.0);
+            if best.is_none_or(|(_, least, _)| further < least) {
+                best = Some((k, further, sign));
             }
         }
-        best.map(|(column, u, sign)| (Event::Enter { column, sign }, 1.0 / u))
+        let penalty = |further: f64| self.penalty / (1.0 + further * self.penalty);
+        best.map(|(column, further, sign)| (Event::Enter { column, sign }, penalty(further)))
     }
 }
 
 impl Segment {
-    /// (Pᵀw, Pᵀd)
-    fn correlations(&self, set: &WorkingSet) -> (Vec<f64>, Vec<f64>) {
-        (set.correlations(&self.w), set.correlations(&self.d))
-    }
-
     /// τ at which the goal is reached; 0 where nothing is unexplained and ε = 0.
     fn goal(&self, unexplained: f64, goal: Goal, explained: bool) -> Option<f64> {
         let e = goal.tolerance;

@@ -1,6 +1,6 @@
 //! P = Q R of the active columns, updated as columns enter and leave.
 //!
-//! In: unit columns of length M. Out: projections and triangular solves. A column enters by Gram–Schmidt twice (orthogonal to
+//! In: columns of M numbers. Out: projections and triangular solves. A column enters by Gram–Schmidt twice (orthogonal to
 //! rounding: Giraud, Langou & Rozložník 2005) and leaves by plane rotations (Golub & Van Loan, section 6.5.2). O(M k) each.
 
 use crate::linalg::{difference, gemv, gemv_tr, norm};
@@ -41,7 +41,8 @@ impl UpdatedQr {
     pub fn push(&mut self, column: &[f64]) -> bool {
         let (mut inside, mut rest) = self.split(column);
         let length = norm(&rest);
-        if length.is_nan() || length <= NUMERICAL_RANK.dependent || self.len() >= self.rows {
+        let dependent = NUMERICAL_RANK.dependent * norm(column);
+        if length.is_nan() || length <= dependent || self.len() >= self.rows {
             return false;
         }
         rest.iter_mut().for_each(|x| *x /= length);

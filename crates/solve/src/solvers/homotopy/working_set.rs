@@ -1,4 +1,4 @@
-//! The working set: unit columns of a dictionary, contiguous in memory.
+//! The working set: columns of a dictionary over their weights, contiguous in memory.
 //!
 //! In: column indices. Out: a dense M × w matrix to iterate on. Columns are never removed: removing inactive ones cycles, because
 //! the dual optimum is not unique when the support is small.
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use crate::dictionary::Dictionary;
 use crate::linalg::gemv_tr;
 
-/// w unit columns of a dictionary.
+/// w columns of a dictionary, each over its weight: unit columns, or shorter ones where columns are graded.
 pub(super) struct WorkingSet<'a> {
     dictionary: &'a dyn Dictionary,
     /// Column-major, M · w.
@@ -32,13 +32,13 @@ impl<'a> WorkingSet<'a> {
         let rows = self.dictionary.rows();
         let before = self.columns.len();
         for j in columns {
-            let length = self.dictionary.norms().get(j).copied().unwrap_or(0.0);
-            if length > 0.0 && self.members.insert(j) {
+            let weight = self.dictionary.weight(j);
+            if weight > 0.0 && self.members.insert(j) {
                 let start = self.values.len();
                 self.values.resize(start + rows, 0.0);
                 let column = &mut self.values[start..];
                 self.dictionary.column(j, column);
-                column.iter_mut().for_each(|x| *x /= length);
+                column.iter_mut().for_each(|x| *x /= weight);
                 self.columns.push(j);
             }
         }
@@ -77,10 +77,9 @@ impl<'a> WorkingSet<'a> {
 
     /// Coefficients of the raw columns, by rising column, from (place in the working set, coefficient of the unit column).
     pub fn raw(&self, unit: &[(usize, f64)], target_norm: f64) -> Vec<(usize, f64)> {
-        let norms = self.dictionary.norms();
         let raw = unit.iter().map(|(k, x)| {
             let j = self.columns[*k];
-            (j, x * target_norm / norms[j])
+            (j, x * target_norm / self.dictionary.weight(j))
         });
         let mut raw: Vec<(usize, f64)> = raw.filter(|(_, a)| a.is_finite() && *a != 0.0).collect();
         raw.sort_unstable_by_key(|(j, _)| *j);

@@ -1,0 +1,79 @@
+//! The same rows and columns under several weights, solved side by side: the path with the fewest steps goes on first.
+//!
+//! In: problems that differ in their weights. Out: an answer for each. Which weights lead to a sparse answer is not known beforehand;
+//! a path that leads there is short, and one that does not takes thousands of steps. So once a path has ended in a sparse answer, the
+//! others may take only some times as many steps.
+
+use sidc_progress::Observer;
+
+use super::basis_pursuit::{Started, start};
+use crate::certificates::support;
+use crate::problem::{Problem, Solution, Status};
+use crate::thresholds::SIDE_BY_SIDE;
+
+/// Solves each problem by [`super::Homotopy`]. A path that was given up has the status [`Status::Interrupted`].
+pub fn side_by_side(problems: &[Problem], observer: &mut dyn Observer) -> Vec<Solution> {
+    let targets: Vec<_> = problems.iter().map(start).collect();
+    let mut runs: Vec<Run> = problems.iter().zip(&targets).map(Run::new).collect();
+    let mut most_steps = usize::MAX;
+    loop {
+        let going = runs.iter_mut().filter(|run| run.solution.is_none());
+        let Some(run) = going.min_by_key(|run| run.steps()) else {
+            break;
+        };
+        run.round(most_steps, observer);
+        if run.is_sparse() {
+            let allowed = run.steps().max(SIDE_BY_SIDE.least_steps) * SIDE_BY_SIDE.patience;
+            most_steps = most_steps.min(allowed);
+        }
+    }
+    let zero = |problem| Solution::zero(problem, Status::broken_down());
+    let solutions = runs.into_iter().zip(problems);
+    solutions
+        .map(|(run, problem)| run.solution.unwrap_or_else(|| zero(problem)))
+        .collect()
+}
+
+/// One path on its way.
+struct Run<'a> {
+    problem: &'a Problem<'a>,
+    path: Option<super::basis_pursuit::Running<'a>>,
+    solution: Option<Solution>,
+}
+
+impl<'a> Run<'a> {
+    fn new((problem, started): (&'a Problem<'a>, &'a Started)) -> Run<'a> {
+        let (path, solution) = match started.run(problem) {
+            Ok(path) => (Some(path), None),
+            Err(solution) => (None, Some(solution)),
+        };
+        Run {
+            problem,
+            path,
+            solution,
+        }
+    }
+
+    fn steps(&self) -> usize {
+        self.path.as_ref().map_or(0, |path| path.steps())
+    }
+
+    /// One round of the path; its end if it has come, or if it has taken too many steps.
+    fn round(&mut self, most_steps: usize, observer: &mut dyn Observer) {
+        if let Some(path) = &mut self.path {
+            self.solution = match path.steps() < most_steps {
+                true => path.round(observer),
+                false => Some(path.given_up()),
+            };
+        }
+    }
+
+    /// Whether it has ended in an answer with so few terms that it is no fit of as many columns as rows.
+    fn is_sparse(&self) -> bool {
+        let rows = self.problem.dictionary.rows() as f64;
+        self.solution.as_ref().is_some_and(|solution| {
+            let terms = support(self.problem, &solution.coefficients).len();
+            solution.status == Status::Solved && (terms as f64) <= SIDE_BY_SIDE.sparse * rows
+        })
+    }
+}
