@@ -5,6 +5,7 @@
 pub mod coupled;
 pub mod coverage;
 pub mod decorrelation;
+pub mod norms;
 pub mod planted;
 pub mod reproduce;
 pub mod success_plot;

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Parser;
 use sidc_discover::split;
-use sidc_studies::coupled::{GRADINGS, Library, Products, Size, outcome};
+use sidc_studies::coupled::{GRADINGS, Library, Size, Tabulated, outcome};
 use sidc_testing::plants::coupled::{Coupled, FAMILIES, Family, Point, Swing};
 
 /// Rows of a record, 0.05 s apart.
@@ -114,13 +114,16 @@ fn trials(case: &Case, args: &Args) -> String {
                     .iter()
                     .map(|p| p.accelerations[law.coordinate])
                     .collect();
-                let mut phi = Products::new(&library.atoms, &points);
+                let tabulated = Tabulated::new(&library.atoms, &points);
+                let Some(phi) = tabulated.dictionary() else {
+                    continue;
+                };
                 for (k, grading) in GRADINGS.iter().enumerate() {
                     if !args.gradings.is_empty() && !args.gradings.contains(&k) {
                         continue;
                     }
-                    phi.grade(&library.atoms, &points, grading);
-                    let found = outcome(&phi, &target, &law, &library, args.steps);
+                    let grades = tabulated.grades(grading);
+                    let found = outcome((&phi, &grades), &target, &law, &library, args.steps);
                     let _ = writeln!(
                         lines,
                         "{},{:?},{},{},{},{},{},{},{},{},{},{},{:.1e},{:.3}",

@@ -1,117 +1,77 @@
-//! Φ as products of factors, with the weights of a grading in its norms.
+//! Φ as products of powers of atoms, and the grades of its columns.
 //!
-//! In: atoms on rows, a grading. Out: a dictionary whose "length" of a column is ‖φ‖ times its weight: the solver then minimises the
-//! graded norm. Φ is never stored.
+//! In: atoms on rows, a grading. Out: the solver's own dictionary and grades; terms stand in the order of [`super::Library::place`].
 
-use nalgebra::DMatrix;
-use sidc_solve::dictionary::{Dictionary, Priced, PricingCollector};
+use sidc_solve::dictionary::{Block, Factored, Grades};
 use sidc_testing::plants::coupled::{Factor, Point};
 
 use super::grading::Grading;
 use super::library::POWER;
 
-/// Left factors priced in one product.
-const TILE: usize = 32;
-
-/// Columns of some atoms' powers, in the order of their digits.
-pub struct Half {
-    values: DMatrix<f64>,
-    squares: DMatrix<f64>,
+/// Atoms on rows.
+pub struct Tabulated {
+    atoms: Vec<Factor>,
+    /// A column an atom.
+    values: Vec<Vec<f64>>,
+    rows: usize,
 }
 
-pub struct Products {
-    left: Half,
-    right: Half,
-    lengths: Vec<f64>,
-    /// `lengths` times the weights.
-    norms: Vec<f64>,
-}
+impl Tabulated {
+    pub fn new(atoms: &[Factor], rows: &[&Point]) -> Tabulated {
+        let column = |atom: &Factor| rows.iter().map(|p| atom.value(p)).collect();
+        Tabulated {
+            atoms: atoms.to_vec(),
+            values: atoms.iter().map(column).collect(),
+            rows: rows.len(),
+        }
+    }
 
-impl Half {
-    fn new(atoms: &[Factor], rows: &[&Point]) -> Half {
-        let mut values = DMatrix::from_element(rows.len(), 1, 1.0);
-        for atom in atoms {
-            let column: Vec<f64> = rows.iter().map(|p| atom.value(p)).collect();
-            let wider = values.ncols() * (POWER + 1);
-            let power = |i: usize, j: usize| {
-                values[(i, j / (POWER + 1))] * column[i].powi((j % (POWER + 1)) as i32)
+    /// `None` where a product is not finite.
+    pub fn dictionary(&self) -> Option<Factored> {
+        let (left, right) = self.values.split_at(self.values.len() / 2);
+        let factors = [left, right].map(|columns| self.products(columns).concat());
+        Factored::new(self.rows, factors, vec![self.block()], &[]).ok()
+    }
+
+    pub fn grades(&self, grading: &Grading) -> Grades {
+        let weights = |(atom, values): (&Factor, &Vec<f64>)| -> Vec<f64> {
+            let weight = |power| grading.weight(*atom, power, values);
+            (0..=POWER).map(weight).collect()
+        };
+        let weights: Vec<Vec<f64>> = self.atoms.iter().zip(&self.values).map(weights).collect();
+        let (left, right) = weights.split_at(weights.len() / 2);
+        let product = |atoms: &[Vec<f64>]| {
+            atoms.iter().fold(vec![1.0], |products, powers| {
+                let with = |w: &f64| powers.iter().map(|p| w * p).collect::<Vec<f64>>();
+                products.iter().flat_map(with).collect()
+            })
+        };
+        Grades::of_products(vec![self.block()], [product(left), product(right)])
+    }
+
+    /// Every product of powers of some atoms; the power of the last one varies fastest.
+    fn products(&self, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let one = vec![vec![1.0; self.rows]];
+        columns.iter().fold(one, |products, column| {
+            let with = |product: &Vec<f64>| {
+                (0..=POWER as i32)
+                    .map(|power| {
+                        let pairs = product.iter().zip(column);
+                        pairs.map(|(p, x)| p * x.powi(power)).collect()
+                    })
+                    .collect::<Vec<Vec<f64>>>()
             };
-            values = DMatrix::from_fn(rows.len(), wider, power);
+            products.iter().flat_map(with).collect()
+        })
+    }
+
+    fn block(&self) -> Block {
+        let left = self.atoms.len() / 2;
+        let terms = |atoms: usize| (POWER + 1).pow(atoms as u32);
+        Block {
+            first_slot: 0,
+            left: 0..terms(left),
+            right: 0..terms(self.atoms.len() - left),
         }
-        Half {
-            squares: values.map(|x| x * x),
-            values,
-        }
-    }
-}
-
-impl Products {
-    pub fn new(atoms: &[Factor], rows: &[&Point]) -> Products {
-        let (left, right) = atoms.split_at(atoms.len() / 2);
-        let (left, right) = (Half::new(left, rows), Half::new(right, rows));
-        let squares = right.squares.transpose() * &left.squares;
-        let lengths: Vec<f64> = squares.iter().map(|s| s.sqrt()).collect();
-        Products {
-            left,
-            right,
-            norms: lengths.clone(),
-            lengths,
-        }
-    }
-
-    /// ‖φ‖ of a column.
-    pub fn length(&self, column: usize) -> f64 {
-        self.lengths[column]
-    }
-
-    pub fn grade(&mut self, atoms: &[Factor], rows: &[&Point], grading: &Grading) {
-        let mut weights = vec![1.0];
-        for atom in atoms {
-            let values: Vec<f64> = rows.iter().map(|p| atom.value(p)).collect();
-            let weight = |p| grading.weight(*atom, p, &values);
-            let powers: Vec<f64> = (0..=POWER).map(weight).collect();
-            let with = |w: &f64| powers.iter().map(|p| w * p).collect::<Vec<f64>>();
-            weights = weights.iter().flat_map(with).collect();
-        }
-        let weighted = self.lengths.iter().zip(&weights).map(|(l, w)| l * w);
-        self.norms = weighted.collect();
-    }
-}
-
-impl Dictionary for Products {
-    fn rows(&self) -> usize {
-        self.left.values.nrows()
-    }
-
-    fn cols(&self) -> usize {
-        self.norms.len()
-    }
-
-    fn norms(&self) -> &[f64] {
-        &self.norms
-    }
-
-    fn column(&self, j: usize, out: &mut [f64]) {
-        let rights = self.right.values.ncols();
-        let left = self.left.values.column(j / rights);
-        let right = self.right.values.column(j % rights);
-        let products = left.iter().zip(right.iter()).map(|(l, r)| l * r);
-        out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
-    }
-
-    fn price(&self, lambda: &[f64], most: usize, bound: f64) -> Priced {
-        let (lefts, rights) = (self.left.values.ncols(), self.right.values.ncols());
-        let transposed = self.right.values.transpose();
-        let mut found = PricingCollector::new(most, bound);
-        for first in (0..lefts).step_by(TILE) {
-            let width = TILE.min(lefts - first);
-            let weighted = DMatrix::from_fn(self.rows(), width, |i, j| {
-                self.left.values[(i, first + j)] * lambda[i]
-            });
-            let products = &transposed * weighted;
-            let slots = first * rights..(first + width) * rights;
-            found.offer_all(slots.start, products.as_slice(), &self.norms[slots]);
-        }
-        found.finish()
     }
 }

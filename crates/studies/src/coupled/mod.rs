@@ -8,7 +8,7 @@ mod grading;
 mod library;
 mod trial;
 
-pub use dictionary::Products;
+pub use dictionary::Tabulated;
 pub use grading::{GRADINGS, Grading, Measure};
 pub use library::{Library, Size};
 pub use trial::{Outcome, outcome};

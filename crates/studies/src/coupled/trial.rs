@@ -7,10 +7,10 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use sidc_progress::{Activity, Stop};
+use sidc_solve::dictionary::{Dictionary, Factored, Graded, Grades};
 use sidc_solve::{Problem, SOLVERS, Status};
 use sidc_testing::plants::coupled::Law;
 
-use super::dictionary::Products;
 use super::library::Library;
 
 /// Largest relative error of a coefficient, and largest false share, of an exact answer.
@@ -31,7 +31,7 @@ pub struct Outcome {
 
 /// Basis pursuit, given up after `most` steps.
 pub fn outcome(
-    phi: &Products,
+    (phi, grades): (&Factored, &Grades),
     target: &[f64],
     law: &Law,
     library: &Library,
@@ -39,7 +39,10 @@ pub fn outcome(
 ) -> Outcome {
     let start = Instant::now();
     let problem = Problem {
-        dictionary: phi,
+        dictionary: &Graded {
+            columns: phi,
+            grades,
+        },
         target,
         tolerance: 0.0,
     };
@@ -51,7 +54,7 @@ pub fn outcome(
             false => ControlFlow::Continue(()),
         }
     });
-    let share = |(j, a): &(usize, f64)| a.abs() * phi.length(*j);
+    let share = |(j, a): &(usize, f64)| a.abs() * phi.norms().get(*j).copied().unwrap_or(0.0);
     let largest = solution.coefficients.iter().map(share).fold(0.0, f64::max);
     let truth: Option<Vec<(usize, f64)>> = law
         .terms

@@ -10,6 +10,7 @@ mod differences;
 mod double;
 mod excitation;
 mod experiment;
+mod graded;
 mod isometry;
 mod libraries;
 mod phase;
@@ -92,6 +93,11 @@ pub static CHAPTERS: &[Chapter] = &[
         name: "smallest",
         title: "The fewest samples that do",
         write: smallest::section,
+    },
+    Chapter {
+        name: "graded",
+        title: "Fewer samples in graded norms",
+        write: graded::section,
     },
     Chapter {
         name: "phase",

@@ -25,9 +25,13 @@ pub enum Family {
     TwoCarts,
     /// Three pendulums joined by springs
     Springs,
+    /// A cart with a pendulum
+    Cart,
+    /// A pendulum, driven at its pivot: one law
+    Pendulum,
 }
 
-pub const FAMILIES: [Family; 8] = [
+pub const FAMILIES: [Family; 10] = [
     Family::CartChain,
     Family::Twins,
     Family::Links,
@@ -36,6 +40,8 @@ pub const FAMILIES: [Family; 8] = [
     Family::CartOnCart,
     Family::TwoCarts,
     Family::Springs,
+    Family::Cart,
+    Family::Pendulum,
 ];
 
 impl Family {
@@ -49,6 +55,8 @@ impl Family {
             Family::CartOnCart => "cart on a cart",
             Family::TwoCarts => "two carts",
             Family::Springs => "sprung pendulums",
+            Family::Cart => "cart with a pendulum",
+            Family::Pendulum => "pendulum",
         }
     }
 
@@ -57,6 +65,8 @@ impl Family {
         match self {
             Family::CartChain | Family::Twins => &["x", "th1", "th2"],
             Family::Links => &["th1", "th2"],
+            Family::Cart => &["x", "th1"],
+            Family::Pendulum => &["th1"],
             Family::ThreeLinks | Family::Fork | Family::Springs => &["th1", "th2", "th3"],
             Family::CartOnCart => &["x1", "x2", "th1"],
             Family::TwoCarts => &["x1", "x2", "th1", "th2"],
@@ -69,14 +79,16 @@ impl Family {
             random,
         };
         match self {
-            Family::CartChain => build.cart_chain(),
-            Family::Twins => build.twins(),
+            Family::CartChain => build.on_a_cart(&[&[1], &[1, 2]]),
+            Family::Twins => build.on_a_cart(&[&[1], &[2]]),
             Family::Links => build.tree(&[&[0], &[0, 1]]),
             Family::ThreeLinks => build.tree(&[&[0], &[0, 1], &[0, 1, 2]]),
             Family::Fork => build.tree(&[&[0], &[0, 1], &[0, 2]]),
             Family::CartOnCart => build.cart_on_cart(),
             Family::TwoCarts => build.two_carts(),
             Family::Springs => build.springs(),
+            Family::Cart => build.on_a_cart(&[&[1]]),
+            Family::Pendulum => build.tree(&[&[0]]),
         }
         build.made
     }
@@ -140,7 +152,7 @@ impl Builder<'_> {
     fn tree(&mut self, paths: &[&[usize]]) {
         self.hang(&[], paths);
         self.made.inputs = vec![0];
-        if self.even_odds() {
+        if paths.len() > 1 && self.even_odds() {
             self.made.inputs.push(paths.len() - 1);
         }
     }
@@ -150,18 +162,10 @@ impl Builder<'_> {
         self.damper((0.03, 0.3), &[(own, 1.0)]);
     }
 
-    fn cart_chain(&mut self) {
+    /// Links on one cart, which every second draw a spring holds.
+    fn on_a_cart(&mut self, paths: &[&[usize]]) {
         self.cart(&[0], 0);
-        self.hang(&[0], &[&[1], &[1, 2]]);
-        if self.even_odds() {
-            self.spring((0.5, 4.0), &[(0, 1.0)]);
-        }
-        self.made.inputs = vec![0];
-    }
-
-    fn twins(&mut self) {
-        self.cart(&[0], 0);
-        self.hang(&[0], &[&[1], &[2]]);
+        self.hang(&[0], paths);
         if self.even_odds() {
             self.spring((0.5, 4.0), &[(0, 1.0)]);
         }
