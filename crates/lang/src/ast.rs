@@ -38,6 +38,7 @@ pub enum Keyword {
     Constrain,
     Symmetry,
     Limit,
+    Prefer,
 }
 
 #[derive(Clone, Debug)]
@@ -75,6 +76,8 @@ pub enum StatementKind {
     Symmetry { names: Vec<Expr>, image: Image },
     /// `limit degree 4`
     Limit(Vec<Attribute>),
+    /// `prefer degree`
+    Prefer(Attribute),
     /// `data { ... }`
     Data(Vec<Entry>),
 }
@@ -229,6 +232,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
     ("constrain", Keyword::Constrain),
     ("symmetry", Keyword::Symmetry),
     ("limit", Keyword::Limit),
+    ("prefer", Keyword::Prefer),
 ];
 
 /// Every word that opens an attribute of a declaration.

@@ -4,7 +4,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::library::Grading;
 use crate::source::Span;
 use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
 use crate::units;
@@ -23,9 +22,21 @@ pub struct Model {
     pub symmetries: Vec<Symmetry>,
     /// Largest sum of |exponents| of a term, if limited.
     pub degree: Option<f64>,
-    /// The grading of the 1-norm that `prefer` states.
-    pub grading: Option<Grading>,
+    /// The norms that `prefer` states.
+    pub norms: PreferredNorms,
     pub data: DataBlock,
+}
+
+/// Which norms an answer may be the minimum of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PreferredNorms {
+    /// The answer of fewest terms among all norms.
+    #[default]
+    Any,
+    /// `prefer plain`: a term weighs as much as its column is long.
+    Plain,
+    /// `prefer degree`: a term weighs more, the higher its degree.
+    Degree,
 }
 
 /// `symmetry y, theta -> -(y, theta)`: the equations hold as well with these variables' signs changed.

@@ -87,7 +87,8 @@ pub(crate) fn pools(
         .enumerate()
         .map(|(b, m)| {
             let phi = m.design.phi.as_ref();
-            let proposed = term_selection::proposed_columns(phi, &m.selected.proposal.solution.coefficients);
+            let proposed =
+                term_selection::proposed_columns(phi, &m.selected.proposal.solution.coefficients);
             let mut pool = term_selection::candidate_pool(phi, &proposed);
             pool.extend(&m.selected.selection.support);
             pool.extend(named(b));

@@ -209,7 +209,7 @@ pub(crate) fn answer(
                 && smallest > 0.0
                 && proof.gap.max(0.0) / smallest <= JOINT_CERTIFICATE.elsewhere,
             of_answer: proved.of_answer,
-            grading: 1.0,
+            grading: None,
             constrained: true,
         },
         // The multipliers of the constraints are not kept, so this certificate cannot be verified later.

@@ -14,4 +14,4 @@ mod grades;
 mod tests;
 
 pub use compile::{BadValue, bytes, compile, evaluate, subtract};
-pub use grades::grades;
+pub use grades::{grades, variations};

@@ -43,7 +43,7 @@ pub(crate) fn certify(
         optimal: certificate.proves_optimal,
         unique: certificate.proves_unique,
         of_answer,
-        grading: 1.0,
+        grading: None,
         constrained: false,
     };
     (proof, witness)

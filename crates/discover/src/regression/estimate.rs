@@ -5,9 +5,9 @@
 
 use crate::regression::certificate::certify;
 use crate::regression::design::Design;
+use crate::regression::proposals::Proposal;
 use crate::regression::task::Task;
 use crate::selection::information_criterion::InformationCriterion;
-use crate::regression::proposals::Proposal;
 use crate::selection::term_selection::TermSelection;
 use sidc_lang::library::Grading;
 use sidc_progress::{EquationObserver, Stop};
@@ -107,8 +107,8 @@ impl Task<'_> {
         let solution = &proposal.solution;
         let (mut proof, mut witness) =
             proposal.problem(design, |p| certify(p, solution, selection, polished));
-        proof.grading = proposal.grading.base;
-        witness.grading = proposal.grading;
+        proof.grading = (!proposal.grading.is_plain()).then_some(proposal.grading.base);
+        witness.grading = proposal.grading.clone();
         Estimate {
             support: selection.support.clone(),
             coefficients: polished.coefficients.clone(),

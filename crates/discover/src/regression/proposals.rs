@@ -2,18 +2,20 @@
 //!
 //! In: a design, gradings. Out: a proposal for each, and the selection of best criterion among what they propose. Judges nothing.
 
-use crate::dictionary::grades;
-use crate::regression::design::Design;
+use crate::dictionary::{grades, variations};
+use crate::regression::design::{Design, RowKind};
 use crate::regression::task::Task;
 use crate::regression::thresholds::GRADING;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::{TermSelection, select_terms};
 use crate::selection::thresholds::TERM_SELECTION;
 use sidc_lang::library::Grading;
+use sidc_lang::model::PreferredNorms;
 use sidc_progress::{EquationObserver, Stage};
 use sidc_solve as solve;
 use sidc_solve::dictionary::{Graded, Grades};
 use sidc_solve::{Problem, Solution};
+use std::sync::Arc;
 
 /// The answer of the solver under one grading.
 pub(crate) struct Proposal {
@@ -37,11 +39,7 @@ impl Proposal {
     }
 }
 
-fn with_grades<A>(
-    design: &Design,
-    grades: Option<&Grades>,
-    work: impl FnOnce(&Problem) -> A,
-) -> A {
+fn with_grades<A>(design: &Design, grades: Option<&Grades>, work: impl FnOnce(&Problem) -> A) -> A {
     let plain = design.problem();
     let Some(grades) = grades else {
         return work(&plain);
@@ -62,15 +60,26 @@ impl Task<'_> {
     pub fn gradings(&self, design: &Design) -> Vec<Grading> {
         let (rows, columns) = (design.phi.rows(), design.phi.cols());
         let searched = columns <= TERM_SELECTION.exhaustive_columns && columns < rows;
-        let family = || {
-            let graded = GRADING.bases.iter().map(|base| Grading { base: *base });
-            std::iter::once(Grading::PLAIN).chain(graded).collect()
-        };
-        match (self.model.grading, searched) {
-            (Some(stated), _) => vec![stated],
-            (None, true) => vec![Grading::PLAIN],
-            (None, false) => family(),
+        let plain = || vec![Grading::PLAIN];
+        match (self.model.norms, searched) {
+            (PreferredNorms::Degree, _) => self.graded(design),
+            (PreferredNorms::Plain, _) | (_, true) => plain(),
+            (PreferredNorms::Any, false) => [plain(), self.graded(design)].concat(),
         }
+    }
+
+    fn graded(&self, design: &Design) -> Vec<Grading> {
+        let samples = match &design.basis {
+            RowKind::Samples { used, .. } => used,
+            RowKind::Integrals { .. } => self.samples,
+        };
+        let counts = Arc::new(variations(self.library, samples));
+        let bases = [GRADING.slight, GRADING.middle, GRADING.steep];
+        let grading = |base| Grading {
+            base,
+            counts: Some(counts.clone()),
+        };
+        bases.map(grading).to_vec()
     }
 
     /// The solver's answers under these gradings, those of fewest terms first.
@@ -98,14 +107,13 @@ impl Task<'_> {
             })
             .collect();
         let solutions = self.options.solver.solve_all(&problems, watcher);
-        let terms = |(problem, s): (&Problem, &Solution)| {
-            solve::support(problem, &s.coefficients).len()
-        };
+        let terms =
+            |(problem, s): (&Problem, &Solution)| solve::support(problem, &s.coefficients).len();
         let terms: Vec<usize> = problems.iter().zip(&solutions).map(terms).collect();
         let parts = gradings.iter().zip(all).zip(solutions).zip(terms);
         let mut proposals: Vec<Proposal> = parts
             .map(|(((grading, grades), solution), terms)| Proposal {
-                grading: *grading,
+                grading: grading.clone(),
                 grades,
                 solution,
                 terms,
@@ -138,7 +146,9 @@ impl Task<'_> {
                 criterion,
                 watcher.during(Stage::Choosing),
             );
-            let known = selections.iter().any(|(_, s)| s.support == selection.support);
+            let known = selections
+                .iter()
+                .any(|(_, s)| s.support == selection.support);
             if !known || selection.as_proposed {
                 selections.push((place, selection));
             }

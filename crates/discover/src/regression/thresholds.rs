@@ -69,10 +69,14 @@ family! {
 }
 
 family! {
-    /// Gradings of the 1-norm: a term weighs κ^degree times the length of its column.
+    /// Gradings of the 1-norm: a term of degree d weighs κ^d times the length of its column.
     pub(crate) GRADING: GradingNumbers {
-        /// κ of the gradings that are solved beside the plain norm.
-        bases: [f64; 2] = [1.2, 1.5], unit "", source "study `coupled`";
+        /// κ of the slightest grading.
+        slight: f64 = 1.25, unit "", source "study `coupled`: of three κ beside the plain norm these find the most laws";
+        /// κ of the middle one.
+        middle: f64 = 1.75, unit "", source "study `coupled`";
+        /// κ of the steepest.
+        steep: f64 = 3.0, unit "", source "study `coupled`";
         /// Terms of a proposal up to which it takes part in the selection.
         near: usize = 2, unit "times the fewest", source "set by hand";
     }

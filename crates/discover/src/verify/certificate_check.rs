@@ -56,7 +56,7 @@ impl EquationCheck<'_> {
         let pricing = pricing::price(
             library,
             &self.rows,
-            (&self.witness.dual, self.witness.grading),
+            (&self.witness.dual, &self.witness.grading),
             &support,
             observer,
         )?;

@@ -46,7 +46,7 @@ pub fn work(library: &Library, rows: usize) -> u128 {
 pub fn price(
     library: &Library,
     rows: &WeightedRows,
-    (dual, grading): (&[f64], Grading),
+    (dual, grading): (&[f64], &Grading),
     support: &[usize],
     observer: &mut dyn Observer,
 ) -> Option<Pricing> {
@@ -76,7 +76,7 @@ struct Pricer<'a> {
     dual: &'a [f64],
     /// ‖λ‖, rounded up.
     length: f64,
-    grading: Grading,
+    grading: &'a Grading,
     support: &'a [usize],
     atoms: Atoms<'a>,
     pricing: Pricing,

@@ -198,16 +198,16 @@ fn proof(e: &Evidence) -> String {
             p.max_correlation
         );
     }
-    let figures = figures(p);
+    let (norm, figures) = (norm(p), figures(p));
     match (p.of_answer, p.unique) {
         (true, true) => format!(
-            "proved: of all that {fits}, this has the smallest 1-norm, and no other equals it ({figures})"
+            "proved: of all that {fits}, this has the smallest {norm}, and no other equals it ({figures})"
         ),
         (true, false) => {
-            format!("proved: of all that {fits}, none has a smaller 1-norm ({figures})")
+            format!("proved: of all that {fits}, none has a smaller {norm} ({figures})")
         }
         (false, _) => format!(
-            "proved for the solver's proposal: of all that {fits}, it has the smallest 1-norm ({figures}); \
+            "proved for the solver's proposal: of all that {fits}, it has the smallest {norm} ({figures}); \
              the terms (rank {} of {}) are the best of {} by the extended Bayesian criterion{}",
             p.rank,
             p.support,
@@ -218,6 +218,15 @@ fn proof(e: &Evidence) -> String {
             }
         ),
     }
+}
+
+/// Which norm is meant.
+fn norm(p: &Proof) -> String {
+    let Some(grading) = p.grading else {
+        return "1-norm".into();
+    };
+    let base = significant(grading, 3);
+    format!("1-norm in which a term of degree d weighs {base}^d")
 }
 
 fn figures(p: &Proof) -> String {

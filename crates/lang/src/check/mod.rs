@@ -44,6 +44,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
     model.constraints = c.constraints(&model.equations);
     model.symmetries = c.symmetries();
     model.degree = c.degree_limit();
+    model.norms = c.preferred_norms();
     model.data = c.data_blocks();
     c.units();
     model.vars = std::mem::take(&mut c.scope.vars);

@@ -34,6 +34,7 @@ pub fn statement(
         Rule::constrain => tree.constrain(inner),
         Rule::symmetry => tree.symmetry(inner),
         Rule::limit => tree.limit(inner),
+        Rule::prefer => tree.prefer(inner),
         _ => tree.equation(inner),
     }
 }
@@ -211,6 +212,12 @@ impl AstBuilder<'_> {
         let keys = inner.filter(|p| p.as_rule() == Rule::attribute);
         let keys: Result<Vec<Attribute>> = keys.map(|p| self.attribute(p)).collect();
         Ok(StatementKind::Limit(keys?))
+    }
+
+    /// `prefer = { SOI ~ "prefer" ~ attribute ~ EOI }`
+    fn prefer(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let key = self.attribute(self.next(&mut inner)?)?;
+        Ok(StatementKind::Prefer(key))
     }
 
     /// `items = { item ~ ("," ~ item)* ~ ","? }`, and `names`, `numbers` alike

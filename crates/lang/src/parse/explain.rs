@@ -243,6 +243,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::constrain => "constrain coef(dx, x) < 0",
         Rule::symmetry => "symmetry x, y -> -(x, y)",
         Rule::limit => "limit degree 4",
+        Rule::prefer => "prefer degree",
         Rule::step => "step 0.01",
         Rule::source => "x = \"Column\" * 1e-3",
         Rule::equation => "dx ~ poly(x, y; 3)",

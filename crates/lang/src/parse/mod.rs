@@ -64,6 +64,7 @@ fn statement(
         Some(Keyword::Data) => return data(id, text, tokens, piece, errors),
         Some(Keyword::Symmetry) => Rule::symmetry,
         Some(Keyword::Limit) => Rule::limit,
+        Some(Keyword::Prefer) => Rule::prefer,
         None => Rule::equation,
     };
     let built = ast_builder::statement(id, text, own, rule, piece.keyword);

@@ -184,7 +184,7 @@ pub fn ends_early(at: Span, expected: &str) -> Diagnostic {
 pub fn not_a_statement(at: Span, text: &str) -> Diagnostic {
     Diagnostic::error("unknown-statement", format!("`{text}` opens no statement"))
         .at(at, "not understood")
-        .fact("statements: state, input, output, param, system, let, data, constrain, symmetry, limit, and equations `TARGET ~ LIBRARY`")
+        .fact("statements: state, input, output, param, system, let, data, constrain, symmetry, limit, prefer, and equations `TARGET ~ LIBRARY`")
 }
 
 /// Cannot happen unless the grammar and the builder of the ast disagree.

@@ -469,4 +469,30 @@ mod tests {
         phi.column(17, &mut column);
         assert!(column.iter().all(|x| *x == 0.0) && phi.norms()[17] == 0.0);
     }
+
+    /// A bound lets tiles of high grade be left out; what exceeds it is the same.
+    #[test]
+    fn grades_divide_correlations_and_nothing_above_the_bound_is_left_out() {
+        let phi = factored();
+        let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
+        let left = (0..200).map(|l| 1.2_f64.powi(l / 10)).collect();
+        let right = (0..301).map(|r| 1.1_f64.powi(r / 20)).collect();
+        let grades = Grades::of_products(phi.blocks.clone(), [left, right]);
+        let plain = phi.price(&lambda, phi.cols(), 0.0);
+        for bound in [0.0, 0.2, 0.5, 2.0] {
+            let found = phi.price_graded(&grades, &lambda, phi.cols(), bound);
+            let graded = plain.columns.iter().map(|(j, c)| (*j, c / grades.of(*j)));
+            let expected: Vec<(usize, f64)> = graded.filter(|(_, c)| c.abs() > bound).collect();
+            assert_eq!(
+                (found.count, found.columns.len()),
+                (expected.len(), expected.len())
+            );
+            for (j, c) in &expected {
+                let own = found.columns.iter().find(|(k, _)| k == j).unwrap().1;
+                assert!((own - c).abs() <= 1e-13, "column {j}: {own} is not {c}");
+            }
+            let two = phi.price_on(2, Some(&grades), &lambda, (phi.cols(), bound));
+            assert_eq!(two, found);
+        }
+    }
 }

@@ -279,20 +279,12 @@ pub struct Proof {
     pub unique: bool,
     /// True if the printed terms are the support of the ℓ1 answer, not a choice among its proposals.
     pub of_answer: bool,
-    /// κ of the norm Σ κ^degree ‖φ‖ |a| that the answer is the minimum of; 1 is the plain 1-norm on unit columns.
-    #[serde(skip_serializing_if = "is_one", default = "one")]
-    pub grading: f64,
+    /// κ of the norm Σ κ^d ‖φ‖ |a|, d the degree of a term, each factor counted by how much it varies; `None` is the plain 1-norm.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub grading: Option<f64>,
     /// True if all equations tied by constraints were solved together.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub constrained: bool,
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn is_one(x: &f64) -> bool {
-    *x == 1.0
 }
 
 impl Discovery {

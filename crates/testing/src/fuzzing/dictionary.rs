@@ -5,7 +5,7 @@
 
 use super::bytes::Bytes;
 use sidc_data::{Column, Origin, Samples};
-use sidc_discover::dictionary::{BadValue, compile};
+use sidc_discover::dictionary::{BadValue, compile, grades};
 use sidc_lang::library::{Block, Library};
 use sidc_lang::term::{Expr, Func, Signal, Term, VarId};
 use sidc_solve::dictionary::Dictionary;
@@ -34,6 +34,7 @@ pub fn dictionary(data: &[u8]) {
     };
     let columns = columns(&*factored);
     let tame = is_tame(&samples);
+    graded_agrees(&*factored, &library, &lambda);
     assert_eq!((factored.cols(), factored.rows()), (library.slots(), rows));
     agrees(&*factored, &columns, tame, &lambda);
     // Where numbers underflow, the order of a product's factors matters: by other ways it is another.
@@ -134,6 +135,25 @@ fn agrees(phi: &dyn Dictionary, columns: &[Vec<f64>], tame: bool, lambda: &[f64]
         (few.columns.len(), few.count),
         (all.count.min(3), all.count)
     );
+}
+
+/// Correlations under grades are the plain ones over the grades, and none above a bound is left out.
+fn graded_agrees(phi: &dyn Dictionary, library: &Library, lambda: &[f64]) {
+    let grades = grades(library, &|term| 1.5_f64.powf(term.degree().min(40.0)));
+    let plain = phi.price(lambda, phi.cols(), 0.0);
+    let bound = 0.3 * plain.largest();
+    let expected = plain.columns.iter();
+    let above = expected.filter(|(j, c)| c.abs() / grades.of(*j) > bound * (1.0 + 1e-9));
+    let found = phi.price_graded(&grades, lambda, phi.cols(), bound);
+    assert!(found.count >= above.clone().count());
+    for (j, c) in above {
+        let own = found.columns.iter().find(|(k, _)| k == j);
+        let (own, c) = (own.map_or(0.0, |(_, own)| *own), c / grades.of(*j));
+        assert!(
+            is_near(own, c, 1e-9 * c.abs()),
+            "column {j}: {own} is not {c}"
+        );
+    }
 }
 
 fn size(v: &[f64]) -> f64 {

@@ -1,7 +1,8 @@
-//! Errors of symmetries and limits.
+//! Errors of symmetries, limits and preferences.
 //!
 //! Constructors only: places and names in, diagnostics out.
 
+use crate::ast::Attribute;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::source::Span;
 
@@ -68,6 +69,21 @@ pub fn unknown_limit(at: Span, key: &str) -> Diagnostic {
         None => d.at(at, "not known"),
     }
     .help("write `limit degree 4`")
+}
+
+pub fn unknown_norm(key: &Attribute, known: &[&'static str]) -> Diagnostic {
+    let (at, text) = (key.key.span, &key.key.text);
+    if let Some(value) = &key.value {
+        return Diagnostic::error("attribute-value", format!("`prefer {text}` takes no value"))
+            .at(value.span, "one too many")
+            .help("write `prefer degree` or `prefer plain`");
+    }
+    let d = Diagnostic::error("unknown-attribute", format!("no norm named `{text}`"));
+    match did_you_mean(text, known.iter().copied()) {
+        Some(near) => d.at(at, format!("did you mean `{near}`?")),
+        None => d.at(at, "not known"),
+    }
+    .help("write `prefer degree` or `prefer plain`")
 }
 
 pub fn degree_limit(at: Span, value: f64) -> Diagnostic {

@@ -1,16 +1,22 @@
-//! `symmetry` and `limit`: what is known about every term without data.
+//! `symmetry`, `limit` and `prefer`: what is known about every term without data.
 //!
-//! In: these statements. Out: the variables whose sign each symmetry changes, and the bound on the degree. Prunes no library.
+//! In: these statements. Out: the variables whose sign each symmetry changes, and the bound on the degree, the norms. Prunes no library.
 
 use std::collections::BTreeSet;
 
 use crate::ast::{Attribute, Expr as Ast, ExprKind, Image, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
-use crate::model::Symmetry;
+use crate::model::{PreferredNorms, Symmetry};
 use crate::source::Span;
 use crate::term::VarId;
 use crate::thresholds::MODEL;
+
+/// The words of `prefer`.
+const NORMS: [(&str, PreferredNorms); 2] = [
+    ("degree", PreferredNorms::Degree),
+    ("plain", PreferredNorms::Plain),
+];
 
 impl Checker<'_> {
     pub fn symmetries(&mut self) -> Vec<Symmetry> {
@@ -123,6 +129,27 @@ impl Checker<'_> {
             }
         }
         found.map(|(bound, _)| bound)
+    }
+
+    /// The norms of `prefer degree` or `prefer plain`.
+    pub fn preferred_norms(&mut self) -> PreferredNorms {
+        let mut found: Option<(PreferredNorms, Span)> = None;
+        for s in self.statements() {
+            let StatementKind::Prefer(key) = &s.kind else {
+                continue;
+            };
+            let norms = NORMS.iter().find(|(word, _)| *word == key.key.text);
+            let Some((_, norms)) = norms.filter(|_| key.value.is_none()) else {
+                let d = errors::unknown_norm(key, &NORMS.map(|(word, _)| word));
+                self.say(d);
+                continue;
+            };
+            match found {
+                Some((_, first)) => self.say(errors::twice(s.span, first, "preference")),
+                None => found = Some((*norms, s.span)),
+            }
+        }
+        found.map_or(PreferredNorms::Any, |(norms, _)| norms)
     }
 
     fn bound(&mut self, a: &Attribute) -> Option<f64> {
