@@ -1,4 +1,4 @@
-//! The fewest samples in several norms: the pendulum's 6,561 terms, plain and with norms graded by the spread of factors.
+//! The fewest samples in several norms: the pendulum's 6,561 terms, plain and with norms graded by how much factors vary.
 
 use super::plot::{Axis, Figure, Look, Mark, Panel};
 use super::setup::{Setup, draw};
@@ -34,9 +34,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     }
     let bases: Vec<String> = FAMILY.iter().map(f64::to_string).collect();
     let text = format!(
-        "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. A term weighs κ^g times the length of its column, where g adds up, over its factors, exponent times spread, and a factor's spread is its standard \
-         deviation over its root mean square on the samples: 1 about zero, 0 if it stays the same. *Graded* solves for κ = {} side by side and takes the answer of fewest terms; *plain* is κ = 1. Fewest samples are those from which on at least {:.0} % \
-         of {} draws are exact.\n",
+        "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. A term weighs κ^d times the length of its column, where d adds up, over its factors, exponent times variation; the variation of a factor is its standard deviation over its root mean square on the samples, 1 about zero and 0 where it stays the \
+         same ([the method](../method.md#basis-pursuit)). *Graded* solves for κ = {} side by side and takes the answer of fewest terms; *plain* is κ = 1. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n",
         table.markdown(),
         bases.join(", "),
         100.0 * WANTED,

@@ -10,7 +10,7 @@ use sidc_solve::{Problem, SOLVERS, Solution, Status, support};
 
 use super::Fault;
 use super::record::Record;
-use crate::norms::spread_grades;
+use crate::norms::by_variation;
 use sidc_testing::plants::cart_pendulum::{self, Plant};
 
 /// Largest relative error of a coefficient, and largest false share, of an exact answer.
@@ -125,7 +125,7 @@ impl Setup {
         let library = self.program.library(law.target).ok_or("no library")?;
         let grades: Vec<Grades> = bases
             .iter()
-            .map(|base| spread_grades(library, &samples, *base))
+            .map(|base| by_variation(library, &samples, *base))
             .collect();
         let columns = regression.dictionary.as_ref();
         let graded: Vec<Graded> = grades
