@@ -1,11 +1,13 @@
 //! From how many rows does basis pursuit find the laws of random coupled mechanisms, plain and with graded norms?
 //!
 //! ```sh
-//! cargo run --release -p sidc-studies --bin coupled -- --seeds 0..8 --rows 20 30 40 60 80 120 --out trials.csv
+//! cargo run --release -p sidc-studies --bin coupled -- --seeds 8 --rows 20 30 40 60 80 120 --out trials.csv
 //! ```
 //!
-//! Every seed is another mechanism of each family, in large and in small swings; every law of it is asked for. Writes one line a trial.
+//! Every seed is another mechanism of each family, in large and in small swings; every law of it is asked for. Writes one line a trial
+//! and prints the share of exact answers by grading and rows.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -13,13 +15,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Parser;
-use sidc_discover::split;
-use sidc_studies::coupled::{GRADINGS, Library, Size, Tabulated, outcome};
-use sidc_testing::plants::coupled::{Coupled, FAMILIES, Family, Point, Swing};
-
-/// Rows of a record, 0.05 s apart.
-const ROWS: usize = 800;
-const STEP: f64 = 0.05;
+use sidc_studies::coupled::{Case, GRADINGS, Plan, Size, Trial, cases, trials};
+use sidc_testing::plants::coupled::{FAMILIES, Family};
 
 #[derive(Parser)]
 struct Args {
@@ -31,8 +28,8 @@ struct Args {
     seeds: u64,
     #[arg(long, num_args = 1.., default_values_t = [20, 30, 40, 60, 80, 120])]
     rows: Vec<usize>,
-    /// Atoms of a library; 0 for those of the law alone
-    #[arg(long, num_args = 1.., default_values_t = [9, 11])]
+    /// Atoms of a library: N has 3^N terms, or more where the law needs more; 0 for those of the law alone
+    #[arg(long, num_args = 1.., default_values_t = [10])]
     atoms: Vec<usize>,
     /// Places in the list of gradings; all without it
     #[arg(long, num_args = 1..)]
@@ -41,110 +38,106 @@ struct Args {
     #[arg(long, num_args = 1..)]
     families: Vec<usize>,
     /// Steps after which a path is given up
-    #[arg(long, default_value_t = 400)]
+    #[arg(long, default_value_t = 600)]
     steps: usize,
     #[arg(long)]
     out: PathBuf,
 }
 
-struct Case {
-    family: Family,
-    swing: Swing,
-    seed: u64,
-}
+const HEAD: &str = "family,swing,seed,law,true_terms,atoms,rows,grading,exact,solved,terms,steps,residual,seconds\n";
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args = Args::parse();
-    let mut cases = Vec::new();
-    for seed in args.from..args.from + args.seeds {
-        for (k, family) in FAMILIES.into_iter().enumerate() {
-            if !args.families.is_empty() && !args.families.contains(&k) {
-                continue;
-            }
-            for swing in [Swing::Large, Swing::Small] {
-                cases.push(Case {
-                    family,
-                    swing,
-                    seed,
-                });
-            }
-        }
-    }
-    let text = Mutex::new(String::from(
-        "family,swing,seed,law,true_terms,atoms,rows,grading,exact,solved,terms,steps,residual,seconds\n",
-    ));
-    let next = AtomicUsize::new(0);
+    let families: Vec<Family> = chosen(&args.families, &FAMILIES);
+    let gradings = chosen(&args.gradings, GRADINGS);
+    let plan = Plan {
+        rows: args.rows.clone(),
+        sizes: args.atoms.iter().map(|n| size(*n)).collect(),
+        gradings: gradings.iter().map(|(_, g)| *g).collect(),
+        steps: args.steps,
+    };
+    let cases = cases(&families, args.from..args.from.saturating_add(args.seeds));
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     std::thread::scope(|scope| {
-        for _ in 0..2 {
+        for _ in 0..threads {
             scope.spawn(|| {
-                while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let lines = trials(case, &args);
-                    if let Ok(mut text) = text.lock() {
-                        text.push_str(&lines);
-                        let _ = std::fs::write(&args.out, &*text);
+                loop {
+                    let place = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(case) = cases.get(place) else { break };
+                    let made = trials(case, &plan);
+                    if let Ok(mut all) = found.lock() {
+                        all.push((place, made));
                     }
                 }
             });
         }
     });
+    let mut found = found.into_inner().map_err(|_| "a case broke off")?;
+    found.sort_by_key(|(place, _)| *place);
+    let mut text = String::from(HEAD);
+    let mut counts: BTreeMap<(String, usize, usize), (usize, usize)> = BTreeMap::new();
+    for (place, made) in &found {
+        let case = &cases[*place];
+        for trial in made {
+            let named = gradings.iter().position(|(_, g)| *g == trial.grading);
+            let grading = named.unwrap_or_default();
+            line(&mut text, case, gradings[grading].0, trial)?;
+            let key = (format!("{:?}", case.swing), grading, trial.rows);
+            let (exact, of) = counts.entry(key).or_default();
+            *exact += usize::from(trial.outcome.exact);
+            *of += 1;
+        }
+    }
+    std::fs::write(&args.out, text)?;
+    println!("swing  grading                              rows: exact of all");
+    for (swing, k) in counts
+        .keys()
+        .map(|(s, k, _)| (s, *k))
+        .collect::<std::collections::BTreeSet<_>>()
+    {
+        let of = |m: &usize| {
+            counts
+                .get(&(swing.clone(), k, *m))
+                .map(|(e, n)| format!("{m}: {e}/{n}"))
+        };
+        let shares: Vec<String> = args.rows.iter().filter_map(of).collect();
+        println!("{swing}  {:36} {}", gradings[k].0, shares.join("  "));
+    }
     Ok(())
 }
 
-fn trials(case: &Case, args: &Args) -> String {
-    let system = Coupled::draw(case.family, case.seed);
-    let record = system.record(case.swing, ROWS, STEP);
-    let mut lines = String::new();
-    for law in system.laws() {
-        let mut done = Vec::new();
-        for atoms in &args.atoms {
-            let size = match atoms {
-                0 => Size::Own,
-                99 => Size::All,
-                n => Size::Atoms(*n),
-            };
-            let library = Library::new(&system, &law, size, case.seed);
-            if done.contains(&library.atoms.len()) || library.atoms.len() > 13 {
-                continue;
-            }
-            done.push(library.atoms.len());
-            for rows in &args.rows {
-                let picked = split(record.len(), 1, Some(*rows), case.seed).used;
-                let points: Vec<&Point> = picked.iter().map(|r| &record[*r].1).collect();
-                let target: Vec<f64> = points
-                    .iter()
-                    .map(|p| p.accelerations[law.coordinate])
-                    .collect();
-                let tabulated = Tabulated::new(&library.atoms, &points);
-                let Some(phi) = tabulated.dictionary() else {
-                    continue;
-                };
-                for (k, grading) in GRADINGS.iter().enumerate() {
-                    if !args.gradings.is_empty() && !args.gradings.contains(&k) {
-                        continue;
-                    }
-                    let grades = tabulated.grades(grading);
-                    let found = outcome((&phi, &grades), &target, &law, &library, args.steps);
-                    let _ = writeln!(
-                        lines,
-                        "{},{:?},{},{},{},{},{},{},{},{},{},{},{:.1e},{:.3}",
-                        case.family.name(),
-                        case.swing,
-                        case.seed,
-                        law.coordinate,
-                        law.terms.len(),
-                        library.atoms.len(),
-                        rows,
-                        grading.name(),
-                        u8::from(found.exact),
-                        u8::from(found.solved),
-                        found.terms,
-                        found.steps,
-                        found.residual,
-                        found.seconds,
-                    );
-                }
-            }
-        }
+fn chosen<T: Clone>(places: &[usize], all: &[T]) -> Vec<T> {
+    match places {
+        [] => all.to_vec(),
+        some => some.iter().filter_map(|k| all.get(*k).cloned()).collect(),
     }
-    lines
+}
+
+fn size(atoms: usize) -> Size {
+    match atoms {
+        0 => Size::Own,
+        n => Size::Atoms(n),
+    }
+}
+
+fn line(text: &mut String, case: &Case, grading: &str, trial: &Trial) -> std::fmt::Result {
+    let found = &trial.outcome;
+    writeln!(
+        text,
+        "{},{:?},{},{},{},{},{},\"{grading}\",{},{},{},{},{:.1e},{:.3}",
+        case.family.name(),
+        case.swing,
+        case.seed,
+        trial.law,
+        trial.true_terms,
+        trial.atoms,
+        trial.rows,
+        u8::from(found.exact),
+        u8::from(found.solved),
+        found.terms,
+        found.steps,
+        found.residual,
+        found.seconds,
+    )
 }

@@ -29,7 +29,8 @@ pub struct Grading {
     pub square: f64,
 }
 
-const fn degree(base: f64) -> Grading {
+/// Every factor counts 1 for each power.
+pub const fn degree(base: f64) -> Grading {
     Grading {
         measure: Measure::Kind,
         base,
@@ -46,6 +47,11 @@ const fn waves(base: f64, wave: f64) -> Grading {
     }
 }
 
+/// Every factor counts by how much it varies, as `sidc identify` has it.
+pub const fn variation(base: f64) -> Grading {
+    of(Measure::Deviation(1.0), base)
+}
+
 const fn of(measure: Measure, base: f64) -> Grading {
     Grading {
         measure,
@@ -53,18 +59,41 @@ const fn of(measure: Measure, base: f64) -> Grading {
     }
 }
 
-/// What is compared.
-pub const GRADINGS: &[Grading] = &[
-    degree(1.0),
-    degree(1.2),
-    degree(1.5),
-    waves(1.5, 0.5),
-    waves(1.2, 0.0),
-    of(Measure::Deviation(1.0), 1.25),
-    of(Measure::Deviation(1.0), 1.5),
-    of(Measure::Deviation(1.0), 2.0),
-    of(Measure::Deviation(1.0), 3.0),
-    of(Measure::Deviation(1.0), 4.0),
+const fn accelerations(base: f64, acceleration: f64) -> Grading {
+    Grading {
+        acceleration,
+        ..variation(base)
+    }
+}
+
+const fn distinct(base: f64) -> Grading {
+    Grading {
+        square: 0.0,
+        ..variation(base)
+    }
+}
+
+/// What is compared, with names.
+pub const GRADINGS: &[(&str, Grading)] = &[
+    ("plain", degree(1.0)),
+    ("degree 1.2", degree(1.2)),
+    ("degree 1.5", degree(1.5)),
+    ("waves half 1.5", waves(1.5, 0.5)),
+    ("waves nothing 1.2", waves(1.2, 0.0)),
+    ("variation 1.25", variation(1.25)),
+    ("variation 1.5", variation(1.5)),
+    ("variation 1.75", variation(1.75)),
+    ("variation 2", variation(2.0)),
+    ("variation 3", variation(3.0)),
+    ("variation 4", variation(4.0)),
+    ("variation squared 1.5", of(Measure::Deviation(2.0), 1.5)),
+    (
+        "variation, accelerations double 1.5",
+        accelerations(1.5, 2.0),
+    ),
+    ("variation, distinct factors 1.5", distinct(1.5)),
+    // κ = e^0.5: the crest factor to the power of a half.
+    ("crest 1.649", of(Measure::Crest, 1.649)),
 ];
 
 impl Grading {
@@ -80,13 +109,6 @@ impl Grading {
             n => 1.0 + self.square * (n - 1) as f64,
         };
         self.base.powf(kind * times * self.measure.of(values))
-    }
-
-    pub fn name(&self) -> String {
-        format!(
-            "{:?} k{} w{} a{} s{}",
-            self.measure, self.base, self.wave, self.acceleration, self.square
-        )
     }
 }
 

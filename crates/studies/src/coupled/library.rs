@@ -15,8 +15,6 @@ pub enum Size {
     Own,
     /// So many: the law's first, then others at random
     Atoms(usize),
-    /// Every signal, sine and cosine
-    All,
 }
 
 pub struct Library {
@@ -37,17 +35,10 @@ impl Library {
         let most = match size {
             Size::Own => 0,
             Size::Atoms(n) => n,
-            Size::All => usize::MAX,
         };
         own.extend(others.into_iter().take(most.saturating_sub(own.len())));
-        // Halves of about equal kinds keep the factored products small; the order decides nothing else.
         own.sort_unstable();
         Library { atoms: own }
-    }
-
-    /// 3 to the number of atoms.
-    pub fn terms(&self) -> usize {
-        (POWER + 1).pow(self.atoms.len() as u32)
     }
 
     /// The place of a term, its powers read as digits; `None` where an atom or power is missing.

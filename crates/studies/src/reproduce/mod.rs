@@ -5,6 +5,7 @@
 use std::error::Error;
 
 mod bounds;
+mod coupled;
 mod decorrelated;
 mod differences;
 mod double;
@@ -138,6 +139,11 @@ pub static CHAPTERS: &[Chapter] = &[
         name: "double",
         title: "The cart with a double pendulum",
         write: double::section,
+    },
+    Chapter {
+        name: "coupled",
+        title: "Random coupled systems",
+        write: coupled::section,
     },
     Chapter {
         name: "differences",
