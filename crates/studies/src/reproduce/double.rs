@@ -135,7 +135,7 @@ fn cases(effort: Effort) -> Result<Vec<Case>, Fault> {
         30, 40, 50, 60, 80, 100, 130, 160, 200, 250, 300, 350, 400, 500,
     ];
     let more = || format!("powers({ATOMS}{MORE}; 2)");
-    let graded_rows = || vec![24, 30, 35, 40, 50, 60, 80, 100, 130, 160, 200];
+    let graded_rows = || vec![30, 40, 50, 60, 80, 100, 130, 160];
     let mut all = vec![
         case(
             ("ẍ", plain),
@@ -168,13 +168,16 @@ fn cases(effort: Effort) -> Result<Vec<Case>, Fault> {
             Look::of(1 + k),
             law,
             every(),
-            (graded_rows(), 20),
+            (graded_rows(), 10),
         )?);
     }
-    for (name, law) in [("ẍ", &cart), ("θ̈₁", &upper), ("θ̈₂", &lower)] {
-        let tried = (vec![40, 60, 80, 100, 130, 160], 5);
-        all.push(case((name, graded), Look::of(4), law, more(), tried)?);
-    }
+    all.push(case(
+        ("θ̈₂", graded),
+        Look::of(4),
+        &lower,
+        more(),
+        (vec![60, 100, 160], 3),
+    )?);
     all.push(small);
     Ok(all)
 }

@@ -20,6 +20,7 @@ mod predictors;
 mod record;
 mod rows;
 mod setup;
+mod single;
 mod smallest;
 mod subrate;
 mod success;
