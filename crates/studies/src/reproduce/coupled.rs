@@ -14,6 +14,8 @@ const CHOICES: [(&str, &[usize]); 3] = [
 ];
 /// The share that is asked for.
 const WANTED: f64 = 0.95;
+/// Samples at which shares are told beside it.
+const BESIDE: usize = 60;
 
 fn plan(effort: Effort) -> Plan {
     let [_, slight, middle, steep] = FAMILY.map(variation);
@@ -94,9 +96,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     }
     let text = format!(
         "{}\n{}\nMechanisms with random masses, lengths, springs and frictions, two to four coordinates, their laws derived from the mass matrix and the potential by formula; each law is asked for by its own acceleration, out of `powers(…; 2)` of ten atoms \
-         (59,049 terms; more where the law has more atoms): those of the law, the others at random. In large swings every angle goes beyond 2.5 rad, in small ones none beyond 0.6 rad. The columns of the first table are the fewest samples from which on {:.0} % of the laws are \
-         exact. *By degree* solves in the plain norm and with weights κ^degree, κ = 1.2 and 1.5, *by variation* in the plain norm and with the weights of `sidc identify`, where a factor counts by how much it varies; the answer with the fewest terms is taken. A path is given up after {} steps. \
-         Weights by degree find more laws in large swings and fewer in small ones, where the cosine of a small angle hardly varies and should not count.\n",
+         (59,049 terms; more where the law has more atoms): those of the law, the others at random. In large swings every angle goes beyond 2.5 rad, in small ones none beyond 0.6 rad. The cells of the first table are the fewest samples from which on {:.0} % of the laws are exact, and how many laws are exact from {BESIDE}. *By degree* solves in the plain norm and with weights κ^degree, κ = 1.2 and 1.5, *by variation* in the plain norm and with the weights of `sidc identify`, where a factor counts by how much it varies; the answer with the fewest terms is taken. A path is given up after {} steps. \
+         Weights by degree help in large swings and hardly in small ones: there the cosine of a small angle hardly varies, and should hardly count.\n",
         table.markdown(),
         sums.markdown(),
         100.0 * WANTED,
@@ -131,11 +132,17 @@ fn count(
 }
 
 impl Count {
+    /// Fewest rows from which on enough are exact, and how many are exact at [`BESIDE`].
     fn needed(&self, rows: &[usize]) -> String {
         let enough = |k: &usize| *k as f64 >= WANTED * self.of as f64;
         let after = self.exact.iter().rposition(|k| !enough(k));
         let first = rows.get(after.map_or(0, |at| at + 1));
         let most = rows.last().copied().unwrap_or(0);
-        first.map_or(format!("> {most}"), usize::to_string)
+        let first = first.map_or(format!("> {most}"), usize::to_string);
+        let at = rows.iter().position(|m| *m == BESIDE);
+        match at.and_then(|at| self.exact.get(at)) {
+            Some(exact) => format!("{first}; {exact}"),
+            None => first,
+        }
     }
 }
