@@ -2,6 +2,8 @@
 //!
 //! Here is what several programs or the tests use; each study runs what `sidc identify` runs, on records of known systems.
 
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
 pub mod coupled;
 pub mod coverage;
 pub mod decorrelation;

@@ -7,6 +7,8 @@ mod dictionary;
 mod grading;
 mod library;
 mod run;
+#[cfg(test)]
+mod tests;
 mod trial;
 
 pub use grading::{GRADINGS, Grading, Measure, degree, variation};

@@ -169,11 +169,14 @@ fn solved(mut rows: Vec<Vec<f64>>) -> [f64; COORDINATES] {
     for k in 0..n {
         let pivot = (k..n).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs()));
         rows.swap(k, pivot.unwrap_or(k));
-        for i in k + 1..n {
-            let factor = rows[i][k] / rows[k][k];
-            for j in k..=n {
-                rows[i][j] -= factor * rows[k][j];
-            }
+        let (above, below) = rows.split_at_mut(k + 1);
+        let pivot = &above[k];
+        for row in below {
+            let factor = row[k] / pivot[k];
+            row.iter_mut()
+                .zip(pivot)
+                .skip(k)
+                .for_each(|(x, p)| *x -= factor * p);
         }
     }
     let mut x = [0.0; COORDINATES];

@@ -1,5 +1,6 @@
 //! The laws hold on the rows, and are those that textbooks have.
 
+use super::lagrange::{Mass, Mechanism};
 use super::*;
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
@@ -68,22 +69,76 @@ fn accelerations_belong_to_the_motion() {
     }
 }
 
-/// The double pendulum's law of the lower rod, as it stands in textbooks.
+/// The laws of the gallery's double pendulum, which were derived by hand.
 #[test]
-fn two_links_have_the_law_of_the_double_pendulum() {
-    let system = Coupled::draw(Family::Links, 0);
-    let [_, lower] = &system.laws()[..] else {
-        panic!("two laws");
+fn a_cart_with_two_links_has_the_laws_of_the_double_pendulum() {
+    let mass = |mass, rods: &[(usize, f64)]| Mass {
+        mass,
+        carts: vec![0],
+        rods: rods.to_vec(),
     };
-    let names: Vec<String> = lower.terms.iter().map(|(m, _)| system.term(m)).collect();
-    for term in [
-        "ddth1*sin(th1)*sin(th2)",
-        "ddth1*cos(th1)*cos(th2)",
-        "dth1^2*sin(th1)*cos(th2)",
-        "dth1^2*sin(th2)*cos(th1)",
-        "sin(th2)",
-        "dth2",
-    ] {
-        assert!(names.iter().any(|n| n == term), "{names:?}");
+    let upper = (1, 0.5);
+    let mechanism = Mechanism {
+        masses: vec![
+            mass(0.6, &[]),
+            mass(0.3, &[upper]),
+            mass(0.2, &[upper, (2, 0.4)]),
+        ],
+        dampers: vec![
+            (0.05, vec![(0, 1.0)]),
+            (0.01, vec![(1, 1.0)]),
+            (0.01, vec![(2, 1.0)]),
+        ],
+        inputs: vec![0],
+        ..Mechanism::default()
+    };
+    let laws = mechanism.laws(3);
+    use Factor::{Acceleration, Cos, Input, Sin, Speed};
+    let lower: Vec<(Monomial, f64)> = vec![
+        (vec![Acceleration(0), Cos(2)], -2.5),
+        (vec![Acceleration(1), Cos(1), Cos(2)], -1.25),
+        (vec![Acceleration(1), Sin(1), Sin(2)], -1.25),
+        (vec![Speed(1), Speed(1), Cos(1), Sin(2)], -1.25),
+        (vec![Speed(1), Speed(1), Cos(2), Sin(1)], 1.25),
+        (vec![Speed(2)], -0.3125),
+        (vec![Sin(2)], -24.525),
+    ];
+    let cart: Vec<(Monomial, f64)> = vec![
+        (vec![Acceleration(1), Cos(1)], -0.25 / 1.1),
+        (vec![Acceleration(2), Cos(2)], -0.08 / 1.1),
+        (vec![Speed(0)], -0.05 / 1.1),
+        (vec![Speed(1), Speed(1), Sin(1)], 0.25 / 1.1),
+        (vec![Speed(2), Speed(2), Sin(2)], 0.08 / 1.1),
+        (vec![Input(0)], 1.0 / 1.1),
+    ];
+    for (at, wanted) in [(0, cart), (2, lower)] {
+        let found = laws.explicit(at);
+        assert_eq!(found.len(), wanted.len(), "{found:?}");
+        for (mut term, coefficient) in wanted {
+            term.sort_unstable();
+            let has = found.iter().find(|(m, _)| *m == term);
+            assert!(
+                has.is_some_and(|(_, c)| (c - coefficient).abs() < 1e-12),
+                "{term:?} in {found:?}"
+            );
+        }
     }
+}
+
+#[test]
+fn terms_are_written_as_the_program_prints_them() {
+    let system = Coupled::draw(Family::Links, 0);
+    let term = [
+        Factor::Speed(0),
+        Factor::Speed(0),
+        Factor::Sin(0),
+        Factor::Cos(1),
+    ];
+    assert_eq!(system.term(&term), "dth1^2*sin(th1)*cos(th2)");
+    assert_eq!(system.term(&[]), "1");
+    assert!(
+        system
+            .declared()
+            .starts_with("state th1, th2 : order 2\ninput F")
+    );
 }
