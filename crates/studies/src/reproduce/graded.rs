@@ -35,7 +35,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     let bases: Vec<String> = FAMILY.iter().map(f64::to_string).collect();
     let text = format!(
         "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. A term weighs κ^d times the length of its column, where d adds up, over its factors, exponent times variation; the variation of a factor is its standard deviation over its root mean square on the samples, 1 about zero and 0 where it stays the \
-         same ([the method](../method.md#basis-pursuit)). *Graded* solves for κ = {} side by side and takes the answer of fewest terms; *plain* is κ = 1. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n\n\
+         same ([the method](../method.md#the-search)). *Graded* solves for κ = {} side by side and takes the answer of fewest terms; *plain* is κ = 1. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n\n\
          Systems whose laws are not tied to each other, samples for 95 % of {} draws:\n\n{}",
         table.markdown(),
         bases.join(", "),
