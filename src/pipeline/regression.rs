@@ -6,13 +6,15 @@
 use super::program::{self, Program, needed};
 use sidc_data::{Column, Origin, Samples};
 use sidc_discover::dictionary::{BadValue, compile, subtract};
+use sidc_discover::{NormSearch, Proposal};
 use sidc_lang::library::{Library, MEMORY, known_terms};
 use sidc_lang::model::RightSide;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames};
-use sidc_solve::Problem;
+use sidc_progress::Observer;
 use sidc_solve::dictionary::Dictionary;
+use sidc_solve::{Problem, SOLVERS};
 
 /// One equation on its rows: y = Φ a.
 pub struct Regression {
@@ -20,6 +22,7 @@ pub struct Regression {
     pub dictionary: Box<dyn Dictionary>,
     /// The target without its `known(…)` parts, length M.
     pub target: Vec<f64>,
+    samples: Samples,
 }
 
 impl Regression {
@@ -30,6 +33,22 @@ impl Regression {
             target: &self.target,
             tolerance,
         }
+    }
+
+    /// Answers in the plain norm and in graded ones as `sidc identify` looks for them, those of fewest terms first.
+    pub fn proposals(
+        &self,
+        library: &Library,
+        tolerance: f64,
+        observer: &mut dyn Observer,
+    ) -> Vec<Proposal> {
+        let search = NormSearch {
+            library,
+            samples: &self.samples,
+            problem: self.problem(tolerance),
+            solver: SOLVERS[0],
+        };
+        search.proposals(&search.every_norm(), observer)
     }
 }
 
@@ -166,6 +185,7 @@ impl Program {
         Ok(Regression {
             dictionary,
             target: y,
+            samples: samples.clone(),
         })
     }
 

@@ -41,6 +41,7 @@ pub use joint::{Fitted, discover_jointly, joint};
 pub use options::{METHODS, Method, Options};
 pub use random::SplitMix;
 pub use refusal::{Refusal, Unevaluable};
+pub use regression::norm_search::{NormSearch, Proposal};
 pub use regression::row_sampling::{Split, split};
 pub use row_weights::Weights;
 pub use target_copies::{TargetCopy, copies_in_samples};

@@ -5,7 +5,7 @@
 
 use crate::regression::certificate::certify;
 use crate::regression::design::Design;
-use crate::regression::proposals::Proposal;
+use crate::regression::norm_search::Proposal;
 use crate::regression::task::Task;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::TermSelection;
@@ -74,7 +74,7 @@ impl Task<'_> {
         gradings: &[Grading],
         watcher: &mut EquationObserver,
     ) -> Selected {
-        let mut proposals = self.proposals(design, gradings, watcher);
+        let mut proposals = self.norm_search(design).proposals(gradings, watcher);
         let sparsest = proposals.first().map(|p| &p.solution);
         let largest = sparsest.map_or(0.0, |s| largest_contribution(&design.problem(), s));
         design.weights.raise_floor(largest);
@@ -106,8 +106,9 @@ impl Task<'_> {
             ..
         } = selected;
         let solution = &proposal.solution;
-        let (mut proof, mut witness) =
-            proposal.problem(design, |p| certify(p, solution, selection, polished));
+        let (mut proof, mut witness) = proposal.with_problem(&design.problem(), |p| {
+            certify(p, solution, selection, polished)
+        });
         proof.grading = self.norm_grading(&proposal.grading);
         witness.grading = proposal.grading.clone();
         Estimate {

@@ -77,8 +77,8 @@ family! {
         steep: f64 = 4.0, unit "", source "study `coupled`";
         /// Factors of a library that are made dear in turn, where no grading leads to a sparse answer.
         dear: usize = 24, unit "factors", source "set by hand: a bound on work";
-        /// Steps of a path with a dear factor.
-        dear_steps: usize = 512, unit "steps", source "study `coupled`: nine in ten sparse answers take fewer than 263 steps, 99 in 100 fewer than 841";
+        /// Steps after which a path is given up until all others have been tried.
+        steps: usize = 512, unit "steps", source "study `coupled`: nine in ten sparse answers take fewer than 263 steps, 99 in 100 fewer than 841";
         /// Terms of a proposal up to which it takes part in the selection.
         near: usize = 2, unit "times the fewest", source "set by hand";
     }

@@ -5,11 +5,13 @@
 use std::error::Error;
 
 mod bounds;
+mod coupled;
 mod decorrelated;
 mod differences;
 mod double;
 mod excitation;
 mod experiment;
+mod graded;
 mod isometry;
 mod libraries;
 mod phase;
@@ -18,6 +20,7 @@ mod predictors;
 mod record;
 mod rows;
 mod setup;
+mod single;
 mod smallest;
 mod subrate;
 mod success;
@@ -94,6 +97,11 @@ pub static CHAPTERS: &[Chapter] = &[
         write: smallest::section,
     },
     Chapter {
+        name: "graded",
+        title: "Fewer samples in graded norms",
+        write: graded::section,
+    },
+    Chapter {
         name: "phase",
         title: "Samples and noise: a phase diagram",
         write: phase::section,
@@ -132,6 +140,11 @@ pub static CHAPTERS: &[Chapter] = &[
         name: "double",
         title: "The cart with a double pendulum",
         write: double::section,
+    },
+    Chapter {
+        name: "coupled",
+        title: "Random coupled systems",
+        write: coupled::section,
     },
     Chapter {
         name: "differences",

@@ -71,12 +71,28 @@ pub fn curves(
     rows: &[usize],
     take: impl Fn(&Record, usize, u64) -> Record + Sync,
 ) -> Result<Vec<Curve>, Fault> {
+    curves_in(name, setup, records, (rows, &[1.0]), take)
+}
+
+/// As [`curves`], with the answer of fewest terms in the norms of these κ.
+pub fn curves_in(
+    name: &str,
+    setup: &Setup,
+    records: &[Record],
+    (rows, bases): (&[usize], &[f64]),
+    take: impl Fn(&Record, usize, u64) -> Record + Sync,
+) -> Result<Vec<Curve>, Fault> {
     let draws: Vec<usize> = (0..records.len()).collect();
     let laws: Vec<usize> = (0..setup.laws.len()).collect();
     let cases = work::pairs(&work::pairs(&laws, rows), &draws);
     let exact = work::all(name, &cases, |((law, rows), draw)| {
         let taken = take(&records[*draw], *rows, *draw as u64);
-        Ok(setup.pursue(&setup.laws[*law], &taken)?.exact())
+        let law = &setup.laws[*law];
+        let answer = match bases {
+            [1.0] => setup.pursue(law, &taken),
+            _ => setup.pursue_graded(law, &taken, bases),
+        };
+        Ok(answer?.exact())
     })?;
     let mut counts = exact.chunks(records.len().max(1));
     let curve = |law: &Law| Curve {

@@ -5,6 +5,7 @@
 
 pub mod cart_pendulum;
 pub mod controller;
+pub mod coupled;
 pub mod double_pendulum;
 pub mod force;
 pub mod response;

@@ -1,0 +1,97 @@
+//! Trials of a system: every law, from several numbers of rows, in several gradings.
+//!
+//! In: a family, a swing, a seed, and what to try. Out: trials; those of one problem stand together, in the order of the gradings.
+
+use sidc_discover::split;
+use sidc_testing::plants::coupled::{Coupled, Family, Point, Swing};
+
+use super::dictionary::Tabulated;
+use super::grading::Grading;
+use super::library::{Library, Size};
+use super::trial::{Outcome, outcome};
+
+/// Rows of a record, and s between them.
+const ROWS: usize = 800;
+const STEP: f64 = 0.05;
+/// Libraries of more atoms are left out: 1,594,323 terms.
+const MOST_ATOMS: usize = 13;
+
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    pub family: Family,
+    pub swing: Swing,
+    pub seed: u64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub rows: Vec<usize>,
+    pub sizes: Vec<Size>,
+    pub gradings: Vec<Grading>,
+    /// Steps after which a path is given up.
+    pub steps: usize,
+}
+
+pub struct Trial {
+    /// The law's coordinate, and how many terms it has.
+    pub law: usize,
+    pub true_terms: usize,
+    pub atoms: usize,
+    pub rows: usize,
+    pub grading: Grading,
+    pub outcome: Outcome,
+}
+
+pub fn cases(families: &[Family], seeds: std::ops::Range<u64>) -> Vec<Case> {
+    let of = |seed| {
+        families.iter().flat_map(move |family| {
+            [Swing::Large, Swing::Small].map(|swing| Case {
+                family: *family,
+                swing,
+                seed,
+            })
+        })
+    };
+    seeds.flat_map(of).collect()
+}
+
+pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
+    let system = Coupled::draw(case.family, case.seed);
+    let record = system.record(case.swing, ROWS, STEP);
+    let mut made = Vec::new();
+    for law in system.laws() {
+        let mut done = Vec::new();
+        for size in &plan.sizes {
+            let library = Library::new(&system, &law, *size, case.seed);
+            let atoms = library.atoms.len();
+            // A law may have more atoms than were asked for.
+            if done.contains(&atoms) || atoms > MOST_ATOMS {
+                continue;
+            }
+            done.push(atoms);
+            for rows in &plan.rows {
+                let picked = split(record.len(), 1, Some(*rows), case.seed).used;
+                let points: Vec<&Point> = picked.iter().map(|r| &record[*r].1).collect();
+                let target = points.iter().map(|p| p.accelerations[law.coordinate]);
+                let target: Vec<f64> = target.collect();
+                let tabulated = Tabulated::new(&library.atoms, &points);
+                let Some(phi) = tabulated.dictionary() else {
+                    continue;
+                };
+                for grading in &plan.gradings {
+                    let grades = tabulated.grades(grading);
+                    let found = outcome((&phi, &grades), &target, &law, &library, plan.steps);
+                    made.push(Trial {
+                        law: law.coordinate,
+                        true_terms: law.terms.len(),
+                        atoms,
+                        rows: *rows,
+                        grading: *grading,
+                        outcome: found,
+                    });
+                }
+            }
+        }
+    }
+    made
+}

@@ -1,0 +1,81 @@
+//! One solve: is the answer the law?
+//!
+//! In: a system's law, a library, rows, a grading. Out: whether the answer is exact, its terms, its steps. A path that goes on far is
+//! given up.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use sidc_progress::{Activity, Stop};
+use sidc_solve::dictionary::{Dictionary, Factored, Graded, Grades};
+use sidc_solve::{Problem, SOLVERS, Status};
+use sidc_testing::plants::coupled::Law;
+
+use super::library::Library;
+
+/// Largest relative error of a coefficient, and largest false share, of an exact answer.
+const EXACT: f64 = 1e-8;
+/// Share of the largest from which on a term counts.
+const COUNTS: f64 = 1e-6;
+
+pub struct Outcome {
+    pub exact: bool,
+    /// The solver met its own test.
+    pub solved: bool,
+    pub terms: usize,
+    pub steps: usize,
+    /// ‖Φa − y‖/‖y‖
+    pub residual: f64,
+    pub seconds: f64,
+}
+
+/// Basis pursuit, given up after `most` steps.
+pub fn outcome(
+    (phi, grades): (&Factored, &Grades),
+    target: &[f64],
+    law: &Law,
+    library: &Library,
+    most: usize,
+) -> Outcome {
+    let start = Instant::now();
+    let problem = Problem {
+        dictionary: &Graded {
+            columns: phi,
+            grades,
+        },
+        target,
+        tolerance: 0.0,
+    };
+    let mut steps = 0;
+    let solution = SOLVERS[0].solve(&problem, &mut |_: Activity| {
+        steps += 1;
+        match steps > most {
+            true => ControlFlow::Break(Stop::Interrupted),
+            false => ControlFlow::Continue(()),
+        }
+    });
+    let share = |(j, a): &(usize, f64)| a.abs() * phi.norms().get(*j).copied().unwrap_or(0.0);
+    let largest = solution.coefficients.iter().map(share).fold(0.0, f64::max);
+    let truth: Option<Vec<(usize, f64)>> = law
+        .terms
+        .iter()
+        .map(|(m, c)| Some((library.place(m)?, *c)))
+        .collect();
+    let exact = truth.is_some_and(|truth| {
+        let right = |(j, c): &(usize, f64)| ((solution.coefficient(*j) - c) / c).abs() <= EXACT;
+        let known = |j: usize| truth.iter().any(|(k, _)| *k == j);
+        let mut others = solution.coefficients.iter().filter(|(j, _)| !known(*j));
+        truth.iter().all(right) && others.all(|pair| share(pair) <= EXACT * largest)
+    });
+    let counted = solution.coefficients.iter();
+    let residual = problem.residual(&solution.coefficients);
+    let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    Outcome {
+        exact,
+        solved: solution.status == Status::Solved,
+        terms: counted.filter(|p| share(p) > COUNTS * largest).count(),
+        steps: solution.iterations,
+        residual: length(&residual) / length(target).max(f64::MIN_POSITIVE),
+        seconds: start.elapsed().as_secs_f64(),
+    }
+}
