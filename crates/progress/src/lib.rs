@@ -37,6 +37,8 @@ pub enum Stage {
     Refitting(usize),
     /// It is verified: columns done, and columns in all.
     Verifying(usize, usize),
+    /// Fits of so many terms are looked for or excluded; nodes of the search that are done.
+    Proving { terms: usize, nodes: usize },
     /// Its identifiability and uncertainty are computed.
     Weighing,
 }
