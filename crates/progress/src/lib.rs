@@ -152,6 +152,22 @@ impl<'a> EquationObserver<'a> {
         self
     }
 
+    /// For work that may be ended while the rest goes on: an end that it is asked for is not remembered.
+    pub fn aside(&mut self) -> impl Observer {
+        let place = self.place;
+        let (observer, stop) = (&mut *self.observer, self.stop);
+        let mut stage = self.stage;
+        move |activity: Activity| {
+            if let Activity::Stage(now) = activity {
+                stage = now;
+            }
+            match stop {
+                Some(stop) => ControlFlow::Break(stop),
+                None => observer.hear(Activity::Equation { place, stage }),
+            }
+        }
+    }
+
     pub fn stop(&self) -> Option<Stop> {
         self.stop
     }

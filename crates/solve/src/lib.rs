@@ -32,6 +32,6 @@ pub use least_squares::{
 pub use problem::{Problem, Solution, Status};
 pub use solver::Solver;
 pub use solvers::{Clarabel, Homotopy, Knot, Omp, SOLVERS, Stlsq, lasso, lasso_path, solver};
-pub use sparsest::{Sparsest, SparsestLimits, prove_sparsest};
+pub use sparsest::{Sparsest, SparsestLimits, fits, prove_sparsest};
 pub use statistics::{Autoregression, WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 pub use thresholds::{QUADRATIC_FORM, tables as thresholds};

@@ -10,6 +10,7 @@ mod evidence;
 mod lasso_path;
 mod memory_limit;
 pub(crate) mod row_sampling;
+mod sparsest;
 pub(crate) mod task;
 pub(crate) mod thresholds;
 pub(crate) mod weak_regression;
@@ -41,9 +42,14 @@ impl Task<'_> {
         design: &mut Design,
         watcher: &mut EquationObserver,
     ) -> Equation {
-        let selected = self.select(design, watcher);
+        let mut selected = self.select(design, watcher);
+        let wanted = self.options.sparsest && watcher.stop().is_none();
+        let sparsest = wanted.then(|| self.sparsest(names, design, &mut selected, watcher));
         let estimate = self.estimate(design, &selected);
         let mut equation = self.conclude(names, design, &estimate);
+        if let Some(evidence) = &mut equation.evidence {
+            evidence.sparsest = sparsest.map(Box::new);
+        }
         equation.path = self.lasso_path(design, watcher);
         equation
     }

@@ -89,9 +89,7 @@ impl Growth {
     fn add_best(&mut self, basis: &DualBasis, open: &[usize]) -> Option<()> {
         let gain = |p: &usize| self.along[*p] * self.along[*p] / self.lengths[*p];
         let usable = |p: &&usize| {
-            basis.live[**p]
-                && self.lengths[**p] > SPARSEST.spanned
-                && !self.members.contains(*p)
+            basis.live[**p] && self.lengths[**p] > SPARSEST.spanned && !self.members.contains(*p)
         };
         let best = open.iter().filter(usable);
         let best = *best.max_by(|a, b| gain(a).total_cmp(&gain(b)).then(b.cmp(a)))?;

@@ -42,7 +42,10 @@ impl<'a> Leaf<'a> {
         let each = columns.chunks_exact(rows.max(1));
         let products = |with: Option<&[f64]>| -> Vec<f64> {
             let each = each.clone();
-            wide(|| each.map(|c| dot_in_lanes::<8>(c, with.unwrap_or(c))).collect())
+            wide(|| {
+                each.map(|c| dot_in_lanes::<8>(c, with.unwrap_or(c)))
+                    .collect()
+            })
         };
         let (lengths, along) = (products(None), products(Some(&target)));
         let square = dot_in_lanes::<8>(&target, &target);
@@ -67,9 +70,7 @@ impl<'a> Leaf<'a> {
     /// Supports with one column more.
     pub fn singles(&self) -> Vec<Vec<usize>> {
         let places = 0..self.free.len();
-        let passes = |i: &usize| {
-            self.passes(self.square, self.along[*i], self.lengths[*i])
-        };
+        let passes = |i: &usize| self.passes(self.square, self.along[*i], self.lengths[*i]);
         let found = places.filter(passes).map(|i| self.support(&[i]));
         found.filter(|s| self.all.fits(s)).collect()
     }

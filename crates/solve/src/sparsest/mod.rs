@@ -19,7 +19,7 @@ mod start;
 #[cfg(test)]
 mod tests;
 
-pub use search::{SparsestLimits, prove_sparsest};
+pub use search::{SparsestLimits, fits, prove_sparsest};
 
 /// The sparsest fit, as far as it is known.
 #[derive(Clone, Debug, PartialEq)]

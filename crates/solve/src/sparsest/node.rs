@@ -169,12 +169,7 @@ impl Tree<'_> {
     }
 
     /// One child for each column of the cut, without the columns of the children before; for each free column where no cut is known.
-    fn branch(
-        &self,
-        node: Node,
-        (basis, cut): (Arc<DualBasis>, Vec<usize>),
-        done: &mut Explored,
-    ) {
+    fn branch(&self, node: Node, (basis, cut): (Arc<DualBasis>, Vec<usize>), done: &mut Explored) {
         let mut free = node.free;
         let enters = if cut.is_empty() { free.clone() } else { cut };
         for j in enters {

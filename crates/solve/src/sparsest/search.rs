@@ -12,11 +12,12 @@ use super::columns::Columns;
 use super::cuts::Bound;
 use super::node::{Explored, Node, Tree};
 use super::start;
+use crate::least_squares::refit;
 use crate::linalg::norm;
 use crate::problem::Problem;
 use crate::solvers::is_finite;
 use crate::threads;
-use crate::thresholds::SPARSEST;
+use crate::thresholds::{CERTIFICATES, SPARSEST};
 
 /// Where a search ends that is not done.
 #[derive(Clone, Copy, Debug)]
@@ -84,9 +85,19 @@ pub fn prove_sparsest(
         }
         return search(&all, found, None, limits, observer);
     };
-    found.largest_share = found.largest_share.max(SPARSEST.share_room * start.largest_share);
+    found.largest_share = found
+        .largest_share
+        .max(SPARSEST.share_room * start.largest_share);
     found.support = Some(all.named(&start.support));
     search(&all, found, Some(start.support.len()), limits, observer)
+}
+
+/// Whether a support fits within ε, as [`prove_sparsest`] means it.
+pub fn fits(problem: &Problem, support: &[usize]) -> bool {
+    let length = norm(problem.target);
+    let allowed = problem.tolerance.max(CERTIFICATES.consistent * length);
+    let fit = refit(problem.dictionary, problem.target, support);
+    fit.residual <= allowed * (1.0 + CERTIFICATES.feasible)
 }
 
 /// The sizes from 1 on; 0 was excluded.
@@ -158,7 +169,10 @@ fn level(
     let size = root.missing;
     let (mut open, mut supports) = (vec![root], Vec::new());
     while !open.is_empty() {
-        let told = Activity::Stage(Stage::Proving { terms: size, nodes: *nodes });
+        let told = Activity::Stage(Stage::Proving {
+            terms: size,
+            nodes: *nodes,
+        });
         let stopped = matches!(observer.hear(told), ControlFlow::Break(_));
         if stopped || *nodes >= limits.nodes || supports.len() > SPARSEST.most_supports {
             return Level::Some(sorted(supports));
@@ -182,7 +196,10 @@ fn sorted(mut supports: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
 
 /// The memory of the dual bases of one round, for a user whose limit is smaller.
 fn too_large(problem: &Problem, memory: u64) -> Option<String> {
-    let (rows, columns) = (problem.dictionary.rows() as u64, problem.dictionary.cols() as u64);
+    let (rows, columns) = (
+        problem.dictionary.rows() as u64,
+        problem.dictionary.cols() as u64,
+    );
     let side = columns.saturating_add(1);
     let entries = side.saturating_mul(rows.saturating_add(side.saturating_mul(SPARSEST.bases)));
     let bytes = entries.saturating_mul(8);

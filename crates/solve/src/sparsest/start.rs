@@ -104,7 +104,11 @@ fn without_needless(all: &Columns, mut support: Vec<usize>) -> Vec<usize> {
 /// The largest coefficient of least squares.
 fn largest_share(all: &Columns, support: &[usize]) -> f64 {
     let share = |i: usize| {
-        let others: Vec<usize> = support.iter().copied().filter(|j| *j != support[i]).collect();
+        let others: Vec<usize> = support
+            .iter()
+            .copied()
+            .filter(|j| *j != support[i])
+            .collect();
         let (mut column, mut target) = (all.column(support[i]).to_vec(), all.target.clone());
         for d in all.directions(&others) {
             project_off(&mut column, &d);

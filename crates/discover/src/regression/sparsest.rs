@@ -1,0 +1,111 @@
+//! The sparsest equation that fits the rows within ε, and what becomes of the equation that the criterion selected.
+//!
+//! In: a design with its selection. Out: the proof, as data; where a sparser fit has no worse criterion, it is the selection from
+//! then on. Never changes rows or ε.
+
+use crate::regression::design::{Design, RowKind};
+use crate::regression::estimate::Selected;
+use crate::regression::task::{Task, named};
+use crate::regression::thresholds::SPARSEST_ANSWER;
+use crate::statistics::norm;
+use sidc_progress::EquationObserver;
+use sidc_solve as solve;
+use sidc_solve::{Sparsest, SparsestLimits};
+use sidc_system::discovery::{Discovery, SparsestProof};
+
+/// A support that fits, with its criterion.
+struct Rival {
+    support: Vec<usize>,
+    value: f64,
+}
+
+impl Task<'_> {
+    /// Looks for the sparsest fit on the rows of the certificate. The observer may end it without ending the search of equations.
+    pub fn sparsest(
+        &self,
+        names: &Discovery,
+        design: &Design,
+        selected: &mut Selected,
+        watcher: &mut EquationObserver,
+    ) -> SparsestProof {
+        if let RowKind::Integrals { .. } = design.basis {
+            return SparsestProof::refused(
+                "integrals have no tolerance that all terms were tried within",
+            );
+        }
+        let problem = design.problem();
+        let selection = selected.selection.support.clone();
+        let limits = SparsestLimits {
+            memory: self.options.memory,
+            ..SparsestLimits::default()
+        };
+        let found = {
+            let mut aside = watcher.aside();
+            solve::prove_sparsest(&problem, &[selection.clone()], limits, &mut aside)
+        };
+        let length = norm(&design.target);
+        let mut proof = SparsestProof {
+            refused: found.refused.clone(),
+            tolerance: problem.tolerance / length,
+            terms: found.support.as_ref().map(Vec::len),
+            lower: found.lower,
+            proved: found.proved(),
+            largest_term: found.largest_share,
+            fits: solve::fits(&problem, &selection),
+            all_others: found.all_others,
+            nodes: found.nodes,
+            ..SparsestProof::default()
+        };
+        let rivals = self.rivals(design, selected, &found);
+        let fewer = found
+            .support
+            .as_ref()
+            .is_some_and(|s| s.len() < selection.len());
+        let mut printed = selection.clone();
+        if let Some(best) = rivals.first().filter(|_| fewer) {
+            let own = self.criterion(design, selected, &selection);
+            if best.value <= own {
+                proof.replaced = Some(self.words(&selection, names));
+                proof.fits = true;
+                printed.clone_from(&best.support);
+                selected.replace(design, best.support.clone());
+            } else {
+                proof.criterion = Some(best.value - own);
+            }
+        }
+        let others = rivals.iter().filter(|r| r.support != printed);
+        let others: Vec<&Rival> = others.collect();
+        proof.other_count = others.len();
+        let listed = others.iter().take(SPARSEST_ANSWER.listed);
+        proof.others = listed.map(|r| self.words(&r.support, names)).collect();
+        proof
+    }
+
+    /// The sparsest fits that were found, the best criterion first.
+    fn rivals(&self, design: &Design, selected: &Selected, found: &Sparsest) -> Vec<Rival> {
+        let supports = found.support.iter().chain(&found.others);
+        let mut rivals: Vec<Rival> = supports
+            .map(|support| Rival {
+                value: self.criterion(design, selected, support),
+                support: support.clone(),
+            })
+            .collect();
+        rivals.sort_by(|a, b| {
+            a.value
+                .total_cmp(&b.value)
+                .then_with(|| a.support.cmp(&b.support))
+        });
+        rivals
+    }
+
+    fn criterion(&self, design: &Design, selected: &Selected, support: &[usize]) -> f64 {
+        let fit = solve::refit(design.phi.as_ref(), &design.target, support);
+        selected
+            .criterion
+            .value(fit.residual * fit.residual, support.len())
+    }
+
+    fn words(&self, support: &[usize], names: &Discovery) -> Vec<String> {
+        named(support.iter().map(|j| self.term(*j)), names)
+    }
+}
