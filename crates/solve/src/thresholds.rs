@@ -258,6 +258,10 @@ family! {
         sketch_rows: usize = 32, unit "rows", source "set by hand: more than any support has terms";
         /// Tolerance up to which a sketch rejects nearly all that does not fit.
         sketch_tolerance: f64 = 1e-3, unit "of the target", source "set by hand";
+        /// Coefficient below which the other column of a pair fits nearly alone.
+        least_share: f64 = 1e-3, unit "of what is left of the target", source "set by hand";
+        /// Angle from which directions of columns no longer tell pairs apart.
+        narrow: f64 = 1e-2, unit "radians", source "set by hand";
         /// Work of a new dual basis over that of one pass.
         new_basis: f64 = 3.0, unit "", source "QR takes 4/3 n³ multiplications, the dual basis some n³";
         /// Work between two looks at the clock.

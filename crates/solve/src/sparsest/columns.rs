@@ -131,7 +131,7 @@ impl Columns {
 }
 
 /// `few` orthonormal vectors of length `rows`, one after another, from a fixed sequence of numbers without a pattern.
-fn mixing_rows(rows: usize, few: usize) -> Vec<f64> {
+pub(super) fn mixing_rows(rows: usize, few: usize) -> Vec<f64> {
     let mut state = 1_u64;
     let mut next = || {
         // Knuth's linear congruence modulo 2⁶⁴.

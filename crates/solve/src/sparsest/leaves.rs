@@ -1,26 +1,31 @@
-//! The last one or two columns of a support, by closed form instead of branching.
+//! The last columns of a support, by closed form instead of branching.
 //!
-//! In: columns, their sketch, those included. Out: every support that fits with one or two columns more. Never misses one: what
-//! fits on all rows fits on the sketch, and what fits there is tested on all rows.
+//! In: columns, their sketch, those included. Out: every support that fits with one, two or three columns more. Never misses one:
+//! what fits on all rows fits on the sketch, and what fits there is tested on all rows.
 
-use super::columns::{Columns, project_off};
+use std::ops::Range;
+
+use super::columns::{Columns, mixing_rows, project_off};
+use super::pairs::Pairs;
 use crate::linalg::dot_in_lanes;
-use crate::simd::{axpy, wide};
+use crate::simd::wide;
 use crate::thresholds::{NUMERICAL_RANK, SPARSEST};
 
-/// The sketch with the included columns projected off.
+/// The free columns of the sketch, the included ones projected off.
 pub(super) struct Leaf<'a> {
     all: &'a Columns,
     included: &'a [usize],
+    free: &'a [usize],
     rows: usize,
     /// The free columns, in their order.
     columns: Vec<f64>,
-    free: &'a [usize],
     target: Vec<f64>,
-    /// Squared lengths of the free columns.
+    /// A unit vector without a pattern, by which directions are told apart.
+    probe: Vec<f64>,
+    /// Squared lengths of the columns, their products with the target and with the probe.
     lengths: Vec<f64>,
     along: Vec<f64>,
-    square: f64,
+    probed: Vec<f64>,
 }
 
 impl<'a> Leaf<'a> {
@@ -39,90 +44,92 @@ impl<'a> Leaf<'a> {
             let columns = columns.chunks_exact_mut(rows.max(1));
             columns.for_each(|c| project_off(c, &direction));
         }
+        let probe = mixing_rows(rows, 1);
         let each = columns.chunks_exact(rows.max(1));
-        let products = |with: Option<&[f64]>| -> Vec<f64> {
+        let products = |with: &[f64]| -> Vec<f64> {
             let each = each.clone();
-            wide(|| {
-                each.map(|c| dot_in_lanes::<8>(c, with.unwrap_or(c)))
-                    .collect()
-            })
+            wide(|| each.map(|c| dot_in_lanes::<8>(c, with)).collect())
         };
-        let (lengths, along) = (products(None), products(Some(&target)));
-        let square = dot_in_lanes::<8>(&target, &target);
+        let (along, probed) = (products(&target), products(&probe));
+        let lengths = each.clone().map(|c| dot_in_lanes::<8>(c, c)).collect();
         Leaf {
             all,
             included,
+            free,
             rows,
             columns,
-            free,
             target,
+            probe,
             lengths,
             along,
-            square,
+            probed,
         }
     }
 
-    /// Multiplications that [`Leaf::new`] took.
-    pub fn work(&self) -> f64 {
-        (4 * self.rows * self.free.len() * (self.included.len() + 1)) as f64
+    /// Multiplications that [`Leaf::new`] takes.
+    pub fn work(rows: usize, included: usize, free: usize) -> f64 {
+        (4 * rows * free * (included + 1)) as f64
     }
 
     /// Supports with one column more.
     pub fn singles(&self) -> Vec<Vec<usize>> {
-        let places = 0..self.free.len();
-        let passes = |i: &usize| self.passes(self.square, self.along[*i], self.lengths[*i]);
-        let found = places.filter(passes).map(|i| self.support(&[i]));
-        found.filter(|s| self.all.fits(s)).collect()
+        let here = self.pairs_of(0..self.free.len());
+        let passing = here.singles().into_iter().map(|i| self.support(&[i]));
+        passing.filter(|s| self.all.fits(s)).collect()
     }
 
     /// Supports with two columns more.
     pub fn pairs(&self) -> Vec<Vec<usize>> {
-        let mut found = Vec::new();
-        for first in 0..self.free.len() {
-            self.pairs_with(first, &mut found);
-        }
-        found
+        let here = self.pairs_of(0..self.free.len());
+        let product = |i: usize, j: usize| dot_in_lanes::<8>(self.column(i), self.column(j));
+        let passing = here.pairs(&product).into_iter();
+        let passing = passing.map(|(i, j)| self.support(&[i, j]));
+        passing.filter(|s| self.all.fits(s)).collect()
     }
 
-    /// Multiplications of [`Leaf::pairs`].
-    pub fn pairs_work(&self) -> f64 {
-        (self.rows * self.free.len() * self.free.len() / 2) as f64
-    }
-
-    /// Supports with a column and one after it.
-    fn pairs_with(&self, first: usize, found: &mut Vec<Vec<usize>>) {
-        if self.lengths[first] <= NUMERICAL_RANK.dependent.powi(2) {
-            // Spanned by the included columns: a pair with it fits where the other alone does.
-            return;
-        }
+    /// Supports with the column at `first` and two after it.
+    pub fn triples(&self, first: usize) -> Vec<Vec<usize>> {
         let length = self.lengths[first].sqrt();
+        if length <= NUMERICAL_RANK.dependent {
+            // Spanned by the included columns: what fits with it fits without.
+            return Vec::new();
+        }
         let mut direction = self.column(first).to_vec();
         direction.iter_mut().for_each(|x| *x /= length);
-        let target = self.along[first] / length;
-        let mut left = self.target.clone();
-        axpy(-target, &direction, &mut left);
-        let square = dot_in_lanes::<8>(&left, &left);
+        let (target, probe) = (self.along[first] / length, self.probed[first] / length);
         let after = first + 1..self.free.len();
         let products: Vec<f64> = wide(|| {
             let product = |j: usize| dot_in_lanes::<8>(self.column(j), &direction);
             after.clone().map(product).collect()
         });
-        for (j, product) in after.zip(products) {
-            let along = self.along[j] - product * target;
-            if self.passes(square, along, self.lengths[j] - product * product) {
-                let support = self.support(&[first, j]);
-                if self.all.fits(&support) {
-                    found.push(support);
-                }
-            }
+        let mut rest = self.pairs_of(after.clone());
+        rest.target_probed -= target * probe;
+        let mut left = self.target.clone();
+        project_off(&mut left, &direction);
+        rest.square = dot_in_lanes::<8>(&left, &left);
+        for (k, p) in products.iter().enumerate() {
+            rest.lengths[k] = (rest.lengths[k] - p * p).max(0.0);
+            rest.along[k] -= p * target;
+            rest.probed[k] -= p * probe;
         }
+        let product = |i: usize, j: usize| {
+            let whole = dot_in_lanes::<8>(self.column(first + 1 + i), self.column(first + 1 + j));
+            whole - products[i] * products[j]
+        };
+        let passing = rest.pairs(&product).into_iter();
+        let passing = passing.map(|(i, j)| self.support(&[first, first + 1 + i, first + 1 + j]));
+        passing.filter(|s| self.all.fits(s)).collect()
     }
 
-    /// Whether a column of this squared length and product with the target may bring the residual within the tolerance; rounding
-    /// is given the benefit of the doubt.
-    fn passes(&self, square: f64, along: f64, length: f64) -> bool {
-        let allowed = self.all.square + SPARSEST.screening * self.square;
-        (square - allowed) * length <= along * along + SPARSEST.screening * self.square
+    fn pairs_of(&self, places: Range<usize>) -> Pairs {
+        Pairs {
+            lengths: self.lengths[places.clone()].to_vec(),
+            along: self.along[places.clone()].to_vec(),
+            probed: self.probed[places].to_vec(),
+            target_probed: dot_in_lanes::<8>(&self.target, &self.probe),
+            square: dot_in_lanes::<8>(&self.target, &self.target),
+            allowed: self.all.square.max(0.0),
+        }
     }
 
     fn column(&self, place: usize) -> &[f64] {
@@ -134,5 +141,13 @@ impl<'a> Leaf<'a> {
         let mut support: Vec<usize> = self.included.iter().copied().chain(more).collect();
         support.sort_unstable();
         support
+    }
+}
+
+/// Multiplications of [`Leaf::pairs`] on so many rows and columns.
+pub(super) fn pairs_work(all: &Columns, rows: usize, free: usize) -> f64 {
+    match all.square <= SPARSEST.sketch_tolerance.powi(2) {
+        true => (2 * rows * free) as f64,
+        false => (rows * free * free) as f64 / 2.0,
     }
 }

@@ -14,6 +14,7 @@ mod cuts;
 mod dual_basis;
 mod leaves;
 mod node;
+mod pairs;
 mod search;
 mod start;
 #[cfg(test)]

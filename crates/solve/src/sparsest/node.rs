@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::columns::Columns;
 use super::cuts::{Bound, Candidates, disjoint_cuts};
 use super::dual_basis::{DualBasis, Triangle};
-use super::leaves::Leaf;
+use super::leaves::{Leaf, pairs_work};
 use crate::thresholds::SPARSEST;
 
 /// What all nodes share.
@@ -63,7 +63,9 @@ impl Tree<'_> {
             let Some(basis) = self.tighten(&mut node, work) else {
                 return;
             };
-            if !self.closes_by_enumeration(&node, done, work) {
+            if !self.closes_by_enumeration(&node, done, work)
+                && !self.closes_by_triples(&node, &basis.1, done, work)
+            {
                 self.branch(node, basis, done);
             }
         }
@@ -92,14 +94,46 @@ impl Tree<'_> {
             return false;
         }
         let leaf = Leaf::new((self.all, self.sketch), &node.included, &node.free);
-        *work += leaf.work();
+        let rows = self.sketch.rows;
+        *work += Leaf::work(rows, node.included.len(), node.free.len());
         done.supports.extend(match node.missing {
             1 => leaf.singles(),
             _ => {
-                *work += leaf.pairs_work();
+                *work += pairs_work(self.all, rows, node.free.len());
                 leaf.pairs()
             }
         });
+        true
+    }
+
+    /// Lists the supports of a node with three columns missing, one of them in the cut, where that takes no longer than a
+    /// stretch.
+    fn closes_by_triples(
+        &self,
+        node: &Node,
+        cut: &[usize],
+        done: &mut Explored,
+        work: &mut f64,
+    ) -> bool {
+        let firsts = if cut.is_empty() {
+            node.free.len()
+        } else {
+            cut.len()
+        };
+        let each = 2.0 * pairs_work(self.all, self.sketch.rows, node.free.len());
+        let estimate = firsts as f64 * each;
+        if node.missing != 3 || estimate > SPARSEST.stretch {
+            return false;
+        }
+        *work += estimate + Leaf::work(self.sketch.rows, node.included.len(), node.free.len());
+        // Columns of the cut first, so that each stands before all that may go with it.
+        let others = node.free.iter().filter(|j| !cut.contains(j));
+        let free: Vec<usize> = cut.iter().chain(others).copied().collect();
+        let leaf = Leaf::new((self.all, self.sketch), &node.included, &free);
+        for first in 0..firsts {
+            done.supports.extend(leaf.triples(first));
+            done.nodes += 1;
+        }
         true
     }
 
