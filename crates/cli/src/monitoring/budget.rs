@@ -24,8 +24,8 @@ impl Budget {
         }
     }
 
-    /// Told whether the work goes on; says once it is to end.
-    pub fn spent(&self, works: bool) -> Option<Stop> {
+    /// Told whether the work goes on, and which part of the time it may have taken by now; says once it is to end.
+    pub fn spent(&self, works: bool, part: f64) -> Option<Stop> {
         let limit = self.limit?;
         let last = self.since.replace(works.then(Instant::now));
         if !works {
@@ -33,7 +33,7 @@ impl Budget {
         }
         let more = last.map_or(Duration::ZERO, |since| since.elapsed());
         self.taken.set(self.taken.get() + more);
-        (self.taken.get() >= limit).then_some(Stop::TimeLimit(limit))
+        (self.taken.get() >= limit.mul_f64(part.clamp(0.0, 1.0))).then_some(Stop::TimeLimit(limit))
     }
 }
 
@@ -44,13 +44,21 @@ mod tests {
     #[test]
     fn only_the_work_itself_counts() {
         let budget = Budget::of(Some(Duration::from_millis(20)));
-        assert_eq!(budget.spent(true), None);
-        assert_eq!(budget.spent(false), None);
+        assert_eq!(budget.spent(true, 1.0), None);
+        assert_eq!(budget.spent(false, 1.0), None);
         std::thread::sleep(Duration::from_millis(30));
-        assert_eq!(budget.spent(true), None);
+        assert_eq!(budget.spent(true, 1.0), None);
         std::thread::sleep(Duration::from_millis(30));
         let over = Some(Stop::TimeLimit(Duration::from_millis(20)));
-        assert_eq!((budget.spent(true), budget.spent(true)), (over, over));
-        assert_eq!(Budget::of(None).spent(true), None);
+        assert_eq!(
+            (budget.spent(true, 1.0), budget.spent(true, 1.0)),
+            (over, over)
+        );
+        let shared = Budget::of(Some(Duration::from_secs(3600)));
+        assert_eq!(
+            (shared.spent(true, 0.0).is_some(), shared.spent(true, 0.5)),
+            (true, None)
+        );
+        assert_eq!(Budget::of(None).spent(true, 1.0), None);
     }
 }

@@ -113,7 +113,9 @@ impl Observer for ModelObserver<'_> {
                     stage,
                 });
                 let proves = matches!(stage, Stage::Proving { .. });
-                if let Some(stop) = self.monitor.proving.spent(proves) {
+                // An equation leaves their part of the time to those after it.
+                let part = (place + 1) as f64 / self.model.equations.len().max(1) as f64;
+                if let Some(stop) = self.monitor.proving.spent(proves, part) {
                     return ControlFlow::Break(stop);
                 }
             }

@@ -10,7 +10,7 @@ use crate::regression::thresholds::SPARSEST_ANSWER;
 use crate::statistics::norm;
 use sidc_progress::EquationObserver;
 use sidc_solve as solve;
-use sidc_solve::{Sparsest, SparsestLimits};
+use sidc_solve::{Problem, Sparsest, SparsestLimits};
 use sidc_system::discovery::{Discovery, SparsestProof};
 
 /// A support that fits, with its criterion.
@@ -33,25 +33,29 @@ impl Task<'_> {
                 "integrals have no tolerance that all terms were tried within",
             );
         }
-        let problem = design.problem();
         let selection = selected.selection.support.clone();
+        let asked = design.problem();
+        let fits = solve::fits(&asked, &selection);
+        // A sparser fit is asked to be no worse than what is printed.
+        let tolerance = match fits {
+            true => asked.tolerance,
+            false => selected.polished.residual.max(asked.tolerance),
+        };
+        let problem = Problem { tolerance, ..asked };
         let limits = SparsestLimits {
             memory: self.options.memory,
             ..SparsestLimits::default()
         };
-        let found = {
-            let mut aside = watcher.aside();
-            solve::prove_sparsest(&problem, &[selection.clone()], limits, &mut aside)
-        };
-        let length = norm(&design.target);
+        let known = [selection.clone()];
+        let found = solve::prove_sparsest(&problem, &known, limits, &mut watcher.aside());
         let mut proof = SparsestProof {
             refused: found.refused.clone(),
-            tolerance: problem.tolerance / length,
+            tolerance: tolerance / norm(&design.target),
             terms: found.support.as_ref().map(Vec::len),
             lower: found.lower,
             proved: found.proved(),
             largest_term: found.largest_share,
-            fits: solve::fits(&problem, &selection),
+            within: fits,
             all_others: found.all_others,
             nodes: found.nodes,
             ..SparsestProof::default()
@@ -66,7 +70,6 @@ impl Task<'_> {
             let own = self.criterion(design, selected, &selection);
             if best.value <= own {
                 proof.replaced = Some(self.words(&selection, names));
-                proof.fits = true;
                 printed.clone_from(&best.support);
                 selected.replace(design, best.support.clone());
             } else {

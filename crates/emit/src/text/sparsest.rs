@@ -1,5 +1,6 @@
 //! What is known of the fewest terms that fit, as text.
 
+use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
 use sidc_system::discovery::SparsestProof;
 
@@ -16,58 +17,61 @@ pub fn lines(sparsest: Option<&SparsestProof>) -> Vec<String> {
         let terms = terms.join(", ");
         format!("it takes the place of {{{terms}}}, which has more terms and no better criterion")
     }));
-    if let Some(difference) = s.criterion {
-        let sparser = s.others.first().map_or_else(String::new, |t| t.join(", "));
+    let mut others = s.others.as_slice();
+    if let (Some(difference), [sparser, rest @ ..]) = (s.criterion, others) {
         lines.push(format!(
-            "fewer terms fit within ε too: {{{sparser}}}, criterion {difference:+.1}: the rows speak for the terms more"
+            "the criterion holds the terms more for real: {{{}}} fits within ε too, but its criterion is {} more",
+            sparser.join(", "),
+            significant(difference, 2)
         ));
-    } else if !s.fits && s.terms.is_some() {
-        lines.push(
-            "the printed equation leaves more than ε: the criterion holds the terms missing for noise".into(),
-        );
+        others = rest;
     }
-    let rest = s.others.iter().skip(usize::from(s.criterion.is_some()));
-    lines.extend(rest.map(|terms| format!("as sparse: {{{}}}", terms.join(", "))));
+    let shown = others.iter().take(PRINTED.as_sparse);
+    lines.extend(shown.map(|terms| format!("as sparse: {{{}}}", terms.join(", "))));
     lines
 }
 
 /// What is proved, and under which assumption.
 fn bound(s: &SparsestProof) -> String {
-    let within = match s.tolerance > 0.0 {
-        true => format!("ε = {} of the target", significant(s.tolerance, 2)),
-        false => "the rounding of these rows".into(),
+    let size = significant(s.tolerance, 2);
+    let within = match (s.within, s.tolerance > 0.0) {
+        (true, true) => format!("fits within ε = {size} of the target"),
+        (true, false) => "fits these rows".into(),
+        (false, _) => format!("leaves as little as {size} of the target, as this one"),
     };
     let assumed = format!(
-        "assumed: no term is more than {} times as large as the target; {} nodes",
+        "assumed: no term is more than {} times as large as the target; {}",
         significant(s.largest_term, 2),
-        s.nodes
+        match s.nodes {
+            1 => "1 node".into(),
+            n => format!("{n} nodes"),
+        }
     );
     let Some(terms) = s.terms else {
         return format!(
-            "at least {} within {within}, and no fit was found ({assumed})",
+            "none was found; no equation of fewer than {} {within} ({assumed})",
             counted(s.lower)
         );
     };
     if !s.proved {
         return format!(
-            "between {} and {} terms within {within}, when time ended ({assumed})",
-            s.lower, terms
+            "between {} and {terms} terms when time ended: no equation of fewer than {} {within} ({assumed})",
+            s.lower,
+            counted(s.lower)
         );
     }
     let others = match (s.other_count, s.all_others) {
+        _ if s.criterion.is_some() => String::new(),
         (0, true) => format!(", and no other of {terms}"),
-        (0, false) => format!("; whether others of {terms} do, time did not tell"),
-        (n, true) => format!("; {n} {} of {terms} do", other(n)),
-        (n, false) => format!("; at least {n} {} of {terms} do", other(n)),
+        (0, false) => format!("; time ended before others of {terms} were excluded"),
+        (1, true) => format!("; one other of {terms} does"),
+        (n, true) => format!("; {n} others of {terms} do"),
+        (n, false) => format!("; {n} others of {terms} do, if not more"),
     };
     format!(
-        "proved: no equation of fewer than {} fits within {within}{others} ({assumed})",
+        "proved: no equation of fewer than {} {within}{others} ({assumed})",
         counted(terms)
     )
-}
-
-fn other(n: usize) -> &'static str {
-    if n == 1 { "other" } else { "others" }
 }
 
 fn counted(terms: usize) -> String {

@@ -6,10 +6,13 @@ use sidc_progress::{Activity, Stop, Unwatched};
 use sidc_random::Numbers;
 
 use super::columns::Columns;
-use super::{Sparsest, SparsestLimits, prove_sparsest};
+use super::{Sparsest, SparsestLimits, fits, prove_sparsest};
 use crate::dictionary::Dense;
 use crate::linalg::norm;
+use crate::planted::planted;
 use crate::problem::Problem;
+use crate::solver::Solver;
+use crate::solvers::Homotopy;
 
 /// A random problem with what makes supports tie: duplicates, dependent triples, zero columns.
 struct Case {
@@ -124,4 +127,146 @@ fn the_sparsest_and_its_ties_are_those_of_exhaustive_search() {
         infeasible += usize::from(wanted.is_empty());
     }
     assert!(tied > 100 && infeasible > 10, "{tied} {infeasible}");
+}
+
+/// Ends a search after so many calls.
+fn ends_after(calls: usize) -> impl FnMut(Activity) -> ControlFlow<Stop> {
+    let mut heard = 0;
+    move |_: Activity| {
+        heard += 1;
+        match heard > calls {
+            true => ControlFlow::Break(Stop::Interrupted),
+            false => ControlFlow::Continue(()),
+        }
+    }
+}
+
+#[test]
+fn a_search_that_is_ended_has_a_true_bound() {
+    let mut numbers = Numbers(77);
+    let (mut open, mut tried) = (0, 0);
+    for round in 0..100 {
+        let case = case(&mut numbers);
+        let wanted = exhaustive(&case.problem());
+        let least = wanted.first().map_or(usize::MAX, Vec::len);
+        for calls in 0..12 {
+            let limits = SparsestLimits::default();
+            let found = prove_sparsest(&case.problem(), &[], limits, &mut ends_after(calls));
+            assert!(found.lower <= least, "{round} {calls}: {found:?}");
+            if let Some(support) = &found.support {
+                assert!(support.len() >= least && fits(&case.problem(), support));
+                // What is claimed is so, wherever the end came.
+                assert!(!found.proved() || support.len() == least, "{found:?}");
+            }
+            if found.all_others {
+                assert_eq!(all_found(&found), wanted, "{round} {calls}");
+            }
+            open += usize::from(!found.proved());
+            tried += 1;
+        }
+    }
+    assert!(open > 100 && open < tried, "{open} of {tried}");
+}
+
+/// Φ with five planted columns among sixteen, exact: sizes at which cuts and branches do the work.
+#[test]
+fn larger_supports_are_found_and_limits_of_nodes_hold() {
+    let mut numbers = Numbers(5);
+    for (rows, noise) in [(40, 0.0), (40, 0.05), (14, 0.0), (9, 0.0)] {
+        let (dictionary, mut target) = planted(&mut numbers, (rows, 16), &[1, 4, 7, 10, 13], 1.5);
+        target.iter_mut().for_each(|y| *y += noise * numbers.next());
+        let problem = Problem {
+            dictionary: &dictionary,
+            target: &target,
+            tolerance: noise * (rows as f64).sqrt(),
+        };
+        let wanted = exhaustive(&problem);
+        let found = prove_sparsest(&problem, &[], SparsestLimits::default(), &mut Unwatched);
+        assert!(found.proved() && found.all_others, "{found:?}");
+        assert_eq!(all_found(&found), wanted);
+        let limits = SparsestLimits {
+            nodes: 3,
+            ..SparsestLimits::default()
+        };
+        let cut = prove_sparsest(&problem, &[], limits, &mut Unwatched);
+        assert!(cut.lower <= found.lower, "{cut:?}");
+    }
+}
+
+#[test]
+fn the_minimum_of_the_one_norm_is_not_always_the_sparsest() {
+    // y = 3 φ₀ + 3 φ₁ with nearly opposite columns: φ₂, φ₃, φ₄ reach y with a smaller 1-norm.
+    let mut values = Vec::new();
+    for column in [
+        [1.0, 0.1, 0.0, 0.0],
+        [-1.0, 0.1, 0.2, 0.1],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ] {
+        values.extend(column);
+    }
+    let dictionary = Dense::new(4, values);
+    let target = [0.0, 0.6, 0.6, 0.3];
+    let problem = Problem {
+        dictionary: &dictionary,
+        target: &target,
+        tolerance: 0.0,
+    };
+    let l1 = Homotopy.solve(&problem, &mut Unwatched);
+    assert_eq!(l1.coefficients.len(), 3);
+    let found = prove_sparsest(&problem, &[], SparsestLimits::default(), &mut Unwatched);
+    assert_eq!(found.support, Some(vec![0, 1]));
+    assert!(found.proved() && found.all_others && found.others.is_empty());
+}
+
+#[test]
+fn what_cannot_be_searched_is_said() {
+    let dictionary = Dense::new(2, vec![1.0, 0.0, 1.0, 1.0]);
+    let with = |target: &[f64], tolerance: f64, memory: u64| {
+        let problem = Problem {
+            dictionary: &dictionary,
+            target,
+            tolerance,
+        };
+        let limits = SparsestLimits {
+            memory,
+            ..SparsestLimits::default()
+        };
+        prove_sparsest(&problem, &[vec![7]], limits, &mut Unwatched)
+    };
+    let small = with(&[1.0, 2.0], 0.0, 100);
+    assert!(
+        small
+            .refused
+            .is_some_and(|r| r.contains("2 columns on 2 rows"))
+    );
+    assert!(with(&[f64::NAN, 1.0], 0.0, u64::MAX).refused.is_some());
+    let nothing = with(&[0.0, 0.0], 0.0, u64::MAX);
+    assert_eq!(
+        (nothing.support.clone(), nothing.proved()),
+        (Some(Vec::new()), true)
+    );
+    assert_eq!(with(&[1.0, 2.0], 3.0, u64::MAX).support, Some(Vec::new()));
+    assert_eq!(with(&[1.0, 2.0], 0.0, u64::MAX).support, Some(vec![0, 1]));
+}
+
+/// Rounds of several nodes on several cores, and one node after the other, are the same search.
+#[test]
+fn the_same_problem_gives_the_same_answer_to_the_last_node() {
+    let mut numbers = Numbers(31);
+    let (dictionary, target) = planted(&mut numbers, (12, 60), &[3, 20, 40, 55], 1.5);
+    let problem = Problem {
+        dictionary: &dictionary,
+        target: &target,
+        tolerance: 0.0,
+    };
+    let run = || prove_sparsest(&problem, &[], SparsestLimits::default(), &mut Unwatched);
+    let first = run();
+    assert_eq!(first, run());
+    assert_eq!(first.support, Some(vec![3, 20, 40, 55]));
+    assert!(
+        first.proved() && first.all_others && first.others.is_empty(),
+        "{first:?}"
+    );
 }

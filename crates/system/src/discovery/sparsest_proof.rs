@@ -8,7 +8,8 @@ pub struct SparsestProof {
     /// Why none was looked for, a sentence; the other fields are then empty.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub refused: Option<String>,
-    /// ε relative to the target; rounding of exact data counts as fitting.
+    /// ε relative to the target: that of the rows, or what the equation leaves that the criterion selected, if that is more.
+    /// Rounding of exact data counts as fitting.
     pub tolerance: f64,
     /// Terms of the sparsest fit that was found; absent where none was.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -19,8 +20,8 @@ pub struct SparsestProof {
     pub proved: bool,
     /// The assumption: the largest root mean square of a term, relative to that of the target.
     pub largest_term: f64,
-    /// Whether the printed equation fits within ε.
-    pub fits: bool,
+    /// Whether ε is that of the rows.
+    pub within: bool,
     /// Supports of `terms` terms that fit, besides the printed one.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub others: Vec<Vec<String>>,
