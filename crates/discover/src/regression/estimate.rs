@@ -48,6 +48,7 @@ impl Selected {
     pub fn replace(&mut self, design: &Design, support: Vec<usize>) {
         self.polished = solve::refit(design.phi.as_ref(), &design.target, &support);
         self.selection.as_proposed = false;
+        self.selection.searched = design.phi.cols();
         self.selection.ties.clear();
         self.selection.support = support;
     }

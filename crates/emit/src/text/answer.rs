@@ -38,7 +38,8 @@ fn sparsest_answers(d: &Discovery) -> String {
         let asked = e.evidence.as_ref().and_then(|e| e.sparsest.as_deref());
         for line in sparsest::lines(asked).iter().take(PRINTED.sparsest_lines) {
             let line = format!("{}, {line}", d.name(e.target));
-            out.extend(wrapped(&line, TEXT_WIDTH, "", "    ").map(|l| format!("{l}\n")));
+            let wrapped = wrapped(&line, TEXT_WIDTH, "", "    ");
+            out.extend(wrapped.iter().map(|l| format!("{l}\n")));
         }
     }
     out

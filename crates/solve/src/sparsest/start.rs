@@ -2,7 +2,7 @@
 //!
 //! In: columns, supports that others found. Out: the smallest fit that dropping and greedy addition reach. Proves nothing.
 
-use sidc_progress::Observer;
+use sidc_progress::{Activity, Observer, Stage};
 
 use super::columns::{Columns, project_off};
 use crate::linalg::dot_in_lanes;
@@ -30,7 +30,9 @@ pub(super) fn sparse_start(
     for support in known {
         tried.push(support.iter().filter_map(place).collect());
     }
-    let solution = Homotopy.solve(problem, observer);
+    let proving = Activity::Stage(Stage::Proving { terms: 1, nodes: 0 });
+    let mut observer = |_: Activity| observer.hear(proving);
+    let solution = Homotopy.solve(problem, &mut observer);
     let mut proposed: Vec<(usize, f64)> = problem
         .contributions(&solution.coefficients)
         .zip(&solution.coefficients)
@@ -39,7 +41,7 @@ pub(super) fn sparse_start(
     proposed.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     proposed.truncate(SPARSEST.start_terms);
     tried.push(proposed.into_iter().map(|(j, _)| j).collect());
-    tried.push(greedy(all, observer));
+    tried.push(greedy(all, &mut observer));
     let fits = tried.into_iter().filter(|s| all.fits(s));
     let dropped = fits.map(|s| without_needless(all, s));
     let best = dropped.min_by(|a, b| a.len().cmp(&b.len()).then_with(|| a.cmp(b)))?;
