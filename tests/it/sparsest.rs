@@ -83,6 +83,7 @@ fn other_ways_to_equations_say_why_they_have_no_proof() {
         "models/pendulum.sid",
         "models/data/pendulum.csv",
         "--prove-sparsest",
+        "--memory-limit=100MB",
     ];
     for proof in proofs(&large) {
         assert!(

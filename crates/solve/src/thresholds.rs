@@ -272,6 +272,10 @@ family! {
         most_supports: usize = 1000, unit "supports", source "set by hand";
         /// Terms of the greedy start.
         start_terms: usize = 40, unit "terms", source "set by hand";
+        /// Work of one search that nobody ends.
+        work: f64 = 2e12, unit "multiplications", source "set by hand: some ten minutes on two cores";
+        /// Copies of the columns that are stored at once.
+        copies: u64 = 6, unit "copies", source "reading, scaling, QR, the greedy start and what remains";
         /// Square matrices that are stored at once, at most.
         bases: u64 = 40, unit "matrices", source "a round of nodes, each with one basis for each term of a support of ten";
         /// Memory of the search.

@@ -15,15 +15,49 @@ pub(super) struct Tree<'a> {
     pub all: &'a Columns,
     pub sketch: &'a Columns,
     pub bound: Bound,
+    /// Whether dual bases fit into memory; without them there are no cuts, and the last three columns are enumerated.
+    pub bases: bool,
     /// √δ
     pub ridge: f64,
+}
+
+/// Columns that may enter: the end of a list that siblings share.
+#[derive(Clone)]
+pub(super) struct Free {
+    list: Arc<Vec<usize>>,
+    from: usize,
+}
+
+impl Free {
+    pub fn new(list: Vec<usize>) -> Free {
+        Free {
+            list: Arc::new(list),
+            from: 0,
+        }
+    }
+
+    pub fn columns(&self) -> &[usize] {
+        self.list.get(self.from..).unwrap_or_default()
+    }
+
+    pub fn count(&self) -> usize {
+        self.columns().len()
+    }
+
+    /// Those after the first `count`.
+    fn after(&self, count: usize) -> Free {
+        Free {
+            list: self.list.clone(),
+            from: self.from + count,
+        }
+    }
 }
 
 /// Supports of `included` and `missing` of the `free` columns.
 #[derive(Clone)]
 pub(super) struct Node {
     pub included: Vec<usize>,
-    pub free: Vec<usize>,
+    pub free: Free,
     pub missing: usize,
     /// Holds at least the columns that are included or free; `None` where it has to be made.
     pub basis: Option<Arc<DualBasis>>,
@@ -35,6 +69,8 @@ pub(super) struct Explored {
     pub supports: Vec<Vec<usize>>,
     pub open: Vec<Node>,
     pub nodes: usize,
+    /// Multiplications.
+    pub work: f64,
 }
 
 impl Tree<'_> {
@@ -55,19 +91,25 @@ impl Tree<'_> {
                 children.reverse();
             }
         }
+        done.work = work;
         done
     }
 
     fn visit(&self, mut node: Node, done: &mut Explored, work: &mut f64) {
-        if !self.closes_by_enumeration(&node, done, work) {
-            let Some(basis) = self.tighten(&mut node, work) else {
-                return;
-            };
-            if !self.closes_by_enumeration(&node, done, work)
-                && !self.closes_by_triples(&node, &basis.1, done, work)
-            {
-                self.branch(node, basis, done);
+        if self.closes_by_enumeration(&node, done, work) {
+            return;
+        }
+        let mut cut = Vec::new();
+        if self.bases {
+            match self.tighten(&mut node, work) {
+                Some(smallest) => cut = smallest,
+                None => return,
             }
+        }
+        if !self.closes_by_enumeration(&node, done, work)
+            && !self.closes_by_triples(&node, &cut, done, work)
+        {
+            self.branch(&node, &cut, done);
         }
     }
 
@@ -78,7 +120,7 @@ impl Tree<'_> {
 
     /// Lists the supports of a node with at most two columns missing.
     fn closes_by_enumeration(&self, node: &Node, done: &mut Explored, work: &mut f64) -> bool {
-        if node.missing > node.free.len() {
+        if node.missing > node.free.count() {
             return true;
         }
         if node.missing == 0 {
@@ -93,13 +135,13 @@ impl Tree<'_> {
         if node.missing > 2 {
             return false;
         }
-        let leaf = Leaf::new((self.all, self.sketch), &node.included, &node.free);
+        let leaf = Leaf::new((self.all, self.sketch), &node.included, node.free.columns());
         let rows = self.sketch.rows;
-        *work += Leaf::work(rows, node.included.len(), node.free.len());
+        *work += Leaf::work(rows, node.included.len(), node.free.count());
         done.supports.extend(match node.missing {
             1 => leaf.singles(),
             _ => {
-                *work += pairs_work(self.all, rows, node.free.len());
+                *work += pairs_work(self.all, rows, node.free.count());
                 leaf.pairs()
             }
         });
@@ -116,18 +158,18 @@ impl Tree<'_> {
         work: &mut f64,
     ) -> bool {
         let firsts = if cut.is_empty() {
-            node.free.len()
+            node.free.count()
         } else {
             cut.len()
         };
-        let each = 2.0 * pairs_work(self.all, self.sketch.rows, node.free.len());
+        let each = 2.0 * pairs_work(self.all, self.sketch.rows, node.free.count());
         let estimate = firsts as f64 * each;
         if node.missing != 3 || estimate > SPARSEST.stretch {
             return false;
         }
-        *work += estimate + Leaf::work(self.sketch.rows, node.included.len(), node.free.len());
+        *work += estimate + Leaf::work(self.sketch.rows, node.included.len(), node.free.count());
         // Columns of the cut first, so that each stands before all that may go with it.
-        let others = node.free.iter().filter(|j| !cut.contains(j));
+        let others = node.free.columns().iter().filter(|j| !cut.contains(j));
         let free: Vec<usize> = cut.iter().chain(others).copied().collect();
         let leaf = Leaf::new((self.all, self.sketch), &node.included, &free);
         for first in 0..firsts {
@@ -138,12 +180,12 @@ impl Tree<'_> {
     }
 
     /// Includes what every fit has and dismisses what none has, as long as that goes on; `None` where nothing fits.
-    fn tighten(&self, node: &mut Node, work: &mut f64) -> Option<(Arc<DualBasis>, Vec<usize>)> {
+    fn tighten(&self, node: &mut Node, work: &mut f64) -> Option<Vec<usize>> {
         loop {
             let basis = self.basis(node, work);
             node.basis = Some(basis.clone());
             let place = |j: &usize| basis.triangle.columns.binary_search(j).ok();
-            let free: Vec<usize> = node.free.iter().filter_map(place).collect();
+            let free: Vec<usize> = node.free.columns().iter().filter_map(place).collect();
             let included: Vec<usize> = node.included.iter().filter_map(place).collect();
             let candidates = Candidates {
                 free: &free,
@@ -155,31 +197,37 @@ impl Tree<'_> {
                 return None;
             }
             let column = |p: &usize| basis.triangle.columns[*p];
-            let before = (node.missing, node.free.len());
+            let before = (node.missing, node.free.count());
             if cuts.len() == node.missing {
                 let mut union: Vec<usize> = cuts.iter().flatten().map(column).collect();
                 union.sort_unstable();
-                node.free = union;
+                node.free = Free::new(union);
             }
             for cut in &cuts {
                 if let [needed] = cut.as_slice() {
                     let needed = column(needed);
                     node.included.push(needed);
-                    node.free.retain(|j| *j != needed);
+                    let left = node.free.columns().iter().filter(|j| **j != needed);
+                    node.free = Free::new(left.copied().collect());
                     node.missing -= 1;
                 }
             }
-            if node.missing <= 2 || (node.missing, node.free.len()) == before {
+            if node.missing <= 2 || (node.missing, node.free.count()) == before {
                 let smallest = cuts.iter().min_by_key(|c| c.len());
                 let smallest = smallest.map(|c| c.iter().map(column).collect());
-                return Some((basis, smallest.unwrap_or_default()));
+                return Some(smallest.unwrap_or_default());
             }
         }
     }
 
     /// The dual basis of the columns of a node: what it inherited without what has left since, or a new one.
     fn basis(&self, node: &Node, work: &mut f64) -> Arc<DualBasis> {
-        let mut columns: Vec<usize> = node.included.iter().chain(&node.free).copied().collect();
+        let mut columns: Vec<usize> = node
+            .included
+            .iter()
+            .chain(node.free.columns())
+            .copied()
+            .collect();
         columns.sort_unstable();
         let n = columns.len() as f64;
         if let Some(basis) = &node.basis {
@@ -203,20 +251,30 @@ impl Tree<'_> {
     }
 
     /// One child for each column of the cut, without the columns of the children before; for each free column where no cut is known.
-    fn branch(&self, node: Node, (basis, cut): (Arc<DualBasis>, Vec<usize>), done: &mut Explored) {
-        let mut free = node.free;
-        let enters = if cut.is_empty() { free.clone() } else { cut };
-        for j in enters {
-            free.retain(|k| *k != j);
+    fn branch(&self, node: &Node, cut: &[usize], done: &mut Explored) {
+        let free = match cut.is_empty() {
+            true => node.free.clone(),
+            false => {
+                let others = node.free.columns().iter().filter(|j| !cut.contains(j));
+                Free::new(cut.iter().chain(others).copied().collect())
+            }
+        };
+        let enters = if cut.is_empty() {
+            free.count()
+        } else {
+            cut.len()
+        };
+        // The last two columns are found without a basis.
+        let missing = node.missing - 1;
+        let basis = node.basis.as_ref().filter(|_| missing > 2);
+        for (place, j) in free.columns().iter().take(enters).enumerate() {
             let mut included = node.included.clone();
-            included.push(j);
-            // The last two columns are found without a basis.
-            let missing = node.missing - 1;
+            included.push(*j);
             done.open.push(Node {
                 included,
-                free: free.clone(),
+                free: free.after(place + 1),
                 missing,
-                basis: (missing > 2).then(|| basis.clone()),
+                basis: basis.cloned(),
             });
         }
     }

@@ -10,7 +10,7 @@ use sidc_progress::{Activity, Observer, Stage};
 use super::Sparsest;
 use super::columns::Columns;
 use super::cuts::Bound;
-use super::node::{Explored, Node, Tree};
+use super::node::{Explored, Free, Node, Tree};
 use super::start;
 use crate::least_squares::refit;
 use crate::linalg::norm;
@@ -24,6 +24,8 @@ use crate::thresholds::{CERTIFICATES, SPARSEST};
 pub struct SparsestLimits {
     /// Nodes, checked after each round.
     pub nodes: usize,
+    /// Multiplications, checked as often: the end of a search that nobody watches.
+    pub work: f64,
     /// Bytes.
     pub memory: u64,
 }
@@ -32,6 +34,7 @@ impl Default for SparsestLimits {
     fn default() -> Self {
         SparsestLimits {
             nodes: usize::MAX,
+            work: SPARSEST.work,
             memory: u64::MAX,
         }
     }
@@ -72,10 +75,13 @@ pub fn prove_sparsest(
         found.all_others = true;
         return found;
     }
-    if let Some(reason) = too_large(problem, limits.memory) {
-        found.refused = Some(reason);
+    let (least, with_bases) = memory(problem);
+    let memory = limits.memory.min(SPARSEST.max_memory);
+    if least > memory {
+        found.refused = Some(too_large(problem, least));
         return found;
     }
+    let bases = with_bases <= memory;
     let all = Columns::new(problem);
     let start = start::sparse_start(problem, &all, known, observer);
     let Some(start) = start else {
@@ -83,13 +89,19 @@ pub fn prove_sparsest(
             found.refused = Some("not even the whole library fits within the tolerance".into());
             return found;
         }
-        return search(&all, found, None, limits, observer);
+        return search((&all, bases), found, None, limits, observer);
     };
     found.largest_share = found
         .largest_share
         .max(SPARSEST.share_room * start.largest_share);
     found.support = Some(all.named(&start.support));
-    search(&all, found, Some(start.support.len()), limits, observer)
+    search(
+        (&all, bases),
+        found,
+        Some(start.support.len()),
+        limits,
+        observer,
+    )
 }
 
 /// Whether a support fits within ε, as [`prove_sparsest`] means it.
@@ -102,7 +114,7 @@ pub fn fits(problem: &Problem, support: &[usize]) -> bool {
 
 /// The sizes from 1 on; 0 was excluded.
 fn search(
-    all: &Columns,
+    (all, bases): (&Columns, bool),
     mut found: Sparsest,
     upper: Option<usize>,
     limits: SparsestLimits,
@@ -114,11 +126,12 @@ fn search(
     let ridge_square = SPARSEST.ridge_room * all.square / (most as f64 * share * share);
     let mut root = Node {
         included: Vec::new(),
-        free: (0..all.count()).collect(),
+        free: Free::new((0..all.count()).collect()),
         missing: 0,
         basis: None,
     };
     found.lower = 1;
+    let mut work = 0.0;
     for size in 1..=most.min(all.count()) {
         let tree = Tree {
             all,
@@ -128,12 +141,14 @@ fn search(
                 total: share * size as f64,
             },
             ridge: ridge_square.sqrt(),
+            bases,
         };
-        if size > 2 && root.basis.is_none() {
+        if bases && size > 2 && root.basis.is_none() {
             root.basis = Some(tree.root_basis(&root));
         }
         root.missing = size;
-        let level = level(&tree, root.clone(), &mut found.nodes, limits, observer);
+        let spent = (&mut found.nodes, &mut work);
+        let level = level(&tree, root.clone(), spent, limits, observer);
         let (supports, whole) = match level {
             Level::All(supports) => (supports, true),
             Level::Some(supports) => (supports, false),
@@ -162,7 +177,7 @@ fn search(
 fn level(
     tree: &Tree,
     root: Node,
-    nodes: &mut usize,
+    (nodes, work): (&mut usize, &mut f64),
     limits: SparsestLimits,
     observer: &mut dyn Observer,
 ) -> Level {
@@ -174,7 +189,8 @@ fn level(
             nodes: *nodes,
         });
         let stopped = matches!(observer.hear(told), ControlFlow::Break(_));
-        if stopped || *nodes >= limits.nodes || supports.len() > SPARSEST.most_supports {
+        let spent = *nodes >= limits.nodes || *work >= limits.work;
+        if stopped || spent || supports.len() > SPARSEST.most_supports {
             return Level::Some(sorted(supports));
         }
         let round = open.split_off(open.len().saturating_sub(SPARSEST.round));
@@ -183,6 +199,7 @@ fn level(
             supports.extend(done.supports);
             open.extend(done.open);
             *nodes += done.nodes;
+            *work += done.work;
         }
     }
     Level::All(sorted(supports))
@@ -194,19 +211,23 @@ fn sorted(mut supports: Vec<Vec<usize>>) -> Vec<Vec<usize>> {
     supports
 }
 
-/// The memory of the dual bases of one round, for a user whose limit is smaller.
-fn too_large(problem: &Problem, memory: u64) -> Option<String> {
-    let (rows, columns) = (
-        problem.dictionary.rows() as u64,
-        problem.dictionary.cols() as u64,
-    );
+/// Bytes of the columns and what is made of them, without and with dual bases.
+fn memory(problem: &Problem) -> (u64, u64) {
+    let (rows, columns) = size(problem);
     let side = columns.saturating_add(1);
-    let entries = side.saturating_mul(rows.saturating_add(side.saturating_mul(SPARSEST.bases)));
-    let bytes = entries.saturating_mul(8);
-    (bytes > memory.min(SPARSEST.max_memory)).then(|| {
-        format!(
-            "{columns} columns on {rows} rows would take {:.1} GB",
-            bytes as f64 / 1e9
-        )
-    })
+    let least = side.saturating_mul(rows).saturating_mul(SPARSEST.copies);
+    let bases = side.saturating_mul(side).saturating_mul(SPARSEST.bases);
+    let bytes = |entries: u64| entries.saturating_mul(8);
+    (bytes(least), bytes(least.saturating_add(bases)))
+}
+
+fn size(problem: &Problem) -> (u64, u64) {
+    let dictionary = problem.dictionary;
+    (dictionary.rows() as u64, dictionary.cols() as u64)
+}
+
+fn too_large(problem: &Problem, bytes: u64) -> String {
+    let (rows, columns) = size(problem);
+    let size = bytes as f64 / 1e9;
+    format!("{columns} columns on {rows} rows would take {size:.1} GB")
 }

@@ -270,3 +270,32 @@ fn the_same_problem_gives_the_same_answer_to_the_last_node() {
         "{first:?}"
     );
 }
+
+/// Too many columns for dual bases: the last three are enumerated, which proves sizes up to four where one of four is known.
+#[test]
+fn without_dual_bases_small_supports_are_proved() {
+    let mut numbers = Numbers(41);
+    let (dictionary, target) = planted(&mut numbers, (20, 150), &[3, 70, 149], 1.5);
+    let problem = Problem {
+        dictionary: &dictionary,
+        target: &target,
+        tolerance: 0.0,
+    };
+    let run = |memory: u64| {
+        let limits = SparsestLimits {
+            memory,
+            ..SparsestLimits::default()
+        };
+        prove_sparsest(&problem, &[], limits, &mut Unwatched)
+    };
+    let (few, all) = (run(400_000), run(u64::MAX));
+    assert_eq!(
+        (few.refused.clone(), few.support.clone()),
+        (None, Some(vec![3, 70, 149]))
+    );
+    assert!(
+        few.proved() && few.all_others && few.others.is_empty(),
+        "{few:?}"
+    );
+    assert_eq!((all.support, all.lower), (few.support, few.lower));
+}
