@@ -7,10 +7,10 @@ use std::ops::ControlFlow;
 
 use sidc_progress::{Activity, Observer, Stage};
 
-use super::Sparsest;
 use super::columns::Columns;
 use super::cuts::Bound;
 use super::node::{Explored, Free, Node, Tree};
+use super::sparsest_fit::Sparsest;
 use super::start;
 use crate::least_squares::refit;
 use crate::linalg::norm;
