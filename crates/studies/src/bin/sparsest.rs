@@ -48,6 +48,9 @@ struct Case {
     tables: Vec<PathBuf>,
 }
 
+/// A line of the table, and whether the equation is proved where it was looked at.
+type Row = (String, Option<bool>);
+
 /// Time of each equation's proof, by place.
 #[derive(Default)]
 struct Times {
@@ -169,8 +172,8 @@ fn library(class: &str, id: u64, names: &[String]) -> Option<String> {
     }
 }
 
-/// A line an equation, and whether it is proved where it was looked at.
-fn rows(case: &Case, seconds: f64) -> Result<Vec<(String, Option<bool>)>, Box<dyn Error>> {
+/// A row an equation.
+fn rows(case: &Case, seconds: f64) -> Result<Vec<Row>, Box<dyn Error>> {
     let mut sources = Sources::default();
     let file = sources.add(format!("{}.sid", case.name), case.model.as_str());
     let program = pipeline::compile(file, &sources, pipeline::MEMORY).0;
@@ -229,12 +232,7 @@ fn looked_at(evidence: Option<&Evidence>) -> Option<(&Evidence, &SparsestProof)>
     Some((evidence, evidence.sparsest.as_deref()?))
 }
 
-fn line(
-    head: &str,
-    evidence: &Evidence,
-    s: &SparsestProof,
-    (own, took): (usize, Duration),
-) -> (String, Option<bool>) {
+fn line(head: &str, evidence: &Evidence, s: &SparsestProof, (own, took): (usize, Duration)) -> Row {
     let (rows, candidates) = (evidence.rows, evidence.candidates);
     if let Some(reason) = &s.refused {
         let reason = reason.replace(',', ";");
