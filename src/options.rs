@@ -134,6 +134,13 @@ impl Options {
         self
     }
 
+    /// Looks for the sparsest equation that fits within ε and proves that it is, where an equation is found from rows alone. The
+    /// observer hears [`Stage::Proving`](crate::Stage) meanwhile; ending it then ends this alone, and the bound is what is known.
+    pub fn prove_sparsest(mut self) -> Options {
+        self.search.sparsest = true;
+        self
+    }
+
     /// Checks every equation and its proof once more, by separate code in 106 bits.
     pub fn verify(mut self) -> Options {
         self.verify = true;

@@ -7,7 +7,7 @@ use sidc_discover::Refusal;
 use sidc_discover::identifiability::Rows;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_progress::Observer;
-use sidc_system::discovery::Discovery;
+use sidc_system::discovery::{Discovery, SparsestProof};
 
 use super::evidence::Weighing;
 use super::joint::jointly;
@@ -17,6 +17,10 @@ use super::rates;
 use super::second_way::better_way;
 use super::unevaluable;
 use crate::options::Options;
+
+const TOGETHER: &str = "the equations were estimated together with their trajectory, and no tolerance says which others fit";
+const CONSTRAINED: &str = "equations that constraints tie are not looked at one by one";
+const OTHERWISE: &str = "this equation was found another way, or the search was ended before";
 
 /// Program + measured → equations with evidence.
 ///
@@ -31,7 +35,8 @@ pub fn identify(
     let program = measured.searched(program);
     if let Some(problem) = &measured.joint {
         let dataset = &measured.dataset;
-        return Ok(jointly(program, dataset, problem, options, observer));
+        let found = jointly(program, dataset, problem, options, observer);
+        return Ok(sparsest_or_why(found, options));
     }
     let search = &options.search;
     let found = discover::discover(
@@ -53,7 +58,28 @@ pub fn identify(
         options: search,
     };
     weighing.weigh(&mut discovery, observer);
-    Ok(better_way(program, measured, options, discovery, observer))
+    let found = better_way(program, measured, options, discovery, observer);
+    Ok(sparsest_or_why(found, options))
+}
+
+/// Says of every equation whose sparsest form was asked for and not looked for why that is.
+fn sparsest_or_why(mut found: Discovery, options: &Options) -> Discovery {
+    if !options.search.sparsest {
+        return found;
+    }
+    for equation in &mut found.equations {
+        let Some(evidence) = &mut equation.evidence else {
+            continue;
+        };
+        let why = match (&evidence.together, evidence.certificate.constrained) {
+            (Some(_), _) => TOGETHER,
+            (None, true) => CONSTRAINED,
+            (None, false) => OTHERWISE,
+        };
+        let refused = || Box::new(SparsestProof::refused(why));
+        evidence.sparsest.get_or_insert_with(refused);
+    }
+    found
 }
 
 fn diagnostics(program: &Program, measured: &Measured, refused: Vec<Refusal>) -> Vec<Diagnostic> {

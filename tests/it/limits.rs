@@ -225,7 +225,7 @@ fn stage(s: Stage) -> u8 {
         Stage::Evaluating => 0,
         Stage::Solving(_) => 1,
         Stage::Choosing | Stage::Refitting(_) => 2,
-        Stage::Weighing | Stage::Verifying(..) => 3,
+        Stage::Weighing | Stage::Verifying(..) | Stage::Proving { .. } => 3,
     }
 }
 

@@ -43,6 +43,7 @@ mod simulate;
 mod simulate_command;
 mod smooth;
 mod solve;
+mod sparsest;
 mod stiff;
 mod symbolic;
 mod thresholds;

@@ -55,6 +55,8 @@ pub struct Options {
     pub robust: bool,
     /// Whether the rank of each library is wanted: of a thousand columns it takes as long as all other evidence.
     pub ranks: bool,
+    /// Whether the sparsest equation within ε is looked for and proved.
+    pub sparsest: bool,
 }
 
 impl Options {
@@ -75,6 +77,7 @@ impl Default for Options {
             path: false,
             robust: false,
             ranks: true,
+            sparsest: false,
         }
     }
 }

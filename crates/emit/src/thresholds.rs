@@ -21,6 +21,10 @@ family! {
         predicted_signals: usize = 3, unit "signals", source "what fits into two lines; the result document has all";
         /// Error of a prediction below which it is not printed.
         exact_prediction: f64 = 1e-6, unit "of the signal's spread", source "as the noise below which readings count as clean";
+        /// Equations as sparse as the one printed that the evidence names.
+        as_sparse: usize = 5, unit "equations", source "what fits on a screen; the result document has more";
+        /// Lines on the sparsest form of an equation that the answer has.
+        sparsest_lines: usize = 2, unit "lines", source "the bound and what became of it; --evidence has the equations as sparse";
         /// Reasons that are told with what to do.
         reasons: usize = 3, unit "reasons", source "what fits on a screen below the equations; --evidence has all";
         /// Doubts that the line of the law names.

@@ -37,6 +37,8 @@ pub enum Stage {
     Refitting(usize),
     /// It is verified: columns done, and columns in all.
     Verifying(usize, usize),
+    /// Fits of so many terms are looked for or excluded; nodes of the search that are done.
+    Proving { terms: usize, nodes: usize },
     /// Its identifiability and uncertainty are computed.
     Weighing,
 }
@@ -148,6 +150,22 @@ impl<'a> EquationObserver<'a> {
     pub fn during(&mut self, stage: Stage) -> &mut Self {
         self.stage = stage;
         self
+    }
+
+    /// For work that may be ended while the rest goes on: an end that it is asked for is not remembered.
+    pub fn aside(&mut self) -> impl Observer {
+        let place = self.place;
+        let (observer, stop) = (&mut *self.observer, self.stop);
+        let mut stage = self.stage;
+        move |activity: Activity| {
+            if let Activity::Stage(now) = activity {
+                stage = now;
+            }
+            match stop {
+                Some(stop) => ControlFlow::Break(stop),
+                None => observer.hear(Activity::Equation { place, stage }),
+            }
+        }
     }
 
     pub fn stop(&self) -> Option<Stop> {

@@ -13,6 +13,7 @@ mod problem;
 pub mod simd;
 mod solver;
 mod solvers;
+mod sparsest;
 mod statistics;
 pub mod threads;
 mod thresholds;
@@ -33,5 +34,6 @@ pub use solver::Solver;
 pub use solvers::{
     Clarabel, Homotopy, Knot, Omp, SOLVERS, Stlsq, is_sparse, lasso, lasso_path, solver,
 };
+pub use sparsest::{Sparsest, SparsestLimits, fits, prove_sparsest};
 pub use statistics::{Autoregression, WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 pub use thresholds::{QUADRATIC_FORM, tables as thresholds};

@@ -245,6 +245,58 @@ family! {
     }
 }
 
+family! {
+    /// The proof that no fit has fewer terms. Columns and target have length one.
+    pub(crate) SPARSEST: SparsestNumbers {
+        /// The assumption of the proof: largest |a|‖φ‖ of a term, unless the terms found are themselves large.
+        largest_share: f64 = 1e3, unit "of the target", source "set by hand: sums that cancel to a thousandth are no law that data could show";
+        /// The same where the terms found are large.
+        share_room: f64 = 10.0, unit "of the largest term found", source "set by hand";
+        /// Largest support that is looked for; the ridge is chosen for it.
+        max_terms: usize = 20, unit "terms", source "set by hand: the search is exponential";
+        /// Squared tolerance that the ridge costs.
+        ridge_room: f64 = 0.1, unit "of the squared tolerance", source "set by hand";
+        /// Largest cut that is looked for.
+        cut_size: usize = 32, unit "columns", source "set by hand";
+        /// Largest cut that is searched for needless members.
+        shrunk_cut: usize = 12, unit "columns", source "set by hand";
+        /// Squared length outside the span of others below which a direction is spanned by them.
+        spanned: f64 = 1e-10, unit "", source "set by hand; differences of squares keep some 1e-15";
+        /// Length that rounding leaves of a direction of the dual basis that is spanned by those excluded.
+        lost_direction: f64 = 1e-9, unit "", source "set by hand";
+        /// Excess of a dual point over its bound that rounding may cause.
+        rounding: f64 = 1e-13, unit "of the target", source "set by hand, some hundred roundings";
+        /// Squared residual that rounding of differences may hide.
+        screening: f64 = 1e-12, unit "of the squared target", source "set by hand, some thousand roundings";
+        /// Rows of the sketch on which the last two columns are sought.
+        sketch_rows: usize = 32, unit "rows", source "set by hand: more than any support has terms";
+        /// Tolerance up to which a sketch rejects nearly all that does not fit.
+        sketch_tolerance: f64 = 1e-3, unit "of the target", source "set by hand";
+        /// Coefficient below which the other column of a pair fits nearly alone.
+        least_share: f64 = 1e-3, unit "of what is left of the target", source "set by hand";
+        /// Angle from which directions of columns no longer tell pairs apart.
+        narrow: f64 = 1e-2, unit "radians", source "set by hand";
+        /// Work of a new dual basis over that of one pass.
+        new_basis: f64 = 3.0, unit "", source "QR takes 4/3 n³ multiplications, the dual basis some n³";
+        /// Work between two looks at the clock.
+        stretch: f64 = 1e8, unit "multiplications", source "set by hand: some 50 ms";
+        /// Nodes explored side by side, on any number of cores.
+        round: usize = 4, unit "nodes", source "set by hand";
+        /// Supports of the smallest size that are listed.
+        most_supports: usize = 1000, unit "supports", source "set by hand";
+        /// Terms of the greedy start.
+        start_terms: usize = 40, unit "terms", source "set by hand";
+        /// Work of one search that nobody ends.
+        work: f64 = 2e12, unit "multiplications", source "set by hand: some ten minutes on two cores";
+        /// Copies of the columns that are stored at once.
+        copies: u64 = 6, unit "copies", source "reading, scaling, QR, the greedy start and what remains";
+        /// Square matrices that are stored at once, at most.
+        bases: u64 = 40, unit "matrices", source "a round of nodes, each with one basis for each term of a support of ten";
+        /// Memory of the search.
+        max_memory: u64 = 2_000_000_000, unit "bytes", source "set by hand";
+    }
+}
+
 /// The families as tables.
 pub fn tables() -> Vec<Table> {
     vec![
@@ -262,5 +314,6 @@ pub fn tables() -> Vec<Table> {
         QuadraticFormNumbers::table(),
         Constrained::table(),
         LinearConstraints::table(),
+        SparsestNumbers::table(),
     ]
 }

@@ -5,11 +5,12 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
+use super::budget::Budget;
 use super::limits::Limits;
 use super::progress_line::{ProgressLine, Work};
 use super::stage_times::StageTimes;
 use super::verbosity::{Notes, Verbosity};
-use sidc::{Activity, Observer, Stop};
+use sidc::{Activity, Observer, Stage, Stop};
 use sidc_lang::model::Model;
 use sidc_lang::term::SignalNames;
 
@@ -17,6 +18,8 @@ use sidc_lang::term::SignalNames;
 pub struct Monitor {
     pub notes: Notes,
     pub stages: StageTimes,
+    /// Time for the proofs of all equations.
+    pub proving: Budget,
     shows_progress: bool,
     limits: Limits,
 }
@@ -27,6 +30,7 @@ impl Monitor {
         Monitor {
             notes: verbosity.notes(),
             stages: StageTimes::start(verbosity.verbose),
+            proving: Budget::of(None),
             shows_progress: !verbosity.quiet,
             limits: Limits::start(time_limit),
         }
@@ -37,6 +41,7 @@ impl Monitor {
         Monitor {
             notes: Notes::Full,
             stages: StageTimes::start(false),
+            proving: Budget::of(None),
             shows_progress: true,
             limits: Limits::start(None),
         }
@@ -107,6 +112,12 @@ impl Observer for ModelObserver<'_> {
                     target,
                     stage,
                 });
+                let proves = matches!(stage, Stage::Proving { .. });
+                // An equation leaves their part of the time to those after it.
+                let part = (place + 1) as f64 / self.model.equations.len().max(1) as f64;
+                if let Some(stop) = self.monitor.proving.spent(proves, part) {
+                    return ControlFlow::Break(stop);
+                }
             }
             Activity::Running { time } => self.line.show(Work::Running {
                 record: "the data".into(),

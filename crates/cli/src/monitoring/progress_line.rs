@@ -150,6 +150,9 @@ fn doing(stage: Stage) -> String {
         Stage::Refitting(n) => format!("trajectory and terms together, {n} sets of terms"),
         Stage::Choosing => "choosing the terms".into(),
         Stage::Verifying(done, all) => format!("verifying {}", share(done, all)),
+        Stage::Proving { terms, nodes } => {
+            format!("fits of {terms} terms, {nodes} sets of them looked at")
+        }
         Stage::Weighing => "weighing the evidence".into(),
         Stage::Solving(p) => format!("solving{}", figures(p)),
     }

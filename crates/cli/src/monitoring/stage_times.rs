@@ -53,6 +53,7 @@ impl StageTimes {
             Stage::Refitting(_) => "trajectory and terms fitted together",
             Stage::Choosing => "terms chosen",
             Stage::Verifying(..) => "verified",
+            Stage::Proving { .. } => "sparsest sought",
         };
         let name = format!("{target}: {stage}");
         if current.name.as_deref() != Some(&name) {

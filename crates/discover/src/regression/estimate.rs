@@ -47,6 +47,15 @@ pub(crate) struct Estimate {
 }
 
 impl Selected {
+    /// Takes a sparser fit instead of the selection.
+    pub fn replace(&mut self, design: &Design, support: Vec<usize>) {
+        self.polished = solve::refit(design.phi.as_ref(), &design.target, &support);
+        self.selection.as_proposed = false;
+        self.selection.searched = design.phi.cols();
+        self.selection.ties.clear();
+        self.selection.support = support;
+    }
+
     /// (column, coefficient) of the selection.
     pub fn pairs(&self) -> Vec<(usize, f64)> {
         pairs(&self.selection.support, &self.polished.coefficients)

@@ -71,6 +71,7 @@ impl Task<'_> {
             nearest: None,
             identifiability: None,
             verification: None,
+            sparsest: None,
             witness,
         };
         self.equation(names, terms, (evidence, remains), answer)

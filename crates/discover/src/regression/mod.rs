@@ -12,6 +12,7 @@ mod memory_limit;
 pub(crate) mod norm_search;
 mod proposals;
 pub(crate) mod row_sampling;
+mod sparsest;
 pub(crate) mod task;
 pub(crate) mod thresholds;
 pub(crate) mod weak_regression;
@@ -44,9 +45,14 @@ impl Task<'_> {
         watcher: &mut EquationObserver,
     ) -> Equation {
         let gradings = self.gradings(design);
-        let selected = self.select(design, &gradings, watcher);
+        let mut selected = self.select(design, &gradings, watcher);
+        let wanted = self.options.sparsest && watcher.stop().is_none();
+        let sparsest = wanted.then(|| self.sparsest(names, design, &mut selected, watcher));
         let estimate = self.estimate(design, &selected);
         let mut equation = self.conclude(names, design, &estimate);
+        if let Some(evidence) = &mut equation.evidence {
+            evidence.sparsest = sparsest.map(Box::new);
+        }
         equation.path = self.lasso_path(design, watcher);
         equation
     }

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 
 use crate::text::equations::equations_with_errors;
 use crate::text::layout::{TEXT_WIDTH, wrapped};
-use crate::text::solution_path;
 use crate::text::verdict::verdict;
+use crate::text::{solution_path, sparsest};
 use crate::thresholds::PRINTED;
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Discovery;
@@ -24,9 +24,24 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
     }
+    out.push_str(&sparsest_answers(d));
     out.push('\n');
     out.push_str(&verdict(d, v));
     out.push_str(&reasons(d));
+    out
+}
+
+/// What is known of the sparsest equations, where that was asked.
+fn sparsest_answers(d: &Discovery) -> String {
+    let mut out = String::new();
+    for e in &d.equations {
+        let asked = e.evidence.as_ref().and_then(|e| e.sparsest.as_deref());
+        for line in sparsest::lines(asked).iter().take(PRINTED.sparsest_lines) {
+            let line = format!("{}, {line}", d.name(e.target));
+            let wrapped = wrapped(&line, TEXT_WIDTH, "", "    ");
+            out.extend(wrapped.iter().map(|l| format!("{l}\n")));
+        }
+    }
     out
 }
 

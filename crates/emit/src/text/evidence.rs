@@ -7,7 +7,9 @@ use sidc_system::discovery::{
 };
 
 use crate::text::layout::{TEXT_WIDTH, wrapped};
-use crate::text::{coefficient_inference, coefficient_units, identifiability, verification};
+use crate::text::{
+    coefficient_inference, coefficient_units, identifiability, sparsest, verification,
+};
 use sidc_lang::number::{percent, significant};
 
 /// Everything behind each equation, a line each: units, fit, proof, reasons, terms, what the data tell apart.
@@ -68,6 +70,7 @@ pub fn remarks(e: &Equation) -> Vec<String> {
             proof(evidence),
         ],
     };
+    lines.extend(sparsest::lines(evidence.sparsest.as_deref()));
     lines.extend(verification::lines(evidence.verification.as_deref()));
     // The doubt says the same with more figures.
     if e.reasons.iter().all(|r| r.code != ReasonCode::SameRelation) {

@@ -11,5 +11,6 @@ pub(crate) mod layout;
 pub(crate) mod linearization;
 pub(crate) mod matrices;
 mod solution_path;
+mod sparsest;
 pub(crate) mod verdict;
 mod verification;

@@ -14,6 +14,7 @@ use crate::solver::Solver;
 pub use clarabel::Clarabel;
 pub use homotopy::{Homotopy, Knot, is_sparse, lasso, lasso_path};
 pub use omp::Omp;
+pub(crate) use presolve::is_finite;
 pub use stlsq::Stlsq;
 
 /// Every solver; the first is the default, heuristics come last.

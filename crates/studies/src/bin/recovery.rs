@@ -80,6 +80,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 path: false,
                 robust: false,
                 ranks: false,
+                sparsest: false,
             };
             outcomes.push(one(&program, draw, &options)?);
         }

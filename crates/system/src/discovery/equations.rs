@@ -5,7 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, Trust, Verification, Witness,
+    Halves, Identifiability, Nearest, Reason, ReasonCode, SparsestProof, Trust, Verification,
+    Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
@@ -146,6 +147,9 @@ pub struct Evidence {
     /// The outcome of verification, if it was requested.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub verification: Option<Box<Verification>>,
+    /// The fewest terms that fit, if they were looked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub sparsest: Option<Box<SparsestProof>>,
     /// What verification needs; not written.
     #[serde(skip)]
     pub witness: Option<Arc<Witness>>,

@@ -90,6 +90,10 @@ pub struct Args {
     /// Check every equation and its proof once more, by separate code in 106 bits
     #[arg(long)]
     pub verify: bool,
+    /// Look for the fewest terms that fit within the tolerance, and prove that it takes no fewer; at most this time for all
+    /// equations together
+    #[arg(long, value_name = "TIME", value_parser = quantities::time, num_args = 0..=1, require_equals = true, default_missing_value = "60s")]
+    pub prove_sparsest: Option<Duration>,
     #[command(flatten)]
     pub verbosity: Verbosity,
 }
@@ -129,6 +133,12 @@ impl Args {
                 option: "--path",
                 why: trajectory,
                 help: "leave out --method joint",
+            },
+            WithoutEffect {
+                holds: self.prove_sparsest.is_some() && (joint || self.method == Method::Weak),
+                option: "--prove-sparsest",
+                why: "only equations found from rows with a tolerance have a sparsest one",
+                help: "leave out --method, or give --method regression",
             },
             WithoutEffect {
                 holds: self.until.is_some() && models == 1,
@@ -180,6 +190,9 @@ impl Args {
         }
         if self.path {
             options = options.path();
+        }
+        if self.prove_sparsest.is_some() {
+            options = options.prove_sparsest();
         }
         if self.robust {
             options = options.robust();

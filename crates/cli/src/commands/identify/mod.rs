@@ -12,6 +12,7 @@ use crate::arguments::time_ranges::HeldOut;
 use crate::failure::Failure;
 use crate::inputs::files::InputFiles;
 use crate::inputs::tables;
+use crate::monitoring::budget::Budget;
 use crate::monitoring::monitor::Monitor;
 use crate::outputs::signals::counted;
 use crate::outputs::{diagnostics, files};
@@ -22,7 +23,8 @@ use sidc::pipeline;
 use sidc_lang::source::Sources;
 
 pub fn run(args: &Args) -> Result<u8, Failure> {
-    let monitor = Monitor::start(&args.verbosity, args.time_limit);
+    let mut monitor = Monitor::start(&args.verbosity, args.time_limit);
+    monitor.proving = Budget::of(args.prove_sparsest);
     let inputs = InputFiles::sort(&args.files)?;
     args.check_effects(inputs.models.len())?;
     let held_out = args.holdout.iter().filter_map(HeldOut::file);
