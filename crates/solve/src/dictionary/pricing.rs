@@ -71,14 +71,35 @@ impl PricingCollector {
             let near = |k: usize| products[k].abs() >= least * norms[k];
             let near: [bool; LANES] = std::array::from_fn(near);
             if near.iter().fold(false, |any, n| any | n) {
-                for ((j, product), norm) in (column..).zip(products).zip(norms) {
-                    self.offer(j, quotient(*product, *norm));
-                }
+                // Divide first, then select: no branch.
+                let quotients: [f64; LANES] = std::array::from_fn(|k| products[k] / norms[k]);
+                let chosen = |k| {
+                    if norms[k] > 0.0 {
+                        quotients[k]
+                    } else {
+                        f64::NAN
+                    }
+                };
+                self.offer_group(column, &std::array::from_fn(chosen));
             }
         }
         let columns = first + groups.len() * LANES..;
         for (column, (product, norm)) in columns.zip(few.iter().zip(few_norms)) {
             self.offer(column, quotient(*product, *norm));
+        }
+    }
+
+    /// Those below the threshold are only counted.
+    fn offer_group(&mut self, first: usize, correlations: &[f64; LANES]) {
+        let sizes = correlations.map(f64::abs);
+        let kept = sizes.iter().filter(|s| **s >= self.threshold).count();
+        if self.most == 0 || kept == 0 {
+            let over = sizes.iter().map(|s| usize::from(*s > self.bound));
+            self.count += over.sum::<usize>();
+            return;
+        }
+        for (column, correlation) in (first..).zip(correlations) {
+            self.offer(column, *correlation);
         }
     }
 
