@@ -1,6 +1,6 @@
 //! Φ stored whole, column after column.
 
-use super::graded::Grades;
+use super::grades::Grades;
 use super::operator::Dictionary;
 use super::pricing::{Priced, PricingCollector};
 use crate::linalg::{dot_in_lanes, is_safe, norm, scaled_dot};

@@ -7,7 +7,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrixView, DMatrixViewMut};
 
-use super::graded::{Grades, length, within_bound};
+use super::block::Block;
+use super::grades::Grades;
 use super::operator::Dictionary;
 use super::pricing::{Priced, PricingCollector};
 use crate::linalg::{dot_in_lanes, gemm, is_safe, largest_magnitude, norm, scaled_dot, transposed};
@@ -25,14 +26,6 @@ pub struct Factored {
     blocks: Vec<Block>,
     /// Zero in empty slots.
     norms: Vec<f64>,
-}
-
-/// Every product of some left columns with some right ones; the right one varies fastest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Block {
-    pub first_slot: usize,
-    pub left: Range<usize>,
-    pub right: Range<usize>,
 }
 
 /// A column that is not finite: its factors, and its first row at fault.
@@ -186,9 +179,9 @@ impl Factored {
             let priced = column.iter().zip(lambda).map(|(x, l)| x * (l * grade));
             out.iter_mut().zip(priced).for_each(|(o, p)| *o = p);
         };
-        let size = length(lambda);
+        let size = norm(lambda);
         let wanted = |left: Range<usize>, right: Range<usize>| {
-            grades.is_none_or(|g| !within_bound(size, g.least(left, right), bound))
+            grades.is_none_or(|g| !g.dismiss(left, right, size, bound))
         };
         let collectors = threads::share(threads, self.tasks(), |tasks| {
             let mut found = PricingCollector::new(most, bound);
@@ -338,35 +331,6 @@ impl Dictionary for Factored {
     }
 }
 
-impl Block {
-    pub fn slots(&self) -> usize {
-        self.left.len() * self.right.len()
-    }
-
-    fn slot(&self, left: usize, right: usize) -> usize {
-        let (l, r) = (left - self.left.start, right - self.right.start);
-        self.first_slot + l * self.right.len() + r
-    }
-
-    /// First slot, left and right column of a block that follows.
-    pub fn ends(&self) -> (usize, usize, usize) {
-        (
-            self.first_slot + self.slots(),
-            self.left.end,
-            self.right.end,
-        )
-    }
-
-    /// The left and the right factor of a slot of the block.
-    pub(super) fn factors(&self, slot: usize) -> [usize; 2] {
-        let (place, rights) = (slot - self.first_slot, self.right.len());
-        [
-            self.left.start + place / rights,
-            self.right.start + place % rights,
-        ]
-    }
-}
-
 impl Task<'_> {
     fn slots(&self) -> Range<usize> {
         let (first, end) = (self.left.start, self.left.end);
@@ -414,86 +378,4 @@ fn multiply(right: &[f64], left: &[f64], rows: usize, out: &mut [f64]) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two blocks of several tiles, with an empty slot.
-    fn factored() -> Factored {
-        let rows = 13;
-        let values = |count: usize, step: u32| -> Vec<f64> {
-            let value = |i: u32| f64::from(i * step % 101) / 50.0 - 1.0;
-            (0..(count * rows) as u32).map(value).collect()
-        };
-        let blocks = vec![
-            Block {
-                first_slot: 0,
-                left: 0..70,
-                right: 0..300,
-            },
-            Block {
-                first_slot: 21_000,
-                left: 70..200,
-                right: 300..301,
-            },
-        ];
-        let factors = [values(200, 37), values(301, 59)];
-        Factored::new(rows, factors, blocks, &[17]).ok().unwrap()
-    }
-
-    #[test]
-    fn answers_do_not_depend_on_the_number_of_threads() {
-        let phi = factored();
-        let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
-        let one = phi.price_on(1, None, &lambda, (50, 0.5));
-        assert!(one.columns.len() == 50 && one.count > 50);
-        for threads in [2, 3, 8] {
-            assert_eq!(one, phi.price_on(threads, None, &lambda, (50, 0.5)));
-            let mut norms = vec![0.0; phi.cols()];
-            phi.measure(threads, &[17], &mut norms).unwrap();
-            norms[17] = 0.0;
-            assert_eq!(norms, phi.norms());
-        }
-    }
-
-    #[test]
-    fn every_slot_has_its_own_product() {
-        let phi = factored();
-        let mut column = vec![0.0; 13];
-        for j in [0, 299, 300, 20_999, 21_000, 21_129] {
-            let [l, r] = phi.factors(j);
-            phi.column(j, &mut column);
-            for (row, value) in column.iter().enumerate() {
-                assert_eq!(*value, phi.left[l * 13 + row] * phi.right[r * 13 + row]);
-            }
-            assert!((norm(&column) / phi.norms()[j] - 1.0).abs() < 1e-14);
-        }
-        phi.column(17, &mut column);
-        assert!(column.iter().all(|x| *x == 0.0) && phi.norms()[17] == 0.0);
-    }
-
-    /// A bound lets tiles of high grade be left out; what exceeds it is the same.
-    #[test]
-    fn grades_divide_correlations_and_nothing_above_the_bound_is_left_out() {
-        let phi = factored();
-        let lambda: Vec<f64> = (0..13).map(|i| f64::from(i % 7 - 3)).collect();
-        let left = (0..200).map(|l| 1.2_f64.powi(l / 10)).collect();
-        let right = (0..301).map(|r| 1.1_f64.powi(r / 20)).collect();
-        let grades = Grades::of_products(phi.blocks.clone(), [left, right]);
-        let plain = phi.price(&lambda, phi.cols(), 0.0);
-        for bound in [0.0, 0.2, 0.5, 2.0] {
-            let found = phi.price_graded(&grades, &lambda, phi.cols(), bound);
-            let graded = plain.columns.iter().map(|(j, c)| (*j, c / grades.of(*j)));
-            let expected: Vec<(usize, f64)> = graded.filter(|(_, c)| c.abs() > bound).collect();
-            assert_eq!(
-                (found.count, found.columns.len()),
-                (expected.len(), expected.len())
-            );
-            for (j, c) in &expected {
-                let own = found.columns.iter().find(|(k, _)| k == j).unwrap().1;
-                assert!((own - c).abs() <= 1e-13, "column {j}: {own} is not {c}");
-            }
-            let two = phi.price_on(2, Some(&grades), &lambda, (phi.cols(), bound));
-            assert_eq!(two, found);
-        }
-    }
-}
+mod tests;

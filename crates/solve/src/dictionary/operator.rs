@@ -1,6 +1,6 @@
 //! Φ as an operator: what a solver may ask of a library on data, however it is stored.
 
-use super::graded::Grades;
+use super::grades::Grades;
 use super::pricing::{Priced, PricingCollector};
 use crate::linalg::scaled_dot;
 

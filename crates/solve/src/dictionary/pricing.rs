@@ -4,6 +4,8 @@
 
 use std::cmp::Ordering;
 
+use crate::simd::wide;
+
 /// Columns compared at once, without branches.
 const LANES: usize = 8;
 /// Less than one by more than the rounding of a product and a quotient.
@@ -65,41 +67,53 @@ impl PricingCollector {
         let (groups, few) = products.as_chunks::<LANES>();
         let (group_norms, few_norms) = norms.as_chunks::<LANES>();
         let columns = (first..).step_by(LANES);
-        for (column, (products, norms)) in columns.zip(groups.iter().zip(group_norms)) {
-            // Most groups exceed no bound. They are compared without a division or a branch for each column.
-            let least = self.bound.max(0.0) * BELOW;
-            let near = |k: usize| products[k].abs() >= least * norms[k];
-            let near: [bool; LANES] = std::array::from_fn(near);
-            if near.iter().fold(false, |any, n| any | n) {
-                // Divide first, then select: no branch.
-                let quotients: [f64; LANES] = std::array::from_fn(|k| products[k] / norms[k]);
-                let chosen = |k| {
-                    if norms[k] > 0.0 {
-                        quotients[k]
-                    } else {
-                        f64::NAN
-                    }
-                };
-                self.offer_group(column, &std::array::from_fn(chosen));
+        wide(|| {
+            for (column, (products, norms)) in columns.zip(groups.iter().zip(group_norms)) {
+                if self.is_near(products, norms) {
+                    self.offer_group(column, products, norms);
+                }
             }
-        }
+        });
         let columns = first + groups.len() * LANES..;
         for (column, (product, norm)) in columns.zip(few.iter().zip(few_norms)) {
             self.offer(column, quotient(*product, *norm));
         }
     }
 
-    /// Those below the threshold are only counted.
-    fn offer_group(&mut self, first: usize, correlations: &[f64; LANES]) {
+    /// Whether a column may exceed the bound. Most groups exceed none; they are compared without a division.
+    #[inline(always)]
+    fn is_near(&self, products: &[f64; LANES], norms: &[f64; LANES]) -> bool {
+        let least = self.bound.max(0.0) * BELOW;
+        let near = |k: usize| products[k].abs() >= least * norms[k];
+        let near: [bool; LANES] = std::array::from_fn(near);
+        near.iter().fold(false, |any, n| any | n)
+    }
+
+    /// Correlations of a group. Those below the threshold are only counted.
+    #[inline(always)]
+    fn offer_group(&mut self, first: usize, products: &[f64; LANES], norms: &[f64; LANES]) {
+        // Divide first, then select: no branch.
+        let quotients: [f64; LANES] = std::array::from_fn(|k| products[k] / norms[k]);
+        let chosen = |k| {
+            if norms[k] > 0.0 {
+                quotients[k]
+            } else {
+                f64::NAN
+            }
+        };
+        let correlations: [f64; LANES] = std::array::from_fn(chosen);
         let sizes = correlations.map(f64::abs);
-        let kept = sizes.iter().filter(|s| **s >= self.threshold).count();
+        let kept: usize = sizes
+            .iter()
+            .map(|s| usize::from(*s >= self.threshold))
+            .sum();
         if self.most == 0 || kept == 0 {
             let over = sizes.iter().map(|s| usize::from(*s > self.bound));
             self.count += over.sum::<usize>();
             return;
         }
         for (column, correlation) in (first..).zip(correlations) {
-            self.offer(column, *correlation);
+            self.offer(column, correlation);
         }
     }
 

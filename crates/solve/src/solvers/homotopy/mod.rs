@@ -9,6 +9,7 @@ mod column_generation;
 mod interior_dual;
 mod lasso_path;
 mod path;
+mod running;
 mod side_by_side;
 mod updated_qr;
 mod working_set;

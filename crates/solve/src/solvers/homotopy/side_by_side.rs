@@ -6,7 +6,7 @@
 
 use sidc_progress::Observer;
 
-use super::basis_pursuit::{Started, start};
+use super::running::{Running, Started, start};
 use crate::certificates::support;
 use crate::problem::{Problem, Solution, Status};
 use crate::thresholds::SIDE_BY_SIDE;
@@ -45,7 +45,7 @@ pub fn side_by_side(
 /// One path on its way.
 struct Run<'a> {
     problem: &'a Problem<'a>,
-    path: Option<super::basis_pursuit::Running<'a>>,
+    path: Option<Running<'a>>,
     solution: Option<Solution>,
 }
 
