@@ -73,7 +73,7 @@ pub fn unknown_limit(at: Span, key: &str) -> Diagnostic {
 
 pub fn unknown_norm(key: &Attribute, known: &[&'static str]) -> Diagnostic {
     let (at, text) = (key.key.span, &key.key.text);
-    if let Some(value) = &key.value {
+    if let (Some(value), true) = (&key.value, known.contains(&text.as_str())) {
         return Diagnostic::error("attribute-value", format!("`prefer {text}` takes no value"))
             .at(value.span, "one too many")
             .help("write `prefer degree` or `prefer plain`");

@@ -11,6 +11,8 @@ mod lasso_path;
 mod path;
 mod running;
 mod side_by_side;
+#[cfg(test)]
+mod tests;
 mod updated_qr;
 mod working_set;
 
