@@ -16,6 +16,10 @@ pub trait Solver: Sync {
     }
     /// Tells the observer of every iteration; where it ends the work, the answer is what there is by then.
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution;
+    /// Whether `solve_all` gives up what leads nowhere, so that many norms cost little more than one.
+    fn gives_up(&self) -> bool {
+        false
+    }
     /// Answers of problems that differ in their weights only. A solver may give up those that do not lead to a sparse answer while
     /// another does, or not within `most_steps`; their status is then [`crate::Status::Interrupted`].
     fn solve_all(

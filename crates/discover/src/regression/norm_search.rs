@@ -81,20 +81,21 @@ impl NormSearch<'_> {
     ///
     /// Where no norm leads to a sparse answer in a few hundred steps, the first graded one is tried with each factor of the library
     /// made dear in turn: every multiple of a law has a term with a factor of that law, so multiples go where
-    /// that factor is not needed. Where this leads to none either, the paths that were given up are followed to their ends.
+    /// that factor is not needed. Where this leads to none either, the path of the first norm is followed to its end: it
+    /// then fits noise, and takes longer than all others.
     pub fn proposals(&self, gradings: &[Grading], observer: &mut dyn Observer) -> Vec<Proposal> {
         let alone = gradings.len() < 2 && gradings.iter().all(Grading::is_plain);
         let most_steps = if alone { usize::MAX } else { GRADING.steps };
         let mut found = self.solutions(gradings, most_steps, observer);
-        if none_sparse(&found) && !alone && observer.go_on() {
+        let many = !alone && self.solver.gives_up();
+        if many && none_sparse(&found) && observer.go_on() {
             found.extend(self.solutions(&dear(gradings), most_steps, observer));
         }
         if none_sparse(&found) && observer.go_on() {
-            let given_up = |p: &Proposal| !p.answers() && p.grading.dear.is_none();
-            let (rest, mut done): (Vec<Proposal>, _) = found.into_iter().partition(given_up);
-            let rest: Vec<Grading> = rest.into_iter().map(|p| p.grading).collect();
-            done.extend(self.solutions(&rest, usize::MAX, observer));
-            found = done;
+            // The first norm is the plain one, unless the model prefers others.
+            let first = found.first().filter(|p| !p.answers());
+            let first: Vec<Grading> = first.map(|p| p.grading.clone()).into_iter().collect();
+            found.extend(self.solutions(&first, usize::MAX, observer));
         }
         // Of equals the plain norm comes first, then the slighter grading.
         found.sort_by(|a, b| {

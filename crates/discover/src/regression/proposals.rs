@@ -33,7 +33,8 @@ impl Task<'_> {
     pub fn gradings(&self, design: &Design) -> Vec<Grading> {
         let (rows, columns) = (design.phi.rows(), design.phi.cols());
         let searched = columns <= TERM_SELECTION.exhaustive_columns && columns < rows;
-        match (self.model.norms, searched) {
+        let one = searched || !self.options.solver.gives_up();
+        match (self.model.norms, one) {
             (PreferredNorms::Degree, _) => self.norm_search(design).graded(),
             (PreferredNorms::Plain, _) | (_, true) => vec![Grading::PLAIN],
             (PreferredNorms::Any, false) => self.norm_search(design).every_norm(),

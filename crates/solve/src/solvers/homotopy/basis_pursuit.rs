@@ -19,6 +19,10 @@ impl Solver for Homotopy {
         "Lasso path on a growing working set, for libraries of any size (default)"
     }
 
+    fn gives_up(&self) -> bool {
+        true
+    }
+
     fn solve_all(
         &self,
         problems: &[Problem],

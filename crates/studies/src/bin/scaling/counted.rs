@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-use sidc_solve::dictionary::{Dictionary, Priced};
+use sidc_solve::dictionary::{Dictionary, Grades, Priced};
 
 pub struct Counted<'a> {
     inner: &'a dyn Dictionary,
@@ -22,6 +22,15 @@ impl<'a> Counted<'a> {
             pricings: AtomicUsize::new(0),
             columns: AtomicUsize::new(0),
         }
+    }
+
+    fn timed(&self, price: impl FnOnce(&dyn Dictionary) -> Priced) -> Priced {
+        let start = Instant::now();
+        let found = price(self.inner);
+        let nanoseconds = start.elapsed().as_nanos() as u64;
+        self.nanoseconds.fetch_add(nanoseconds, Relaxed);
+        self.pricings.fetch_add(1, Relaxed);
+        found
     }
 
     /// (time in pricings, pricings, columns) so far.
@@ -53,11 +62,10 @@ impl Dictionary for Counted<'_> {
     }
 
     fn price(&self, lambda: &[f64], most: usize, least: f64) -> Priced {
-        let start = Instant::now();
-        let found = self.inner.price(lambda, most, least);
-        let nanoseconds = start.elapsed().as_nanos() as u64;
-        self.nanoseconds.fetch_add(nanoseconds, Relaxed);
-        self.pricings.fetch_add(1, Relaxed);
-        found
+        self.timed(|inner| inner.price(lambda, most, least))
+    }
+
+    fn price_graded(&self, grades: &Grades, lambda: &[f64], most: usize, least: f64) -> Priced {
+        self.timed(|inner| inner.price_graded(grades, lambda, most, least))
     }
 }
