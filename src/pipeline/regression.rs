@@ -11,7 +11,7 @@ use sidc_lang::library::{Library, MEMORY, known_terms};
 use sidc_lang::model::RightSide;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
-use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_progress::Observer;
 use sidc_solve::dictionary::Dictionary;
 use sidc_solve::{Problem, SOLVERS};
@@ -212,7 +212,7 @@ impl Program {
     }
 
     /// The columns of terms, spelled as they are printed but for the order of their factors; `None` for one that the library does
-    /// not have. Looks through all terms once.
+    /// not have. Looks at products of those terms only whose factors are spelled in the one sought.
     ///
     /// ```
     /// # use sidc::pipeline::Program;
@@ -222,19 +222,41 @@ impl Program {
     /// # Ok::<(), String>(())
     /// ```
     pub fn slots(&self, target: &str, terms: &[&str]) -> Vec<Option<usize>> {
-        let mut slots = vec![None; terms.len()];
-        let Some(library) = self.library(target) else {
-            return slots;
-        };
-        let wanted: Vec<Vec<&str>> = terms.iter().map(|t| factors(t)).collect();
-        for (slot, term) in library.terms() {
-            let name = Language(&self.model).term(&term);
-            let name = factors(&name);
-            if let Some(k) = wanted.iter().position(|w| *w == name) {
-                slots[k] = Some(slot);
-            }
+        let slot = |library, term: &&str| self.slot(library, term);
+        match self.library(target) {
+            Some(library) => terms.iter().map(|t| slot(library, t)).collect(),
+            None => vec![None; terms.len()],
         }
-        slots
+    }
+
+    fn slot(&self, library: &Library, wanted: &str) -> Option<usize> {
+        let language = Language(&self.model);
+        // Lists are short where their products are many.
+        let spelled = |term: &Term| {
+            let mut atoms = term.factors().map(|(atom, _)| atom);
+            atoms.all(|a| wanted.contains(&language.term(&Term::atom(a.clone()))))
+        };
+        let wanted = factors(wanted);
+        let mut first = 0;
+        for block in library.blocks() {
+            let kept = |terms: &[Term]| -> Vec<usize> {
+                let places = terms.iter().enumerate();
+                places.filter(|(_, t)| spelled(t)).map(|p| p.0).collect()
+            };
+            let (left, right) = (kept(&block.left), kept(&block.right));
+            for slot in left
+                .iter()
+                .flat_map(|i| right.iter().map(move |j| first + i * block.right.len() + j))
+            {
+                let term = library.term(slot).map(|t| language.term(&t));
+                let same = term.is_some_and(|t| factors(&t) == wanted);
+                if same && !library.is_empty_slot(slot) {
+                    return Some(slot);
+                }
+            }
+            first += block.slots();
+        }
+        None
     }
 
     fn place(&self, target: &str) -> Option<usize> {

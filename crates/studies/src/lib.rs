@@ -7,7 +7,6 @@
 pub mod coupled;
 pub mod coverage;
 pub mod decorrelation;
-pub mod norms;
 pub mod planted;
 pub mod reproduce;
 pub mod success_plot;

@@ -5,6 +5,7 @@
 
 mod dictionary;
 mod grading;
+mod identified;
 mod library;
 mod run;
 #[cfg(test)]
@@ -12,6 +13,7 @@ mod tests;
 mod trial;
 
 pub use grading::{GRADINGS, Grading, Measure, degree, variation};
+pub use identified::identified;
 pub use library::Size;
 pub use run::{Case, Plan, Trial, cases, trials};
 pub use trial::Outcome;

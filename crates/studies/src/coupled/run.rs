@@ -3,7 +3,7 @@
 //! In: a family, a swing, a seed, and what to try. Out: trials; those of one problem stand together, in the order of the gradings.
 
 use sidc_discover::split;
-use sidc_testing::plants::coupled::{Coupled, Family, Point, Swing};
+use sidc_testing::plants::coupled::{Coupled, Family, Law, Point, Swing};
 
 use super::dictionary::Tabulated;
 use super::grading::Grading;
@@ -55,7 +55,45 @@ pub fn cases(families: &[Family], seeds: std::ops::Range<u64>) -> Vec<Case> {
     seeds.flat_map(of).collect()
 }
 
+/// One law, one library, rows of one record.
+pub struct Posed<'a> {
+    pub system: &'a Coupled,
+    pub law: &'a Law,
+    pub library: &'a Library,
+    /// s, and what is measured.
+    pub rows: Vec<&'a (f64, Point)>,
+}
+
+/// Every grading of a problem, one after another.
 pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
+    let tried = |posed: &Posed| {
+        let points: Vec<&Point> = posed.rows.iter().map(|(_, p)| p).collect();
+        let target = points.iter().map(|p| p.accelerations[posed.law.coordinate]);
+        let target: Vec<f64> = target.collect();
+        let tabulated = Tabulated::new(&posed.library.atoms, &points);
+        let Some(phi) = tabulated.dictionary() else {
+            return Vec::new();
+        };
+        let trial = |grading: &Grading| {
+            let grades = tabulated.grades(grading);
+            let (law, library) = (posed.law, posed.library);
+            Trial {
+                law: law.coordinate,
+                true_terms: law.terms.len(),
+                atoms: library.atoms.len(),
+                rows: posed.rows.len(),
+                grading: *grading,
+                outcome: outcome((&phi, &grades), &target, law, library, plan.steps),
+            }
+        };
+        plan.gradings.iter().map(trial).collect()
+    };
+    let made: Vec<Vec<Trial>> = problems(case, plan, tried);
+    made.into_iter().flatten().collect()
+}
+
+/// What `work` makes of every problem of a case.
+pub fn problems<A>(case: &Case, plan: &Plan, mut work: impl FnMut(&Posed) -> A) -> Vec<A> {
     let system = Coupled::draw(case.family, case.seed);
     let record = system.record(case.swing, ROWS, STEP);
     let mut made = Vec::new();
@@ -71,25 +109,12 @@ pub fn trials(case: &Case, plan: &Plan) -> Vec<Trial> {
             done.push(atoms);
             for rows in &plan.rows {
                 let picked = split(record.len(), 1, Some(*rows), case.seed).used;
-                let points: Vec<&Point> = picked.iter().map(|r| &record[*r].1).collect();
-                let target = points.iter().map(|p| p.accelerations[law.coordinate]);
-                let target: Vec<f64> = target.collect();
-                let tabulated = Tabulated::new(&library.atoms, &points);
-                let Some(phi) = tabulated.dictionary() else {
-                    continue;
-                };
-                for grading in &plan.gradings {
-                    let grades = tabulated.grades(grading);
-                    let found = outcome((&phi, &grades), &target, &law, &library, plan.steps);
-                    made.push(Trial {
-                        law: law.coordinate,
-                        true_terms: law.terms.len(),
-                        atoms,
-                        rows: *rows,
-                        grading: *grading,
-                        outcome: found,
-                    });
-                }
+                made.push(work(&Posed {
+                    system: &system,
+                    law: &law,
+                    library: &library,
+                    rows: picked.iter().map(|r| &record[*r]).collect(),
+                }));
             }
         }
     }

@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use sidc_progress::{Activity, Stop};
-use sidc_solve::dictionary::{Dictionary, Factored, Graded, Grades};
-use sidc_solve::{Problem, SOLVERS, Status};
+use sidc_solve::dictionary::{Factored, Graded, Grades};
+use sidc_solve::{Problem, SOLVERS, Solution, Status};
 use sidc_testing::plants::coupled::Law;
 
 use super::library::Library;
@@ -54,13 +54,24 @@ pub fn outcome(
             false => ControlFlow::Continue(()),
         }
     });
-    let share = |(j, a): &(usize, f64)| a.abs() * phi.norms().get(*j).copied().unwrap_or(0.0);
-    let largest = solution.coefficients.iter().map(share).fold(0.0, f64::max);
     let truth: Option<Vec<(usize, f64)>> = law
         .terms
         .iter()
         .map(|(m, c)| Some((library.place(m)?, *c)))
         .collect();
+    judged(&problem, &solution, truth, start)
+}
+
+/// A solution held against the law's columns and coefficients; `None` where a column is missing.
+pub fn judged(
+    problem: &Problem,
+    solution: &Solution,
+    truth: Option<Vec<(usize, f64)>>,
+    start: Instant,
+) -> Outcome {
+    let norms = problem.dictionary.norms();
+    let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
+    let largest = solution.coefficients.iter().map(share).fold(0.0, f64::max);
     let exact = truth.is_some_and(|truth| {
         let right = |(j, c): &(usize, f64)| ((solution.coefficient(*j) - c) / c).abs() <= EXACT;
         let known = |j: usize| truth.iter().any(|(k, _)| *k == j);
@@ -75,7 +86,7 @@ pub fn outcome(
         solved: solution.status == Status::Solved,
         terms: counted.filter(|p| share(p) > COUNTS * largest).count(),
         steps: solution.iterations,
-        residual: length(&residual) / length(target).max(f64::MIN_POSITIVE),
+        residual: length(&residual) / length(problem.target).max(f64::MIN_POSITIVE),
         seconds: start.elapsed().as_secs_f64(),
     }
 }

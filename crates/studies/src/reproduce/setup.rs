@@ -5,12 +5,10 @@
 use sidc::pipeline::{Program, Regression};
 use sidc_discover::split;
 use sidc_progress::Unwatched;
-use sidc_solve::dictionary::{Graded, Grades};
-use sidc_solve::{Problem, SOLVERS, Solution, Status, support};
+use sidc_solve::{SOLVERS, Solution};
 
 use super::Fault;
 use super::record::Record;
-use crate::norms::by_variation;
 use sidc_testing::plants::cart_pendulum::{self, Plant};
 
 /// Largest relative error of a coefficient, and largest false share, of an exact answer.
@@ -108,45 +106,14 @@ impl Setup {
         let solution = SOLVERS[0].solve(&regression.problem(0.0), &mut Unwatched);
         Ok(Answer::of(law, &regression, &solution))
     }
-}
 
-impl Setup {
-    /// As [`Setup::pursue`] in several norms side by side: the answer of fewest terms, of equals that of the norm given first.
-    pub fn pursue_graded(
-        &self,
-        law: &Law,
-        record: &Record,
-        bases: &[f64],
-    ) -> Result<Answer, Fault> {
-        let columns: Vec<(&str, &[f64])> =
-            record.columns.iter().map(|(n, v)| (*n, &v[..])).collect();
-        let samples = self.program.samples(&record.time, &columns)?;
-        let regression = self.program.regression(law.target, &samples)?;
+    /// As [`Setup::pursue`], in the norms that `sidc identify` tries: the answer of fewest terms.
+    pub fn pursue_graded(&self, law: &Law, record: &Record) -> Result<Answer, Fault> {
+        let regression = self.regression(law, record)?;
         let library = self.program.library(law.target).ok_or("no library")?;
-        let grades: Vec<Grades> = bases
-            .iter()
-            .map(|base| by_variation(library, &samples, *base))
-            .collect();
-        let columns = regression.dictionary.as_ref();
-        let graded: Vec<Graded> = grades
-            .iter()
-            .map(|grades| Graded { columns, grades })
-            .collect();
-        let problems: Vec<Problem> = graded
-            .iter()
-            .map(|graded| Problem {
-                dictionary: graded,
-                ..regression.problem(0.0)
-            })
-            .collect();
-        let solutions = SOLVERS[0].solve_all(&problems, usize::MAX, &mut Unwatched);
-        let terms = |(problem, solution): &(&Problem, &Solution)| {
-            let unsolved = solution.status != Status::Solved;
-            (unsolved, support(problem, &solution.coefficients).len())
-        };
-        let fewest = problems.iter().zip(&solutions).min_by_key(terms);
-        let (_, solution) = fewest.ok_or("no norm")?;
-        Ok(Answer::of(law, &regression, solution))
+        let found = regression.proposals(library, 0.0, &mut Unwatched);
+        let first = found.first().ok_or("no norm")?;
+        Ok(Answer::of(law, &regression, &first.solution))
     }
 }
 

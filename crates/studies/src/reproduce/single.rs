@@ -2,10 +2,9 @@
 
 use super::Effort;
 use super::Fault;
-use super::graded::NORMS;
 use super::record::Record;
 use super::setup::{Setup, draw};
-use super::success::{curves_in, told};
+use super::success::{Norms, curves_in, told};
 use super::tidy::Tidy;
 use super::work;
 use sidc_testing::integrate::grid;
@@ -111,7 +110,7 @@ pub fn table(effort: Effort) -> Result<String, Fault> {
         let setup = Setup::new(system.model, (system.laws)())?;
         let records = work::all(system.name, &seeds, |seed| Ok(record(system, *seed)))?;
         let [plain, graded] =
-            NORMS.map(|(_, bases)| curves_in(system.name, &setup, &records, (&rows, bases), draw));
+            Norms::BOTH.map(|norms| curves_in(system.name, &setup, &records, (&rows, norms), draw));
         for (p, g) in plain?.iter().zip(graded?) {
             table.push([
                 system.name.into(),

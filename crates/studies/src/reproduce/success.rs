@@ -10,6 +10,26 @@ use super::{Fault, work};
 /// The share of exact answers that is asked for.
 pub const WANTED: f64 = 0.95;
 
+/// The norms that an answer is sought in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Norms {
+    /// Basis pursuit
+    Plain,
+    /// Those of `sidc identify`; the answer of fewest terms counts
+    Graded,
+}
+
+impl Norms {
+    pub const BOTH: [Norms; 2] = [Norms::Plain, Norms::Graded];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Norms::Plain => "plain",
+            Norms::Graded => "graded",
+        }
+    }
+}
+
 pub struct Curve {
     pub target: &'static str,
     /// Candidate terms.
@@ -71,15 +91,15 @@ pub fn curves(
     rows: &[usize],
     take: impl Fn(&Record, usize, u64) -> Record + Sync,
 ) -> Result<Vec<Curve>, Fault> {
-    curves_in(name, setup, records, (rows, &[1.0]), take)
+    curves_in(name, setup, records, (rows, Norms::Plain), take)
 }
 
-/// As [`curves`], with the answer of fewest terms in the norms of these κ.
+/// As [`curves`], in these norms.
 pub fn curves_in(
     name: &str,
     setup: &Setup,
     records: &[Record],
-    (rows, bases): (&[usize], &[f64]),
+    (rows, norms): (&[usize], Norms),
     take: impl Fn(&Record, usize, u64) -> Record + Sync,
 ) -> Result<Vec<Curve>, Fault> {
     let draws: Vec<usize> = (0..records.len()).collect();
@@ -88,9 +108,9 @@ pub fn curves_in(
     let exact = work::all(name, &cases, |((law, rows), draw)| {
         let taken = take(&records[*draw], *rows, *draw as u64);
         let law = &setup.laws[*law];
-        let answer = match bases {
-            [1.0] => setup.pursue(law, &taken),
-            _ => setup.pursue_graded(law, &taken, bases),
+        let answer = match norms {
+            Norms::Plain => setup.pursue(law, &taken),
+            Norms::Graded => setup.pursue_graded(law, &taken),
         };
         Ok(answer?.exact())
     })?;
