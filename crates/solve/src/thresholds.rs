@@ -252,6 +252,10 @@ family! {
         largest_share: f64 = 1e3, unit "of the target", source "set by hand: sums that cancel to a thousandth are no law that data could show";
         /// The same where the terms found are large.
         share_room: f64 = 10.0, unit "of the largest term found", source "set by hand";
+        /// What a unit column may be off by: rounding of its length, of the triangle, of its product with a dual point.
+        column_rounding: f64 = 1e-15, unit "", source "some roundings of 2⁻⁵³";
+        /// Error that the rounding of one column may make, times the largest share.
+        share_rounding: f64 = 0.1, unit "of the tolerance", source "set by hand: what is within the tolerance is said to a tenth of it";
         /// Largest support that is looked for; the ridge is chosen for it.
         max_terms: usize = 20, unit "terms", source "set by hand: the search is exponential";
         /// Squared tolerance that the ridge costs.

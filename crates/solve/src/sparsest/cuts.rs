@@ -180,7 +180,8 @@ fn is_cut(basis: &DualBasis, cut: &[usize], (bound, candidates): (Bound, &Candid
         let products = triangle.products(&lambda, &others);
         let largest = products.iter().fold(0.0, |m: f64, p| m.max(p.abs()));
         let (value, length) = triangle.value(&lambda);
-        let needed = length * (bound.residual + SPARSEST.rounding) + bound.total * largest;
+        let rounding = SPARSEST.rounding + bound.total * SPARSEST.column_rounding;
+        let needed = length * (bound.residual + rounding) + bound.total * largest;
         if value > needed {
             return true;
         }

@@ -91,9 +91,7 @@ pub fn prove_sparsest(
         }
         return search((&all, bases), found, None, limits, observer);
     };
-    found.largest_share = found
-        .largest_share
-        .max(SPARSEST.share_room * start.largest_share);
+    found.largest_share = assumed_share(&all, start.largest_share);
     found.support = Some(all.named(&start.support));
     search(
         (&all, bases),
@@ -165,12 +163,24 @@ fn search(
         if !whole {
             return found;
         }
-        found.lower = size + 1;
-        if upper.is_some_and(|u| u < size) {
-            break;
+        if upper == Some(size) {
+            // The fit known from the start has terms beyond the assumption; under it there is none of this size.
+            found.all_others = true;
+            return found;
         }
+        found.lower = size + 1;
     }
     found
+}
+
+/// The assumption: larger where the terms of a fit are, but never so large that rounding of the columns, times it, is beyond the
+/// tolerance. Whether terms so large fit, these numbers do not say.
+fn assumed_share(all: &Columns, found: f64) -> f64 {
+    let tolerance = all.square.max(0.0).sqrt();
+    let decided = SPARSEST.share_rounding * tolerance / SPARSEST.column_rounding;
+    (SPARSEST.share_room * found)
+        .min(decided)
+        .max(SPARSEST.largest_share)
 }
 
 /// All supports of one size, sorted, each once.

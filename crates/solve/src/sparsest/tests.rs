@@ -299,3 +299,53 @@ fn without_dual_bases_small_supports_are_proved() {
     );
     assert_eq!((all.support, all.lower), (few.support, few.lower));
 }
+
+/// Columns of small whole numbers, some of which differ from others by 2⁻²⁴ v, and a target of some columns and of such a v: it is
+/// fitted without any rounding by terms 2²⁴ times as large. A bound that excludes that fit has to say so.
+#[test]
+fn terms_that_rounding_cannot_decide_are_beyond_the_assumption() {
+    let mut numbers = Numbers(9);
+    let mut large = 0;
+    for round in 0..400 {
+        let (rows, columns) = (8 + below(&mut numbers, 6), 7 + below(&mut numbers, 4));
+        let mut values = numbers.many(rows * columns);
+        values.iter_mut().for_each(|x| *x = (8.0 * *x).round());
+        let mut target = vec![0.0; rows];
+        let mut planted = Vec::new();
+        for pair in 0..2 {
+            let (from, to) = (2 * pair, 2 * pair + 1);
+            for i in 0..rows {
+                let v = (4.0 * numbers.next()).round();
+                values[to * rows + i] = values[from * rows + i] + v * 2.0_f64.powi(-24);
+                if pair == 0 {
+                    target[i] += v;
+                }
+            }
+            planted.extend([from, to]);
+        }
+        planted.truncate(2);
+        for j in 4..6 {
+            let column = &values[j * rows..(j + 1) * rows];
+            target.iter_mut().zip(column).for_each(|(y, x)| *y += x);
+            planted.push(j);
+        }
+        let share = 2.0_f64.powi(24) * norm(&values[..rows]) / norm(&target);
+        let dictionary = Dense::new(rows, values);
+        let problem = Problem {
+            dictionary: &dictionary,
+            target: &target,
+            tolerance: 0.0,
+        };
+        let limits = SparsestLimits::default();
+        let found = prove_sparsest(&problem, &[], limits, &mut Unwatched);
+        let excluded = found.lower > planted.len();
+        assert!(
+            !excluded || share > found.largest_share,
+            "{round}: {share} {found:?}"
+        );
+        let least = found.support.as_ref().map_or(usize::MAX, Vec::len);
+        assert!(found.lower <= least, "{round}: {found:?}");
+        large += usize::from(excluded);
+    }
+    assert!(large > 0, "no case of this kind");
+}
