@@ -32,6 +32,7 @@ mod limits;
 mod linearize;
 mod measured;
 mod noise;
+mod norms;
 mod planted;
 mod prediction;
 mod rates;

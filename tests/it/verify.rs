@@ -156,6 +156,34 @@ fn a_dual_point_that_is_moved_proves_less() {
     rejected(&bench.check(&none), &["there is no dual point"]);
 }
 
+/// A proof in a graded norm is one in that norm only: stated with another, or with other counts, it does not hold.
+#[test]
+fn a_proof_in_another_norm_is_rejected() {
+    let graded = format!("prefer degree\n{MODEL}");
+    let bench = Bench::new(
+        &graded.replace("powers(x, y, sin x; 2)", "powers(x, y, sin x; 3)"),
+        16,
+    );
+    let found = bench.equation();
+    let certificate = &found.evidence.as_ref().unwrap().certificate;
+    let base = certificate.grading.as_ref().unwrap().base;
+    assert!(base > 1.0 && certificate.of_answer && certificate.unique);
+    let checked = bench.check(&found);
+    assert!(checked.holds, "{:?}", checked.fails);
+    let in_norm = |change: &dyn Fn(&mut sidc_lang::library::Grading)| {
+        bench.check(&with(bench.equation(), |w| change(&mut w.grading)))
+    };
+    let faults: [&dyn Fn(&mut sidc_lang::library::Grading); 4] = [
+        &|g| g.base = 1.0 + (g.base - 1.0) * 0.99,
+        &|g| *g = sidc_lang::library::Grading::PLAIN,
+        &|g| g.counts = None,
+        &|g| g.dear = g.counts.iter().flat_map(|c| c.keys()).last().cloned(),
+    ];
+    for fault in faults {
+        rejected(&in_norm(fault), &["is not shown"]);
+    }
+}
+
 #[test]
 fn a_coefficient_that_is_off_is_named() {
     let bench = Bench::new(MODEL, 16);

@@ -79,7 +79,7 @@ impl<'a> CoupledGroup<'a> {
         for (m, answer) in members.iter().zip(&answers) {
             watcher.turn_to(m.place);
             let mut equation = m.task.conclude(names, &m.design, answer);
-            equation.path = m.task.lasso_path(&m.design, watcher);
+            equation.path = m.task.lasso_path(&m.design.problem(), watcher);
             done.push((m.place, Ok(equation)));
         }
         Ok(Concluded { done, doubts })

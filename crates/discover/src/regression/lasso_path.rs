@@ -2,7 +2,6 @@
 //!
 //! In: the problem of one equation. Out: the first knots of the path and the last one, as terms. Never selects terms.
 
-use crate::regression::design::Design;
 use crate::regression::task::Task;
 use crate::regression::thresholds::LASSO_PATH;
 use crate::statistics::norm;
@@ -12,18 +11,17 @@ use sidc_solve::{Knot, Problem};
 use sidc_system::discovery::PathKnot;
 
 impl Task<'_> {
-    /// The knots down to ε, if they were requested; none once the work is to stop.
-    pub fn lasso_path(&self, design: &Design, watcher: &mut EquationObserver) -> Vec<PathKnot> {
+    /// The knots down to ε of a problem, in its norm, if they were requested; none once the work is to stop.
+    pub fn lasso_path(&self, problem: &Problem, watcher: &mut EquationObserver) -> Vec<PathKnot> {
         if !self.options.path || watcher.stop().is_some() {
             return Vec::new();
         }
-        let problem = design.problem();
-        let knots = solve::lasso_path(&problem, LASSO_PATH.max_knots, watcher);
+        let knots = solve::lasso_path(problem, LASSO_PATH.max_knots, watcher);
         let largest = knots.first().map_or(1.0, |k| k.penalty);
         let last = knots.len().saturating_sub(1);
         let kept = knots.iter().enumerate();
         let kept = kept.filter(|(i, _)| *i + 1 < LASSO_PATH.kept_knots || *i == last);
-        kept.map(|(i, knot)| self.knot(&problem, i + 1, knot, largest))
+        kept.map(|(i, knot)| self.knot(problem, i + 1, knot, largest))
             .collect()
     }
 

@@ -20,6 +20,7 @@ pub(crate) mod weak_regression;
 use crate::dictionary::BadValue;
 use design::Design;
 use sidc_progress::EquationObserver;
+use sidc_solve::Problem;
 use sidc_system::discovery::{Discovery, Equation, Failed};
 use task::Task;
 
@@ -53,7 +54,9 @@ impl Task<'_> {
         if let Some(evidence) = &mut equation.evidence {
             evidence.sparsest = sparsest.map(Box::new);
         }
-        equation.path = self.lasso_path(design, watcher);
+        // The path that leads to this answer is that of its norm.
+        let path = |p: &Problem| self.lasso_path(p, watcher);
+        equation.path = selected.proposal.with_problem(&design.problem(), path);
         equation
     }
 }

@@ -29,7 +29,7 @@ impl Task<'_> {
     }
 
     /// The norms in which to look for this equation, plain first. Where all sets of candidates are searched and rows outnumber
-    /// them, what a solver proposes matters little, and the plain norm is enough.
+    /// them, what a solver proposes matters little, and the plain norm is enough; so it is for solvers that give nothing up.
     pub fn gradings(&self, design: &Design) -> Vec<Grading> {
         let (rows, columns) = (design.phi.rows(), design.phi.cols());
         let searched = columns <= TERM_SELECTION.exhaustive_columns && columns < rows;

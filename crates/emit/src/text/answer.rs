@@ -35,8 +35,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
 fn sparsest_answers(d: &Discovery) -> String {
     let mut out = String::new();
     for e in &d.equations {
-        let asked = e.evidence.as_ref().and_then(|e| e.sparsest.as_deref());
-        for line in sparsest::lines(asked).iter().take(PRINTED.sparsest_lines) {
+        for line in sparsest::lines(e).iter().take(PRINTED.sparsest_lines) {
             let line = format!("{}, {line}", d.name(e.target));
             let wrapped = wrapped(&line, TEXT_WIDTH, "", "    ");
             out.extend(wrapped.iter().map(|l| format!("{l}\n")));

@@ -70,7 +70,7 @@ pub fn remarks(e: &Equation) -> Vec<String> {
             proof(evidence),
         ],
     };
-    lines.extend(sparsest::lines(evidence.sparsest.as_deref()));
+    lines.extend(sparsest::lines(e));
     lines.extend(verification::lines(evidence.verification.as_deref()));
     // The doubt says the same with more figures.
     if e.reasons.iter().all(|r| r.code != ReasonCode::SameRelation) {
@@ -232,9 +232,11 @@ fn norm(p: &Proof) -> String {
     let base = significant(*base, 3);
     let dear = match dear.is_empty() {
         true => String::new(),
-        false => format!(", and one with {dear} 1e5 times as much"),
+        false => format!(", and 1e5 times as much for each power of {dear}"),
     };
-    format!("1-norm in which a term of degree d weighs {base}^d{dear}")
+    format!(
+        "1-norm in which a term weighs {base}^d, d its degree by how much its factors vary{dear}"
+    )
 }
 
 fn figures(p: &Proof) -> String {

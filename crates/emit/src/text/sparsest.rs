@@ -2,11 +2,12 @@
 
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
-use sidc_system::discovery::SparsestProof;
+use sidc_system::discovery::{Equation, SparsestProof};
 
 /// Lines for one equation; none if it was not asked for.
-pub fn lines(sparsest: Option<&SparsestProof>) -> Vec<String> {
-    let Some(s) = sparsest else {
+pub fn lines(equation: &Equation) -> Vec<String> {
+    let evidence = equation.evidence.as_ref();
+    let Some(s) = evidence.and_then(|e| e.sparsest.as_deref()) else {
         return Vec::new();
     };
     if let Some(reason) = &s.refused {
@@ -17,6 +18,11 @@ pub fn lines(sparsest: Option<&SparsestProof>) -> Vec<String> {
         let terms = terms.join(", ");
         format!("it takes the place of {{{terms}}}, which has more terms and no better criterion")
     }));
+    if equation.terms.iter().any(|t| t.fixed) {
+        lines.push(
+            "what the model states is not counted, and was taken off the target first".into(),
+        );
+    }
     let mut others = s.others.as_slice();
     if let (Some(difference), [sparser, rest @ ..]) = (s.criterion, others) {
         lines.push(format!(
@@ -49,31 +55,34 @@ fn bound(s: &SparsestProof) -> String {
     );
     let Some(terms) = s.terms else {
         return format!(
-            "none was found; no equation of fewer than {} {within} ({assumed})",
-            counted(s.lower)
+            "none was found; {} {within} ({assumed})",
+            none_below(s.lower)
         );
     };
+    if terms == 0 {
+        return "the equation without terms fits already".into();
+    }
     if !s.proved {
         return format!(
-            "between {} and {terms} terms when time ended: no equation of fewer than {} {within} ({assumed})",
+            "between {} and {terms} terms when the search ended: {} {within} ({assumed})",
             s.lower,
-            counted(s.lower)
+            none_below(s.lower)
         );
     }
     let others = match (s.other_count, s.all_others) {
         _ if s.criterion.is_some() => String::new(),
         (0, true) => format!(", and no other of {terms}"),
-        (0, false) => format!("; time ended before others of {terms} were excluded"),
+        (0, false) => format!("; the search ended before others of {terms} were excluded"),
         (1, true) => format!("; one other of {terms} does"),
         (n, true) => format!("; {n} others of {terms} do"),
         (n, false) => format!("; {n} others of {terms} do, if not more"),
     };
-    format!(
-        "proved: no equation of fewer than {} {within}{others} ({assumed})",
-        counted(terms)
-    )
+    format!("proved: {} {within}{others} ({assumed})", none_below(terms))
 }
 
-fn counted(terms: usize) -> String {
-    format!("{terms} {}", if terms == 1 { "term" } else { "terms" })
+fn none_below(terms: usize) -> String {
+    match terms {
+        0 | 1 => "no equation without terms".into(),
+        _ => format!("no equation of fewer than {terms} terms"),
+    }
 }
