@@ -1,11 +1,12 @@
 //! The study's own dictionary has the laws in it, and its grades multiply.
 
 use sidc_solve::dictionary::Dictionary;
-use sidc_testing::plants::coupled::{Coupled, FAMILIES, Point, Swing};
+use sidc_testing::plants::coupled::{Coupled, FAMILIES, Family, Point, Swing};
 
 use super::dictionary::Tabulated;
 use super::grading::{degree, variation};
 use super::library::{Library, Size};
+use super::{Case, Plan, identified, trials};
 
 #[test]
 fn the_columns_of_a_law_add_up_to_its_acceleration() {
@@ -76,4 +77,27 @@ fn grades_are_powers_of_kappa_by_degree_and_by_variation() {
         .find(|(m, _)| system.term(m) == "ddth1*cos(th1)");
     let place = library.place(&cosine.unwrap().0).unwrap();
     assert!((1.9..2.1).contains(&by_variation.of(place)) && by_degree.of(place) == 4.0);
+}
+
+#[test]
+fn the_compiler_is_asked_the_same_problems() {
+    let case = Case {
+        family: Family::Cart,
+        swing: Swing::Large,
+        seed: 40,
+    };
+    let plan = Plan {
+        rows: vec![4, 60],
+        sizes: vec![Size::Atoms(6)],
+        gradings: vec![degree(1.0)],
+        steps: 600,
+    };
+    let (asked, tried) = (identified(&case, &plan).unwrap(), trials(&case, &plan));
+    assert_eq!(asked.len(), tried.len());
+    for (asked, tried) in asked.iter().zip(&tried) {
+        // Four rows do not tell a law of as many terms from others.
+        assert_eq!(asked.exact, tried.rows == 60);
+        assert_eq!(asked.exact, tried.outcome.exact);
+        assert!(!asked.exact || asked.terms == tried.true_terms);
+    }
 }

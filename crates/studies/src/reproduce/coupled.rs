@@ -15,7 +15,7 @@ const BESIDE: usize = 60;
 
 fn plan(effort: Effort) -> Plan {
     Plan {
-        rows: effort.of(vec![20, 30, 40, 60, 80, 120, 200], vec![30]),
+        rows: effort.of(vec![20, 40, 60, 120, 200], vec![30]),
         sizes: vec![Size::Atoms(effort.of(10, 8))],
         gradings: [1.0, 1.2, 1.5].map(degree).to_vec(),
         steps: effort.of(600, 200),
