@@ -21,14 +21,13 @@ pub trait Solver: Sync {
         false
     }
     /// Answers of problems that differ in their weights only. A solver may give up those that do not lead to a sparse answer while
-    /// another does, or not within `most_steps`; their status is then [`crate::Status::Interrupted`].
+    /// another does, or not within so many steps; their status is then [`crate::Status::Interrupted`].
     fn solve_all(
         &self,
         problems: &[Problem],
-        most_steps: usize,
+        _most_steps: usize,
         observer: &mut dyn Observer,
     ) -> Vec<Solution> {
-        let _ = most_steps;
         problems.iter().map(|p| self.solve(p, observer)).collect()
     }
 }

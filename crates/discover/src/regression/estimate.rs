@@ -136,9 +136,7 @@ impl Task<'_> {
             stopped: selected.stopped,
         }
     }
-}
 
-impl Task<'_> {
     /// A grading as it is told; `None` for the plain norm.
     fn norm_grading(&self, grading: &Grading) -> Option<NormGrading> {
         let name = |atom: &Atom| Language(self.model).term(&Term::atom(atom.clone()));

@@ -97,9 +97,11 @@ impl NormSearch<'_> {
             let first: Vec<Grading> = first.map(|p| p.grading.clone()).into_iter().collect();
             found.extend(self.solutions(&first, usize::MAX, observer));
         }
-        // Of equals the plain norm comes first, then the slighter grading.
+        // Of equals the plain norm comes first, then the slighter grading. What a user's stop left comes before what was given up.
         found.sort_by(|a, b| {
-            let key = |p: &Proposal| (!p.answers(), p.terms, p.grading.dear.is_some());
+            let nothing = |p: &Proposal| p.solution.coefficients.is_empty();
+            let dear = |p: &Proposal| p.grading.dear.is_some();
+            let key = |p: &Proposal| (!p.answers(), nothing(p), p.terms, dear(p));
             let bases = a.grading.base.total_cmp(&b.grading.base);
             key(a).cmp(&key(b)).then(bases)
         });
