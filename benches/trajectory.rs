@@ -77,7 +77,7 @@ fn searches(c: &mut Criterion) {
         group.throughput(Throughput::Elements(samples as u64));
         let name = BenchmarkId::from_parameter(format!("{samples}x{terms}"));
         group.bench_function(name, |b| {
-            b.iter(|| trajectory::search(black_box(&problem), &mut Unwatched));
+            b.iter(|| trajectory::search(black_box(&problem), &[], &mut Unwatched));
         });
     }
     group.finish();

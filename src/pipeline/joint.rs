@@ -24,7 +24,12 @@ pub(super) fn jointly(
     observer: &mut dyn Observer,
 ) -> Discovery {
     let search = &options.search;
-    let found = discover::discover_jointly(&program.model, problem, search, observer);
+    let found = discover::discover_jointly(
+        (&program.model, &program.libraries),
+        (dataset, problem),
+        search,
+        observer,
+    );
     let (mut discovery, fitted) = found.unwrap_or_else(|| {
         let nothing = discover::nothing_fits(&program.model, problem);
         (nothing, Fitted::default())

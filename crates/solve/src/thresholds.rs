@@ -198,6 +198,8 @@ family! {
         ridge: f64 = 1e-12, unit "", source "set by hand";
         /// Steps of steepest descent by single changes.
         max_changes: usize = 60, unit "changes", source "set by hand";
+        /// Changes applied one after another before all is computed afresh.
+        changes_before_afresh: usize = 16, unit "changes", source "each multiplies rounding errors by at most 1/dependent; properties hold to 1e-5 after 16";
         /// Predicted gain below which the descent ends.
         predicted_gain: f64 = 1e-6, unit "of the penalty, at least of 1", source "set by hand";
         /// Actual gain below which the descent ends.

@@ -9,7 +9,9 @@ use std::ops::ControlFlow;
 use crate::doubts::trajectory_rules;
 use crate::options::Options;
 use crate::trajectory;
-use crate::trajectory::{DelayedInputs, Fit, Found, Law, Problem, SearchObserver, SensorOffset};
+use crate::trajectory::{
+    DelayedInputs, Fit, Found, Law, Problem, SearchObserver, SensorOffset, StartingSupport,
+};
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::VarId;
 use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
@@ -37,13 +39,17 @@ impl<'a> JointFit<'a> {
 
 /// Searches all equations, for faults of sensors too. `None` if no support could be fitted.
 pub(crate) fn search_system<'a>(
-    model: &Model,
-    problem: &'a Problem,
+    (model, problem): (&Model, &'a Problem),
+    start: Option<StartingSupport>,
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
     watcher.during(Stage::Refitting(0));
-    let mut search = DelayOutlierSearch { watcher, refits: 0 };
+    let mut search = DelayOutlierSearch {
+        watcher,
+        start: start.unwrap_or_default(),
+        refits: 0,
+    };
     let inputs = inputs(model, problem);
     let mut fit = search.first(problem, &inputs)?;
     if options.robust {
@@ -59,6 +65,8 @@ pub(crate) fn search_system<'a>(
 
 struct DelayOutlierSearch<'a, 'w> {
     watcher: &'a mut EquationObserver<'w>,
+    /// Where every search starts.
+    start: StartingSupport,
     refits: usize,
 }
 
@@ -100,13 +108,14 @@ impl DelayOutlierSearch<'_, '_> {
     }
 
     fn run(&mut self, problem: &Problem) -> Option<Found> {
+        let start = self.start.clone();
         let mut guide = SearchGuide {
             search: self,
             inputs: None,
             laws: &problem.system.laws,
             late: None,
         };
-        trajectory::search(problem, &mut guide)
+        trajectory::search(problem, &start, &mut guide)
     }
 
     /// The first answer. With a delayed input a search adds many terms to compensate, so if the first few terms leave more than
@@ -115,13 +124,14 @@ impl DelayOutlierSearch<'_, '_> {
         let mut late: Option<DelayedInputs> = None;
         let mut moved = Cow::Borrowed(problem);
         for _ in 0..SENSOR_SEARCH.delay_rounds {
+            let start = self.start.clone();
             let mut guide = SearchGuide {
                 search: self,
                 inputs: Some(inputs),
                 laws: &problem.system.laws,
                 late: None,
             };
-            let found = trajectory::search(&moved, &mut guide);
+            let found = trajectory::search(&moved, &start, &mut guide);
             let Some(more) = guide.late else {
                 return self.if_better(problem, JointFit::new(moved, found?, late));
             };

@@ -8,6 +8,7 @@ mod library_probe;
 pub(crate) mod no_fit;
 mod report;
 pub(crate) mod thresholds;
+mod weak_start;
 
 use std::sync::Arc;
 
@@ -19,6 +20,7 @@ use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
 use crate::joint::thresholds::JOINT;
+use crate::joint::weak_start::weak_start;
 use crate::known_terms::{fixed_terms, stated};
 use crate::options::{Method, Options};
 use crate::redundancy::doubt_redundant_equations;
@@ -125,14 +127,15 @@ pub struct Fitted {
 
 /// Finds all equations of the system together, with all signals along the fitted trajectory. `None` if no support could be fitted.
 pub fn discover_jointly(
-    model: &Model,
-    problem: &Problem,
+    (model, libraries): (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<(Discovery, Fitted)> {
     let mut watcher = EquationObserver::new(observer);
     let mut discovery = Discovery::of(model);
-    let settled = search_system(model, problem, options, &mut watcher);
+    let start = weak_start((model, libraries), dataset, problem, options, &mut watcher);
+    let settled = search_system((model, problem), start, options, &mut watcher);
     let stopped = watcher.stop();
     let Some(JointFit {
         problem,

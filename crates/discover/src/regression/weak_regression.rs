@@ -4,6 +4,8 @@
 //! whitened by a first guess, terms are selected again, and so on, from several first guesses. The guess of largest likelihood
 //! stands. Never differentiates a noisy signal.
 
+use std::collections::BTreeSet;
+
 use crate::dictionary::BadValue;
 use crate::early_stop;
 use crate::options::Method;
@@ -25,11 +27,14 @@ use sidc_solve::Problem;
 use sidc_solve::dictionary::Dictionary;
 use sidc_system::discovery::{Discovery, Equation, Failed};
 
+/// Slots of a library with their coefficients.
+pub(crate) type SlotTerms = Vec<(usize, f64)>;
+
 /// Terms selected in one iteration.
 #[derive(Clone)]
 struct WeakFit {
     support: Vec<usize>,
-    pairs: Vec<(usize, f64)>,
+    pairs: SlotTerms,
     /// Squared residual.
     left: f64,
     /// Squared residual plus the cost of the terms.
@@ -84,12 +89,26 @@ impl<'a> WeakSystem<'a> {
         }
     }
 
-    /// Finds each equation alone, then again along the trajectories that the other equations gave.
+    /// The equations with their evidence.
     pub fn run(
         mut self,
         names: &Discovery,
         watcher: &mut EquationObserver,
     ) -> Vec<(usize, Result<Equation, Failed>)> {
+        self.iterate(watcher);
+        let conclude = |m: WeakEquation| (m.place, m.task.concluded(m.best, names, watcher));
+        self.members.into_iter().map(conclude).collect()
+    }
+
+    /// Slots and coefficients of each equation, without evidence. `None` where one has no weak form or nothing was found.
+    pub fn terms(mut self, watcher: &mut EquationObserver) -> Vec<(usize, Option<SlotTerms>)> {
+        self.iterate(watcher);
+        let terms = |m: WeakEquation| (m.place, m.best.map(|b| b.found.pairs));
+        self.members.into_iter().map(terms).collect()
+    }
+
+    /// Finds each equation alone, then again along the trajectories that the other equations gave.
+    fn iterate(&mut self, watcher: &mut EquationObserver) {
         for pass in 0..WEAK_FORM.max_passes {
             let mut changed = false;
             for k in 0..self.members.len() {
@@ -118,8 +137,6 @@ impl<'a> WeakSystem<'a> {
                 break;
             }
         }
-        let conclude = |m: WeakEquation| (m.place, m.task.concluded(m.best, names, watcher));
-        self.members.into_iter().map(conclude).collect()
     }
 }
 
@@ -155,8 +172,9 @@ impl Task<'_> {
         let mut best: Option<Iteration> = None;
         let mut initial_fits = self.initial_fits(weak, watcher);
         initial_fits.extend(before.cloned());
+        let mut seen = BTreeSet::new();
         for found in initial_fits {
-            self.iterate(weak, found, &mut best, watcher);
+            self.iterate(weak, found, (&mut best, &mut seen), watcher);
         }
         best
     }
@@ -196,14 +214,18 @@ impl Task<'_> {
         out
     }
 
-    /// Iterates until the selected terms repeat.
+    /// Iterates until the selected terms repeat, or lead where an iteration from another guess went: the terms decide what follows, up to
+    /// small differences of their coefficients.
     fn iterate(
         &self,
         weak: &Weak,
         mut found: WeakFit,
-        best: &mut Option<Iteration>,
+        (best, seen): (&mut Option<Iteration>, &mut BTreeSet<Vec<usize>>),
         watcher: &mut EquationObserver,
     ) {
+        if !seen.insert(found.support.clone()) {
+            return;
+        }
         let mut own = weak.clone();
         for round in 0..WEAK_FORM.max_iterations {
             if watcher.at(Stage::Evaluating).is_some() {
@@ -218,7 +240,11 @@ impl Task<'_> {
                 return;
             };
             let next = self.choose(&whitened, 1.0, watcher);
-            let settled = round > 0 && next.support == found.support;
+            let same = next.support == found.support;
+            let settled = match same {
+                true => round > 0,
+                false => !seen.insert(next.support.clone()),
+            };
             if best.as_ref().is_none_or(|b| next.value < b.found.value) {
                 *best = Some(Iteration {
                     left: next.left / own.rows().max(1) as f64,

@@ -17,6 +17,25 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// The answer to work once the other is stopped. The observer knows the true reason; this one is not used.
 const CANCELLED: ControlFlow<Stop> = ControlFlow::Break(Stop::Interrupted);
 
+/// `work` on every item, every second one on another thread; the results in the order of the items, without those of items that were
+/// not begun when the observer ended the work.
+pub(crate) fn each<T: Sync, R: Send>(
+    observer: &mut dyn Observer,
+    items: &[T],
+    work: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
+    let from = |first: usize, observer: &mut dyn Observer| -> Vec<R> {
+        let own = items.iter().skip(first).step_by(2);
+        own.take_while(|_| observer.go_on()).map(&work).collect()
+    };
+    let (even, odd) = join(observer, |o| from(0, o), |o| from(1, o));
+    let mut odd = odd.into_iter();
+    even.into_iter()
+        .flat_map(|a| [Some(a), odd.next()])
+        .flatten()
+        .collect()
+}
+
 /// Runs `a` on the calling thread and `b` on another one, or after it where there is one core; both stop once the observer
 /// ends the work.
 pub(crate) fn join<A, B: Send>(

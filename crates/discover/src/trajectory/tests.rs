@@ -59,7 +59,7 @@ impl Chain {
     }
 
     fn eliminate<G: RowSink>(&self, gather: &mut G, keep: bool) -> EliminatedStates {
-        let mut filter = InformationFilter::new(&self.stiffness, gather, keep);
+        let mut filter = InformationFilter::new(&self.stiffness, gather, keep.then_some(100));
         for (k, readings) in self.readings.iter().enumerate() {
             filter.measurement_update(readings);
             if let Some([transition, columns, defect]) = self.intervals.get(k) {

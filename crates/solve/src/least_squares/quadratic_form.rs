@@ -28,20 +28,12 @@ pub struct SupportFit {
 }
 
 /// The normal equations of a support, solved on unit columns.
-struct SupportSolution {
+pub(super) struct SupportSolution {
     /// (R_SS)⁻¹ by rows.
-    inverse: Vec<f64>,
-    x: Vec<f64>,
+    pub inverse: Vec<f64>,
+    pub x: Vec<f64>,
     /// χ²
-    square: f64,
-}
-
-/// An addition, removal or exchange of a support, and the change of the criterion that it causes.
-#[derive(Clone, Copy)]
-pub struct SingleChange {
-    pub enters: Option<usize>,
-    pub leaves: Option<usize>,
-    pub change: f64,
+    pub square: f64,
 }
 
 impl QuadraticForm {
@@ -81,7 +73,7 @@ impl QuadraticForm {
     }
 
     /// The normal equations of a support; `None` if they are singular beyond the ridge.
-    fn solve(&self, support: &[usize]) -> Option<SupportSolution> {
+    pub(super) fn solve(&self, support: &[usize]) -> Option<SupportSolution> {
         let inverse = self.inverse(support)?;
         let x = self.times_right(&inverse, support);
         let gains = support.iter().zip(&x).map(|(j, x)| self.right[*j] * x);
@@ -156,145 +148,6 @@ impl QuadraticForm {
             }
         }
         best.into_iter().map(|(_, s)| s).collect()
-    }
-
-    /// Applies the best single addition, removal or exchange until none helps. The last column stays.
-    pub fn steepest_descent(&self, start: &[usize], penalty: f64) -> Vec<usize> {
-        let mut support = start.to_vec();
-        let mut solution = self.solve(&support);
-        let square = |s: &Option<SupportSolution>| s.as_ref().map_or(self.total, |s| s.square);
-        let mut value = square(&solution) + penalty * support.len() as f64;
-        for _ in 0..QUADRATIC_FORM.max_changes {
-            // Only one change can remove the last column, so the second best keeps one.
-            let here = solution.as_ref();
-            let best = here.map(|s| self.changes_from(s, &support, penalty, 2));
-            let best = best.unwrap_or_default();
-            let mut best = best.iter().map(|m| (m.change, m.applied(&support)));
-            let Some((change, next)) = best.find(|(_, next)| !next.is_empty()) else {
-                break;
-            };
-            if change >= -QUADRATIC_FORM.predicted_gain * penalty.max(1.0) {
-                break;
-            }
-            solution = self.solve(&next);
-            let after = square(&solution) + penalty * next.len() as f64;
-            let better = after < value - QUADRATIC_FORM.gain * value.abs().max(1.0);
-            if !better {
-                break;
-            }
-            (support, value) = (next, after);
-        }
-        support
-    }
-
-    /// The `most` best single changes by the criterion, best first.
-    pub fn single_changes(
-        &self,
-        support: &[usize],
-        penalty: f64,
-        most: usize,
-    ) -> Vec<SingleChange> {
-        let changes = |s: SupportSolution| self.changes_from(&s, support, penalty, most);
-        self.solve(support).map(changes).unwrap_or_default()
-    }
-
-    /// The same where the support is solved.
-    fn changes_from(
-        &self,
-        SupportSolution { inverse, x, square }: &SupportSolution,
-        support: &[usize],
-        penalty: f64,
-        most: usize,
-    ) -> Vec<SingleChange> {
-        let (k, p) = (support.len(), self.p);
-        if p == 0 {
-            return Vec::new();
-        }
-        let square = square.max(0.0);
-        // Rows of R_SS⁻¹ R_S·, length p each; of every column the squared length outside the support and its product with the
-        // residual.
-        let mut rows = vec![0.0; k * p];
-        let mut free = vec![1.0; p];
-        let mut along = self.right.clone();
-        wide(|| {
-            for (row, inverse) in rows.chunks_exact_mut(p).zip(inverse.chunks_exact(k.max(1))) {
-                for (weight, s) in inverse.iter().zip(support) {
-                    axpy(*weight, self.row(*s), row);
-                }
-            }
-            for ((row, s), x) in rows.chunks_exact(p).zip(support).zip(x) {
-                let gram_row = self.row(*s);
-                for ((free, row), gram) in free.iter_mut().zip(row).zip(gram_row) {
-                    *free -= gram * row;
-                }
-                axpy(-x, gram_row, &mut along);
-            }
-        });
-        let loss: Vec<f64> = (0..k).map(|i| x[i] * x[i] / inverse[i * k + i]).collect();
-        let gain = |along: f64, free: f64, most: f64| match free > QUADRATIC_FORM.dependent {
-            true => (along * along / free).min(most),
-            false => 0.0,
-        };
-        let mut found = BestChanges::new(most);
-        let outside: Vec<usize> = (0..p).filter(|j| !support.contains(j)).collect();
-        for j in &outside {
-            let change = penalty - gain(along[*j], free[*j], square);
-            found.offer(Some(*j), None, change);
-        }
-        for (i, s) in support.iter().enumerate() {
-            found.offer(None, Some(*s), loss[i] - penalty);
-            let pivot = inverse[i * k + i];
-            let row = &rows[i * p..(i + 1) * p];
-            for j in &outside {
-                let gained = gain(
-                    along[*j] + x[i] / pivot * row[*j],
-                    free[*j] + row[*j] * row[*j] / pivot,
-                    square + loss[i],
-                );
-                found.offer(Some(*j), Some(*s), loss[i] - gained);
-            }
-        }
-        found.changes
-    }
-}
-
-/// The best changes offered, best first; the earlier of two that are equal.
-struct BestChanges {
-    most: usize,
-    changes: Vec<SingleChange>,
-}
-
-impl BestChanges {
-    fn new(most: usize) -> BestChanges {
-        let changes = Vec::new();
-        BestChanges { most, changes }
-    }
-
-    fn offer(&mut self, enters: Option<usize>, leaves: Option<usize>, change: f64) {
-        let full = self.changes.len() >= self.most;
-        if full && self.changes.last().is_some_and(|m| change >= m.change) {
-            return;
-        }
-        let place = self.changes.partition_point(|m| m.change <= change);
-        self.changes.insert(
-            place,
-            SingleChange {
-                enters,
-                leaves,
-                change,
-            },
-        );
-        self.changes.truncate(self.most);
-    }
-}
-
-impl SingleChange {
-    /// The support after the change, rising.
-    pub fn applied(&self, support: &[usize]) -> Vec<usize> {
-        let kept = support.iter().copied().filter(|j| Some(*j) != self.leaves);
-        let mut next: Vec<usize> = kept.chain(self.enters).collect();
-        next.sort_unstable();
-        next
     }
 }
 

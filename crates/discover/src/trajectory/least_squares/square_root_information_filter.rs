@@ -61,8 +61,8 @@ pub(crate) struct InformationFilter<'a, G> {
 }
 
 impl<'a, G: RowSink> InformationFilter<'a, G> {
-    /// `keep` the eliminated rows: the states will be needed.
-    pub fn new(stiffness: &'a [f64], sink: &'a mut G, keep: bool) -> Self {
+    /// With `keep`, a number of samples, the eliminated rows of so many are kept: the states will be needed.
+    pub fn new(stiffness: &'a [f64], sink: &'a mut G, keep: Option<usize>) -> Self {
         let (n, p) = (stiffness.len(), sink.columns());
         let mut filter = InformationFilter {
             n,
@@ -73,7 +73,7 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
             present: vec![0.0; n * (2 * n + 1)],
             x: vec![0.0; n * p],
             step: vec![0.0; 2 * n * (4 * n + 1)],
-            saved: keep.then(Vec::new),
+            saved: keep.map(|samples| Vec::with_capacity(samples * n * (2 * n + p + 1))),
             product: vec![0.0; 4 * n + 1],
             next: vec![0.0; n * p],
         };

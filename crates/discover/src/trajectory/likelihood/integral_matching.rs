@@ -179,7 +179,7 @@ impl Problem {
         for (r, (record, curve)) in self.records.iter().zip(&self.smoothed).enumerate() {
             let sigma = &sigma[self.sensors.of(r)];
             let stiffness: Vec<f64> = sigma.iter().map(|s| 1.0 / (slack * s)).collect();
-            let mut filter = InformationFilter::new(&stiffness, sink, false);
+            let mut filter = InformationFilter::new(&stiffness, sink, None);
             for_each_interval(self, record, curve, &mut |k, link| {
                 filter.measurement_update(&self.readings_at(record, &curve.states, sigma, k));
                 if let Some(link) = link {

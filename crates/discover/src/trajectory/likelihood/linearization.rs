@@ -21,7 +21,8 @@ use sidc_solve::QuadraticForm;
 type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
 
 impl Problem {
-    /// The quadratic form of all columns about a point, on segments of long records.
+    /// The quadratic form of all columns about a point, on all samples: on parts of them, what chance gives a term would be multiplied
+    /// with the samples that the parts stand for, and supports would be fitted for nothing.
     ///
     /// # Errors
     /// The laws diverge from there, or the work was cancelled.
@@ -30,10 +31,11 @@ impl Problem {
         at: &LinearizationPoint,
         observer: &mut dyn Observer,
     ) -> Result<QuadraticForm, Diverged> {
-        Ok(self.quadratic_and_products(at, observer)?.0)
+        let products = self.products(at, &self.whole(), observer)?;
+        Ok(QuadraticForm::new(&products, self.all.outputs()))
     }
 
-    /// The same with its normal equations, the right side last.
+    /// The same on segments of long records, with its normal equations, the right side last.
     ///
     /// # Errors
     /// As above.
@@ -42,16 +44,32 @@ impl Problem {
         at: &LinearizationPoint,
         observer: &mut dyn Observer,
     ) -> Result<(QuadraticForm, Vec<f64>), Diverged> {
-        let mut normal_equations = NormalEquations::new(self.all.outputs());
         let lengths: Vec<usize> = self.records.iter().map(Record::len).collect();
         let parts = segments(&lengths);
-        self.linearise(at, &parts, &mut normal_equations, observer)?;
+        let mut products = self.products(at, &parts, observer)?;
         let used: usize = parts.iter().map(|(_, s)| s.len()).sum();
         let share = self.samples() as f64 / used as f64;
-        let mut products = normal_equations.shifted(&at.active());
         // Segments stand for all samples.
         products.iter_mut().for_each(|x| *x *= share);
         Ok((QuadraticForm::new(&products, self.all.outputs()), products))
+    }
+
+    /// Products of all columns and of the right side about a point, on parts of the records.
+    fn products(
+        &self,
+        at: &LinearizationPoint,
+        parts: &[(usize, Range<usize>)],
+        observer: &mut dyn Observer,
+    ) -> Result<Vec<f64>, Diverged> {
+        let mut normal_equations = NormalEquations::new(self.all.outputs());
+        self.linearise(at, parts, &mut normal_equations, observer)?;
+        Ok(normal_equations.shifted(&at.active()))
+    }
+
+    /// All samples of all records.
+    fn whole(&self) -> Vec<(usize, Range<usize>)> {
+        let whole = self.records.iter().map(|r| 0..r.len());
+        whole.enumerate().collect()
     }
 
     /// Rows of all columns about a point, on parts of the records. The unknowns are corrections of the coefficients.
@@ -82,9 +100,7 @@ impl Problem {
         sink: &mut impl RowSink,
         observer: &mut dyn Observer,
     ) -> Result<Vec<EliminatedStates>, Diverged> {
-        let whole = self.records.iter().map(|r| 0..r.len());
-        let whole: Vec<(usize, Range<usize>)> = whole.enumerate().collect();
-        self.eliminate((code, None), at, sink, (true, &whole), observer)
+        self.eliminate((code, None), at, sink, (true, &self.whole()), observer)
     }
 
     /// The same on parts of records, for all columns if `all` is given; `keep` the eliminated states or not.
@@ -109,7 +125,8 @@ impl Problem {
             let (record, path) = (&self.records[*r], &at.paths[*r]);
             let sigma = &at.sigma[self.sensors.of(*r)];
             let stiffness = stiffness(sigma, record.len());
-            let mut filter = InformationFilter::new(&stiffness, sink, keep);
+            let mut filter =
+                InformationFilter::new(&stiffness, sink, keep.then_some(samples.len()));
             let last = samples.end - 1;
             for from in (samples.start..last).step_by(INTERVALS_AT_ONCE) {
                 if !observer.go_on() {

@@ -40,9 +40,14 @@ pub(crate) fn segments(lengths: &[usize]) -> Vec<(usize, Range<usize>)> {
 }
 
 impl Problem {
+    /// Whether supports are searched on segments of the records first.
+    pub fn searched_in_parts(&self) -> bool {
+        self.samples() > RECORDS.max_searched_samples
+    }
+
     /// The problem on segments of its records; `None` if those are whole already.
     pub(crate) fn on_segments(&self) -> Option<Problem> {
-        if self.samples() <= RECORDS.max_searched_samples {
+        if !self.searched_in_parts() {
             return None;
         }
         let (n, m) = (self.states(), self.system.laws.len());

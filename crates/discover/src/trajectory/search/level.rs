@@ -3,10 +3,11 @@
 //! In: a problem and a criterion. Out: the best fits and the criterion of every support tried.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::beam_search::{Subset, best_subsets};
-use crate::trajectory::cancellation::join;
+use crate::trajectory::cancellation::{each, join};
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::SEARCH;
@@ -21,6 +22,8 @@ pub(crate) struct SearchLevel<'a> {
     pub tried: BTreeMap<Vec<usize>, f64>,
     /// The best fits, best first.
     pub best: Vec<Fit>,
+    /// Supports of more terms are not fitted.
+    pub most_terms: usize,
     /// The quadratic form about the fit of this support.
     form: Option<(Vec<usize>, Arc<QuadraticForm>)>,
 }
@@ -32,6 +35,7 @@ impl<'a> SearchLevel<'a> {
             criterion,
             tried: BTreeMap::new(),
             best: Vec::new(),
+            most_terms: usize::MAX,
             form: None,
         }
     }
@@ -49,7 +53,9 @@ impl<'a> SearchLevel<'a> {
             while pair.len() < 2 {
                 let Some(point) = points.next() else { break };
                 let seen = pair.iter().any(|p| p.support == point.support);
-                if !(seen || point.support.is_empty() || self.tried.contains_key(&point.support)) {
+                let size = 1..=self.most_terms;
+                let fits = size.contains(&point.support.len());
+                if fits && !seen && !self.tried.contains_key(&point.support) {
                     pair.push(point);
                 }
             }
@@ -161,7 +167,7 @@ impl<'a> SearchLevel<'a> {
     }
 
     /// Follows improvements among the supports that the quadratic form proposes, until there is none. The `last` level fits rivals too,
-    /// and with `prune` the support without each of its terms.
+    /// and with `prune` the support without each of its terms that may be missed.
     pub fn improve(&mut self, (last, prune): (bool, bool), observer: &mut dyn Observer) {
         let mut fits = 0;
         while fits < SEARCH.max_fits && self.may_refit(observer) {
@@ -194,8 +200,12 @@ impl<'a> SearchLevel<'a> {
             }
             let support = current.support();
             if !better && last && prune && support.len() <= SEARCH.max_pruned_terms {
+                let whole = form.least_squares(support).square;
                 let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
-                better = self.fit(support.iter().map(|j| point(without(j))), observer);
+                let light =
+                    |s: &Vec<usize>| form.least_squares(s).square - whole <= SEARCH.max_pruned_loss;
+                let shorter: Vec<Vec<usize>> = support.iter().map(without).filter(light).collect();
+                better = self.fit(shorter.into_iter().map(point), observer);
             }
             if !better {
                 return;
@@ -229,6 +239,35 @@ impl<'a> SearchLevel<'a> {
         }
     }
 
+    /// For each price of a term where steepest descent ends: the best end from backward elimination, from the strongest column and from
+    /// `support`.
+    fn descents(
+        &self,
+        form: &QuadraticForm,
+        support: &[usize],
+        prices: [f64; SEARCH.prices.len()],
+        observer: &mut dyn Observer,
+    ) -> Vec<(Vec<usize>, f64)> {
+        let along = |j: &usize| form.right[*j].abs();
+        let strongest = (0..form.p).max_by(|i, j| along(i).total_cmp(&along(j)));
+        let backward = form.backward_elimination(&prices);
+        let tasks: Vec<(Vec<usize>, f64)> = backward.into_iter().zip(prices).collect();
+        let descend = |(backward, price): &(Vec<usize>, f64)| {
+            let starts = [
+                backward,
+                &strongest.into_iter().collect(),
+                &support.to_vec(),
+            ];
+            let starts = starts.into_iter().filter(|s| s.len() <= self.most_terms);
+            let ends = starts.map(|s| form.steepest_descent(s, *price));
+            let cost = |s: &Vec<usize>| form.least_squares(s).square + price * s.len() as f64;
+            let best = ends.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+            best.map(|best| (best, *price))
+        };
+        let ends = each(observer, &tasks, descend);
+        ends.into_iter().flatten().collect()
+    }
+
     /// Supports not fitted yet with their predicted change of the criterion, best first.
     fn proposals(
         &self,
@@ -247,41 +286,28 @@ impl<'a> SearchLevel<'a> {
             }
         };
         let strengths = SEARCH.prices.map(|s| s * penalty);
-        let strongest =
-            (0..form.p).max_by(|i, j| form.right[*i].abs().total_cmp(&form.right[*j].abs()));
-        for (backward, strength) in form
-            .backward_elimination(&strengths)
-            .into_iter()
-            .zip(strengths)
-        {
-            if !observer.go_on() {
-                break;
-            }
-            let starts = [backward, strongest.into_iter().collect(), support.to_vec()];
-            let cost = |s: &Vec<usize>| form.least_squares(s).square + strength * s.len() as f64;
-            let ends = starts.iter().map(|s| form.steepest_descent(s, strength));
-            if let Some(best) = ends.min_by(|a, b| cost(a).total_cmp(&cost(b))) {
-                let change = value(&best) - base;
-                // A sparse support is fitted whatever the quadratic form predicts.
-                let change = if strength > SEARCH.sparse_price * penalty {
-                    change.min(0.0)
-                } else {
-                    change
-                };
-                propose(best, change);
-            }
+        for (best, strength) in self.descents(form, support, strengths, observer) {
+            let change = value(&best) - base;
+            // A sparse support is fitted whatever the quadratic form predicts.
+            let change = if strength > SEARCH.sparse_price * penalty {
+                change.min(0.0)
+            } else {
+                change
+            };
+            propose(best, change);
         }
         let mut combined = support.to_vec();
-        for range in &self.problem.ranges {
-            if range.is_empty() || !observer.go_on() {
-                continue;
-            }
+        let searched = self.problem.ranges.iter().filter(|r| !r.is_empty());
+        let ranges: Vec<Range<usize>> = searched.cloned().collect();
+        let subsets = each(observer, &ranges, |range| {
+            best_subsets(form, support, range.clone(), SEARCH.max_beam_terms)
+        });
+        for (range, mut best) in ranges.iter().zip(subsets) {
             let others: Vec<usize> = support
                 .iter()
                 .copied()
                 .filter(|j| !range.contains(j))
                 .collect();
-            let mut best = best_subsets(form, support, range.clone(), SEARCH.max_beam_terms);
             let cost = |s: &Subset| s.square + penalty * s.columns.len() as f64;
             best.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
             for s in best.iter().take(SEARCH.subsets_proposed) {

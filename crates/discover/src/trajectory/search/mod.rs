@@ -12,5 +12,5 @@ mod support_search;
 pub(crate) use beam_search::best_subsets;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
 pub use search_observer::SearchObserver;
-pub use support_search::{Found, search};
+pub use support_search::{Found, StartingSupport, search};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};

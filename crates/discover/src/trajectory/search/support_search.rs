@@ -25,14 +25,21 @@ pub struct Found {
     pub inefficiency: f64,
 }
 
-/// Searches the support of all laws together. `None` if nothing could be fitted.
+/// Columns with their coefficients, from another method; columns rising.
+pub type StartingSupport = Vec<(usize, f64)>;
+
+/// Searches the support of all laws together, from `start` if that explains the readings. `None` if nothing could be fitted.
 ///
 /// Long records are searched on segments first. The support found there, and what is proposed about it, is then fitted on all samples.
-pub fn search(problem: &Problem, observer: &mut dyn SearchObserver) -> Option<Found> {
+pub fn search(
+    problem: &Problem,
+    start: &[(usize, f64)],
+    observer: &mut dyn SearchObserver,
+) -> Option<Found> {
     let mut found = match problem.on_segments() {
-        None => search_with_inefficiency(problem, observer)?,
+        None => search_whole(problem, start, observer)?,
         Some(short) => {
-            let found = search_with_inefficiency(&short, observer)?;
+            let found = search_whole(&short, start, observer)?;
             let start = LinearizationPoint {
                 paths: problem.initial_point(&[]).paths,
                 ..found.best.point.clone()
@@ -55,6 +62,49 @@ pub fn search(problem: &Problem, observer: &mut dyn SearchObserver) -> Option<Fo
     };
     set_variances(problem, &mut found.best, observer);
     Some(found)
+}
+
+/// All levels, or the last one alone where the start explains the readings.
+fn search_whole(
+    problem: &Problem,
+    start: &[(usize, f64)],
+    observer: &mut dyn SearchObserver,
+) -> Option<Found> {
+    match explaining_start(problem, start, observer) {
+        Some(point) => continuation(problem, vec![point], (1.0, true), observer),
+        None => search_with_inefficiency(problem, observer),
+    }
+}
+
+/// The fit of a start where it leaves white residuals of the size of the noise: no other support then explains the readings better, and
+/// only sparser ones and near ones are of interest. Without that, the search needs its levels.
+fn explaining_start(
+    problem: &Problem,
+    start: &[(usize, f64)],
+    observer: &mut dyn Observer,
+) -> Option<LinearizationPoint> {
+    let (support, coefficients) = start.iter().copied().unzip();
+    let mut level = SearchLevel::new(problem, final_criterion(problem));
+    let sigma = level.sigma(&problem.noise);
+    let point = LinearizationPoint {
+        support,
+        coefficients,
+        ..problem.initial_point(&sigma)
+    };
+    level.fit([point], observer);
+    let fit = level.best.into_iter().next()?;
+    let explains = fit.arrived && explains_readings(problem, &fit);
+    explains.then_some(fit.point)
+}
+
+fn explains_readings(problem: &Problem, fit: &Fit) -> bool {
+    let white = statistical_inefficiency(problem, fit) <= SEARCH.max_inefficiency;
+    let mut sensors = fit
+        .sigma()
+        .iter()
+        .zip(&problem.noise)
+        .zip(&problem.readings);
+    white && sensors.all(|((left, noise), read)| *read == 0 || *left <= SEARCH.start_noise * noise)
 }
 
 /// Laws that are only nearly right leave coloured residuals. The choice is then made again with a price of terms for the effective
@@ -94,7 +144,13 @@ fn continuation(
         .into_iter()
         .filter(|f| *f > SEARCH.floor_over_noise * noisiest || *f == lowest);
     let mut floors: Vec<f64> = floors.collect();
-    if !start.is_empty() {
+    let explained = start
+        .iter()
+        .map(|p| p.support.len())
+        .max()
+        .filter(|_| fresh);
+    let most_terms = explained.map_or(usize::MAX, |n| SEARCH.terms_of_start * n);
+    if !start.is_empty() && !fresh {
         floors = vec![lowest];
     }
     let anew = start.is_empty();
@@ -107,6 +163,7 @@ fn continuation(
             problem,
             PenalizedLikelihood::at_floor(problem, floors[place], inefficiency),
         );
+        level.most_terms = most_terms;
         let penalty = level.criterion.penalty;
         let sigma = level.sigma(&problem.noise);
         let points = carried.drain(..).map(|point| LinearizationPoint {
