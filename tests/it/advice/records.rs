@@ -143,3 +143,27 @@ pub fn uncertain_coefficient() -> Scenario {
         case.recorded(vec![table(rows + (seconds / step) as usize)])
     })
 }
+
+/// A swing on a spring of this stiffness.
+fn sprung(stiffness: f64, seed: u64) -> String {
+    let rate = move |_: f64, z: &[f64; 2]| [z[1], -stiffness * z[0] - 0.2 * z[1]];
+    let [x, _] = motion(rate, [1.0, 0.0], 0.05, 200);
+    record(0.05, &[("x", &read(&x, 0.01, seed))])
+}
+
+pub fn run_not_followed() -> Scenario {
+    let bad: Vec<f64> = (0..200)
+        .map(|k| f64::from(i32::from(k / 17 % 2 == 0)) + 0.3 * (f64::from(k) * 0.9).sin())
+        .collect();
+    let bad = record(0.05, &[("x", &read(&bad, 0.01, 3))]);
+    let case = Case::new("state x : order 2\nddx ~ poly(x, dx; 2)\n", String::new());
+    let case = case.recorded(vec![sprung(4.0, 1), bad, sprung(4.0, 2)]);
+    Scenario::words(case, |case, _| {
+        case.recorded(vec![case.tables[0].clone(), case.tables[2].clone()])
+    })
+}
+
+pub fn runs_differ() -> Scenario {
+    let case = Case::new("state x : order 2\nddx ~ poly(x, dx; 2)\n", String::new());
+    Scenario::change(case.recorded(vec![sprung(4.0, 1), sprung(4.4, 2)]))
+}

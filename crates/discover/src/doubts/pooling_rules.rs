@@ -32,7 +32,7 @@ pub(crate) fn not_followed(problem: &Problem, used: &[usize], left: &[Left]) -> 
     let file = name(first.trajectory);
     Some(reason.remedy(match first.time {
         Some(time) => format!(
-            "look at {file} from {} s on: another plant, a sensor that fails, columns exchanged; leave it out if it is none of this plant",
+            "look at {file} from {} s on: another plant, a sensor that fails, a motion of which the library lacks the physics; leave it out if it is none of this plant",
             rounded(time)
         ),
         None => format!("look at {file}, and leave it out if it is none of this plant"),

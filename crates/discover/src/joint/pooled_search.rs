@@ -6,6 +6,7 @@
 
 use std::borrow::Cow;
 
+use crate::doubts::trajectory_rules;
 use crate::joint::delay_outlier_search::{JointFit, search_system, unexplained};
 use crate::options::Options;
 use crate::trajectory;
@@ -65,9 +66,11 @@ fn whole(fit: JointFit) -> PooledFit {
     }
 }
 
-/// Whether a fit leaves no more than the noise of the sensors.
+/// Whether a fit leaves no more than the noise of the sensors. What only remembers is no reason to part the runs: laws that are nearly
+/// right leave that, and coefficients by run would hide it.
 fn explains(fit: &JointFit) -> bool {
-    !unexplained(&fit.problem, &fit.found.best)
+    let channels = trajectory::channels(&fit.problem, &fit.found.best);
+    !channels.iter().any(trajectory_rules::misfits)
 }
 
 struct RunSearch<'p, 'w, 'o> {
@@ -92,8 +95,11 @@ impl RunSearch<'_, '_, '_> {
         runs: &[usize],
         alone: &[(usize, Option<JointFit<'static>>)],
     ) -> Option<PooledFit<'b>> {
+        // Where most runs are not explained alone, it is not they that are bad.
+        if 2 * good.len() < runs.len() {
+            return None;
+        }
         if good.len() < 2 {
-            // Of two runs that contradict each other, none is known to be the bad one, unless one alone is explained.
             let fit = self.on(good.get(..1)?)?;
             return Some(self.with_left(fit, good, runs));
         }

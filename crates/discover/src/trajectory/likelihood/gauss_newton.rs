@@ -81,7 +81,7 @@ pub(crate) fn fit(
         left -= 1;
         let mut qr = IncrementalQr::new(k);
         let Ok(eliminated) = problem.eliminate_all(&code, &point, &mut qr, observer) else {
-            point = regained(&mut halving, point, beat).filter(|_| observer.go_on())?;
+            point = halving.halfway(point).filter(|_| observer.go_on())?;
             continue;
         };
         let solved = qr.solve();
@@ -93,7 +93,12 @@ pub(crate) fn fit(
                 &solved.variances[..],
             );
             let here = fit_here(problem, criterion, &point, here);
-            match halving.judge(here) {
+            if left_the_data(problem, &here.point) {
+                point = halving.halfway(point)?;
+                continue;
+            }
+            let value = here.value;
+            match halving.judge(here, value, &point) {
                 Verdict::Step => {}
                 Verdict::Try(nearer) => {
                     point = nearer;
@@ -123,7 +128,7 @@ pub(crate) fn fit(
             .for_each(|(a, d)| *a += d);
         halving.starts(start, farthest);
         if !farthest.is_finite() || left_the_data(problem, &point) {
-            point = regained(&mut halving, point, beat)?;
+            point = halving.halfway(point)?;
             continue;
         }
         let residual_squares = residual_squares(problem, &point);
@@ -160,7 +165,8 @@ pub(crate) fn fit(
     }
     if halving.is_careful() {
         let arrived = found.is_some_and(|(.., arrived)| arrived);
-        return halving.best(arrived).filter(|fit| fit.value.is_finite());
+        let (fit, arrived) = halving.best(arrived)?;
+        return fit.value.is_finite().then_some(Fit { arrived, ..fit });
     }
     let (variances, residual_squares, law_misfit, arrived) = found?;
     value.is_finite().then_some(Fit {
@@ -171,17 +177,6 @@ pub(crate) fn fit(
         law_misfit,
         arrived,
     })
-}
-
-/// A point to go on from where a step has lost the data: halfway back, if the steps are halved already or nothing else could be fitted.
-fn regained(
-    halving: &mut StepHalving,
-    lost: LinearizationPoint,
-    beat: f64,
-) -> Option<LinearizationPoint> {
-    let worth = halving.is_careful() || beat == f64::INFINITY;
-    let finite = lost.paths.iter().flatten().all(|x| x.is_finite());
-    halving.halfway(lost).filter(|_| worth && finite)
 }
 
 /// The fit at a point with the coefficients that it has: only the states follow the laws there.

@@ -4,17 +4,15 @@
 //! have no slope at their jump, so the linearised likelihood does not see them coming: full steps then swing between two points for ever.
 //! A fit that goes downhill by itself is left alone. Linearises nothing.
 
-use super::gauss_newton::Fit;
 use crate::trajectory::model::LinearizationPoint;
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 
 /// The control of one fit's steps.
-#[derive(Default)]
-pub(super) struct StepHalving {
+pub(super) struct StepHalving<Fit> {
     /// Whether a step has gone uphill: from then on every point is judged by its own criterion.
     careful: bool,
     /// The best point so far that was judged, as a fit.
-    accepted: Option<Fit>,
+    accepted: Option<(Fit, f64)>,
     /// Where the last full step began.
     start: Option<LinearizationPoint>,
     /// Largest move of a state in that step, in units of its noise.
@@ -34,7 +32,20 @@ pub(super) enum Verdict {
     End,
 }
 
-impl StepHalving {
+impl<Fit> Default for StepHalving<Fit> {
+    fn default() -> Self {
+        StepHalving {
+            careful: false,
+            accepted: None,
+            start: None,
+            reach: 0.0,
+            halvings: 0,
+            added: 0,
+        }
+    }
+}
+
+impl<Fit> StepHalving<Fit> {
     pub fn is_careful(&self) -> bool {
         self.careful
     }
@@ -57,42 +68,45 @@ impl StepHalving {
         self.careful = true;
     }
 
-    /// Judges a point by its fit without a further move of the coefficients.
-    pub fn judge(&mut self, here: Fit) -> Verdict {
-        let best = self.accepted.as_ref().map_or(f64::INFINITY, |f| f.value);
-        if here.value < best - GAUSS_NEWTON.criterion_step || self.accepted.is_none() {
-            self.accepted = Some(here);
+    /// Judges a point by its fit without a further move of the coefficients, whose criterion is `value`.
+    pub fn judge(&mut self, here: Fit, value: f64, at: &LinearizationPoint) -> Verdict {
+        let best = self.best_value();
+        if value < best - GAUSS_NEWTON.criterion_step || self.accepted.is_none() {
+            self.accepted = Some((here, value));
             return Verdict::Step;
         }
-        match self.halfway(here.point) {
+        match self.halfway(at.clone()) {
             Some(point) => Verdict::Try(point),
             None => Verdict::End,
         }
     }
 
-    /// The point halfway back to where the last step began; `None` once that is no step any more, or there was none.
+    fn best_value(&self) -> f64 {
+        self.accepted.as_ref().map_or(f64::INFINITY, |(_, v)| *v)
+    }
+
+    /// The point halfway back to where the last step began; `None` while full steps are trusted, and once it is no step any more.
     pub fn halfway(&mut self, from: LinearizationPoint) -> Option<LinearizationPoint> {
         let start = self.start.as_ref()?;
-        if self.halvings >= GAUSS_NEWTON.max_halvings {
+        let known = self.careful && self.accepted.is_some();
+        if !known || self.halvings >= GAUSS_NEWTON.max_halvings {
             return None;
         }
-        self.careful = true;
         self.halvings += 1;
         Some(middle(start, from))
     }
 
     /// Whether a step promises no more than the best point has.
     pub fn promises_nothing(&self, promised: f64) -> bool {
-        let best = self.accepted.as_ref().map_or(f64::INFINITY, |f| f.value);
-        best - promised < GAUSS_NEWTON.criterion_step
+        self.best_value() - promised < GAUSS_NEWTON.criterion_step
     }
 
-    /// The best point that was judged. It has arrived if the last step promised nothing, or if steps that did not help from there were
-    /// as small as those of any fit that has converged.
-    pub fn best(self, arrived: bool) -> Option<Fit> {
+    /// The best point that was judged, and whether it has arrived: the last step promised nothing, or steps that did not help from
+    /// there were as small as those of any fit that has converged.
+    pub fn best(self, arrived: bool) -> Option<(Fit, bool)> {
         let shortest = self.reach * 0.5_f64.powi(self.halvings as i32);
         let arrived = arrived || shortest < GAUSS_NEWTON.state_step;
-        self.accepted.map(|fit| Fit { arrived, ..fit })
+        self.accepted.map(|(fit, _)| (fit, arrived))
     }
 }
 

@@ -10,6 +10,7 @@ mod rejected_readings;
 mod run_columns;
 mod sensor_groups;
 mod smoothing;
+mod split_by_run;
 mod subsampling;
 mod system;
 

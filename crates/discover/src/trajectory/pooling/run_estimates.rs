@@ -38,7 +38,15 @@ pub fn differing_coefficients(
     let criterion = last_criterion(problem, inefficiency);
     let mut split: Vec<usize> = Vec::new();
     let mut gains = Vec::new();
-    let mut best = (problem.clone(), found.clone(), Vec::new());
+    // With the same further steps as the others, so that what these gain is no gain of the split.
+    let start = found.point.clone();
+    let again = fit(problem, start, &criterion, f64::INFINITY, observer);
+    let again = again.filter(|f| f.value < found.value);
+    let mut best = (
+        problem.clone(),
+        again.unwrap_or_else(|| found.clone()),
+        Vec::new(),
+    );
     for column in suspects {
         if !observer.go_on() {
             break;
@@ -77,7 +85,13 @@ pub fn differing_coefficients(
         values: values(*column),
         gain: *gain,
     };
-    gains.iter().map(of).collect()
+    // What the refit gains by something else than the difference is none either.
+    let mut all: Vec<Differing> = gains.iter().map(of).collect();
+    all.retain(|d| {
+        let values = d.values.iter().map(|v| (v.value, v.variance));
+        deviations(&values.collect::<Vec<_>>()) > POOLING.differ
+    });
+    all
 }
 
 /// The fit in which some columns of a support have a coefficient for each run, with its problem and the origin of its columns.
