@@ -53,7 +53,9 @@ pub(crate) fn search_runs<'a>(
         .filter(|a| explained(&a.1))
         .map(|a| a.0)
         .collect();
-    if let Some(found) = search.on_good(&good, &runs, &alone) {
+    // Where no more runs are explained alone than are not, it may be the library that lacks what the others show.
+    let most = 2 * good.len() > runs.len() || all.is_none();
+    if most && let Some(found) = search.on_good(&good, &runs, &alone) {
         return Some(found);
     }
     all.map(whole).or_else(|| search.on_any(alone, &runs))
@@ -95,10 +97,6 @@ impl RunSearch<'_, '_, '_> {
         runs: &[usize],
         alone: &[(usize, Option<JointFit<'static>>)],
     ) -> Option<PooledFit<'b>> {
-        // Where most runs are not explained alone, it is not they that are bad.
-        if 2 * good.len() < runs.len() {
-            return None;
-        }
         if good.len() < 2 {
             let fit = self.on(good.get(..1)?)?;
             return Some(self.with_left(fit, good, runs));
