@@ -48,10 +48,8 @@ pub fn joint(
 ) -> Result<Problem, String> {
     let by_run = !model.per_run.is_empty();
     let asked = options.method == Method::Joint || by_run && options.method == Method::Auto;
-    if !asked {
-        if options.method != Method::Auto {
-            return Err("another method was asked for".into());
-        }
+    if !asked && options.method != Method::Auto {
+        return Err("another method was asked for".into());
     }
     if options.method == Method::Auto && (options.samples.is_some() || options.path) {
         return Err("rows are to be drawn, or a path is to be shown".into());
