@@ -5,7 +5,7 @@ use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::{Activity, Observer, Unwatched};
-use sidc_system::discovery::Discovery as FoundSystem;
+use sidc_system::discovery::{Discovery as FoundSystem, RunParameters};
 use sidc_system::simulate::{self, Options, Run, Source};
 
 use crate::data::Data;
@@ -83,10 +83,12 @@ impl Discovery {
         if found.iter().any(Diagnostic::is_error) {
             return Err(Error::of(ErrorKind::Data, &found, &sources));
         }
+        let by_run = RunParameters::of(discovery, &model);
+        let valued = by_run.as_ref().map(|p| p.with_values(&dataset));
         let source = Source {
-            discovery,
-            model: &model,
-            dataset: &dataset,
+            discovery: by_run.as_ref().map_or(discovery, |p| &p.discovery),
+            model: by_run.as_ref().map_or(&model, |p| &p.model),
+            dataset: valued.as_ref().unwrap_or(&dataset),
         };
         let mut ended = false;
         let mut runs = Vec::new();

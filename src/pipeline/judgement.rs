@@ -5,7 +5,7 @@
 
 use sidc_data::Dataset;
 use sidc_progress::Observer;
-use sidc_system::discovery::Discovery;
+use sidc_system::discovery::{Discovery, RunParameters};
 use sidc_system::predict::{self, ErrorLimit, PredictionRequest};
 use sidc_system::validate::{self, KStepErrors, Validation};
 use sidc_system::verdict::Verdict;
@@ -30,12 +30,26 @@ pub fn judge(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Judgement {
-    let (model, request) = (&program.model, &options.prediction);
-    let (used, held) = (&measured.dataset, &measured.held);
-    let mut prediction = predict::predict((found, model), (used, held), request, observer);
+    let request = &options.prediction;
+    let used = &found.followed(&measured.dataset);
+    let held = &measured.held;
+    // Coefficients by run are parameters of the runs here.
+    let by_run = RunParameters::of(found, &program.model);
+    let with_values = |data: &Dataset| by_run.as_ref().map(|p| p.with_values(data));
+    let (used_by_run, held_by_run) = (with_values(used), with_values(held));
+    let (used, held) = (
+        used_by_run.as_ref().unwrap_or(used),
+        held_by_run.as_ref().unwrap_or(held),
+    );
+    let model = by_run.as_ref().map_or(&program.model, |p| &p.model);
+    let equations = by_run
+        .as_ref()
+        .map_or_else(|| found.clone(), |p| p.discovery.clone());
+    let equations = &equations;
+    let mut prediction = predict::predict((equations, model), (used, held), request, observer);
     prediction.held_out = measured.held_out.clone();
     let data = (used, held);
-    let validation = validate::validate((found, model), data, observer);
+    let validation = validate::validate((equations, model), data, observer);
     if let Some(runs) = &validation {
         let sensitive = runs.runs.iter().any(|r| r.sensitive);
         // Where free runs say nothing, predictions over the same horizon on both parts do.
@@ -45,7 +59,7 @@ pub fn judge(
         };
         let nothing = Dataset::default();
         let on_used = (sensitive && prediction.unavailable.is_none())
-            .then(|| predict::predict((found, model), (used, &nothing), &same, observer));
+            .then(|| predict::predict((equations, model), (used, &nothing), &same, observer));
         let k_step = on_used.as_ref().map(|used| KStepErrors {
             used,
             held_out: &prediction,
@@ -57,7 +71,7 @@ pub fn judge(
         None => {
             // States that need no fit are readings without noise.
             let clean = prediction.unavailable.is_none() && prediction.fitted_rows == 0;
-            let runs = validate::run_on_used((found, model), (used, clean), observer);
+            let runs = validate::run_on_used((equations, model), (used, clean), observer);
             Verdict::of(found, prediction, &runs)
         }
     };

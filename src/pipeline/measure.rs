@@ -9,6 +9,7 @@ use sidc_discover as discover;
 use sidc_discover::trajectory::Problem;
 use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::Model;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::{Activity, Observer};
@@ -95,7 +96,9 @@ pub fn measure(
     }
     diagnostics.extend(copies.iter().map(|c| left_out(program, c)));
     if let Err(why) = &joint {
-        if search.method == Method::Joint {
+        if !model.per_run.is_empty() {
+            diagnostics.push(not_per_run(model, why));
+        } else if search.method == Method::Joint {
             diagnostics.push(not_joint(why));
         } else if search.robust {
             diagnostics.push(not_robust(why));
@@ -155,6 +158,18 @@ fn not_joint(why: &str) -> Diagnostic {
         format!("the equations cannot be estimated together with their trajectory: {why}"),
     )
     .help("leave --method to the program, or take --method regression")
+}
+
+fn not_per_run(model: &Model, why: &str) -> Diagnostic {
+    let message = format!(
+        "coefficients that differ from run to run are estimated together with the trajectory, and here they are not: {why}"
+    );
+    let d = Diagnostic::error("per-run", message);
+    let d = match model.per_run.first() {
+        Some(first) => d.at(first.span, "declared here"),
+        None => d,
+    };
+    d.help("leave --method, --samples and --path out; in discrete time and with constraints, identify each run alone")
 }
 
 fn not_robust(why: &str) -> Diagnostic {

@@ -77,6 +77,7 @@ fn entry(sources: &mut Sources, signal: Signal, text: &str, kind: ColumnKind) ->
             span: Span::new(file, right, text.len()),
             kind,
         }),
+        beside: Vec::new(),
     }
 }
 

@@ -34,6 +34,7 @@ mod measured;
 mod noise;
 mod norms;
 mod planted;
+mod pooling;
 mod prediction;
 mod rates;
 mod relation;

@@ -35,5 +35,6 @@ pub(crate) fn fixed((coefficient, term): (f64, Term)) -> FoundTerm {
         fixed: true,
         standard_error: None,
         trust: None,
+        runs: Vec::new(),
     }
 }

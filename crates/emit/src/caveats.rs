@@ -6,8 +6,8 @@
 use crate::code::identifiers::plain;
 use crate::text::layout::wrapped;
 use sidc_lang::number::significant;
-use sidc_lang::term::{Signal, VarId};
-use sidc_system::discovery::Discovery;
+use sidc_lang::term::{Language, Signal, SignalNames, VarId};
+use sidc_system::discovery::{Discovery, RunCoefficient};
 use sidc_system::verdict::{self, LawVerdict};
 
 /// Widest line of a comment, without its mark.
@@ -45,6 +45,19 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     for (target, reason) in verdict::reasons(d) {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
         lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+    }
+    for e in &d.equations {
+        for t in e.terms.iter().filter(|t| !t.runs.is_empty()) {
+            let value = |r: &RunCoefficient| format!("{} in {}", r.figure(), r.run);
+            let values: Vec<String> = t.runs.iter().map(value).collect();
+            let text = format!(
+                "{}: the coefficient of {} differs from run to run ({}); here it is their mean",
+                d.name(e.target),
+                Language(d).term(&t.term),
+                values.join(", ")
+            );
+            lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+        }
     }
     for (place, variable) in d.variables.iter().enumerate() {
         let delay = d.input_delay(VarId(place as u16));

@@ -36,6 +36,7 @@ pub enum Keyword {
     Let,
     Data,
     Constrain,
+    Coef,
     Symmetry,
     Limit,
     Prefer,
@@ -67,6 +68,11 @@ pub enum StatementKind {
         known: bool,
         right: Expr,
     },
+    /// `coef(ddx, u) : per run`
+    PerRun {
+        coefficients: Vec<Expr>,
+        attribute: Attribute,
+    },
     /// `constrain EXPR > EXPR`, or a chain `EXPR < EXPR < EXPR`.
     Constrain {
         first: Expr,
@@ -92,7 +98,12 @@ pub struct Entry {
 #[derive(Clone, Debug)]
 pub enum EntryKind {
     /// `NAME = EXPR`; the checker gives `run` and `none` their meaning.
-    Source { name: Ident, value: Expr },
+    Source {
+        name: Ident,
+        value: Expr,
+        /// The sources of further runs, for experiments side by side.
+        beside: Vec<Expr>,
+    },
     /// `step 0.01`
     Step(Expr),
 }
@@ -230,6 +241,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
     ("let", Keyword::Let),
     ("data", Keyword::Data),
     ("constrain", Keyword::Constrain),
+    ("coef", Keyword::Coef),
     ("symmetry", Keyword::Symmetry),
     ("limit", Keyword::Limit),
     ("prefer", Keyword::Prefer),

@@ -211,6 +211,7 @@ impl<'a, 't> Layout<'a, 't> {
             ("*" | "/", _) => self.is_loose(i - 1),
             (_, "*" | "/") => self.is_loose(i),
             ("+", _) | (_, "+" | "-") => true,
+            ("coef", "(") => false,
             (_, "(") => last.kind == TokenKind::Name && self.opens_statement(i - 1),
             _ => true,
         })

@@ -19,6 +19,8 @@ pub struct Model {
     pub discrete: bool,
     pub equations: Vec<Equation>,
     pub constraints: Vec<Constraint>,
+    /// Coefficients that may have a value of their own in each run.
+    pub per_run: Vec<Coefficient>,
     pub symmetries: Vec<Symmetry>,
     /// Largest sum of |exponents| of a term, if limited.
     pub degree: Option<f64>,
@@ -220,6 +222,12 @@ pub struct DataBlock {
 }
 
 impl DataBlock {
+    /// How many experiments stand side by side in a table.
+    pub fn side_by_side(&self) -> usize {
+        let further = self.entries.iter().map(|e| e.beside.len());
+        1 + further.max().unwrap_or(0)
+    }
+
     /// The header of the column that a signal called `name` is read from as it stands; `None` where the block converts it, or leaves
     /// it out.
     pub fn column<'a>(&'a self, signal: Signal, name: &'a str) -> Option<&'a str> {
@@ -227,6 +235,7 @@ impl DataBlock {
             return Some(name);
         };
         match &entry.source.as_ref()?.kind {
+            _ if !entry.beside.is_empty() => None,
             ColumnKind::Column(header) => Some(header),
             _ => None,
         }
@@ -240,6 +249,16 @@ pub struct DataEntry {
     pub span: Span,
     /// `None` for `dy = none`.
     pub source: Option<ColumnExpr>,
+    /// The sources in the second run and in those after it, where experiments stand side by side; empty if all read the same.
+    pub beside: Vec<ColumnExpr>,
+}
+
+impl DataEntry {
+    /// The source in one of the runs that stand side by side, counted from 0.
+    pub fn source_of(&self, run: usize) -> Option<&ColumnExpr> {
+        let other = run.checked_sub(1).and_then(|k| self.beside.get(k));
+        other.or(self.source.as_ref())
+    }
 }
 
 /// Arithmetic on the columns of a data file.

@@ -55,6 +55,8 @@ followed! {
     RoughDerivative: sensors::rough_derivative, "or measure the target";
     RowsMissed: records::rows_missed, "with --window=";
     RunLeavesData: library::run_leaves_data, "look for what limits the motion: a stop";
+    RunNotFollowed: records::run_not_followed, "leave it out";
+    RunsDiffer: records::runs_differ, "say that";
     SameRelation: library::same_relation, "offer terms that stand in only one of these equations";
     SensorOffset: sensors::sensor_offset, "subtract 0.";
     SolverInaccurate: sensors::solver_inaccurate, "--noise NAME=SIGMA";

@@ -59,19 +59,22 @@ pub fn not_carried_over() -> Scenario {
 }
 
 /// One of three chaotic states, read roughly.
+/// Dry friction: `sign(dx)` has no slope at its jump.
 pub fn not_settled() -> Scenario {
-    let rate = |_: f64, z: &[f64; 3]| {
-        [
-            10.0 * (z[1] - z[0]),
-            z[0] * (28.0 - z[2]) - z[1],
-            z[0] * z[1] - 8.0 / 3.0 * z[2],
-        ]
-    };
-    let [x, _, _] = motion(rate, [-8.0, 8.0, 27.0], 0.05, 40);
-    let table = record(0.05, &[("x", &read(&x, 2.0, 1))]);
-    let model = "state x : order 2\nddx ~ poly(x, dx; 3)\n";
+    let push = levels(500, 12, 1);
+    let mut z = [0.0, 0.0];
+    let mut x = Vec::new();
+    for u in &push {
+        x.push(z[0]);
+        for _ in 0..40 {
+            let force = -8.0 * z[1] + 8.0 * u - 1.5 * f64::signum(z[1]);
+            z = [z[0] + z[1] * 0.025 / 40.0, z[1] + force * 0.025 / 40.0];
+        }
+    }
+    let table = record(0.025, &[("x", &read(&x, 2e-4, 1)), ("u", &push)]);
+    let model = "state x : order 2\ninput u : hold\nddx ~ <1, u, dx, sign dx>\n";
     Scenario::words(Case::new(model, table), |case, _| {
-        case.rewritten("poly(x, dx; 3)", "poly(x, dx; 1)")
+        case.rewritten("dx, sign dx", "dx")
     })
     .doubted()
 }
@@ -142,4 +145,28 @@ pub fn uncertain_coefficient() -> Scenario {
         let seconds: f64 = reason.advice().split(' ').next().unwrap().parse().unwrap();
         case.recorded(vec![table(rows + (seconds / step) as usize)])
     })
+}
+
+/// A swing on a spring of this stiffness.
+fn sprung(stiffness: f64, seed: u64) -> String {
+    let rate = move |_: f64, z: &[f64; 2]| [z[1], -stiffness * z[0] - 0.2 * z[1]];
+    let [x, _] = motion(rate, [1.0, 0.0], 0.05, 200);
+    record(0.05, &[("x", &read(&x, 0.01, seed))])
+}
+
+pub fn run_not_followed() -> Scenario {
+    let bad: Vec<f64> = (0..200)
+        .map(|k| f64::from(i32::from(k / 17 % 2 == 0)) + 0.3 * (f64::from(k) * 0.9).sin())
+        .collect();
+    let bad = record(0.05, &[("x", &read(&bad, 0.01, 3))]);
+    let case = Case::new("state x : order 2\nddx ~ poly(x, dx; 2)\n", String::new());
+    let case = case.recorded(vec![sprung(4.0, 1), bad, sprung(4.0, 2)]);
+    Scenario::words(case, |case, _| {
+        case.recorded(vec![case.tables[0].clone(), case.tables[2].clone()])
+    })
+}
+
+pub fn runs_differ() -> Scenario {
+    let case = Case::new("state x : order 2\nddx ~ poly(x, dx; 2)\n", String::new());
+    Scenario::change(case.recorded(vec![sprung(4.0, 1), sprung(4.4, 2)]))
 }

@@ -81,6 +81,7 @@ pub fn system(seed: u64) -> Discovery {
         variables: draw.variables,
         equations,
         failed: Vec::new(),
+        runs_left: Vec::new(),
     }
 }
 
@@ -259,6 +260,7 @@ fn equation(target: Signal, terms: Vec<(f64, Expr)>) -> Equation {
         fixed: false,
         standard_error: None,
         trust: None,
+        runs: Vec::new(),
     });
     Equation {
         target,

@@ -10,6 +10,7 @@ use crate::monitoring::progress_line::{ProgressLine, Work};
 use crate::outputs::files;
 use sidc_emit::report;
 use sidc_emit::report::{RecordRun, Subject};
+use sidc_system::discovery::RunParameters;
 use sidc_system::result::Document;
 use sidc_system::simulate;
 use sidc_system::simulate::{Options, Source};
@@ -34,19 +35,22 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     files::check_writable(args.output.as_deref(), &args.input.files)?;
     let bound = args.input.open("report", &[], &monitor)?;
     monitor.listen();
+    let discovery = &bound.opened.discovery;
+    let by_run = RunParameters::of(discovery, &bound.model);
+    let valued = by_run.as_ref().map(|p| p.with_values(&bound.dataset));
     let source = Source {
-        discovery: &bound.opened.discovery,
-        model: &bound.model,
-        dataset: &bound.dataset,
+        discovery: by_run.as_ref().map_or(discovery, |p| &p.discovery),
+        model: by_run.as_ref().map_or(&bound.model, |p| &p.model),
+        dataset: valued.as_ref().unwrap_or(&bound.dataset),
     };
     let line = monitor.progress_line();
     let runs = runs(&source, &bound.opened.document, &line, &monitor);
     line.show(Work::Drawing);
     let page = report::html(&Subject {
-        discovery: source.discovery,
+        discovery,
         document: &bound.opened.document,
         name: &bound.name,
-        dataset: source.dataset,
+        dataset: &bound.dataset,
         runs: &runs,
         files: &bound.files,
     });

@@ -20,8 +20,12 @@ pub(super) enum Source<'a> {
     Column(usize),
 }
 
-/// Every signal that the table or the data block provides, sorted; time included.
-pub(super) fn sources_of<'a>(model: &'a Model, table: &Table) -> Vec<(Signal, Source<'a>)> {
+/// Every signal that the table or the data block provides to one of the runs that stand side by side, sorted; time included.
+pub(super) fn sources_of<'a>(
+    model: &'a Model,
+    table: &Table,
+    run: usize,
+) -> Vec<(Signal, Source<'a>)> {
     let mut out = Vec::new();
     for (i, var) in model.vars.iter().enumerate() {
         let id = sidc_lang::term::VarId(i as u16);
@@ -29,7 +33,7 @@ pub(super) fn sources_of<'a>(model: &'a Model, table: &Table) -> Vec<(Signal, So
             let signal = Signal::derivative(id, der);
             match model.data.entries.iter().find(|e| e.signal == signal) {
                 Some(entry) => {
-                    if let Some(e) = &entry.source {
+                    if let Some(e) = entry.source_of(run) {
                         out.push((signal, Source::Entry(e, entry.span)));
                     }
                 }
@@ -136,6 +140,13 @@ fn for_each_column<'a>(e: &'a ColumnExpr, visit: &mut impl FnMut(&'a str, Span))
         }
         ColumnKind::Call(_, args) => args.iter().for_each(|a| for_each_column(a, visit)),
     }
+}
+
+/// The first header that an expression names.
+pub(super) fn first_header(e: &ColumnExpr) -> Option<&str> {
+    let mut first = None;
+    for_each_column(e, &mut |header, _| first = first.or(Some(header)));
+    first
 }
 
 /// Values of a source at the given rows of a table; NaN where a cell is missing.

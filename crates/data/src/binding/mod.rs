@@ -5,6 +5,7 @@
 
 mod column_sources;
 mod missing_data;
+mod side_by_side;
 
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Model, VarKind};
@@ -30,9 +31,14 @@ pub fn bind(
     let mut out = Vec::new();
     let mut bound = Vec::new();
     for (file, table) in tables.iter().enumerate() {
-        let mut of_table = bind_table(model, table, params, sources, &mut out);
-        of_table.iter_mut().for_each(|p| p.trajectory.file = file);
-        bound.extend(of_table);
+        for run in 0..model.data.side_by_side() {
+            let mut of_table = bind_table((model, run), table, params, sources, &mut out);
+            of_table.iter_mut().for_each(|p| p.trajectory.file = file);
+            bound.extend(of_table);
+        }
+    }
+    if model.data.side_by_side() > 1 {
+        side_by_side::say_once(&mut out);
     }
     give_params(model, params, &mut bound, &mut out);
     checks::check(model, &bound, sources, &mut out);
@@ -50,14 +56,15 @@ pub fn bind(
     (dataset, out)
 }
 
+/// The trajectories of a table, or of one of the experiments that stand side by side in it.
 fn bind_table<'a>(
-    model: &Model,
+    (model, beside): (&Model, usize),
     table: &'a Table,
     params: &[(String, Vec<f64>)],
     sources: &mut Sources,
     out: &mut Vec<Diagnostic>,
 ) -> Vec<BoundTrajectory<'a>> {
-    let found = column_sources::sources_of(model, table);
+    let found = column_sources::sources_of(model, table, beside);
     let before = out.len();
     for (signal, source) in &found {
         if let column_sources::Source::Entry(e, name) = source {
@@ -98,8 +105,14 @@ fn bind_table<'a>(
     if out.iter().skip(before).any(Diagnostic::is_error) {
         return Vec::new();
     }
-    split_runs(table, run, sources, out)
-        .into_iter()
+    let mut runs = split_runs(table, run, sources, out);
+    if model.data.side_by_side() > 1 {
+        for (name, rows) in &mut runs {
+            *name = side_by_side::name(model, beside, name);
+            side_by_side::trim(model, table, &found, rows);
+        }
+    }
+    runs.into_iter()
         .filter_map(|(name, rows)| bind_run(model, table, &found, name, rows, sources, out))
         .collect()
 }

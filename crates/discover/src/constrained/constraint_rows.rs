@@ -34,6 +34,7 @@ pub(crate) fn constraint_rows<'a>(
 /// Errors in the constraints that show without data: terms that are no candidates, and constraints that contradict each other.
 pub fn check_constraints(model: &Model, libraries: &[Option<Library>]) -> Vec<Diagnostic> {
     let (tied, mut found) = lower(model, libraries);
+    found.extend(per_run_without_candidate(model, libraries));
     if !found.is_empty() {
         return found;
     }
@@ -172,6 +173,31 @@ fn row(
         sense,
         right: -sign * constant,
     })
+}
+
+/// Coefficients that are to differ between runs, of terms that are no candidates.
+fn per_run_without_candidate(model: &Model, libraries: &[Option<Library>]) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    for c in &model.per_run {
+        let mut of = model.equations.iter().zip(libraries);
+        let Some((equation, library)) = of.find(|(e, _)| e.target == c.target) else {
+            continue;
+        };
+        if library.as_ref().and_then(|l| l.contains(&c.term)).is_none() {
+            let target = model.name(equation.target);
+            let coefficient = coefficient_text(model, c);
+            found.push(
+                Diagnostic::error(
+                    "per-run",
+                    format!("{coefficient} is not looked for: the library has no such term"),
+                )
+                .at(c.span, "no candidate")
+                .also(equation.span, format!("the candidates of {target}"))
+                .help("add the term to the library; `sidc check --terms` lists the candidates"),
+            );
+        }
+    }
+    found
 }
 
 fn add(entries: &mut Vec<(usize, usize, f64)>, new: (usize, usize, f64)) {

@@ -4,6 +4,7 @@
 
 pub(crate) mod badly_fitted_rows;
 pub(crate) mod dependent_states;
+pub(crate) mod pooling_rules;
 pub(crate) mod regression_rules;
 pub(crate) mod residual_autocorrelation;
 pub(crate) mod thresholds;

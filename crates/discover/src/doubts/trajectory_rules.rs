@@ -47,10 +47,14 @@ pub(crate) fn doubts(case: &TrajectoryCase) -> Vec<Reason> {
     reasons
 }
 
-/// Whether the residuals of a channel are more than the noise of its sensor.
-pub(crate) fn unexplained(c: &Channel) -> bool {
+/// Whether the residuals of a channel are larger than the noise of its sensor.
+pub(crate) fn misfits(c: &Channel) -> bool {
     c.excess > TRAJECTORY_DOUBTS.misfit
-        || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
+}
+
+/// The same, or whether they remember.
+pub(crate) fn unexplained(c: &Channel) -> bool {
+    misfits(c) || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
 }
 
 /// The doubt `input-delay`: inputs that were shifted in time.

@@ -27,7 +27,21 @@ pub(crate) struct JointFit<'a> {
 }
 
 impl<'a> JointFit<'a> {
-    fn new(problem: Cow<'a, Problem>, found: Found, late: Option<DelayedInputs>) -> JointFit<'a> {
+    /// The same with a problem of its own.
+    pub fn into_owned<'b>(self) -> JointFit<'b> {
+        JointFit {
+            problem: Cow::Owned(self.problem.into_owned()),
+            found: self.found,
+            late: self.late,
+            offset: self.offset,
+        }
+    }
+
+    pub fn new(
+        problem: Cow<'a, Problem>,
+        found: Found,
+        late: Option<DelayedInputs>,
+    ) -> JointFit<'a> {
         JointFit {
             problem,
             found,
@@ -253,7 +267,7 @@ fn together(before: Option<&DelayedInputs>, more: DelayedInputs) -> Option<Delay
 }
 
 /// Whether a fit leaves more than the noise of a sensor.
-fn unexplained(problem: &Problem, fit: &Fit) -> bool {
+pub(crate) fn unexplained(problem: &Problem, fit: &Fit) -> bool {
     let channels = trajectory::channels(problem, fit);
     channels.iter().any(trajectory_rules::unexplained)
 }

@@ -6,6 +6,7 @@
 mod delay_outlier_search;
 mod library_probe;
 pub(crate) mod no_fit;
+mod pooled_search;
 mod report;
 pub(crate) mod thresholds;
 mod weak_start;
@@ -13,11 +14,12 @@ mod weak_start;
 use std::sync::Arc;
 
 use crate::doubts::dependent_states::doubt_dependent_states;
-use crate::doubts::trajectory_rules;
+use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
-use crate::joint::delay_outlier_search::{JointFit, search_system};
+use crate::joint::delay_outlier_search::JointFit;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
+use crate::joint::pooled_search::{PooledFit, search_runs};
 use crate::joint::report::Report;
 use crate::joint::thresholds::JOINT;
 use crate::joint::weak_start::weak_start;
@@ -26,7 +28,7 @@ use crate::options::{Method, Options};
 use crate::redundancy::doubt_redundant_equations;
 use crate::selection::screening::{CandidatePools, screen};
 use crate::trajectory;
-use crate::trajectory::{Channel, Found, Law, Problem, System};
+use crate::trajectory::{Channel, Found, Law, Left, Problem, System};
 use sidc_data as data;
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
@@ -46,14 +48,13 @@ pub fn joint(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Problem, String> {
-    let asked = options.method == Method::Joint;
-    if !asked {
-        if options.method != Method::Auto {
-            return Err("another method was asked for".into());
-        }
-        if options.samples.is_some() || options.path {
-            return Err("rows are to be drawn, or a path is to be shown".into());
-        }
+    let by_run = !model.per_run.is_empty();
+    let asked = options.method == Method::Joint || by_run && options.method == Method::Auto;
+    if !asked && options.method != Method::Auto {
+        return Err("another method was asked for".into());
+    }
+    if options.method == Method::Auto && (options.samples.is_some() || options.path) {
+        return Err("rows are to be drawn, or a path is to be shown".into());
     }
     if !model.constraints.is_empty() {
         return Err("coefficients are constrained".into());
@@ -78,14 +79,16 @@ pub fn joint(
     }
     let with = |system: System| bare.with_system(system, dataset, &noise, options.robust);
     let size = (bare.states(), bare.samples());
-    let pools = screen(
+    let mut pools = screen(
         model,
         libraries,
         size,
         &|s| with(s).map_err(missing),
         observer,
     )?;
+    offer_per_run(model, libraries, &mut pools);
     let problem = with(make(&pools)?).map_err(missing)?;
+    let problem = with_declared_runs(model, problem);
     if let Some(term) = problem.first_undefined_column() {
         return Err(format!(
             "{} has no finite value",
@@ -93,6 +96,36 @@ pub fn joint(
         ));
     }
     Ok(problem)
+}
+
+/// Keeps the terms whose coefficients may differ between runs among the candidates.
+fn offer_per_run(model: &Model, libraries: &[Option<Library>], pools: &mut CandidatePools) {
+    for c in &model.per_run {
+        let place = model.equations.iter().position(|e| e.target == c.target);
+        let Some(place) = place else { continue };
+        let slot = libraries[place].as_ref().and_then(|l| l.contains(&c.term));
+        if let (Some(slot), Some(Some(pool))) = (slot, pools.get_mut(place))
+            && let Err(at) = pool.binary_search(&slot)
+        {
+            pool.insert(at, slot);
+        }
+    }
+}
+
+/// The problem with a coefficient for each run where the model says so.
+fn with_declared_runs(model: &Model, problem: Problem) -> Problem {
+    let declared = |law: &Law, j: usize| {
+        let term = &problem.system.columns[j];
+        (model.per_run.iter()).any(|c| c.target == law.target && c.term == *term)
+    };
+    let laws = problem.system.laws.iter();
+    let split: Vec<usize> = laws
+        .flat_map(|law| law.columns.clone().filter(move |j| declared(law, *j)))
+        .collect();
+    match split.is_empty() {
+        true => problem,
+        false => problem.with_run_columns(&split).0,
+    }
 }
 
 /// The first target that was measured.
@@ -135,13 +168,17 @@ pub fn discover_jointly(
     let mut watcher = EquationObserver::new(observer);
     let mut discovery = Discovery::of(model);
     let start = weak_start((model, libraries), dataset, problem, options, &mut watcher);
-    let settled = search_system((model, problem), start, options, &mut watcher);
+    let settled = search_runs((model, problem), start, options, &mut watcher);
     let stopped = watcher.stop();
-    let Some(JointFit {
-        problem,
-        mut found,
-        late,
-        offset,
+    let Some(PooledFit {
+        fit:
+            JointFit {
+                problem,
+                mut found,
+                late,
+                offset,
+            },
+        left,
     }) = settled
     else {
         let stop = stopped?;
@@ -176,11 +213,17 @@ pub fn discover_jointly(
         }
         discovery.equations.push(equation);
     }
+    doubt_runs(
+        &mut discovery,
+        (model, problem),
+        (&found, &left),
+        &mut watcher,
+    );
     if stopped.is_none() && watcher.at(Stage::Weighing).is_none() {
         let better = probe_libraries(problem, &found, &mut watcher);
         trajectory_rules::doubt_libraries(&mut discovery, (model, problem), better.as_ref());
     }
-    let samples = samples(problem, &found);
+    let samples = samples(model, problem, &found);
     let witness = Arc::new(Witness {
         path: Some(Arc::new(samples.clone())),
         ..Witness::default()
@@ -200,12 +243,45 @@ pub fn discover_jointly(
     Some((discovery, Fitted { samples, stretches }))
 }
 
+/// Doubts about the runs: those that are not followed, and coefficients that differ between the others.
+fn doubt_runs(
+    discovery: &mut Discovery,
+    (model, problem): (&Model, &Problem),
+    (found, left): (&Found, &[Left]),
+    watcher: &mut EquationObserver,
+) {
+    let used = problem.runs();
+    let not_followed = pooling_rules::not_followed(problem, &used, left);
+    if let Some(reason) = not_followed {
+        discovery.doubt_each(|_, _| Some(reason.clone()));
+    }
+    discovery.doubt_each(|names, equation| pooling_rules::undeclared(model, names, equation));
+    discovery.runs_left = (left.iter())
+        .filter_map(|l| problem.names.get(l.trajectory).cloned())
+        .collect();
+    // A second cause is looked for where the runs share all coefficients that nobody said to differ.
+    let split = pooling_rules::has_undeclared(model, discovery);
+    if split || used.len() < 2 || watcher.at(Stage::Weighing).is_some() {
+        return;
+    }
+    let differing =
+        trajectory::differing_coefficients(problem, &found.best, found.inefficiency, watcher);
+    for one in &differing {
+        let reason = pooling_rules::differs((model, discovery), problem, one);
+        let law = &problem.system.laws[problem.system.law_of(one.column)];
+        let mut all = discovery.equations.iter_mut();
+        if let Some(equation) = all.find(|e| e.target == law.target) {
+            equation.doubt(reason);
+        }
+    }
+}
+
 /// The signals among the candidates of each law.
 fn offered(problem: &Problem) -> Vec<(Signal, Vec<Signal>)> {
     let system = &problem.system;
     let of = |law: &Law| {
         let mut signals = Vec::new();
-        for term in &system.columns[law.columns.clone()] {
+        for term in law.columns.clone().map(|j| problem.term(j)) {
             term.for_each_signal(&mut |s| signals.push(s));
         }
         signals.sort_unstable();
@@ -245,12 +321,14 @@ fn likelihood_by_stretch(
 }
 
 /// All signals along the fitted trajectory.
-fn samples(problem: &Problem, found: &Found) -> Samples {
+fn samples(model: &Model, problem: &Problem, found: &Found) -> Samples {
     let signals = problem.system.evaluation_signals();
     let rows = problem.values(&found.best);
     let mut columns: Vec<Column> = signals
         .iter()
         .zip(rows)
+        // What only marks a run is no signal of the model.
+        .filter(|(signal, _)| model.var(signal.var).is_some())
         .map(|(signal, values)| Column {
             signal: *signal,
             values,

@@ -12,7 +12,8 @@ use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::{
-    ChannelFit, Discovery, Equation, Evidence, FoundTerm, InputDelay, Status, Together,
+    ChannelFit, Discovery, Equation, Evidence, FoundTerm, InputDelay, RunCoefficient, Status,
+    Together,
 };
 
 /// A fitted system, as its equations are reported.
@@ -37,7 +38,7 @@ impl Report<'_> {
         let evidence = Evidence {
             rows: self.problem.samples(),
             candidates: law.candidates,
-            searched: law.slots.len(),
+            searched: distinct(&law.slots),
             iterations: self.found.tried,
             residual: worst(&|c| c.left / c.spread),
             target_error: worst(&|c| c.noise / c.spread),
@@ -69,9 +70,7 @@ impl Report<'_> {
         }
         if let Some(offset) = self.offset {
             let own = offset.terms.iter().filter(|j| law.columns.contains(j));
-            let terms: Vec<String> = own
-                .map(|j| language.term(&self.problem.system.columns[*j]))
-                .collect();
+            let terms: Vec<String> = own.map(|j| language.term(self.problem.term(*j))).collect();
             let support = self.found.best.support().iter();
             let mut own = support.filter(|j| law.columns.contains(j));
             let signal = offset.signal;
@@ -137,17 +136,36 @@ impl Report<'_> {
     fn terms(&self, law: &Law) -> Vec<FoundTerm> {
         let best = &self.found.best;
         let pairs = best.support().iter().zip(best.coefficients());
-        let mut terms: Vec<FoundTerm> = pairs
-            .zip(&best.variances)
-            .filter(|((j, _), _)| law.columns.contains(j))
-            .map(|((j, a), variance)| FoundTerm {
-                term: self.problem.system.columns[*j].clone(),
-                coefficient: *a,
-                fixed: false,
-                standard_error: Some(variance.sqrt()).filter(|e| e.is_finite()),
-                trust: None,
-            })
-            .collect();
+        let mut terms: Vec<FoundTerm> = Vec::new();
+        for ((j, a), variance) in pairs.zip(&best.variances) {
+            if !law.columns.contains(j) {
+                continue;
+            }
+            let term = self.problem.term(*j);
+            let standard_error = Some(variance.sqrt()).filter(|e| e.is_finite());
+            let own = self
+                .problem
+                .run_columns
+                .get(*j)
+                .map(|column| RunCoefficient {
+                    run: self.problem.names[column.trajectory].clone(),
+                    coefficient: *a,
+                    standard_error,
+                });
+            let known = terms.iter_mut().find(|t| t.term == *term);
+            match (own, known) {
+                (Some(own), Some(known)) => known.runs.push(own),
+                (own, _) => terms.push(FoundTerm {
+                    term: term.clone(),
+                    coefficient: *a,
+                    fixed: false,
+                    standard_error,
+                    trust: None,
+                    runs: own.into_iter().collect(),
+                }),
+            }
+        }
+        terms.iter_mut().for_each(FoundTerm::take_mean);
         terms.sort_by(|a, b| simpler(&a.term, &b.term));
         terms
     }
@@ -164,6 +182,15 @@ impl Report<'_> {
         let own = part(best.support());
         let columns = &self.problem.system.columns;
         let terms = |s: &[usize]| -> Vec<Term> { s.iter().map(|j| columns[*j].clone()).collect() };
+        let distinct = |s: &[usize]| -> Vec<Term> {
+            let mut all: Vec<Term> = Vec::new();
+            for term in s.iter().map(|j| self.problem.term(*j)) {
+                if !all.contains(term) {
+                    all.push(term.clone());
+                }
+            }
+            all
+        };
         let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
         for (support, value) in &self.found.rivals {
             let larger = support.len() > best.support().len();
@@ -181,7 +208,7 @@ impl Report<'_> {
             }
         }
         seen.sort_by(|a, b| a.0.len().cmp(&b.0.len()).then(a.1.total_cmp(&b.1)));
-        let name = |s: &[usize]| named(s.iter().map(|j| columns[*j].clone()), names);
+        let name = |s: &[usize]| named(distinct(s).into_iter(), names);
         seen.iter().map(|(s, more)| (name(s), *more)).collect()
     }
 
@@ -190,7 +217,10 @@ impl Report<'_> {
     fn weakest(&self, names: &Discovery, law: &Law) -> Option<(String, f64)> {
         let best = &self.found.best;
         let without = |j: usize| {
-            let rest: Vec<usize> = best.support().iter().copied().filter(|i| *i != j).collect();
+            let group = self.problem.run_columns.group_of(j);
+            let group = group.unwrap_or_else(|| vec![j]);
+            let kept = best.support().iter().copied();
+            let rest: Vec<usize> = kept.filter(|i| !group.contains(i)).collect();
             let rival = self.found.rivals.iter().find(|(s, _)| *s == rest)?;
             Some(rival.1 - best.value + self.found.penalty)
         };
@@ -198,6 +228,14 @@ impl Report<'_> {
         own.filter_map(|j| Some((*j, without(*j)?)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .filter(|(_, loss)| *loss < JOINT.weakest_reported * self.found.penalty)
-            .map(|(j, loss)| (Language(names).term(&self.problem.system.columns[j]), loss))
+            .map(|(j, loss)| (Language(names).term(self.problem.term(j)), loss))
     }
+}
+
+/// Slots, each counted once.
+fn distinct(slots: &[usize]) -> usize {
+    let mut all = slots.to_vec();
+    all.sort_unstable();
+    all.dedup();
+    all.len()
 }

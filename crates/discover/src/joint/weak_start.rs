@@ -16,7 +16,8 @@ use sidc_lang::term::Term;
 use sidc_progress::EquationObserver;
 
 /// The columns of all laws that the weak form selects. `None` where a law is not found or has more columns than are searched
-/// exhaustively, and for records so long that only parts of them are searched.
+/// exhaustively, and for records so long that only parts of them are searched,
+/// and where coefficients differ between runs.
 pub(crate) fn weak_start(
     (model, libraries): (&Model, &[Option<Library>]),
     dataset: &Dataset,
@@ -28,7 +29,7 @@ pub(crate) fn weak_start(
         method: Method::Weak,
         ..*options
     };
-    if problem.searched_in_parts() {
+    if problem.searched_in_parts() || !problem.run_columns.is_empty() {
         return None;
     }
     let searched = || problem.system.laws.iter().filter(|l| !l.columns.is_empty());

@@ -23,6 +23,7 @@ fn equation(target: Signal, terms: &[(f64, Term)]) -> Equation {
         fixed: false,
         standard_error: Some(1e-3 * coefficient.abs()),
         trust: None,
+        runs: Vec::new(),
     };
     Equation {
         target,

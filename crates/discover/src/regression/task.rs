@@ -107,6 +107,7 @@ impl Task<'_> {
             fixed: false,
             standard_error,
             trust: None,
+            runs: Vec::new(),
         };
         let mut found: Vec<FoundTerm> = all.map(term).collect();
         // Columns of products are in the order of their factors, not of their degree.

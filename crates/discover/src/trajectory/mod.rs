@@ -38,13 +38,14 @@
 //! # Order of the folders
 //!
 //! Each imports only those before it: `thresholds`, `cancellation`, `model`, `integration`, `least_squares`, `likelihood`, `residuals`,
-//! `search`, `sensor_faults`.
+//! `search`, `sensor_faults`, `pooling`.
 
 mod cancellation;
 mod integration;
 mod least_squares;
 mod likelihood;
 mod model;
+mod pooling;
 mod residuals;
 mod search;
 mod sensor_faults;
@@ -55,7 +56,9 @@ mod tests;
 
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
-pub use model::{Law, LeftOut, Problem, Record, SensorGroups, System};
+pub use model::{Law, LeftOut, Problem, Record, RunColumn, RunColumns, SensorGroups, System};
+pub use pooling::{Differing, Left, RunValue, differing_coefficients};
+pub(crate) use pooling::{fit_by_run, left_by};
 pub use residuals::{Channel, File, Outliers, channels, leave_out};
 pub use search::{
     BetterLaws, Found, LawChange, SearchObserver, StartingSupport, search, search_beyond_libraries,
@@ -64,4 +67,5 @@ pub use sensor_faults::{
     DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
     fit_delay, screen_delays, widen_by_interpolation, with_delay,
 };
+pub(crate) use thresholds::POOLING;
 pub use thresholds::tables;

@@ -73,6 +73,12 @@ family! {
         log_noise_step: f64 = 1e-3, unit "", source "set by hand";
         /// Change of the criterion that decides nothing.
         criterion_step: f64 = 0.02, unit "criterion", source "set by hand";
+        /// Rise of the criterion from which steps are mistrusted and halved: taking each noise from the residuals moves it by less.
+        uphill: f64 = 1.0, unit "criterion", source "set by hand";
+        /// Halvings of a step before it is no step.
+        max_halvings: usize = 7, unit "halvings", source "a step of one standard deviation of a sensor is then below `state_step`: 2^-7";
+        /// Further steps of a fit whose steps are halved.
+        careful_steps: usize = 12, unit "steps", source "set by hand";
         /// A fit is given up if it stays behind the best one by more than this.
         hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand";
         /// Gain that each remaining step is credited with when that is judged, in gains of the last step.
@@ -193,6 +199,20 @@ family! {
 }
 
 family! {
+    /// What several records of one plant say of each other.
+    pub(crate) POOLING: Pooling {
+        /// Residual up to which laws follow a record from which they were not found.
+        followed: f64 = 3.0, unit "noise of the sensor", source "set by hand: coefficients of other records are off by their errors";
+        /// Normal deviate of the χ² over the runs from which a coefficient is suspected to differ.
+        differ: f64 = 3.0, unit "standard deviations", source "a chance of 1e-3: refits decide among the suspects";
+        /// Gain of the criterion, beyond the price of the values, from which a coefficient differs.
+        min_gain: f64 = 6.0, unit "of the criterion, each independent reading", source "Kass and Raftery 1995, section 3.2: 6 is strong evidence";
+        /// Most runs that are looked at one by one where not all can be followed together.
+        max_runs: usize = 12, unit "runs", source "each costs a search";
+    }
+}
+
+family! {
     /// Which delays of inputs are tried.
     pub(crate) DELAYS: Delays {
         /// Delays that are screened.
@@ -250,6 +270,7 @@ pub fn tables() -> Vec<Table> {
         Criterion::table(),
         Search::table(),
         Residuals::table(),
+        Pooling::table(),
         Delays::table(),
         Offsets::table(),
     ]

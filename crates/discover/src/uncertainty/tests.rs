@@ -64,6 +64,7 @@ fn discovery() -> Discovery {
         fixed: false,
         standard_error: Some(0.01),
         trust: None,
+        runs: Vec::new(),
     };
     Discovery {
         equations: vec![Equation {

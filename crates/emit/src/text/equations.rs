@@ -1,8 +1,8 @@
 //! Equations as plain text. No term is left out.
 
-use crate::text::layout::{signed_term, signed_term_with_error, sum_lines};
-use sidc_lang::term::SignalNames;
-use sidc_system::discovery::{Discovery, FoundTerm};
+use crate::text::layout::{TEXT_WIDTH, signed_term, signed_term_with_error, sum_lines, wrapped};
+use sidc_lang::term::{Language, SignalNames};
+use sidc_system::discovery::{Discovery, Equation, FoundTerm, RunCoefficient};
 
 /// Each equation as its line or lines, targets aligned; every text ends in a newline.
 pub fn equations(d: &Discovery) -> Vec<String> {
@@ -23,7 +23,21 @@ fn written(d: &Discovery, term: &dyn Fn(&FoundTerm) -> (bool, String)) -> Vec<St
         .map(|(name, e)| {
             let pad = " ".repeat(width - name.chars().count());
             let terms: Vec<_> = e.terms.iter().map(term).collect();
-            sum_lines(&format!("{name}{pad} = "), &terms)
+            sum_lines(&format!("{name}{pad} = "), &terms) + &by_run(d, e)
         })
         .collect()
+}
+
+/// A line for each coefficient that has a value in each run.
+fn by_run(d: &Discovery, e: &Equation) -> String {
+    let mut out = String::new();
+    for t in e.terms.iter().filter(|t| !t.runs.is_empty()) {
+        let value = |r: &RunCoefficient| format!("{} in {}", r.figure(), r.run);
+        let values: Vec<String> = t.runs.iter().map(value).collect();
+        let term = Language(d).term(&t.term);
+        let line = format!("coefficient of {term} by run: {}", values.join(", "));
+        let lines = wrapped(&line, TEXT_WIDTH, "    ", "        ");
+        lines.iter().for_each(|l| out.push_str(&format!("{l}\n")));
+    }
+    out
 }

@@ -42,6 +42,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
     model.system = c.system();
     model.discrete = c.scope.discrete.is_some();
     model.constraints = c.constraints(&model.equations);
+    model.per_run = c.per_run(&model.equations);
     model.symmetries = c.symmetries();
     model.degree = c.degree_limit();
     model.norms = c.preferred_norms();

@@ -32,6 +32,7 @@ pub fn statement(
         Rule::declare => tree.declare(inner, keyword.unwrap_or(Keyword::State)),
         Rule::constant => tree.constant(inner),
         Rule::constrain => tree.constrain(inner),
+        Rule::per_run => tree.per_run(inner),
         Rule::symmetry => tree.symmetry(inner),
         Rule::limit => tree.limit(inner),
         Rule::prefer => tree.prefer(inner),
@@ -39,7 +40,7 @@ pub fn statement(
     }
 }
 
-/// `step = { SOI ~ "step" ~ expr ~ EOI }` or `source = { SOI ~ name ~ "=" ~ expr ~ EOI }`
+/// `step = { SOI ~ "step" ~ expr ~ EOI }` or `source = { SOI ~ name ~ "=" ~ expr ~ ("," ~ expr)* ~ EOI }`
 pub fn entry(file: FileId, text: &str, tokens: &[Token]) -> Result<EntryKind> {
     let is_step = tokens.first().is_some_and(|t| t.text == "step")
         && tokens.get(1).is_some_and(|t| !t.is("="));
@@ -48,9 +49,14 @@ pub fn entry(file: FileId, text: &str, tokens: &[Token]) -> Result<EntryKind> {
     if is_step {
         return Ok(EntryKind::Step(tree.expr(tree.next(&mut inner)?)?));
     }
+    let name = tree.ident(&tree.next(&mut inner)?);
+    let value = tree.expr(tree.next(&mut inner)?)?;
+    let beside = inner.filter(|pair| pair.as_rule() == Rule::expr);
+    let beside: Result<Vec<Expr>> = beside.map(|pair| tree.expr(pair)).collect();
     Ok(EntryKind::Source {
-        name: tree.ident(&tree.next(&mut inner)?),
-        value: tree.expr(tree.next(&mut inner)?)?,
+        name,
+        value,
+        beside: beside?,
     })
 }
 
@@ -186,6 +192,14 @@ impl AstBuilder<'_> {
             rest.push((relation, self.expr(self.next(&mut inner)?)?));
         }
         Ok(StatementKind::Constrain { first, rest })
+    }
+
+    /// `per_run = { SOI ~ "constrain"? ~ names ~ ":" ~ attribute ~ EOI }`
+    fn per_run(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        Ok(StatementKind::PerRun {
+            coefficients: self.items(self.next(&mut inner)?)?,
+            attribute: self.attribute(self.next(&mut inner)?)?,
+        })
     }
 
     /// `symmetry = { SOI ~ "symmetry" ~ ("(" ~ names ~ ")" | names) ~ "->" ~ image ~ EOI }`, `image = { flipped | names }`

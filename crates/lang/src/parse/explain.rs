@@ -241,6 +241,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::declare => "state x, y : order 2, noise 0.01",
         Rule::constant => "let g = 9.81",
         Rule::constrain => "constrain coef(dx, x) < 0",
+        Rule::per_run => "coef(dx, x) : per run",
         Rule::symmetry => "symmetry x, y -> -(x, y)",
         Rule::limit => "limit degree 4",
         Rule::prefer => "prefer degree",

@@ -60,6 +60,8 @@ fn statement(
         Some(Keyword::System) => Rule::system,
         Some(Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param) => Rule::declare,
         Some(Keyword::Let) => Rule::constant,
+        Some(Keyword::Coef) => Rule::per_run,
+        Some(Keyword::Constrain) if own.iter().any(|t| t.is(":")) => Rule::per_run,
         Some(Keyword::Constrain) => Rule::constrain,
         Some(Keyword::Data) => return data(id, text, tokens, piece, errors),
         Some(Keyword::Symmetry) => Rule::symmetry,

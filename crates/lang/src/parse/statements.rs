@@ -257,7 +257,9 @@ impl<'t> Splitter<'t> {
         let is_name = self.get(i + 1).is_some_and(|next| {
             next.kind == TokenKind::Symbol && ["~", "=", ",", "..", "=="].contains(&next.text)
         });
-        (!is_name).then_some(keyword)
+        // Elsewhere `coef` is a name, or stands in a constraint.
+        let called = self.get(i + 1).is_some_and(|next| next.is("("));
+        (!is_name && (keyword != Keyword::Coef || called)).then_some(keyword)
     }
 
     /// True if the line that begins at token `i` starts a statement, even inside brackets.

@@ -72,6 +72,7 @@ fn approximant(delay: &DelayState) -> Equation {
         fixed: true,
         standard_error: None,
         trust: None,
+        runs: Vec::new(),
     };
     let der = |der| Signal::derivative(delay.state.var, der);
     let tau = delay.seconds;
@@ -151,6 +152,7 @@ mod tests {
             fixed: false,
             standard_error: None,
             trust: None,
+            runs: Vec::new(),
         };
         let delay = InputDelay {
             input: "u".into(),

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, SparsestProof, Trust, Verification,
-    Witness,
+    Halves, Identifiability, Nearest, Reason, ReasonCode, RunCoefficient, SparsestProof, Trust,
+    Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
@@ -23,6 +23,8 @@ pub struct Discovery {
     pub variables: Vec<Variable>,
     pub equations: Vec<Equation>,
     pub failed: Vec<Failed>,
+    /// Names of runs that the equations were not found from, because they do not follow them.
+    pub runs_left: Vec<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -78,6 +80,8 @@ pub struct FoundTerm {
     pub standard_error: Option<f64>,
     /// `None` for fixed terms, and where nothing was tested.
     pub trust: Option<Box<Trust>>,
+    /// Its value in each run; empty where all share one. The coefficient is then their mean.
+    pub runs: Vec<RunCoefficient>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -319,6 +323,7 @@ impl Discovery {
                 .collect(),
             equations: Vec::new(),
             failed: Vec::new(),
+            runs_left: Vec::new(),
         }
     }
 

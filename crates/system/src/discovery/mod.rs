@@ -5,6 +5,8 @@ mod equations;
 mod identifiability;
 mod mass_matrix_form;
 mod reason;
+mod run_coefficients;
+mod run_parameters;
 mod sparsest_proof;
 pub mod thresholds;
 mod verification;
@@ -20,6 +22,8 @@ pub use identifiability::{
 };
 pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
+pub use run_coefficients::RunCoefficient;
+pub use run_parameters::RunParameters;
 pub use sparsest_proof::SparsestProof;
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};

@@ -265,6 +265,12 @@ codes! {
     /// The error of a free run exceeds the spread of the signal.
     RunLeavesData = "run-leaves-data": Law,
         "look for what limits the motion: a stop, a saturation, a term of higher degree";
+    /// Some runs cannot be followed with the others; the equations were found without them.
+    RunNotFollowed = "run-not-followed": Data,
+        "look at that record, and leave it out if it is none of this plant";
+    /// A coefficient differs from run to run.
+    RunsDiffer = "runs-differ": Law,
+        "say that the coefficient may differ: coef(TARGET, TERM) : per run";
     /// Two equations are one relation, solved for different targets.
     SameRelation = "same-relation": Law,
         "offer terms that stand in only one of these equations";

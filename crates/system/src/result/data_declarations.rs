@@ -48,7 +48,9 @@ impl Reading {
             ..Reading::default()
         };
         for e in &model.data.entries {
-            let source = e.source.as_ref().map(|s| written(s, 0));
+            let all = e.source.iter().chain(&e.beside).map(|s| written(s, 0));
+            let all: Vec<String> = all.collect();
+            let source = Some(all.join(", ")).filter(|_| e.source.is_some());
             out.columns.insert(model.name(e.signal), source);
         }
         for (id, var) in (0..).map(VarId).zip(&model.vars) {

@@ -9,7 +9,7 @@ mod write;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discovery::{Evidence, Mark, Notice, Reason, Status, Without};
+use crate::discovery::{Evidence, Mark, Notice, Reason, RunCoefficient, Status, Without};
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
 use crate::verdict::Verdict;
@@ -38,6 +38,9 @@ pub struct Document {
     pub equations: Vec<EquationEntry>,
     #[serde(default)]
     pub failed: Vec<FailedEntry>,
+    /// Runs that the equations were not found from, because they do not follow them.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub runs_left: Vec<String>,
     #[serde(default)]
     pub settings: Settings,
     /// What was measured and what was estimated.
@@ -144,6 +147,9 @@ pub struct TermEntry {
     pub fixed: bool,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub standard_error: Option<f64>,
+    /// Its value in each run, where it has one; the coefficient is their mean.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub runs: Vec<RunCoefficient>,
     /// 95 % confidence interval of the coefficient.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub interval: Option<(f64, f64)>,

@@ -95,6 +95,7 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
     let mut d = Discovery::of(&model);
     d.system = doc.system.clone();
     d.discrete = doc.time == TimeKind::Discrete;
+    d.runs_left.clone_from(&doc.runs_left);
     read_units(name, doc, &mut d)?;
     for (entry, equation) in doc.equations.iter().zip(&model.equations) {
         let terms = terms(&equation.right);
@@ -240,6 +241,7 @@ fn equation_of(
                 fixed: t.fixed,
                 standard_error: t.standard_error,
                 trust: trust(t),
+                runs: t.runs.clone(),
             })
             .collect(),
         status: entry.status,

@@ -45,6 +45,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
                 reasons: f.reasons.clone(),
             })
             .collect(),
+        runs_left: d.runs_left.clone(),
         settings: beside.settings,
         signals: beside.signals,
         warnings: warnings(d, beside.warnings),
@@ -96,6 +97,7 @@ fn terms(d: &Discovery, target: Signal, terms: &[FoundTerm]) -> Vec<TermEntry> {
         unit: d.coefficient_unit(target, &t.term).map(|u| u.to_string()),
         fixed: t.fixed,
         standard_error: t.standard_error.filter(|s| s.is_finite()),
+        runs: t.runs.clone(),
         interval: (t.trust.as_ref()).and_then(|t| t.interval.filter(finite)),
         stability: t.trust.as_ref().and_then(|t| t.stability),
         without: t.trust.as_ref().and_then(|t| t.without.clone()),

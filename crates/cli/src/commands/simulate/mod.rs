@@ -10,6 +10,7 @@ use crate::monitoring::monitor::Monitor;
 use crate::outputs::{diagnostics, doubts, files, stdout};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
+use sidc_system::discovery::RunParameters;
 use sidc_system::simulate;
 use sidc_system::simulate::thresholds::SCORES;
 use sidc_system::simulate::{METHODS, Method, Options, Run, Source};
@@ -77,10 +78,12 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         bound: args.bound,
         ..Options::default()
     };
+    let by_run = RunParameters::of(d, &model);
+    let valued = by_run.as_ref().map(|p| p.with_values(&dataset));
     let source = Source {
-        discovery: d,
-        model: &model,
-        dataset: &dataset,
+        discovery: by_run.as_ref().map_or(d, |p| &p.discovery),
+        model: by_run.as_ref().map_or(&model, |p| &p.model),
+        dataset: valued.as_ref().unwrap_or(&dataset),
     };
     let runs = runs(&source, &options, &monitor)?;
     for run in &runs {

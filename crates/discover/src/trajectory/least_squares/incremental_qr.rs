@@ -118,6 +118,12 @@ impl IncrementalQr {
         }
     }
 
+    /// Squared norm of the residual with all coefficients zero. After [`IncrementalQr::solve`].
+    pub fn square_without_step(&self) -> f64 {
+        let p = self.width - 1;
+        (0..=p).map(|i| self.at(i, p).powi(2)).sum()
+    }
+
     /// Columns of (RᵀR)⁻¹; `None` for dependent columns.
     pub fn covariances(&mut self) -> Vec<Option<Vec<f64>>> {
         self.reduce();

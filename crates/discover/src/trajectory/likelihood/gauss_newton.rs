@@ -4,8 +4,9 @@
 //! solves for the coefficients and substitutes back; the noise of each sensor is then taken from its residuals.
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
+use super::step_halving::{StepHalving, Verdict};
 use crate::trajectory::integration::CompiledLaws;
-use crate::trajectory::least_squares::IncrementalQr;
+use crate::trajectory::least_squares::{EliminatedStates, IncrementalQr};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 use sidc_progress::Observer;
@@ -74,12 +75,39 @@ pub(crate) fn fit(
     let mut point = from;
     let mut value = f64::INFINITY;
     let mut found = None;
-    for left in (0..GAUSS_NEWTON.max_steps).rev() {
+    let mut halving = StepHalving::default();
+    let mut left = GAUSS_NEWTON.max_steps;
+    while left > 0 {
+        left -= 1;
         let mut qr = IncrementalQr::new(k);
-        let eliminated = problem
-            .eliminate_all(&code, &point, &mut qr, observer)
-            .ok()?;
+        let Ok(eliminated) = problem.eliminate_all(&code, &point, &mut qr, observer) else {
+            point = halving.halfway(point).filter(|_| observer.go_on())?;
+            continue;
+        };
         let solved = qr.solve();
+        if halving.is_careful() {
+            left += usize::from(halving.may_add_step());
+            let here = (
+                &eliminated[..],
+                qr.square_without_step(),
+                &solved.variances[..],
+            );
+            let here = fit_here(problem, criterion, &point, here);
+            if left_the_data(problem, &here.point) {
+                point = halving.halfway(point)?;
+                continue;
+            }
+            let value = here.value;
+            match halving.judge(here, value, &point) {
+                Verdict::Step => {}
+                Verdict::Try(nearer) => {
+                    point = nearer;
+                    continue;
+                }
+                Verdict::End => break,
+            }
+        }
+        let start = point.clone();
         let step = &solved.coefficients;
         let mut farthest = 0.0f64;
         let n = problem.states();
@@ -98,8 +126,10 @@ pub(crate) fn fit(
             .iter_mut()
             .zip(step)
             .for_each(|(a, d)| *a += d);
+        halving.starts(start, farthest);
         if !farthest.is_finite() || left_the_data(problem, &point) {
-            return None;
+            point = halving.halfway(point)?;
+            continue;
         }
         let residual_squares = residual_squares(problem, &point);
         let explained = residual_squares.iter().zip(&point.sigma);
@@ -116,16 +146,27 @@ pub(crate) fn fit(
         let moved = moved.fold(0.0, f64::max);
         point.sigma = sigma;
         let still = farthest < GAUSS_NEWTON.state_step && moved < GAUSS_NEWTON.log_noise_step;
-        let level = (new - value).abs() < GAUSS_NEWTON.criterion_step;
+        let level = match halving.is_careful() {
+            true => halving.promises_nothing(new),
+            false => (new - value).abs() < GAUSS_NEWTON.criterion_step,
+        };
         let hopeless = new - beat
             > GAUSS_NEWTON.hopeless_lag
                 + GAUSS_NEWTON.hopeless_gain * left as f64 * (value - new).abs();
+        if new > value + GAUSS_NEWTON.uphill {
+            halving.mistrust();
+        }
         value = new;
         let arrived = still || level;
         found = Some((solved.variances, residual_squares, law_misfit, arrived));
         if arrived || hopeless {
             break;
         }
+    }
+    if halving.is_careful() {
+        let arrived = found.is_some_and(|(.., arrived)| arrived);
+        let (fit, arrived) = halving.best(arrived)?;
+        return fit.value.is_finite().then_some(Fit { arrived, ..fit });
     }
     let (variances, residual_squares, law_misfit, arrived) = found?;
     value.is_finite().then_some(Fit {
@@ -136,6 +177,36 @@ pub(crate) fn fit(
         law_misfit,
         arrived,
     })
+}
+
+/// The fit at a point with the coefficients that it has: only the states follow the laws there.
+fn fit_here(
+    problem: &Problem,
+    criterion: &PenalizedLikelihood,
+    at: &LinearizationPoint,
+    (eliminated, square, variances): (&[EliminatedStates], f64, &[f64]),
+) -> Fit {
+    let mut point = at.clone();
+    let none = vec![0.0; point.coefficients.len()];
+    for (path, record) in point.paths.iter_mut().zip(eliminated) {
+        let moved = record.states(&none);
+        path.iter_mut().zip(moved).for_each(|(x, d)| *x += d);
+    }
+    let residual_squares = residual_squares(problem, &point);
+    let explained = residual_squares.iter().zip(&point.sigma);
+    let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
+    let law_misfit = (square - explained).max(0.0);
+    let value = criterion.deviance(problem, &residual_squares)
+        + law_misfit
+        + criterion.cost(problem, &point.support);
+    Fit {
+        point,
+        variances: variances.to_vec(),
+        value,
+        residual_squares,
+        law_misfit,
+        arrived: false,
+    }
 }
 
 /// Whether some trajectory is farther from its readings than any fit of use.

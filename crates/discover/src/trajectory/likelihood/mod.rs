@@ -9,6 +9,7 @@ mod gauss_newton;
 mod integral_matching;
 mod linearization;
 mod sandwich_covariance;
+mod step_halving;
 
 pub use block_products::{BlockProducts, block_products};
 pub use criterion::term_price;

@@ -7,6 +7,7 @@ use std::ops::Range;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
 use super::rejected_readings::{LeftOut, reject_outliers};
+use super::run_columns::RunColumns;
 use super::sensor_groups::{SensorGroups, sensor_groups};
 use super::smoothing::{SmoothedTrajectory, smoothed_trajectories};
 use super::system::System;
@@ -36,6 +37,8 @@ pub struct Problem {
     pub(crate) quantization: Vec<Option<QuantizationGrid>>,
     /// Readings that have no weight.
     pub left_out: Vec<LeftOut>,
+    /// Columns that belong to one run each.
+    pub run_columns: RunColumns,
     /// Noise that the model declares for each state.
     declared: Vec<Option<f64>>,
     /// Columns of each law.
@@ -100,6 +103,7 @@ impl Problem {
             informative: Vec::new(),
             quantization: Vec::new(),
             left_out,
+            run_columns: RunColumns::default(),
             declared,
         };
         problem.compile_columns();
@@ -156,6 +160,7 @@ impl Problem {
             informative: self.informative.clone(),
             quantization: self.quantization.clone(),
             left_out: Vec::new(),
+            run_columns: self.run_columns.clone(),
             records,
             smoothed,
         };

@@ -55,6 +55,7 @@ impl Problem {
             }
             law.columns = from..system.columns.len();
         }
+        problem.run_columns = self.run_columns.moved(&origin);
         problem.compile_columns();
         ExtendedProblem { problem, origin }
     }

@@ -7,8 +7,10 @@ mod extra_columns;
 mod quantization;
 mod record;
 mod rejected_readings;
+mod run_columns;
 mod sensor_groups;
 mod smoothing;
+mod split_by_run;
 mod subsampling;
 mod system;
 
@@ -16,6 +18,7 @@ pub(crate) use estimation_problem::LinearizationPoint;
 pub use estimation_problem::Problem;
 pub use record::{Exogenous, Record};
 pub use rejected_readings::LeftOut;
+pub use run_columns::{RunColumn, RunColumns};
 pub use sensor_groups::SensorGroups;
 pub(crate) use smoothing::SmoothedTrajectory;
 pub(crate) use subsampling::segments;

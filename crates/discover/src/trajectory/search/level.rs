@@ -148,6 +148,7 @@ impl<'a> SearchLevel<'a> {
                 let mut support: Vec<usize> =
                     best.flat_map(|s| s.columns.iter().copied()).collect();
                 support.sort_unstable();
+                let support = problem.run_columns.whole(support, &[]);
                 at_minimum(&form, &problem.initial_point(&sigma), support)
             };
             let points = SEARCH.initial_prices.map(point);
@@ -161,6 +162,7 @@ impl<'a> SearchLevel<'a> {
                 .next()
             {
                 let support = form.steepest_descent(&support, self.criterion.penalty);
+                let support = problem.run_columns.whole(support, best.support());
                 self.fit([at_minimum(&form, &best.point, support)], observer);
             }
         }
@@ -201,16 +203,27 @@ impl<'a> SearchLevel<'a> {
             let support = current.support();
             if !better && last && prune && support.len() <= SEARCH.max_pruned_terms {
                 let whole = form.least_squares(support).square;
-                let without = |j: &usize| support.iter().copied().filter(|i| i != j).collect();
                 let light =
                     |s: &Vec<usize>| form.least_squares(s).square - whole <= SEARCH.max_pruned_loss;
-                let shorter: Vec<Vec<usize>> = support.iter().map(without).filter(light).collect();
+                let shorter = support.iter().map(|j| self.without(support, *j));
+                let shorter: Vec<Vec<usize>> = shorter.filter(light).collect();
                 better = self.fit(shorter.into_iter().map(point), observer);
             }
             if !better {
                 return;
             }
         }
+    }
+
+    /// A support without a column, and without the columns of the same term in other runs.
+    fn without(&self, support: &[usize], column: usize) -> Vec<usize> {
+        let group = self.problem.run_columns.group_of(column);
+        let group = group.unwrap_or_else(|| vec![column]);
+        support
+            .iter()
+            .copied()
+            .filter(|j| !group.contains(j))
+            .collect()
     }
 
     /// Follows only what the quadratic form predicts to be better, for a few fits.
@@ -279,7 +292,15 @@ impl<'a> SearchLevel<'a> {
         let value = |s: &[usize]| form.least_squares(s).square + penalty * s.len() as f64;
         let base = value(support);
         let mut all: BTreeMap<Vec<usize>, f64> = BTreeMap::new();
+        let runs = &self.problem.run_columns;
         let mut propose = |s: Vec<usize>, change: f64| {
+            let whole = runs.whole(s.clone(), support);
+            let change = if whole == s {
+                change
+            } else {
+                value(&whole) - base
+            };
+            let s = whole;
             if !s.is_empty() && !self.tried.contains_key(&s) {
                 let known = all.entry(s).or_insert(change);
                 *known = known.min(change);
@@ -321,6 +342,11 @@ impl<'a> SearchLevel<'a> {
         }
         let change = value(&combined) - base;
         propose(combined, change);
+        for j in support.iter().filter(|j| runs.get(**j).is_some()) {
+            let rest = self.without(support, *j);
+            let change = value(&rest) - base;
+            propose(rest, change);
+        }
         for m in form.single_changes(support, penalty, SEARCH.moves_proposed) {
             propose(m.applied(support), m.change);
         }

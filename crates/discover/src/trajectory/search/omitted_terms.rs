@@ -63,7 +63,7 @@ pub fn search_beyond_libraries(
         only.copied().collect()
     };
     let terms = |columns: &[usize]| -> Vec<Term> {
-        let all = columns.iter().map(|j| more.system.columns[*j].clone());
+        let all = columns.iter().map(|j| more.term(*j).clone());
         all.collect()
     };
     let change = |l: usize| {

@@ -178,6 +178,8 @@ fn restricted(problem: &Problem, columns: &[usize]) -> Problem {
     }
     let kept = columns.iter().map(|j| problem.system.columns[*j].clone());
     system.columns = kept.collect();
+    let origin: Vec<Option<usize>> = columns.iter().copied().map(Some).collect();
+    out.run_columns = problem.run_columns.moved(&origin);
     out.compile_columns();
     out
 }

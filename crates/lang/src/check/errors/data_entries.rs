@@ -23,6 +23,37 @@ pub fn run(at: Span) -> Diagnostic {
     .help("write `run = \"exp_id\"`")
 }
 
+/// Signals of experiments side by side with different numbers of sources: place, name and number of each.
+pub fn sources_differ(
+    (at, name, count): (Span, String, usize),
+    (first, other, expected): (Span, String, usize),
+) -> Diagnostic {
+    Diagnostic::error(
+        "data-entry",
+        format!("`{name}` has {count} sources, and `{other}` has {expected}"),
+    )
+    .at(at, format!("{count} runs"))
+    .also(first, format!("{expected} runs"))
+    .help("give one source for each run, in the same order, or a single one that all runs read")
+}
+
+/// Experiments side by side and a column of runs.
+pub fn side_and_below(at: Span, run: Span) -> Diagnostic {
+    Diagnostic::error(
+        "data-entry",
+        "experiments stand side by side or below each other, not both",
+    )
+    .at(at, "one source for each run: side by side")
+    .also(run, "a column of runs: below each other")
+    .help("leave out `run`, or read each signal from one column")
+}
+
+pub fn nothing_in_one_run(at: Span) -> Diagnostic {
+    Diagnostic::error("data-entry", "`none` stands alone")
+        .at(at, "a source of one run among several")
+        .help("write the column of this run, or `none` for all runs")
+}
+
 pub fn data_for_let(at: Span, name: &str, definition: Span) -> Diagnostic {
     Diagnostic::error(
         "data-entry",

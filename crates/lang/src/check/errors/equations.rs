@@ -109,6 +109,18 @@ pub fn constraint_without_coefficient(at: Span) -> Diagnostic {
     .help("write `constrain coef(dx, x) < 0`")
 }
 
+pub fn per_run_words(at: Span) -> Diagnostic {
+    Diagnostic::error("per-run", "what may be said of a coefficient is `per run`")
+        .at(at, "something else")
+        .help("write `coef(dx, x) : per run`, or `constrain coef(dx, x) < 0`")
+}
+
+pub fn per_run_of_no_coefficient(at: Span) -> Diagnostic {
+    Diagnostic::error("per-run", "`per run` is said of coefficients")
+        .at(at, "no `coef(…)`")
+        .help("write `coef(dx, x) : per run`")
+}
+
 pub fn constraint_not_linear(at: Span) -> Diagnostic {
     Diagnostic::error("constraint", "a constraint is linear in the coefficients")
         .at(at, "not a sum of coefficients times numbers")

@@ -51,6 +51,44 @@ impl Checker<'_> {
         out
     }
 
+    /// `coef(ddx, u), coef(ddx, 1) : per run`
+    pub fn per_run(&mut self, equations: &[Equation]) -> Vec<Coefficient> {
+        let mut out: Vec<Coefficient> = Vec::new();
+        for s in self.statements() {
+            let StatementKind::PerRun {
+                coefficients,
+                attribute,
+            } = &s.kind
+            else {
+                continue;
+            };
+            let value = attribute.value.as_ref().and_then(Ast::as_name);
+            if attribute.key.text != "per" || value != Some("run") {
+                self.say(errors::per_run_words(attribute.key.span));
+                continue;
+            }
+            for e in coefficients {
+                let ExprKind::Call(call) = &e.kind else {
+                    self.say(errors::per_run_of_no_coefficient(e.span));
+                    continue;
+                };
+                if !is_coefficient(call) || self.sized(e).is_none() {
+                    self.say(errors::per_run_of_no_coefficient(e.span));
+                    continue;
+                }
+                let found = self.coefficient(e, call, equations);
+                for c in found.into_iter().flat_map(|l| l.coefficients) {
+                    let same = |k: &&Coefficient| k.target == c.target && k.term == c.term;
+                    match out.iter().find(same) {
+                        Some(first) => self.say(errors::twice(c.span, first.span, "coefficient")),
+                        None => out.push(c),
+                    }
+                }
+            }
+        }
+        out
+    }
+
     /// `0 < coef(dx, x) < 1` is two constraints.
     fn chain(
         &mut self,

@@ -22,16 +22,49 @@ impl Checker<'_> {
         for entry in entries {
             match &entry.kind {
                 EntryKind::Step(e) => self.step(entry.span, e, &mut block),
-                EntryKind::Source { name, value } => {
+                EntryKind::Source {
+                    name,
+                    value,
+                    beside,
+                } => {
                     if name.text == "run" && self.scope.signal("run").is_none() {
-                        self.run(entry.span, value, &mut block);
-                    } else if let Some(entry) = self.entry(name, value, &mut seen) {
+                        match beside.first() {
+                            Some(second) => self.say(errors::run(value.span.to(second.span))),
+                            None => self.run(entry.span, value, &mut block),
+                        }
+                    } else if let Some(entry) = self.entry(name, (value, beside), &mut seen) {
                         block.entries.push(entry);
                     }
                 }
             }
         }
+        self.side_by_side(&block);
         block
+    }
+
+    /// Experiments side by side: as many sources for every signal that has several, and no column of runs beside them.
+    fn side_by_side(&mut self, block: &DataBlock) {
+        let several = |e: &&DataEntry| !e.beside.is_empty();
+        let Some(first) = block.entries.iter().find(several) else {
+            return;
+        };
+        let name = |e: &DataEntry| {
+            let var = self.scope.vars.get(usize::from(e.signal.var.0));
+            let base = var.map_or("?", |v| v.name.as_str());
+            format!("{}{base}", "d".repeat(usize::from(e.signal.der)))
+        };
+        let other = block
+            .entries
+            .iter()
+            .filter(several)
+            .find(|e| e.beside.len() != first.beside.len());
+        if let Some(other) = other {
+            let of = |e: &DataEntry| (e.span, name(e), 1 + e.beside.len());
+            return self.say(errors::sources_differ(of(other), of(first)));
+        }
+        if let Some((_, run)) = &block.run {
+            self.say(errors::side_and_below(first.span, *run));
+        }
     }
 
     /// `step 0.01`
@@ -64,7 +97,7 @@ impl Checker<'_> {
     fn entry(
         &mut self,
         name: &Ident,
-        value: &Ast,
+        (value, beside): (&Ast, &[Ast]),
         seen: &mut BTreeMap<Signal, Span>,
     ) -> Option<DataEntry> {
         let Some(signal) = self.scope.signal(&name.text) else {
@@ -82,15 +115,21 @@ impl Checker<'_> {
             ));
         }
         let none = value.as_name() == Some("none");
+        let nothing = beside.iter().find(|e| e.as_name() == Some("none"));
+        if let Some(at) = nothing.or(Some(value).filter(|_| none && !beside.is_empty())) {
+            return self.fail(errors::nothing_in_one_run(at.span));
+        }
         let source = if none {
             None
         } else {
             Some(self.column(value)?)
         };
+        let beside = every(beside.iter().map(|e| self.column(e)))?;
         Some(DataEntry {
             signal,
             span: name.span,
             source,
+            beside,
         })
     }
 
