@@ -37,6 +37,7 @@ mod planted;
 mod prediction;
 mod rates;
 mod relation;
+mod relation_choices;
 mod report;
 mod reproduce;
 mod sensors;

@@ -81,6 +81,7 @@ pub fn system(seed: u64) -> Discovery {
         variables: draw.variables,
         equations,
         failed: Vec::new(),
+        relations: None,
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, SparsestProof, Trust, Verification,
-    Witness,
+    Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, SparsestProof, Trust,
+    Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
@@ -23,6 +23,8 @@ pub struct Discovery {
     pub variables: Vec<Variable>,
     pub equations: Vec<Equation>,
     pub failed: Vec<Failed>,
+    /// Other ways to write the relations that the equations span; `None` where none were looked for.
+    pub relations: Option<Box<RelationChoices>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -319,6 +321,7 @@ impl Discovery {
                 .collect(),
             equations: Vec::new(),
             failed: Vec::new(),
+            relations: None,
         }
     }
 

@@ -5,6 +5,7 @@ mod equations;
 mod identifiability;
 mod mass_matrix_form;
 mod reason;
+mod relation_choices;
 mod sparsest_proof;
 pub mod thresholds;
 mod verification;
@@ -20,6 +21,9 @@ pub use identifiability::{
 };
 pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
+pub use relation_choices::{
+    BetterTargets, FewerTerms, RelationChoices, SparserLaw, TargetChoice, WrittenLaw,
+};
 pub use sparsest_proof::SparsestProof;
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};

@@ -9,7 +9,7 @@ mod write;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discovery::{Evidence, Mark, Notice, Reason, Status, Without};
+use crate::discovery::{Evidence, Mark, Notice, Reason, RelationChoices, Status, Without};
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
 use crate::verdict::Verdict;
@@ -38,6 +38,9 @@ pub struct Document {
     pub equations: Vec<EquationEntry>,
     #[serde(default)]
     pub failed: Vec<FailedEntry>,
+    /// Other ways to write the relations that the equations span; absent where none were looked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub relations: Option<Box<RelationChoices>>,
     #[serde(default)]
     pub settings: Settings,
     /// What was measured and what was estimated.

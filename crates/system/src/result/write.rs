@@ -45,6 +45,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
                 reasons: f.reasons.clone(),
             })
             .collect(),
+        relations: d.relations.clone(),
         settings: beside.settings,
         signals: beside.signals,
         warnings: warnings(d, beside.warnings),
