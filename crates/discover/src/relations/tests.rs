@@ -258,9 +258,9 @@ fn laws_that_were_all_mixed_by_numbers_come_apart() {
         let mut draw = Numbers(seed);
         let truth = sparse_laws(n, &mut draw);
         let mut laws = truth.clone();
-        for i in 0..n {
+        for (i, law) in laws.iter_mut().enumerate() {
             for j in (0..n).filter(|j| *j != i) {
-                laws[i] = mixed(&laws[i], 0.2 + 0.1 * draw.next(), &Term::one(), &truth[j]);
+                *law = mixed(law, 0.2 + 0.1 * draw.next(), &Term::one(), &truth[j]);
             }
         }
         let found = fewer(said(n, (&laws, &truth), 0.0, &mut draw));
