@@ -58,7 +58,13 @@ pub fn identify(
         options: search,
     };
     weighing.weigh(&mut discovery, observer);
-    let found = better_way(program, measured, options, discovery, observer);
+    let mut found = better_way(program, measured, options, discovery, observer);
+    discover::describe_relations(
+        &mut found,
+        &measured.samples,
+        &program.libraries,
+        (search.solver, observer),
+    );
     Ok(sparsest_or_why(found, options))
 }
 

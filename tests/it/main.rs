@@ -38,6 +38,7 @@ mod pooling;
 mod prediction;
 mod rates;
 mod relation;
+mod relation_choices;
 mod report;
 mod reproduce;
 mod sensors;

@@ -25,6 +25,7 @@ mod random;
 mod redundancy;
 mod refusal;
 mod regression;
+mod relations;
 mod row_weights;
 mod selection;
 mod standard_terms;
@@ -43,6 +44,7 @@ pub use random::SplitMix;
 pub use refusal::{Refusal, Unevaluable};
 pub use regression::norm_search::{NormSearch, Proposal};
 pub use regression::row_sampling::{Split, split};
+pub use relations::describe_relations;
 pub use row_weights::Weights;
 pub use target_copies::{TargetCopy, copies_in_samples};
 
@@ -56,6 +58,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         joint::thresholds::tables(),
         doubts::thresholds::tables(),
         redundancy::thresholds::tables(),
+        relations::thresholds::tables(),
         identifiability::thresholds::tables(),
         uncertainty::thresholds::tables(),
         trajectory::tables(),

@@ -25,6 +25,8 @@ family! {
         as_sparse: usize = 5, unit "equations", source "what fits on a screen; the result document has more";
         /// Lines on the sparsest form of an equation that the answer has.
         sparsest_lines: usize = 2, unit "lines", source "the bound and what became of it; --evidence has the equations as sparse";
+        /// Multipliers of laws that the evidence names.
+        multipliers: usize = 8, unit "terms", source "what fits into a line; the result document has all";
         /// Reasons that are told with what to do.
         reasons: usize = 3, unit "reasons", source "what fits on a screen below the equations; --evidence has all";
         /// Doubts that the line of the law names.

@@ -82,6 +82,7 @@ pub fn system(seed: u64) -> Discovery {
         equations,
         failed: Vec::new(),
         runs_left: Vec::new(),
+        relations: None,
     }
 }
 

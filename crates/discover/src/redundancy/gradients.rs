@@ -14,7 +14,7 @@ use sidc_solve::simd::dot;
 use sidc_system::discovery::Form;
 
 /// Signals on the rows where gradients are compared.
-pub(super) struct SampledSignals {
+pub(crate) struct SampledSignals {
     /// The unknowns of the form first.
     signals: Vec<Signal>,
     unknowns: usize,
@@ -26,7 +26,7 @@ pub(super) struct SampledSignals {
 
 /// The gradients of one relation.
 #[derive(Clone)]
-pub(super) struct Gradients {
+pub(crate) struct Gradients {
     /// By row and signal, in units of the target.
     values: Vec<Vec<f64>>,
     /// Place of the target among the signals.
@@ -39,7 +39,7 @@ pub(super) struct Gradients {
 
 /// How far a relation is from combinations of others.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Separation {
+pub(crate) struct Separation {
     /// Root mean square of the part of its gradient off the span of theirs, in units of its target.
     pub distance: f64,
     /// `distance` over the size of its gradient: 0 for the same relation, 1 for nothing in common.
@@ -104,7 +104,11 @@ impl SampledSignals {
         terms: impl Iterator<Item = (f64, &'t Term)>,
     ) -> Option<Gradients> {
         let terms = terms.map(|(a, t)| Expr::from((-a, t.clone())));
-        let relation = terms.fold(Expr::signal(target), |sum, t| sum + t);
+        self.gradients_of(&terms.fold(Expr::signal(target), |sum, t| sum + t), target)
+    }
+
+    /// The gradients of a sum that is zero where a relation holds. `target` is an unknown in it.
+    pub fn gradients_of(&self, relation: &Expr, target: Signal) -> Option<Gradients> {
         let slope = |(s, scale): (&Signal, &f64)| {
             let mut values = self.values_of(&relation.derivative(*s));
             values.iter_mut().for_each(|v| *v *= scale);

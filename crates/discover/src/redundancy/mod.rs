@@ -5,7 +5,7 @@
 //! θ̈ = a sin θ + b ẍ cos θ solved for ẍ fits ẍ equally well. Never changes equations that are not coupled.
 
 mod dependence;
-mod gradients;
+pub(crate) mod gradients;
 mod independent_law_search;
 mod messages;
 pub(crate) mod thresholds;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use crate::text::equations::equations_with_errors;
 use crate::text::layout::{TEXT_WIDTH, wrapped};
 use crate::text::verdict::verdict;
-use crate::text::{solution_path, sparsest};
+use crate::text::{relations, solution_path, sparsest};
 use crate::thresholds::PRINTED;
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Discovery;
@@ -25,6 +25,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
     }
     out.push_str(&sparsest_answers(d));
+    out.push_str(&other_laws(d));
     out.push('\n');
     out.push_str(&verdict(d, v));
     out.push_str(&reasons(d));
@@ -40,6 +41,18 @@ fn sparsest_answers(d: &Discovery) -> String {
             let wrapped = wrapped(&line, TEXT_WIDTH, "", "    ");
             out.extend(wrapped.iter().map(|l| format!("{l}\n")));
         }
+    }
+    out
+}
+
+/// Other ways to write the relations, after a blank line.
+fn other_laws(d: &Discovery) -> String {
+    let mut out = String::new();
+    for (head, laws) in relations::told(d) {
+        let head = wrapped(&head, TEXT_WIDTH, "", "    ");
+        out.push('\n');
+        out.extend(head.iter().map(|l| format!("{l}\n")));
+        out.push_str(&laws);
     }
     out
 }

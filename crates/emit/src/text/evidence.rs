@@ -8,7 +8,7 @@ use sidc_system::discovery::{
 
 use crate::text::layout::{TEXT_WIDTH, wrapped};
 use crate::text::{
-    coefficient_inference, coefficient_units, identifiability, sparsest, verification,
+    coefficient_inference, coefficient_units, identifiability, relations, sparsest, verification,
 };
 use sidc_lang::number::{percent, significant};
 
@@ -37,6 +37,7 @@ pub fn evidence(d: &Discovery) -> String {
     let judged = judged.filter_map(|e| e.identifiability.as_deref());
     let mut lines = identifiability::ranges(judged);
     lines.extend(coefficient_inference::rule(d));
+    lines.extend(relations::searched(d));
     let wrapped = lines
         .iter()
         .flat_map(|l| wrapped(l, TEXT_WIDTH, "", "    "));

@@ -10,6 +10,7 @@ mod identifiability;
 pub(crate) mod layout;
 pub(crate) mod linearization;
 pub(crate) mod matrices;
+pub(crate) mod relations;
 mod solution_path;
 mod sparsest;
 pub(crate) mod verdict;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, RunCoefficient, SparsestProof, Trust,
-    Verification, Witness,
+    Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, RunCoefficient,
+    SparsestProof, Trust, Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
@@ -25,6 +25,8 @@ pub struct Discovery {
     pub failed: Vec<Failed>,
     /// Names of runs that the equations were not found from, because they do not follow them.
     pub runs_left: Vec<String>,
+    /// Other ways to write the relations that the equations span; `None` where none were looked for.
+    pub relations: Option<Box<RelationChoices>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -324,6 +326,7 @@ impl Discovery {
             equations: Vec::new(),
             failed: Vec::new(),
             runs_left: Vec::new(),
+            relations: None,
         }
     }
 

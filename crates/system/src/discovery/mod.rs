@@ -5,6 +5,7 @@ mod equations;
 mod identifiability;
 mod mass_matrix_form;
 mod reason;
+mod relation_choices;
 mod run_coefficients;
 mod run_parameters;
 mod sparsest_proof;
@@ -22,6 +23,9 @@ pub use identifiability::{
 };
 pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
+pub use relation_choices::{
+    BetterTargets, FewerTerms, RelationChoices, SparserLaw, TargetChoice, WrittenLaw,
+};
 pub use run_coefficients::RunCoefficient;
 pub use run_parameters::RunParameters;
 pub use sparsest_proof::SparsestProof;

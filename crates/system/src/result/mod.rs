@@ -9,7 +9,9 @@ mod write;
 
 use serde::{Deserialize, Serialize};
 
-use crate::discovery::{Evidence, Mark, Notice, Reason, RunCoefficient, Status, Without};
+use crate::discovery::{
+    Evidence, Mark, Notice, Reason, RelationChoices, RunCoefficient, Status, Without,
+};
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
 use crate::verdict::Verdict;
@@ -41,6 +43,9 @@ pub struct Document {
     /// Runs that the equations were not found from, because they do not follow them.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub runs_left: Vec<String>,
+    /// Other ways to write the relations that the equations span; absent where none were looked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub relations: Option<Box<RelationChoices>>,
     #[serde(default)]
     pub settings: Settings,
     /// What was measured and what was estimated.

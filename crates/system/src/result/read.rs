@@ -120,6 +120,7 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
             });
         }
     }
+    d.relations.clone_from(&doc.relations);
     if model.data.entries.len() != reading.columns.len() {
         return Err(damaged(name, "its data block is not one entry a signal"));
     }

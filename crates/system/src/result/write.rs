@@ -46,6 +46,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
             })
             .collect(),
         runs_left: d.runs_left.clone(),
+        relations: d.relations.clone(),
         settings: beside.settings,
         signals: beside.signals,
         warnings: warnings(d, beside.warnings),

@@ -3,8 +3,8 @@
 use crate::report::markup::{lead, section};
 use crate::report::report_contents::Subject;
 use crate::report::sections::verdict::badge;
-use crate::text::evidence;
 use crate::text::matrices::consequences;
+use crate::text::{evidence, relations};
 use crate::typeset::mathml::{MathMl, escape};
 use sidc_system::discovery::Equation;
 
@@ -25,6 +25,20 @@ pub(crate) fn html(s: &Subject) -> String {
             "<div class=\"equation\">\n<div class=\"formula\">{}</div>\n<span class=\"badge fail\">not found</span>\n</div>\n",
             notation.symbol(f.target)
         ));
+    }
+    for (head, laws) in relations::told(d) {
+        body.push_str(&format!(
+            "<p>{}</p>\n<pre tabindex=\"0\">{}</pre>\n",
+            escape(&head),
+            escape(laws.trim_end_matches('\n'))
+        ));
+    }
+    let searched = relations::searched(d);
+    if !searched.is_empty() {
+        let lines: String = (searched.iter())
+            .map(|l| format!("<li>{}</li>", escape(l)))
+            .collect();
+        body.push_str(&format!("<ul class=\"remarks\">{lines}</ul>\n"));
     }
     let follows = consequences(d);
     if !follows.trim().is_empty() {
