@@ -33,6 +33,11 @@ impl<'a> JointFit<'a> {
             offset: None,
         }
     }
+
+    /// −2 log likelihood, without the price of its terms.
+    pub fn misfit(&self) -> f64 {
+        self.found.misfit(&self.problem)
+    }
 }
 
 /// Searches all equations, for faults of sensors too. `None` if no support could be fitted.
@@ -55,6 +60,23 @@ pub(crate) fn search_system<'a>(
     }
     fit.offset = search.offset(&fit);
     Some(fit)
+}
+
+/// Searches under the constraints of a free fit's problem, from that fit on.
+pub(crate) fn search_from<'a>(
+    free: &JointFit<'a>,
+    watcher: &mut EquationObserver,
+) -> Option<JointFit<'a>> {
+    let mut search = DelayOutlierSearch { watcher, refits: 0 };
+    let mut guide = SearchGuide {
+        search: &mut search,
+        inputs: None,
+        laws: &free.problem.system.laws,
+        late: None,
+    };
+    let found = trajectory::search_from_free(&free.problem, &free.found, &mut guide)?;
+    let late = free.late.clone();
+    Some(JointFit::new(free.problem.clone(), found, late))
 }
 
 struct DelayOutlierSearch<'a, 'w> {
@@ -243,7 +265,7 @@ fn together(before: Option<&DelayedInputs>, more: DelayedInputs) -> Option<Delay
 }
 
 /// Whether a fit leaves more than the noise of a sensor.
-fn unexplained(problem: &Problem, fit: &Fit) -> bool {
+pub(crate) fn unexplained(problem: &Problem, fit: &Fit) -> bool {
     let channels = trajectory::channels(problem, fit);
     channels.iter().any(trajectory_rules::unexplained)
 }

@@ -55,9 +55,12 @@ mod tests;
 
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
-pub use model::{Law, LeftOut, Problem, Record, SensorGroups, System};
+pub use model::{CoefficientConstraints, Law, LeftOut, Problem, Record, SensorGroups, System};
 pub use residuals::{Channel, File, Outliers, channels, leave_out};
-pub use search::{BetterLaws, Found, LawChange, SearchObserver, search, search_beyond_libraries};
+pub(crate) use search::minimum;
+pub use search::{
+    BetterLaws, Found, LawChange, SearchObserver, search, search_beyond_libraries, search_from_free,
+};
 pub use sensor_faults::{
     DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
     fit_delay, screen_delays, widen_by_interpolation, with_delay,

@@ -55,6 +55,8 @@ impl Problem {
             }
             law.columns = from..system.columns.len();
         }
+        let place = |column: usize| origin.iter().position(|o| *o == Some(column));
+        system.constraints = system.constraints.renumbered(&place);
         problem.compile_columns();
         ExtendedProblem { problem, origin }
     }

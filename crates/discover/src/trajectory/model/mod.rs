@@ -2,6 +2,7 @@
 //!
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
+mod coefficient_constraints;
 mod estimation_problem;
 mod extra_columns;
 mod quantization;
@@ -12,6 +13,7 @@ mod smoothing;
 mod subsampling;
 mod system;
 
+pub use coefficient_constraints::CoefficientConstraints;
 pub(crate) use estimation_problem::LinearizationPoint;
 pub use estimation_problem::Problem;
 pub use record::{Exogenous, Record};

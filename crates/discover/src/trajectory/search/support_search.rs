@@ -12,7 +12,7 @@ use crate::trajectory::thresholds::SEARCH;
 use sidc_progress::Observer;
 
 /// The result of a search.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Found {
     pub best: Fit,
     /// Every support fitted at the last level with its criterion, best first; the first is the best fit's own.
@@ -75,9 +75,17 @@ fn search_with_inefficiency(problem: &Problem, observer: &mut dyn SearchObserver
     })
 }
 
+impl Found {
+    /// −2 log likelihood of the best fit, without the price of its terms.
+    pub fn misfit(&self, problem: &Problem) -> f64 {
+        let criterion = last_criterion(problem, self.inefficiency);
+        self.best.value - criterion.cost(problem, self.best.support())
+    }
+}
+
 /// One level after another; the last level alone if there are points to start from. With `fresh`, levels start from integral matching
 /// too.
-fn continuation(
+pub(super) fn continuation(
     problem: &Problem,
     start: Vec<LinearizationPoint>,
     (inefficiency, fresh): (f64, bool),
