@@ -13,6 +13,7 @@ use crate::refusal::Refusal;
 use crate::trajectory::{self, CoefficientConstraints, Fit, Problem, minimum};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Coefficient, Constraint, Model};
+use sidc_lang::number::rounded;
 use sidc_lang::term::SignalNames;
 use sidc_progress::Observer;
 use sidc_solve::{LinearConstraint, QuadraticForm, Sense};
@@ -45,9 +46,8 @@ pub(crate) fn doubts<'m>(
         };
         let text = |how: &str| {
             let values = free_values(model, told, constraint);
-            let gain = gain.map_or(String::new(), |g| {
-                format!(", and leave a χ² less by {g:.0}")
-            });
+            let less = |g: f64| format!(", and leave a χ² less by {}", rounded(g, 2));
+            let gain = gain.map_or(String::new(), less);
             format!(
                 "{} {how}; the data alone give {values}{gain}",
                 constraint_text(names, constraint)
