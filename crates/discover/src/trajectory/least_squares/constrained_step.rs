@@ -61,10 +61,11 @@ pub(crate) fn constrained_step(
             coefficients: moved.map(|(a, b)| a - b).collect(),
             residual: fit.squares.iter().sum(),
             variances: variances
-                .map(|(error, free)| match error * error {
-                    fixed if fixed == 0.0 => 0.0,
+                .map(|(error, free)| match *error == 0.0 {
+                    true => 0.0,
                     // What the data do not determine stays so, unless the rows fix it.
-                    own => own.max(if free.is_finite() { 0.0 } else { *free }),
+                    false if free.is_infinite() => *free,
+                    false => error * error,
                 })
                 .collect(),
         },

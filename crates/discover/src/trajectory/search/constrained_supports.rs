@@ -267,8 +267,11 @@ mod tests {
         QuadraticForm::new(&products, p)
     }
 
-    fn constraints(rows: &[(&[(usize, f64)], Sense, f64)]) -> CoefficientConstraints {
-        let row = |(entries, sense, right): &(&[(usize, f64)], Sense, f64)| LinearConstraint {
+    /// Entries, sense and right side.
+    type Row<'a> = (&'a [(usize, f64)], Sense, f64);
+
+    fn constraints(rows: &[Row]) -> CoefficientConstraints {
+        let row = |(entries, sense, right): &Row| LinearConstraint {
             entries: entries.iter().map(|(j, w)| (0, *j, *w)).collect(),
             sense: *sense,
             right: *right,
