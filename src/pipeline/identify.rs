@@ -35,7 +35,8 @@ pub fn identify(
     let program = measured.searched(program);
     if let Some(problem) = &measured.joint {
         let dataset = &measured.dataset;
-        let found = jointly(program, dataset, problem, options, observer);
+        let found = jointly(program, dataset, problem, options, observer)
+            .map_err(|refused| diagnostics(program, measured, vec![*refused]))?;
         return Ok(sparsest_or_why(found, options));
     }
     let search = &options.search;

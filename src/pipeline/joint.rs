@@ -4,9 +4,9 @@
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
-use sidc_discover::Fitted;
 use sidc_discover::identifiability::Rows;
 use sidc_discover::trajectory::Problem;
+use sidc_discover::{Fitted, Refusal};
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
@@ -16,20 +16,23 @@ use super::rates;
 use crate::options::Options;
 
 /// All equations together with their trajectory.
+///
+/// # Errors
+/// The readings contradict the constraints of the model.
 pub(super) fn jointly(
     program: &Program,
     dataset: &Dataset,
     problem: &Problem,
     options: &Options,
     observer: &mut dyn Observer,
-) -> Discovery {
+) -> Result<Discovery, Box<Refusal>> {
     let search = &options.search;
     let found = discover::discover_jointly(
         (&program.model, &program.libraries),
         (dataset, problem),
         search,
         observer,
-    );
+    )?;
     let (mut discovery, fitted) = found.unwrap_or_else(|| {
         let nothing = discover::nothing_fits(&program.model, problem);
         (nothing, Fitted::default())
@@ -46,5 +49,5 @@ pub(super) fn jointly(
         options: search,
     };
     weighing.weigh(&mut discovery, observer);
-    discovery
+    Ok(discovery)
 }

@@ -97,11 +97,13 @@ pub fn measure(
     diagnostics.extend(copies.iter().map(|c| left_out(program, c)));
     if let Err(why) = &joint {
         if !model.per_run.is_empty() {
-            diagnostics.push(not_per_run(model, why));
+            diagnostics.push(not_per_run(model, &why.because));
         } else if search.method == Method::Joint {
-            diagnostics.push(not_joint(why));
+            diagnostics.push(not_joint(&why.because));
         } else if search.robust {
-            diagnostics.push(not_robust(why));
+            diagnostics.push(not_robust(&why.because));
+        } else if why.weaker {
+            diagnostics.push(weaker_method(&why.because));
         }
     }
     let joint = joint.ok();
@@ -178,6 +180,17 @@ fn not_robust(why: &str) -> Diagnostic {
         format!("--robust has no effect: the equations are not estimated together with their trajectory, because {why}"),
     )
     .help("readings are left out where --method is joint")
+}
+
+fn weaker_method(why: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "weaker-method",
+        format!(
+            "the readings are noisy, and the equations are found by regression of derivatives, not together with their \
+             trajectory, because {why}"
+        ),
+    )
+    .help("derivatives of noisy readings hide terms and move coefficients: change what stands in the way, or expect less")
 }
 
 impl Measured {

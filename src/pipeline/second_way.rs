@@ -34,7 +34,10 @@ pub(super) fn better_way(
     let Some(problem) = problem(program, &dataset, options, observer) else {
         return first;
     };
-    let mut second = jointly(program, &dataset, &problem, options, observer);
+    // Constraints that contradict the readings alone leave the first way as it is.
+    let Ok(mut second) = jointly(program, &dataset, &problem, options, observer) else {
+        return first;
+    };
     let holds = second.passes();
     let name = |method: Method| method.chosen().to_owned();
     let (regression, joint) = (name(Method::Regression), name(Method::Joint));

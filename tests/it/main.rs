@@ -10,6 +10,7 @@ mod baselines;
 mod calculus;
 mod cli;
 mod constrained;
+mod constrained_joint;
 mod coverage;
 mod data;
 mod dependencies;

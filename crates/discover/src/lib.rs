@@ -38,7 +38,7 @@ pub use discover::discover;
 pub use doubts::regression_rules::tie;
 pub use early_stop::{doubt_unassessed, unverified};
 pub use joint::no_fit::nothing_fits;
-pub use joint::{Fitted, discover_jointly, joint};
+pub use joint::{Fitted, NotJoint, discover_jointly, joint};
 pub use options::{METHODS, Method, Options};
 pub use random::SplitMix;
 pub use refusal::{Refusal, Unevaluable};

@@ -23,8 +23,9 @@ pub use certificates::{
 };
 pub use constrained::{
     ConstrainedCertificate, ConstrainedFit, ConstrainedProblem, ConstrainedSolution,
-    LinearConstraint, Outcome, RegressionBlock, Sense, certify_constrained,
-    constrained_least_squares, irreducible_infeasible_set, least_residuals, solve_constrained,
+    LinearConstraint, Outcome, RegressionBlock, Sense, SolutionSpace, certify_constrained,
+    constrained_least_squares, irreducible_infeasible_set, least_residuals, solution_space,
+    solve_constrained,
 };
 pub use least_squares::{
     LeastSquares, QuadraticForm, Refit, SingleChange, minimum_norm_least_squares, refit,

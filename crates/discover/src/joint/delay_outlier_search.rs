@@ -49,6 +49,11 @@ impl<'a> JointFit<'a> {
             offset: None,
         }
     }
+
+    /// −2 log likelihood, without the price of its terms.
+    pub fn misfit(&self) -> f64 {
+        self.found.misfit(&self.problem)
+    }
 }
 
 /// Searches all equations, for faults of sensors too. `None` if no support could be fitted.
@@ -75,6 +80,27 @@ pub(crate) fn search_system<'a>(
     }
     fit.offset = search.offset(&fit);
     Some(fit)
+}
+
+/// Searches under the constraints of a free fit's problem, from that fit on.
+pub(crate) fn search_from<'a>(
+    free: &JointFit<'a>,
+    watcher: &mut EquationObserver,
+) -> Option<JointFit<'a>> {
+    let mut search = DelayOutlierSearch {
+        watcher,
+        start: StartingSupport::new(),
+        refits: 0,
+    };
+    let mut guide = SearchGuide {
+        search: &mut search,
+        inputs: None,
+        laws: &free.problem.system.laws,
+        late: None,
+    };
+    let found = trajectory::search_from_free(&free.problem, &free.found, &mut guide)?;
+    let late = free.late.clone();
+    Some(JointFit::new(free.problem.clone(), found, late))
 }
 
 struct DelayOutlierSearch<'a, 'w> {

@@ -164,6 +164,7 @@ fn discovery(n: usize, laws: &Laws) -> Discovery {
                     fixed: false,
                     standard_error: None,
                     trust: None,
+                    runs: Vec::new(),
                 })
                 .collect(),
             status: Status::Pass,

@@ -56,12 +56,17 @@ mod tests;
 
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
-pub use model::{Law, LeftOut, Problem, Record, RunColumn, RunColumns, SensorGroups, System};
+pub use model::{
+    CoefficientConstraints, Law, LeftOut, Problem, Record, RunColumn, RunColumns, SensorGroups,
+    System,
+};
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
 pub use residuals::{Channel, File, Outliers, channels, leave_out};
+pub(crate) use search::minimum;
 pub use search::{
     BetterLaws, Found, LawChange, SearchObserver, StartingSupport, search, search_beyond_libraries,
+    search_from_free,
 };
 pub use sensor_faults::{
     DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,

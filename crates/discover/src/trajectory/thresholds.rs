@@ -165,6 +165,16 @@ family! {
 }
 
 family! {
+    /// Supports under constraints, on linearised likelihoods.
+    pub(crate) CONSTRAINED_SUPPORTS: ConstrainedSupports {
+        /// Columns of each law that are tried in every place of a support.
+        additions: usize = 5, unit "columns", source "that of `ConstrainedSearchLimits`";
+        /// Single changes of one descent.
+        max_changes: usize = 60, unit "changes", source "that of `ConstrainedSearchLimits`";
+    }
+}
+
+family! {
     /// What residuals say of noise, memory and outliers.
     pub(crate) RESIDUALS: Residuals {
         /// Autocorrelation below which residuals count as white, however sure it is.
@@ -269,6 +279,7 @@ pub fn tables() -> Vec<Table> {
         GaussNewton::table(),
         Criterion::table(),
         Search::table(),
+        ConstrainedSupports::table(),
         Residuals::table(),
         Pooling::table(),
         Delays::table(),

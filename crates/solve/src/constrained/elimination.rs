@@ -4,6 +4,7 @@
 
 use nalgebra::DMatrix;
 
+use super::problem::LinearConstraint;
 use crate::thresholds::{LINEAR_CONSTRAINTS, NUMERICAL_RANK};
 
 /// One linear equation or inequality in n variables: a hyperplane.
@@ -26,11 +27,31 @@ impl Hyperplane {
 }
 
 /// All solutions of the equations: every u gives one.
-pub(super) struct SolutionSpace {
+#[derive(Clone, Debug)]
+pub struct SolutionSpace {
     /// Length n; zero on the free variables.
     pub constant: Vec<f64>,
     /// n × free variables.
     pub matrix: DMatrix<f64>,
+}
+
+/// The coefficients of one block of `columns` columns for which all rows hold as equations; `None` if there are none.
+pub fn solution_space<'r>(
+    columns: usize,
+    rows: impl IntoIterator<Item = &'r LinearConstraint>,
+) -> Option<SolutionSpace> {
+    let plane = |row: &LinearConstraint| {
+        let mut weights = vec![0.0; columns];
+        for (_, column, weight) in &row.entries {
+            if let Some(w) = weights.get_mut(*column) {
+                *w += weight;
+            }
+        }
+        let right = row.right;
+        Hyperplane { weights, right }
+    };
+    let planes: Vec<Hyperplane> = rows.into_iter().map(plane).collect();
+    eliminate(columns, &planes.iter().collect::<Vec<_>>())
 }
 
 /// Gauss–Jordan with complete pivoting (Golub & Van Loan, section 3.4); `None` for inconsistent equations.

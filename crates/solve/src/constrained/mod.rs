@@ -12,6 +12,7 @@ mod problem;
 
 pub use certificate::{ConstrainedCertificate, certify_constrained};
 pub use column_generation::{least_residuals, solve_constrained};
+pub use elimination::{SolutionSpace, solution_space};
 pub use infeasible_set::irreducible_infeasible_set;
 pub use least_squares::{ConstrainedFit, RegressionBlock, constrained_least_squares};
 pub use problem::{ConstrainedProblem, ConstrainedSolution, LinearConstraint, Outcome, Sense};

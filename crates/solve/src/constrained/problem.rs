@@ -1,6 +1,7 @@
 //! Basis pursuit on several blocks whose coefficients are tied by linear constraints: the problem, and what a solver found.
 
 use crate::problem::Problem;
+use crate::thresholds::LINEAR_CONSTRAINTS;
 
 /// The relation of the left side of a constraint to its right side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +19,35 @@ pub struct LinearConstraint {
     pub entries: Vec<(usize, usize, f64)>,
     pub sense: Sense,
     pub right: f64,
+}
+
+impl LinearConstraint {
+    /// Left side minus right side, and the size of the largest summand, which rounding is relative to.
+    pub fn excess(&self, coefficient: &dyn Fn(usize, usize) -> f64) -> (f64, f64) {
+        let (mut sum, mut largest) = (-self.right, self.right.abs());
+        for (block, column, weight) in &self.entries {
+            let summand = weight * coefficient(*block, *column);
+            sum += summand;
+            largest = largest.max(summand.abs());
+        }
+        (sum, largest)
+    }
+
+    /// Whether it holds to rounding.
+    pub fn holds(&self, coefficient: &dyn Fn(usize, usize) -> f64) -> bool {
+        let (sum, largest) = self.excess(coefficient);
+        let rounding = LINEAR_CONSTRAINTS.violation * largest;
+        match self.sense {
+            Sense::Equal => sum.abs() <= rounding,
+            Sense::AtMost | Sense::Below => sum <= rounding,
+        }
+    }
+
+    /// Whether it holds as an equation, to rounding.
+    pub fn is_touched(&self, coefficient: &dyn Fn(usize, usize) -> f64) -> bool {
+        let (sum, largest) = self.excess(coefficient);
+        sum.abs() <= LINEAR_CONSTRAINTS.violation * largest
+    }
 }
 
 /// `min Σ_e ‖D_e a_e‖₁/‖y_e‖ s.t. ‖Φ_e a_e − y_e‖₂ ≤ ε_e` and the rows.

@@ -141,6 +141,12 @@ impl IncrementalQr {
         (0..independent.len()).map(column).collect()
     }
 
+    /// R of [A | b] over all rows.
+    pub fn factor(&mut self) -> TriangularFactor<'_> {
+        self.reduce();
+        TriangularFactor(self)
+    }
+
     fn at(&self, i: usize, j: usize) -> f64 {
         self.triangle[i * self.width + j]
     }
@@ -170,6 +176,16 @@ impl IncrementalQr {
         let unit =
             |k: usize| self.back_substitute(independent, &|i| if i == k { 1.0 } else { 0.0 });
         (0..independent.len()).map(unit).collect()
+    }
+}
+
+/// R of [A | b], the right side last.
+#[derive(Clone, Copy)]
+pub(crate) struct TriangularFactor<'a>(&'a IncrementalQr);
+
+impl TriangularFactor<'_> {
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
+        self.0.at(i, j)
     }
 }
 

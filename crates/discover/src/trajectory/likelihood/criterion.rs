@@ -38,7 +38,7 @@ impl PenalizedLikelihood {
         PenalizedLikelihood::new(problem, floor, inefficiency * term_price(readings))
     }
 
-    /// Price of a support. Where readings are few, a term costs more, since each fitted coefficient and first state takes one away
+    /// Price of a support: of its free coefficients, since one that an equation gives is not estimated. Where readings are few, a term costs more, since each fitted coefficient and first state takes one away
     /// (the correction of Hurvich & Tsai, Biometrika 1989).
     pub fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {
         let written = |j: &&usize| {
@@ -46,10 +46,11 @@ impl PenalizedLikelihood {
             law.written[**j - law.columns.start]
         };
         let readings = problem.measurements() as f64;
-        let fitted = support.len() + problem.states() * problem.records.len() + 1;
+        let free = problem.system.constraints.free_coefficients(support);
+        let fitted = free + problem.states() * problem.records.len() + 1;
         let scarce = readings / (readings - fitted as f64).max(1.0);
         let discount = CRITERION.written_discount * support.iter().filter(written).count() as f64;
-        self.penalty * support.len() as f64 * scarce - discount
+        self.penalty * free as f64 * scarce - discount
     }
 
     /// −2 log likelihood with the noise profiled out: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²). Mᵢ counts informative readings only.

@@ -1,12 +1,12 @@
 //! Gauss–Newton for one support: trajectory, coefficients and noise fitted together.
 //!
 //! In: a problem, a point to start from. Out: a [`Fit`], or nothing where the laws diverge. A step linearises, eliminates the states,
-//! solves for the coefficients and substitutes back; the noise of each sensor is then taken from its residuals.
+//! solves for the coefficients under their constraints and substitutes back; the noise of each sensor is then taken from its residuals.
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
 use super::step_halving::{StepHalving, Verdict};
 use crate::trajectory::integration::CompiledLaws;
-use crate::trajectory::least_squares::{EliminatedStates, IncrementalQr};
+use crate::trajectory::least_squares::{EliminatedStates, IncrementalQr, constrained_step};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 use sidc_progress::Observer;
@@ -15,7 +15,7 @@ use sidc_progress::Observer;
 #[derive(Clone, Debug)]
 pub struct Fit {
     pub(crate) point: LinearizationPoint,
-    /// Variances of the coefficients.
+    /// Variances of the coefficients; 0 for those that constraints fix.
     pub variances: Vec<f64>,
     /// The criterion: smaller is better.
     pub value: f64,
@@ -72,6 +72,7 @@ pub(crate) fn fit(
     let code = CompiledLaws::new(&problem.system, &from.support);
     let k = from.support.len();
     let cost = criterion.cost(problem, &from.support);
+    let rows = problem.system.constraints.on(&from.support);
     let mut point = from;
     let mut value = f64::INFINITY;
     let mut found = None;
@@ -84,7 +85,8 @@ pub(crate) fn fit(
             point = halving.halfway(point).filter(|_| observer.go_on())?;
             continue;
         };
-        let solved = qr.solve();
+        let constrained = constrained_step(&mut qr, &point.coefficients, &rows)?;
+        let solved = constrained.solution;
         if halving.is_careful() {
             left += usize::from(halving.may_add_step());
             let here = (
@@ -121,11 +123,7 @@ pub(crate) fn fit(
                 }
             }
         }
-        point
-            .coefficients
-            .iter_mut()
-            .zip(step)
-            .for_each(|(a, d)| *a += d);
+        point.coefficients = constrained.coefficients;
         halving.starts(start, farthest);
         if !farthest.is_finite() || left_the_data(problem, &point) {
             point = halving.halfway(point)?;

@@ -3,11 +3,11 @@
 //! In: a problem and a fit. Out: the fit's variances. The laws may slip a little in a fit, but right laws do not: their rows weigh in the
 //! estimate and add nothing to its errors. With A_r the rows of the readings, A those of all, and C = (AᵀA)⁻¹, errors e move the
 //! estimate by C A_rᵀ e, so its covariance is C A_rᵀ S A_r C. S, the covariance of the errors, is diagonal where residuals are white, else
-//! that of an autoregression.
+//! that of an autoregression. Under constraints C is the covariance of the coefficients that they leave free.
 
 use super::gauss_newton::Fit;
 use crate::trajectory::integration::CompiledLaws;
-use crate::trajectory::least_squares::IncrementalQr;
+use crate::trajectory::least_squares::{IncrementalQr, constrained_covariances};
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::RESIDUALS;
 use sidc_progress::Observer;
@@ -47,7 +47,9 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
     };
     let scarce = degrees_of_freedom_factor(problem, fit);
     let of = |c: &Option<Vec<f64>>| c.as_ref().map_or(f64::INFINITY, |c| scarce * variance(c));
-    Some(qr.covariances().iter().map(of).collect())
+    let rows = problem.system.constraints.on(fit.support());
+    let covariances = constrained_covariances(&mut qr, fit.coefficients(), &rows);
+    Some(covariances.iter().map(of).collect())
 }
 
 /// Root mean square of a sensor's residuals. The noise in the fit is larger where a floor holds it, or where readings are little

@@ -4,6 +4,7 @@
 
 use std::ops::Range;
 
+use super::coefficient_constraints::CoefficientConstraints;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
 use super::rejected_readings::{LeftOut, reject_outliers};
@@ -138,6 +139,13 @@ impl Problem {
         problem.system = system;
         problem.compile_columns();
         Ok(problem)
+    }
+
+    /// The same with other constraints on the coefficients.
+    pub(crate) fn under(&self, constraints: CoefficientConstraints) -> Problem {
+        let mut problem = self.clone();
+        problem.system.constraints = constraints;
+        problem
     }
 
     /// The same system, noise and spread on parts of the records; part i is of record `origin[i]`.

@@ -55,6 +55,8 @@ impl Problem {
             }
             law.columns = from..system.columns.len();
         }
+        let place = |column: usize| origin.iter().position(|o| *o == Some(column));
+        system.constraints = system.constraints.renumbered(&place);
         problem.run_columns = self.run_columns.moved(&origin);
         problem.compile_columns();
         ExtendedProblem { problem, origin }

@@ -2,6 +2,7 @@
 //!
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
+mod coefficient_constraints;
 mod estimation_problem;
 mod extra_columns;
 mod quantization;
@@ -14,6 +15,7 @@ mod split_by_run;
 mod subsampling;
 mod system;
 
+pub use coefficient_constraints::CoefficientConstraints;
 pub(crate) use estimation_problem::LinearizationPoint;
 pub use estimation_problem::Problem;
 pub use record::{Exogenous, Record};

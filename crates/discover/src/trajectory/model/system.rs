@@ -5,6 +5,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use super::coefficient_constraints::CoefficientConstraints;
 use sidc_lang::library::{Library, known_terms};
 use sidc_lang::model::{LibExpr, LibKind, Model, RightSide, VarKind};
 use sidc_lang::term::{Expr, Signal, Term};
@@ -23,6 +24,8 @@ pub struct System {
     pub exogenous: Vec<Signal>,
     /// Which of them belong to states without a law, whose values are noisy measurements.
     pub noisy_exogenous: Vec<bool>,
+    /// What the coefficients obey; none at first.
+    pub constraints: CoefficientConstraints,
 }
 
 /// A law: target = known + Σ coefficient · column.
@@ -89,6 +92,7 @@ impl System {
             columns: Vec::new(),
             exogenous: Vec::new(),
             noisy_exogenous: Vec::new(),
+            constraints: CoefficientConstraints::default(),
         };
         for (i, equation) in model.equations.iter().enumerate() {
             let target = equation.target;

@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::beam_search::{Subset, best_subsets};
+use super::constrained_supports::{ConstrainedForm, minimum};
 use crate::trajectory::cancellation::{each, join};
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
@@ -139,7 +140,7 @@ impl<'a> SearchLevel<'a> {
             let all: Vec<usize> = (0..form.p).collect();
             let least = form.least_squares(&all).square.max(0.0);
             let scale = (least / problem.measurements() as f64).max(1.0);
-            let point = |strength: f64| {
+            let mut point = |strength: f64| {
                 let penalty = self.criterion.penalty * strength * scale;
                 let cost = |s: &&Subset| s.square + penalty * s.columns.len() as f64;
                 let best = sizes
@@ -149,9 +150,11 @@ impl<'a> SearchLevel<'a> {
                     best.flat_map(|s| s.columns.iter().copied()).collect();
                 support.sort_unstable();
                 let support = problem.run_columns.whole(support, &[]);
-                at_minimum(&form, &problem.initial_point(&sigma), support)
+                let price = strength * scale;
+                let support = self.obeying(&form, support, price, observer);
+                at_minimum(problem, &form, &problem.initial_point(&sigma), support)
             };
-            let points = SEARCH.initial_prices.map(point);
+            let points = SEARCH.initial_prices.map(&mut point);
             self.fit(points, observer);
             let Some((best, form)) = self.best_and_form(observer) else {
                 continue;
@@ -163,7 +166,9 @@ impl<'a> SearchLevel<'a> {
             {
                 let support = form.steepest_descent(&support, self.criterion.penalty);
                 let support = problem.run_columns.whole(support, best.support());
-                self.fit([at_minimum(&form, &best.point, support)], observer);
+                let support = self.obeying(&form, support, 1.0, observer);
+                let point = at_minimum(problem, &form, &best.point, support);
+                self.fit([point], observer);
             }
         }
     }
@@ -176,7 +181,8 @@ impl<'a> SearchLevel<'a> {
             let Some((current, form)) = self.best_and_form(observer) else {
                 return;
             };
-            let point = |support| at_minimum(&form, &current.point, support);
+            let problem = self.problem;
+            let point = |support| at_minimum(problem, &form, &current.point, support);
             let proposals = self.proposals(&form, current.support(), observer);
             let near = proposals
                 .iter()
@@ -207,7 +213,10 @@ impl<'a> SearchLevel<'a> {
                     |s: &Vec<usize>| form.least_squares(s).square - whole <= SEARCH.max_pruned_loss;
                 let shorter = support.iter().map(|j| self.without(support, *j));
                 let shorter: Vec<Vec<usize>> = shorter.filter(light).collect();
-                better = self.fit(shorter.into_iter().map(point), observer);
+                let mut repaired = |s: Vec<usize>| self.obeying(&form, s, 0.0, observer);
+                let all = shorter.into_iter().map(|s| point(repaired(s)));
+                let all: Vec<LinearizationPoint> = all.collect();
+                better = self.fit(all, observer);
             }
             if !better {
                 return;
@@ -238,7 +247,8 @@ impl<'a> SearchLevel<'a> {
                 .into_iter()
                 .take_while(|(c, _)| *c <= -SEARCH.min_gain);
             let room = last - self.tried.len();
-            let point = |(_, s)| at_minimum(&form, &current.point, s);
+            let problem = self.problem;
+            let point = |(_, s)| at_minimum(problem, &form, &current.point, s);
             let mut better = false;
             for next in large.take(room).map(point) {
                 better = self.fit([next], observer);
@@ -279,6 +289,45 @@ impl<'a> SearchLevel<'a> {
         };
         let ends = each(observer, &tasks, descend);
         ends.into_iter().flatten().collect()
+    }
+
+    /// What constraints make of a proposed support, at a price in units of the price of a term: the same where there are none; with a
+    /// price of zero the support is repaired and not searched about.
+    fn obeying(
+        &self,
+        form: &QuadraticForm,
+        support: Vec<usize>,
+        price: f64,
+        observer: &mut dyn Observer,
+    ) -> Vec<usize> {
+        let (constraints, laws) = (&self.problem.system.constraints, &self.problem.ranges);
+        if constraints.is_empty() {
+            return support;
+        }
+        let mut search = ConstrainedForm::new(form, constraints, laws);
+        let price = price * self.criterion.penalty;
+        let found = search.repaired(&support, price);
+        let found = found.map(|s| match price > 0.0 {
+            true => search.descend(s, price, observer),
+            false => s,
+        });
+        found.map_or(support, |s| s.columns)
+    }
+
+    /// The supports proposed without constraints, made to obey them, and those that a search under them adds.
+    fn constrained_proposals(
+        &self,
+        form: &QuadraticForm,
+        support: &[usize],
+        proposed: Vec<Vec<usize>>,
+        observer: &mut dyn Observer,
+    ) -> Vec<(f64, Vec<usize>)> {
+        let (constraints, laws) = (&self.problem.system.constraints, &self.problem.ranges);
+        let search = ConstrainedForm::new(form, constraints, laws);
+        let price = self.criterion.penalty;
+        let mut all = search.proposals(support, proposed, price, observer);
+        all.retain(|(_, s)| !self.tried.contains_key(s));
+        all
     }
 
     /// Supports not fitted yet with their predicted change of the criterion, best first.
@@ -350,19 +399,28 @@ impl<'a> SearchLevel<'a> {
         for m in form.single_changes(support, penalty, SEARCH.moves_proposed) {
             propose(m.applied(support), m.change);
         }
+        if !self.problem.system.constraints.is_empty() {
+            return self.constrained_proposals(form, support, all.into_keys().collect(), observer);
+        }
         let mut all: Vec<(f64, Vec<usize>)> = all.into_iter().map(|(s, c)| (c, s)).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0).then_with(|| a.1.cmp(&b.1)));
         all
     }
 }
 
-/// The point with a support at the minimum of its quadratic form.
+/// The point with a support at the minimum of its quadratic form under the constraints. A support that cannot obey them has no
+/// fit, wherever it starts.
 fn at_minimum(
+    problem: &Problem,
     form: &QuadraticForm,
     from: &LinearizationPoint,
     support: Vec<usize>,
 ) -> LinearizationPoint {
-    let coefficients = form.least_squares(&support).coefficients;
+    let constrained = minimum(form, &problem.system.constraints, &support);
+    let coefficients = match constrained {
+        Some((coefficients, _)) => coefficients,
+        None => form.least_squares(&support).coefficients,
+    };
     LinearizationPoint {
         support,
         coefficients,

@@ -1,16 +1,21 @@
 //! Which terms: supports are proposed on linearised likelihoods and accepted where the refitted likelihood improves.
 //!
-//! In: a problem. Out: [`Found`]: the best fit and its rivals. Never doubts an answer.
+//! In: a problem. Out: [`Found`]: the best fit and its rivals. Constraints of the system hold in every
+//! support that is proposed. Never doubts an answer.
 
 mod beam_search;
+mod constrained_supports;
 mod level;
 mod omitted_terms;
+mod search_from_free;
 mod search_observer;
 mod support_search;
 
 #[cfg(test)]
 pub(crate) use beam_search::best_subsets;
+pub(crate) use constrained_supports::{ConstrainedForm, minimum};
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
+pub use search_from_free::search_from_free;
 pub use search_observer::SearchObserver;
 pub use support_search::{Found, StartingSupport, search};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};

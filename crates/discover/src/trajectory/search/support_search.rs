@@ -12,7 +12,7 @@ use crate::trajectory::thresholds::SEARCH;
 use sidc_progress::Observer;
 
 /// The result of a search.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Found {
     pub best: Fit,
     /// Every support fitted at the last level with its criterion, best first; the first is the best fit's own.
@@ -44,14 +44,14 @@ pub fn search(
                 paths: problem.initial_point(&[]).paths,
                 ..found.best.point.clone()
             };
-            let level = (found.inefficiency, false);
+            let plan = Plan::last_level(found.inefficiency).near();
             let all = match observer.go_on() {
-                true => continuation(problem, vec![start.clone()], level, observer),
+                true => continuation(problem, vec![start.clone()], plan, observer),
                 false => None,
             };
             // After a stop, the support found on segments is still fitted on all samples once: without that it is no answer.
             let all = match all {
-                None => continuation(problem, vec![start], level, &mut FitBudget::default())?,
+                None => continuation(problem, vec![start], plan, &mut FitBudget::default())?,
                 Some(all) => all,
             };
             Found {
@@ -71,7 +71,13 @@ fn search_whole(
     observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
     match explaining_start(problem, start, observer) {
-        Some(point) => continuation(problem, vec![point], (1.0, true), observer),
+        Some(point) => {
+            let plan = Plan {
+                most_terms: SEARCH.terms_of_start * point.support.len(),
+                ..Plan::all_levels()
+            };
+            continuation(problem, vec![point], plan, observer)
+        }
         None => search_with_inefficiency(problem, observer),
     }
 }
@@ -110,13 +116,13 @@ fn explains_readings(problem: &Problem, fit: &Fit) -> bool {
 /// Laws that are only nearly right leave coloured residuals. The choice is then made again with a price of terms for the effective
 /// number of readings.
 fn search_with_inefficiency(problem: &Problem, observer: &mut dyn SearchObserver) -> Option<Found> {
-    let found = continuation(problem, Vec::new(), (1.0, true), observer)?;
+    let found = continuation(problem, Vec::new(), Plan::all_levels(), observer)?;
     let inefficiency = statistical_inefficiency(problem, &found.best);
     if inefficiency <= SEARCH.max_inefficiency || !observer.go_on() {
         return Some(found);
     }
     let start = vec![found.best.point.clone()];
-    let Some(again) = continuation(problem, start, (inefficiency, true), observer) else {
+    let Some(again) = continuation(problem, start, Plan::last_level(inefficiency), observer) else {
         return Some(found);
     };
     Some(Found {
@@ -125,14 +131,66 @@ fn search_with_inefficiency(problem: &Problem, observer: &mut dyn SearchObserver
     })
 }
 
-/// One level after another; the last level alone if there are points to start from. With `fresh`, levels start from integral matching
-/// too.
-fn continuation(
+impl Found {
+    /// −2 log likelihood of the best fit, without the price of its terms.
+    pub fn misfit(&self, problem: &Problem) -> f64 {
+        let criterion = last_criterion(problem, self.inefficiency);
+        self.best.value - criterion.cost(problem, self.best.support())
+    }
+}
+
+/// Which levels a search goes through, and what it may try there.
+#[derive(Clone, Copy)]
+pub(super) struct Plan {
+    /// Statistical inefficiency that prices terms.
+    inefficiency: f64,
+    /// Whether the first level and the last one start from integral matching too, and the last one tries the support without each term.
+    fresh: bool,
+    /// The lowest floor alone.
+    last_only: bool,
+    /// Supports of more terms are not fitted.
+    most_terms: usize,
+}
+
+impl Plan {
+    fn all_levels() -> Plan {
+        Plan {
+            last_only: false,
+            ..Plan::last_level(1.0)
+        }
+    }
+
+    /// The lowest floor, from the points that are given and from integral matching.
+    pub fn last_level(inefficiency: f64) -> Plan {
+        Plan {
+            inefficiency,
+            fresh: true,
+            last_only: true,
+            most_terms: usize::MAX,
+        }
+    }
+
+    /// From the points that are given alone.
+    pub fn near(self) -> Plan {
+        Plan {
+            fresh: false,
+            ..self
+        }
+    }
+}
+
+/// One level after another.
+pub(super) fn continuation(
     problem: &Problem,
     start: Vec<LinearizationPoint>,
-    (inefficiency, fresh): (f64, bool),
+    plan: Plan,
     observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
+    let Plan {
+        inefficiency,
+        fresh,
+        ..
+    } = plan;
     let relative = |i: usize| problem.noise[i] / problem.spread[i % problem.states()];
     let noisiest = (0..problem.noise.len())
         .filter(|i| problem.readings[*i] > 0)
@@ -144,13 +202,7 @@ fn continuation(
         .into_iter()
         .filter(|f| *f > SEARCH.floor_over_noise * noisiest || *f == lowest);
     let mut floors: Vec<f64> = floors.collect();
-    let explained = start
-        .iter()
-        .map(|p| p.support.len())
-        .max()
-        .filter(|_| fresh);
-    let most_terms = explained.map_or(usize::MAX, |n| SEARCH.terms_of_start * n);
-    if !start.is_empty() && !fresh {
+    if plan.last_only {
         floors = vec![lowest];
     }
     let anew = start.is_empty();
@@ -163,7 +215,7 @@ fn continuation(
             problem,
             PenalizedLikelihood::at_floor(problem, floors[place], inefficiency),
         );
-        level.most_terms = most_terms;
+        level.most_terms = plan.most_terms;
         let penalty = level.criterion.penalty;
         let sigma = level.sigma(&problem.noise);
         let points = carried.drain(..).map(|point| LinearizationPoint {

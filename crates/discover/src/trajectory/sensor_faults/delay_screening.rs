@@ -6,7 +6,7 @@
 use super::time_shift::{moved, reach};
 use crate::trajectory::cancellation::join;
 use crate::trajectory::model::{LinearizationPoint, Problem};
-use crate::trajectory::search::final_criterion;
+use crate::trajectory::search::{ConstrainedForm, final_criterion, minimum};
 use crate::trajectory::thresholds::{DELAYS, SEARCH};
 use sidc_lang::term::VarId;
 use sidc_progress::Observer;
@@ -104,7 +104,10 @@ impl DelayScreen {
             samples,
             value,
             start: LinearizationPoint {
-                coefficients: form.least_squares(&support).coefficients,
+                coefficients: match minimum(&form, &self.few.system.constraints, &support) {
+                    Some((coefficients, _)) => coefficients,
+                    None => form.least_squares(&support).coefficients,
+                },
                 support: support.iter().map(|j| self.columns[*j]).collect(),
                 ..self.few.initial_point(&self.sigma)
             },
@@ -137,7 +140,14 @@ impl DelayScreen {
             .max(0.0);
         let scale = (least / self.few.measurements() as f64).max(1.0);
         let supports = form.backward_elimination(&[self.penalty * scale]);
-        supports.into_iter().next().unwrap_or_default()
+        let support = supports.into_iter().next().unwrap_or_default();
+        let constraints = &self.few.system.constraints;
+        if constraints.is_empty() {
+            return support;
+        }
+        let mut search = ConstrainedForm::new(form, constraints, &self.few.ranges);
+        let repaired = search.repaired(&support, self.penalty * scale);
+        repaired.map_or(support, |s| s.columns)
     }
 }
 
@@ -178,6 +188,8 @@ fn restricted(problem: &Problem, columns: &[usize]) -> Problem {
     }
     let kept = columns.iter().map(|j| problem.system.columns[*j].clone());
     system.columns = kept.collect();
+    let place = |column: usize| columns.binary_search(&column).ok();
+    system.constraints = system.constraints.renumbered(&place);
     let origin: Vec<Option<usize>> = columns.iter().copied().map(Some).collect();
     out.run_columns = problem.run_columns.moved(&origin);
     out.compile_columns();

@@ -1,0 +1,130 @@
+//! The search under the constraints of a model: freely first, since free answers mostly obey them; then with them.
+//!
+//! In: a problem with its constraints. Out: the answer that obeys them, and the free one where that does not. A free answer that obeys
+//! them stands as it is, to the last digit. Never writes messages.
+
+use std::borrow::Cow;
+
+use crate::joint::delay_outlier_search::{JointFit, search_from, search_system, unexplained};
+use crate::joint::pooled_search::search_runs;
+use crate::options::Options;
+use crate::trajectory::{CoefficientConstraints, Left, Problem, StartingSupport};
+use sidc_lang::model::Model;
+use sidc_progress::{EquationObserver, Observer};
+
+/// The answer under the constraints.
+pub(crate) struct ConstrainedAnswer<'a> {
+    pub fit: JointFit<'a>,
+    /// The free answer, where it breaks a constraint and another one was looked for.
+    pub free: Option<JointFit<'a>>,
+    /// Runs that the answer was not found from.
+    pub left: Vec<Left>,
+}
+
+/// What a search under constraints ended with.
+pub(crate) enum Settled<'a> {
+    Answer(Box<ConstrainedAnswer<'a>>),
+    /// Only without the constraints something could be fitted.
+    OnlyFree(Box<JointFit<'a>>),
+    Nothing,
+}
+
+/// Searches all equations from `start`. If the run is ended before there is an answer under the constraints, the free one is given.
+pub(crate) fn search_under_constraints<'a>(
+    (model, problem): (&Model, &'a Problem),
+    start: Option<StartingSupport>,
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Settled<'a> {
+    let settled =
+        |fit, free, left| Settled::Answer(Box::new(ConstrainedAnswer { fit, free, left }));
+    let answer = |fit, free| settled(fit, free, Vec::new());
+    let constraints = &problem.system.constraints;
+    if constraints.is_empty() {
+        let found = search_runs((model, problem), start, options, watcher);
+        return found.map_or(Settled::Nothing, |pooled| {
+            settled(pooled.fit, None, pooled.left)
+        });
+    }
+    let unconstrained = problem.under(CoefficientConstraints::default());
+    let found = search_system((model, &unconstrained), start, options, watcher);
+    let free = found.map(|fit| owned(fit, constraints));
+    let obeys = |fit: &JointFit| {
+        let best = &fit.found.best;
+        constraints.hold(best.support(), best.coefficients())
+    };
+    if let Some(mut free) = free {
+        if watcher.stop().is_some() {
+            return answer(free, None);
+        }
+        if obeys(&free) {
+            drop_broken_rivals(&mut free, watcher);
+            return answer(free, None);
+        }
+        return match under_constraints(model, problem, (options, &free), watcher) {
+            Some(fit) => answer(fit, Some(free)),
+            None if watcher.stop().is_some() => answer(free, None),
+            None => Settled::OnlyFree(Box::new(free)),
+        };
+    }
+    match watcher.stop() {
+        // The constraints may lead where the free search found nothing.
+        None => search_system((model, problem), None, options, watcher)
+            .map_or(Settled::Nothing, |fit| answer(fit, None)),
+        Some(_) => Settled::Nothing,
+    }
+}
+
+/// The better of two searches: from the free answer on, with its delays and without its outliers; and, where that leaves more than
+/// noise and the free answer does not, from the start.
+fn under_constraints<'a>(
+    model: &Model,
+    problem: &'a Problem,
+    (options, free): (&Options, &JointFit<'a>),
+    watcher: &mut EquationObserver,
+) -> Option<JointFit<'a>> {
+    let near = search_from(free, watcher);
+    let poor = |f: &JointFit| unexplained(&f.problem, &f.found.best);
+    let enough = |f: &JointFit| !poor(f) || poor(free);
+    if near.as_ref().is_some_and(enough) || watcher.stop().is_some() {
+        return near;
+    }
+    let anew = search_system((model, problem), None, options, watcher);
+    let (Some(a), Some(b)) = (&near, &anew) else {
+        return anew.or(near);
+    };
+    let better = match poor(b) {
+        false => true,
+        // Of the same readings, so that their likelihoods are comparable.
+        true => same_readings(a, b) && a.misfit() > b.misfit(),
+    };
+    if better { anew } else { near }
+}
+
+/// Whether two fits are of the same readings with the same delays.
+pub(crate) fn same_readings(a: &JointFit, b: &JointFit) -> bool {
+    a.late == b.late && a.problem.left_out.len() == b.problem.left_out.len()
+}
+
+/// A free fit with its own problem, in which the constraints hold again for what follows.
+fn owned<'a>(fit: JointFit, constraints: &CoefficientConstraints) -> JointFit<'a> {
+    JointFit {
+        problem: Cow::Owned(fit.problem.under(constraints.clone())),
+        found: fit.found,
+        late: fit.late,
+        offset: fit.offset,
+    }
+}
+
+/// Rivals that break the constraints, by the likelihood linearised about the answer, are none.
+fn drop_broken_rivals(fit: &mut JointFit, observer: &mut dyn Observer) {
+    let best = &fit.found.best;
+    let Ok(form) = fit.problem.quadratic_form(&best.point, observer) else {
+        return;
+    };
+    let own = best.support().to_vec();
+    let constraints = &fit.problem.system.constraints;
+    fit.found.rivals.retain(|(support, _)| {
+        *support == own || constraints.hold(support, &form.least_squares(support).coefficients)
+    });
+}
