@@ -66,6 +66,7 @@ fn whole(c: &mut Criterion) {
                 fixed: false,
                 standard_error: Some(0.01),
                 trust: None,
+                runs: Vec::new(),
             })
             .collect();
         let mut y = vec![0.0; rows];
