@@ -120,7 +120,7 @@ family! {
         /// Residual up to which a support from another method explains the readings.
         start_noise: f64 = 1.1, unit "noise that smoothing shows", source "set by hand: right laws leave 0.95 to 1.00 of it on the cart-pendulum; beyond, the search only takes longer";
         /// Most terms of a support, where one from another method explains the readings: more cannot explain them better.
-        terms_of_start: usize = 2, unit "terms of that support", source "set by hand; the answers of 188 noisy benchmark runs are the same without this bound";
+        terms_of_start: usize = 2, unit "terms of that support", source "set by hand; with it 376 benchmark runs at 1 to 20 % noise are as exact as a search from nothing, and one more is";
         /// Prices of a term for which the first linearisations propose supports.
         initial_prices: [f64; 3] = [1.0, 4.0, 16.0], unit "price of a term", source "set by hand";
         /// Prices for which backward elimination proposes supports about a fit.
