@@ -19,6 +19,7 @@ pub mod source;
 pub mod term;
 mod thresholds;
 pub mod units;
+pub mod words;
 
 pub use check::{GeneratorSignature, Vocabulary, check};
 pub use format::format;

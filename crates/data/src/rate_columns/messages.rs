@@ -2,6 +2,7 @@
 
 use super::consistency::{Fault, Kind};
 use sidc_lang::number::with_error;
+use sidc_lang::words::listed;
 
 /// Most significant digits of a number.
 const DIGITS: usize = 6;
@@ -31,12 +32,8 @@ pub(super) fn unit_of(factor: f64, tolerance: f64) -> Option<(&'static str, &'st
 
 /// All faults of `rate` against the samples of `state`, as one clause.
 pub(super) fn clause(rate: &str, state: &str, faults: &[Fault]) -> String {
-    let mut said: Vec<String> = faults.iter().map(|f| phrase(f, state)).collect();
-    let last = said.pop().unwrap_or_default();
-    match said.is_empty() {
-        true => format!("{rate} {last}"),
-        false => format!("{rate} {} and {last}", said.join(", ")),
-    }
+    let said: Vec<String> = faults.iter().map(|f| phrase(f, state)).collect();
+    format!("{rate} {}", listed(&said))
 }
 
 fn phrase(fault: &Fault, state: &str) -> String {

@@ -4,7 +4,9 @@
 
 use crate::trajectory::{Differing, Left, Problem};
 use sidc_lang::model::Model;
+use sidc_lang::number::rounded;
 use sidc_lang::term::{Language, SignalNames};
+use sidc_lang::words::listed;
 use sidc_system::discovery::{
     Change, Discovery, Equation, FoundTerm, Reason, ReasonCode, RunCoefficient,
 };
@@ -13,7 +15,7 @@ use sidc_system::discovery::{
 pub(crate) fn not_followed(problem: &Problem, used: &[usize], left: &[Left]) -> Option<Reason> {
     let name = |t: usize| problem.names.get(t).map_or("?", String::as_str);
     let place = |l: &Left| match l.time {
-        Some(time) => format!("{} at {} s", name(l.trajectory), rounded(time)),
+        Some(time) => format!("{} at {} s", name(l.trajectory), rounded(time, DIGITS)),
         None => name(l.trajectory).to_owned(),
     };
     let places: Vec<String> = left.iter().map(place).collect();
@@ -33,7 +35,7 @@ pub(crate) fn not_followed(problem: &Problem, used: &[usize], left: &[Left]) -> 
     Some(reason.remedy(match first.time {
         Some(time) => format!(
             "look at {file} from {} s on: another plant, a sensor that fails, a motion of which the library lacks the physics; leave it out if it is none of this plant",
-            rounded(time)
+            rounded(time, DIGITS)
         ),
         None => format!("look at {file}, and leave it out if it is none of this plant"),
     }))
@@ -137,17 +139,7 @@ fn runs_differ(
     )
 }
 
+/// Digits of a time.
+const DIGITS: usize = 4;
+
 const TOGETHER: &str = "with one value for all the runs cannot be followed together";
-
-fn listed(names: &[&str]) -> String {
-    match names {
-        [] => "no run".into(),
-        [one] => (*one).into(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
-/// Four digits.
-fn rounded(seconds: f64) -> f64 {
-    format!("{seconds:.3e}").parse().unwrap_or(seconds)
-}

@@ -3,7 +3,7 @@
 //! In: a model, pools of candidates, a problem. Out: pools with the terms that it names, the problem with their columns by run. Finds
 //! no such coefficients.
 
-use crate::selection::screening::CandidatePools;
+use crate::selection::screening::{CandidatePools, offer};
 use crate::trajectory::{Law, Problem};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -18,10 +18,8 @@ pub(super) fn offer_per_run(
         let place = model.equations.iter().position(|e| e.target == c.target);
         let Some(place) = place else { continue };
         let slot = libraries[place].as_ref().and_then(|l| l.contains(&c.term));
-        if let (Some(slot), Some(Some(pool))) = (slot, pools.get_mut(place))
-            && let Err(at) = pool.binary_search(&slot)
-        {
-            pool.insert(at, slot);
+        if let Some(slot) = slot {
+            offer(pools, place, slot);
         }
     }
 }

@@ -4,7 +4,7 @@
 //! sees data.
 
 use crate::constrained::constraint_rows::{ConstraintRow, constraint_rows};
-use crate::selection::screening::CandidatePools;
+use crate::selection::screening::{CandidatePools, offer};
 use crate::trajectory::{CoefficientConstraints, System};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -18,11 +18,7 @@ pub(crate) fn with_named_terms(
 ) -> CandidatePools {
     for tied in constraint_rows(model, libraries) {
         for (place, slot, _) in tied.row.entries {
-            if let Some(Some(pool)) = pools.get_mut(place)
-                && let Err(at) = pool.binary_search(&slot)
-            {
-                pool.insert(at, slot);
-            }
+            offer(&mut pools, place, slot);
         }
     }
     pools

@@ -237,6 +237,9 @@ impl<'a> Search<'a> {
 
     /// New laws, each in the place of an equation with more terms; none if they are no whole system, or a far worse conditioned one.
     fn sparser(&self, chosen: Vec<Candidate>) -> Vec<SparserLaw> {
+        if chosen.iter().all(|c| c.equation.is_some()) {
+            return Vec::new();
+        }
         let of_equations = self.equations().unwrap_or_default();
         let condition = |all: &[Candidate]| {
             let all: Vec<&Gradients> = all.iter().map(|c| &c.gradients).collect();

@@ -17,6 +17,15 @@ use sidc_solve::dictionary::Dense;
 /// Slots of each equation that take part; `None` means all.
 pub(crate) type CandidatePools = Vec<Option<Vec<usize>>>;
 
+/// Adds a slot to the pool of an equation where that is restricted.
+pub(crate) fn offer(pools: &mut CandidatePools, place: usize, slot: usize) {
+    if let Some(Some(pool)) = pools.get_mut(place)
+        && let Err(at) = pool.binary_search(&slot)
+    {
+        pool.insert(at, slot);
+    }
+}
+
 /// Screens libraries whose columns are too many in all. `size` is the number of states and of samples.
 ///
 /// # Errors

@@ -62,15 +62,6 @@ pub(crate) fn grouped(n: usize) -> String {
     out
 }
 
-/// `a, b and c`
-pub(crate) fn listed(all: &[String]) -> String {
-    match all {
-        [] => String::new(),
-        [one] => one.clone(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
 /// A paragraph of plain text.
 pub(crate) fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escape(text))
@@ -103,6 +94,5 @@ mod tests {
         assert_eq!(number(-0.25, 3), "−0.25");
         assert_eq!(number(f64::NAN, 3), "–");
         assert_eq!(counted(1_234_567, "row"), "1,234,567 rows");
-        assert_eq!(listed(&["a".into(), "b".into(), "c".into()]), "a, b and c");
     }
 }

@@ -82,7 +82,10 @@ pub(crate) fn fit(
         left -= 1;
         let mut qr = IncrementalQr::new(k);
         let Ok(eliminated) = problem.eliminate_all(&code, &point, &mut qr, observer) else {
-            point = halving.halfway(point).filter(|_| observer.go_on())?;
+            match halving.halfway(point).filter(|_| observer.go_on()) {
+                Some(nearer) => point = nearer,
+                None => return best_judged(halving).filter(|_| observer.go_on()),
+            }
             continue;
         };
         let constrained = constrained_step(&mut qr, &point.coefficients, &rows)?;
@@ -96,7 +99,10 @@ pub(crate) fn fit(
             );
             let here = fit_here(problem, criterion, &point, here);
             if left_the_data(problem, &here.point) {
-                point = halving.halfway(point)?;
+                match halving.halfway(point) {
+                    Some(nearer) => point = nearer,
+                    None => return best_judged(halving),
+                }
                 continue;
             }
             let value = here.value;
@@ -109,7 +115,7 @@ pub(crate) fn fit(
                 Verdict::End => break,
             }
         }
-        let start = point.clone();
+        let start = halving.is_careful().then(|| point.clone());
         let step = &solved.coefficients;
         let mut farthest = 0.0f64;
         let n = problem.states();
@@ -126,13 +132,13 @@ pub(crate) fn fit(
         point.coefficients = constrained.coefficients;
         halving.starts(start, farthest);
         if !farthest.is_finite() || left_the_data(problem, &point) {
-            point = halving.halfway(point)?;
+            match halving.halfway(point) {
+                Some(nearer) => point = nearer,
+                None => return best_judged(halving),
+            }
             continue;
         }
-        let residual_squares = residual_squares(problem, &point);
-        let explained = residual_squares.iter().zip(&point.sigma);
-        let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
-        let law_misfit = (solved.residual - explained).max(0.0);
+        let (residual_squares, law_misfit) = misfits(problem, &point, solved.residual);
         let new = criterion.deviance(problem, &residual_squares) + law_misfit + cost;
         let sigma: Vec<f64> = (0..residual_squares.len())
             .map(|i| criterion.noise(problem, &residual_squares, i, &point.sigma))
@@ -161,7 +167,7 @@ pub(crate) fn fit(
             break;
         }
     }
-    if halving.is_careful() {
+    if halving.has_judged() {
         let arrived = found.is_some_and(|(.., arrived)| arrived);
         let (fit, arrived) = halving.best(arrived)?;
         return fit.value.is_finite().then_some(Fit { arrived, ..fit });
@@ -177,6 +183,12 @@ pub(crate) fn fit(
     })
 }
 
+/// The best fit that was judged, from which every shorter step leaves the data.
+fn best_judged(halving: StepHalving<Fit>) -> Option<Fit> {
+    let (fit, arrived) = halving.best(false)?;
+    fit.value.is_finite().then_some(Fit { arrived, ..fit })
+}
+
 /// The fit at a point with the coefficients that it has: only the states follow the laws there.
 fn fit_here(
     problem: &Problem,
@@ -190,10 +202,7 @@ fn fit_here(
         let moved = record.states(&none);
         path.iter_mut().zip(moved).for_each(|(x, d)| *x += d);
     }
-    let residual_squares = residual_squares(problem, &point);
-    let explained = residual_squares.iter().zip(&point.sigma);
-    let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
-    let law_misfit = (square - explained).max(0.0);
+    let (residual_squares, law_misfit) = misfits(problem, &point, square);
     let value = criterion.deviance(problem, &residual_squares)
         + law_misfit
         + criterion.cost(problem, &point.support);
@@ -205,6 +214,14 @@ fn fit_here(
         law_misfit,
         arrived: false,
     }
+}
+
+/// The squared residuals of each sensor, and what they leave of the χ² `square` of all rows: that of the slips.
+fn misfits(problem: &Problem, at: &LinearizationPoint, square: f64) -> (Vec<f64>, f64) {
+    let squares = residual_squares(problem, at);
+    let explained = squares.iter().zip(&at.sigma);
+    let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
+    (squares, (square - explained).max(0.0))
 }
 
 /// Whether some trajectory is farther from its readings than any fit of use.

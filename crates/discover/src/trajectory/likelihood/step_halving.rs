@@ -56,9 +56,9 @@ impl<Fit> StepHalving<Fit> {
         self.added <= GAUSS_NEWTON.careful_steps
     }
 
-    /// A full step starts here; its largest move of a state is `reach`.
-    pub fn starts(&mut self, at: LinearizationPoint, reach: f64) {
-        self.start = Some(at);
+    /// A full step starts; its largest move of a state is `reach`. Where it starts is needed once steps are mistrusted.
+    pub fn starts(&mut self, at: Option<LinearizationPoint>, reach: f64) {
+        self.start = at;
         self.reach = reach;
         self.halvings = 0;
     }
@@ -79,6 +79,11 @@ impl<Fit> StepHalving<Fit> {
             Some(point) => Verdict::Try(point),
             None => Verdict::End,
         }
+    }
+
+    /// Whether some point was judged by its own criterion.
+    pub fn has_judged(&self) -> bool {
+        self.accepted.is_some()
     }
 
     fn best_value(&self) -> f64 {

@@ -172,16 +172,26 @@ fn own_fit(
 /// How far values with variances are from one common value, as a normal deviate: χ² over the runs by the transformation of Wilson and
 /// Hilferty (1931).
 fn deviations(values: &[(f64, f64)]) -> f64 {
-    let known = || values.iter().filter(|(_, v)| v.is_finite() && *v > 0.0);
-    let free = known().count() as f64 - 1.0;
+    let known: Vec<&(f64, f64)> = values.iter().filter(|v| is_known(v)).collect();
+    let free = known.len() as f64 - 1.0;
     if free < 1.0 {
         return 0.0;
     }
-    let weights: f64 = known().map(|(_, v)| 1.0 / v).sum();
-    let mean = known().map(|(a, v)| a / v).sum::<f64>() / weights;
-    let square: f64 = known().map(|(a, v)| (a - mean).powi(2) / v).sum();
+    let mean = mean(values);
+    let square: f64 = known.iter().map(|(a, v)| (a - mean).powi(2) / v).sum();
     let part = 2.0 / (9.0 * free);
     ((square / free).cbrt() - (1.0 - part)) / part.sqrt()
+}
+
+/// The mean of values with variances, weighted by what each says; NaN where none is known.
+fn mean(values: &[(f64, f64)]) -> f64 {
+    let known = || values.iter().filter(|v| is_known(v));
+    let weights: f64 = known().map(|(_, v)| 1.0 / v).sum();
+    known().map(|(a, v)| a / v).sum::<f64>() / weights
+}
+
+fn is_known((_, variance): &(f64, f64)) -> bool {
+    variance.is_finite() && *variance > 0.0
 }
 
 /// A fit of all runs in which every term of a support has a coefficient for each, with its problem; those that do not differ are one
@@ -257,13 +267,7 @@ fn assembled(
             let run = runs.iter().position(|r| *r == column.trajectory)?;
             return Some(of(own.get(run)?).0);
         }
-        let known = || {
-            own.iter()
-                .map(of)
-                .filter(|(_, v)| v.is_finite() && *v > 0.0)
-        };
-        let weights: f64 = known().map(|(_, v)| 1.0 / v).sum();
-        let mean = known().map(|(a, v)| a / v).sum::<f64>() / weights;
+        let mean = mean(&own.iter().map(of).collect::<Vec<_>>());
         Some(if mean.is_finite() {
             mean
         } else {

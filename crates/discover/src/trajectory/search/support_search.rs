@@ -89,6 +89,9 @@ fn explaining_start(
     start: &[(usize, f64)],
     observer: &mut dyn Observer,
 ) -> Option<LinearizationPoint> {
+    if start.is_empty() {
+        return None;
+    }
     let (support, coefficients) = start.iter().copied().unzip();
     let mut level = SearchLevel::new(problem, final_criterion(problem));
     let sigma = level.sigma(&problem.noise);

@@ -1,9 +1,10 @@
 //! The verdict with its reasons.
 
-use crate::report::markup::{counted, fixed, listed, section};
+use crate::report::markup::{counted, fixed, section};
 use crate::report::report_contents::{RecordRun, Role, Subject};
 use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::term::SignalNames;
+use sidc_lang::words::listed;
 use sidc_system::discovery::{Finding, Mark, Notice, Reason, Status};
 
 /// Worst first.
