@@ -16,6 +16,7 @@ mod data;
 mod dependencies;
 mod determinism;
 mod dictionary;
+mod disturbed;
 mod docs;
 mod drafts;
 mod emit;

@@ -1,6 +1,6 @@
 //! What tests, benchmarks, fuzzing and studies share; no part of the product.
 //!
-//! [`integrate`], [`random`], [`table`] and [`plants`] simulate known systems and write their records, and use nothing of the
+//! [`integrate`], [`stochastic`], [`random`], [`table`] and [`plants`] simulate known systems and write their records, and use nothing of the
 //! compiler: the data it is tested on must not come from its own code. [`program`] runs the built `sidc`, [`runtimes`] finds the
 //! languages and browsers that its output is run with, [`thresholds`] the numbers that decide, [`hang`] ends work that does not end, [`fuzzing`] says what must hold for any input
 //! at all.
@@ -18,5 +18,6 @@ pub mod program;
 pub mod random;
 pub mod records;
 pub mod runtimes;
+pub mod stochastic;
 pub mod table;
 pub mod thresholds;

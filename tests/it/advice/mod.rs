@@ -35,6 +35,7 @@ followed! {
     ConstraintStrained: library::constraint_strained, "or leave it out";
     DependentStates: library::dependent_states, "leave one of these states out of the libraries";
     DependentSupport: records::dependent_support, "record another motion";
+    Disturbed: sensors::disturbed, "look for a term, an input or a state";
     ExhaustedLibrary: library::exhausted_library, "add sin(x) to the library";
     FewRows: records::few_rows, "record 30 readings or more";
     HeldOut: search::held_out, "take more rows, 100 say";

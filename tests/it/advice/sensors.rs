@@ -58,6 +58,29 @@ pub fn input_delay() -> Scenario {
     })
 }
 
+/// Gusts that last ten samples, first unknown, then measured.
+pub fn disturbed() -> Scenario {
+    const STEP: f64 = 0.05;
+    let fresh = normal(1500, 11);
+    let (mut z, mut gust) = ([0.5, 0.0], 0.0);
+    let (mut x, mut gusts) = (Vec::new(), Vec::new());
+    for e in &fresh {
+        gust = 0.9 * gust + 0.6 * e;
+        x.push(z[0]);
+        gusts.push(gust);
+        let rate = |_: f64, z: &[f64; 2]| [z[1], -20.0 * z[0].sin() - 0.4 * z[1] + gust];
+        let [a, b] = motion(rate, z, STEP, 2);
+        z = [a[1], b[1]];
+    }
+    let x = read(&x, 0.002, 4);
+    let model = "state x : order 2\nddx ~ <x, dx, sin x, x^2, x*dx>\n";
+    let case = Case::new(model, record(STEP, &[("x", &x), ("g", &gusts)]));
+    Scenario::words(case, |case, _| {
+        let measured = case.rewritten("state x : order 2", "state x : order 2\ninput g : hold");
+        measured.rewritten("<x,", "<g, x,")
+    })
+}
+
 pub fn outliers() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| [z[1], -4.0 * z[0] - 0.4 * z[1]];
     let [x, _] = motion(rate, [1.0, 0.0], 0.05, 300);

@@ -7,8 +7,11 @@ use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
 use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
 use sidc_lang::model::{Equation, Model};
-use sidc_lang::term::{Language, SignalNames, Term};
-use sidc_system::discovery::{Change, Discovery, Evidence, FoundTerm, Reason, ReasonCode};
+use sidc_lang::number::significant;
+use sidc_lang::term::{Language, Signal, SignalNames, Term};
+use sidc_system::discovery::{
+    Change, Discovery, DisturbanceFit, Evidence, FoundTerm, Reason, ReasonCode,
+};
 
 /// What the rules judge.
 pub(crate) struct TrajectoryCase<'a> {
@@ -78,6 +81,25 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
         "shift {} by {} s in the table, or find where that arises; the equations are those with the delay",
         inputs.join(", "),
         short(late.seconds.abs())
+    ))
+}
+
+/// The doubt `disturbed`: what the model lacks moves slowly, and so does a disturbance that lasts. White noise is none of these.
+pub(crate) fn disturbed(
+    names: &Discovery,
+    target: Signal,
+    disturbance: &DisturbanceFit,
+) -> Option<Reason> {
+    let memory = disturbance.memory?;
+    Some(Reason::new(
+        ReasonCode::Disturbed,
+        format!(
+            "something of {} (standard deviation) drives {} besides its terms, for {} at a time: a term, an input or a state that the model \
+             lacks would look the same",
+            significant(disturbance.size, 2),
+            names.name(target),
+            names.duration(memory),
+        ),
     ))
 }
 

@@ -103,6 +103,33 @@ pub(crate) fn search_from<'a>(
     Some(JointFit::new(free.problem.clone(), found, late))
 }
 
+/// Searches laws that are disturbed, from a fit that leaves more than noise, if there is one. `None` if disturbances explain no more.
+pub(crate) fn search_with_disturbances<'a>(
+    problem: &Problem,
+    free: Option<&JointFit>,
+    watcher: &mut EquationObserver,
+) -> Option<JointFit<'a>> {
+    let problem = free.map_or(problem, |fit| &fit.problem);
+    let mut search = DelayOutlierSearch {
+        watcher,
+        start: StartingSupport::new(),
+        refits: 0,
+    };
+    let mut guide = SearchGuide {
+        search: &mut search,
+        inputs: None,
+        laws: &problem.system.laws,
+        late: None,
+    };
+    let best = free.map(|fit| &fit.found.best);
+    let answer = trajectory::search_disturbed(problem, best, &mut guide)?;
+    Some(JointFit::new(
+        Cow::Owned(answer.problem),
+        answer.found,
+        free.and_then(|fit| fit.late.clone()),
+    ))
+}
+
 struct DelayOutlierSearch<'a, 'w> {
     watcher: &'a mut EquationObserver<'w>,
     /// Where every search starts.

@@ -9,6 +9,7 @@ mod constrained_search;
 mod constraint_doubts;
 mod declared_runs;
 mod delay_outlier_search;
+mod disturbances;
 mod library_probe;
 pub(crate) mod no_fit;
 mod pooled_search;
@@ -28,6 +29,7 @@ use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
 use crate::joint::delay_outlier_search::JointFit;
+use crate::joint::disturbances::disturbed;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
@@ -68,7 +70,10 @@ pub fn discover_jointly(
     let discovery = Discovery::of(model);
     let start = weak_start((model, libraries), dataset, problem, options, &mut watcher);
     match search_under_constraints((model, problem), start, options, &mut watcher) {
-        Settled::Answer(answer) => {
+        Settled::Answer(mut answer) => {
+            if let Some(disturbed) = disturbed(problem, Some(&answer), &mut watcher) {
+                answer.fit = disturbed;
+            }
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
                 refuse_contradiction(&discovery, model, &answer, &mut watcher)?;
@@ -84,6 +89,14 @@ pub fn discover_jointly(
                 nothing_under,
                 &mut watcher,
             ))
+        }
+        Settled::Nothing if let Some(fit) = disturbed(problem, None, &mut watcher) => {
+            let answer = ConstrainedAnswer {
+                fit,
+                free: None,
+                left: Vec::new(),
+            };
+            Ok(Some(conclude(model, discovery, &answer, &mut watcher)))
         }
         Settled::Nothing => Ok(watcher.stop().map(|stop| {
             let failed = |law: &Law| Failed {

@@ -6,17 +6,13 @@ use crate::doubts::dependent_states::MeasuredState;
 use crate::joint::thresholds::JOINT;
 use crate::trajectory::Problem;
 use sidc_lang::model::Model;
-use sidc_lang::term::SignalNames;
+use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::discovery::{Change, Discovery, Failed, Reason, ReasonCode};
 
 /// The discovery for a system that could not be fitted.
 pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
     let mut discovery = Discovery::of(model);
-    let still: Vec<String> = measured_states(problem)
-        .iter()
-        .filter(|m| spread(&m.values) < JOINT.no_motion * m.noise)
-        .map(|m| model.name(m.signal))
-        .collect();
+    let still: Vec<String> = still(problem).iter().map(|s| model.name(*s)).collect();
     let reason = if still.is_empty() {
         Reason::new(
             ReasonCode::NoTrajectory,
@@ -43,6 +39,13 @@ pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
         });
     }
     discovery
+}
+
+/// The states whose readings show no motion beyond the noise of their sensor.
+pub(crate) fn still(problem: &Problem) -> Vec<Signal> {
+    let states = measured_states(problem).into_iter();
+    let still = states.filter(|m| spread(&m.values) < JOINT.no_motion * m.noise);
+    still.map(|m| m.signal).collect()
 }
 
 /// Standard deviation of the finite readings.

@@ -7,13 +7,15 @@ use crate::joint::thresholds::JOINT;
 use crate::known_terms::fixed;
 use crate::regression::task::{named, simpler};
 use crate::selection::thresholds::TERM_SELECTION;
-use crate::trajectory::{Channel, DelayedInputs, File, Found, Law, Problem, SensorOffset};
+use crate::trajectory::{
+    Channel, DelayedInputs, Disturbance, File, Found, Law, Problem, SensorOffset,
+};
 use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::{
-    ChannelFit, Discovery, Equation, Evidence, FoundTerm, InputDelay, RunCoefficient, Status,
-    Together,
+    ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, FoundTerm, InputDelay,
+    RunCoefficient, Status, Together,
 };
 
 /// A fitted system, as its equations are reported.
@@ -47,6 +49,7 @@ impl Report<'_> {
                 channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
                 delays: self.delays(names),
+                disturbance: self.disturbance(law),
                 price: self.found.penalty,
                 tried: self.found.tried,
                 ties: ties.iter().map(|(_, more)| *more).collect(),
@@ -65,6 +68,9 @@ impl Report<'_> {
             arrived: self.found.best.arrived,
             made: law.written.iter().filter(|by_hand| !**by_hand).count(),
         });
+        if let Some(disturbance) = self.disturbance(law) {
+            reasons.extend(trajectory_rules::disturbed(names, law.target, &disturbance));
+        }
         if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
             reasons.push(trajectory_rules::late(names, late));
         }
@@ -87,6 +93,33 @@ impl Report<'_> {
             reasons,
             evidence: Some(evidence),
             path: Vec::new(),
+        }
+    }
+
+    fn disturbance(&self, law: &Law) -> Option<DisturbanceFit> {
+        let mut laws = self.problem.system.laws.iter();
+        let place = laws.position(|l| l.target == law.target)?;
+        let fit = match self.found.best.process()?.laws.get(place)? {
+            Disturbance::White { intensity, .. } => DisturbanceFit {
+                size: self.noticeable(*intensity, law),
+                memory: None,
+            },
+            Disturbance::FirstOrder {
+                deviation, memory, ..
+            } => DisturbanceFit {
+                size: *deviation,
+                memory: Some(*memory),
+            },
+        };
+        Some(fit)
+    }
+
+    /// An intensity, or 0 where it moves the law's state over all records by nothing that counts.
+    fn noticeable(&self, intensity: f64, law: &Law) -> f64 {
+        let moved = intensity * self.problem.length().sqrt();
+        match moved > JOINT.noticed_disturbance * self.problem.spread[law.state] {
+            true => intensity,
+            false => 0.0,
         }
     }
 

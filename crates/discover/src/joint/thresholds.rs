@@ -17,6 +17,8 @@ family! {
         larger_tie: f64 = 2.0, unit "of the criterion", source "set by hand";
         /// Spread of the readings below which a state does not move.
         no_motion: f64 = 1.2, unit "of the noise", source "set by hand";
+        /// Motion by white noise over all records below which it is not told.
+        noticed_disturbance: f64 = 0.01, unit "spread of the state", source "what moves a state by less in all that time is no part of its motion";
     }
 }
 

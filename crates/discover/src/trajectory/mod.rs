@@ -57,20 +57,20 @@ mod tests;
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
 pub use model::{
-    CoefficientConstraints, Law, LeftOut, Problem, Record, RunColumn, RunColumns, SensorGroups,
-    System,
+    CoefficientConstraints, Disturbance, Law, LeftOut, Problem, Record, RunColumn, RunColumns,
+    SensorGroups, System,
 };
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
-pub use residuals::{Channel, File, Outliers, channels, leave_out};
+pub use residuals::{Channel, File, Outliers, channels, leave_out, log_error_ahead, own_time};
 pub(crate) use search::minimum;
 pub use search::{
-    BetterLaws, Found, LawChange, SearchObserver, StartingSupport, search, search_beyond_libraries,
-    search_from_free,
+    BetterLaws, DisturbedAnswer, Found, LawChange, SearchObserver, StartingSupport, search,
+    search_beyond_libraries, search_disturbed, search_from_free,
 };
 pub use sensor_faults::{
     DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
     fit_delay, screen_delays, widen_by_interpolation, with_delay,
 };
-pub(crate) use thresholds::POOLING;
 pub use thresholds::tables;
+pub(crate) use thresholds::{AHEAD, POOLING};

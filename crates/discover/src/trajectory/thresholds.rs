@@ -95,6 +95,40 @@ family! {
 }
 
 family! {
+    /// Minimisation of the likelihood over a few noises.
+    pub(crate) QUASI_NEWTON: QuasiNewton {
+        /// Most steps.
+        max_steps: usize = 30, unit "steps", source "four times what the cart-pole's five noises need";
+        /// Longest step of a logarithm.
+        longest_step: f64 = 2.0, unit "", source "a factor of seven: differences say little of what is farther";
+        /// Halvings of a step that goes uphill.
+        max_halvings: usize = 12, unit "halvings", source "a step is then below `difference`";
+        /// Difference of a logarithm by which slopes are taken.
+        difference: f64 = 1e-3, unit "", source "its error moves a noise by 0.05 %, far less than its own error";
+    }
+}
+
+family! {
+    /// Disturbances of the laws.
+    pub(crate) DISTURBANCES: Disturbances {
+        /// Most steps of a fit under process noise.
+        max_steps: usize = 20, unit "steps", source "as many as fits whose steps are halved may take";
+        /// Distance from the best fit up to which the noises of another support are estimated.
+        near: f64 = 20.0, unit "criterion", source "noises that are those of the best fit make no support better, and a rival within 6 is off by far less";
+        /// Promise of a step at which the noises have converged.
+        converged: f64 = 0.01, unit "criterion", source "half of `criterion_step`";
+        /// Deviation of states before anything is read.
+        first_state: f64 = 10.0, unit "spread of the state", source "hardly anything is known: ten times what the data show";
+        /// First size of a disturbance.
+        first_size: f64 = 0.3, unit "spread of the target", source "any size is a start: the likelihood over noises has one maximum in all cases looked at";
+        /// First memory of a disturbance.
+        first_memory: f64 = 10.0, unit "samples", source "the same";
+        /// Least and largest noise, a factor of what the states spread.
+        range: [f64; 2] = [1e-6, 1e3], unit "spread of the state", source "beyond, a noise is none, or the readings say nothing";
+    }
+}
+
+family! {
     /// The price of a term, and the least noise.
     pub(crate) CRITERION: Criterion {
         /// Price of a term over the logarithm of the number of readings; 1 would be the Bayesian criterion (Schwarz 1978).
@@ -209,6 +243,20 @@ family! {
 }
 
 family! {
+    /// Laws run some time ahead.
+    pub(crate) AHEAD: Ahead {
+        /// How far ahead.
+        own_times: f64 = 2.0, unit "times in which a state moves by its spread", source "a third of the period of an oscillation: 2/(2 pi)";
+        /// Blocks of neighbouring starts in each record.
+        blocks: usize = 6, unit "blocks", source "some 400 starts in each record, a few milliseconds";
+        /// Error of an interval.
+        accuracy: f64 = 1e-6, unit "spread of the state", source "far below any error ahead";
+        /// Ratio of errors up to which laws predict as well.
+        as_good: f64 = 1.1, unit "", source "400 starts that overlap tell errors to some 10 %";
+    }
+}
+
+family! {
     /// What several records of one plant say of each other.
     pub(crate) POOLING: Pooling {
         /// Residual up to which laws follow a record from which they were not found.
@@ -277,10 +325,13 @@ pub fn tables() -> Vec<Table> {
         Shooting::table(),
         Interpolation::table(),
         GaussNewton::table(),
+        QuasiNewton::table(),
+        Disturbances::table(),
         Criterion::table(),
         Search::table(),
         ConstrainedSupports::table(),
         Residuals::table(),
+        Ahead::table(),
         Pooling::table(),
         Delays::table(),
         Offsets::table(),

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use crate::text::equations::equations_with_errors;
 use crate::text::layout::{TEXT_WIDTH, wrapped};
 use crate::text::verdict::verdict;
-use crate::text::{relations, solution_path, sparsest};
+use crate::text::{disturbance, relations, solution_path, sparsest};
 use crate::thresholds::PRINTED;
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Discovery;
@@ -21,6 +21,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&lines);
         out.push_str(&solution_path::table(d, e));
     }
+    out.push_str(&disturbances(d));
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
     }
@@ -29,6 +30,19 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
     out.push('\n');
     out.push_str(&verdict(d, v));
     out.push_str(&reasons(d));
+    out
+}
+
+/// What drives the equations besides their terms, a line each.
+fn disturbances(d: &Discovery) -> String {
+    let mut out = String::new();
+    for e in &d.equations {
+        let Some(line) = disturbance::line(d, e) else {
+            continue;
+        };
+        let wrapped = wrapped(&line, TEXT_WIDTH, "", "    ");
+        out.extend(wrapped.iter().map(|l| format!("{l}\n")));
+    }
     out
 }
 

@@ -94,7 +94,10 @@ fn independent(r: &Rearranged) -> Option<String> {
 
 /// Residuals of the trajectory, gain of the terms, and errors of the coefficients.
 fn jointly(evidence: &Evidence, t: &Together) -> Vec<String> {
-    let mut lines: Vec<String> = t.channels.iter().flat_map(channel).collect();
+    let mut lines: Vec<String> = match &t.disturbance {
+        None => t.channels.iter().flat_map(channel).collect(),
+        Some(_) => t.channels.iter().map(innovations).collect(),
+    };
     let terms = match evidence.searched < evidence.candidates {
         true => format!("{} of {} terms", evidence.searched, evidence.candidates),
         false => format!("{} terms", evidence.candidates),
@@ -118,12 +121,27 @@ fn jointly(evidence: &Evidence, t: &Together) -> Vec<String> {
     lines
 }
 
+fn whiteness(c: &ChannelFit) -> String {
+    match c.memory.abs() <= c.chance {
+        true => "white".into(),
+        false => format!("autocorrelation {:.2}", c.memory),
+    }
+}
+
+/// A channel of laws that are disturbed.
+fn innovations(c: &ChannelFit) -> String {
+    format!(
+        "fit: {} one sample ahead to {} ({} of its spread), errors {}; noise of its sensor {}",
+        c.signal,
+        significant(c.left, 2),
+        percent(c.relative),
+        whiteness(c),
+        significant(c.noise, 2)
+    )
+}
+
 fn channel(c: &ChannelFit) -> Vec<String> {
-    let white = if c.memory.abs() <= c.chance {
-        "white".into()
-    } else {
-        format!("autocorrelation {:.2}", c.memory)
-    };
+    let white = whiteness(c);
     let noise = match c.declared {
         true => format!("declared noise {}", significant(c.noise, 2)),
         false => format!("smoothing alone sees noise of {}", significant(c.noise, 2)),

@@ -3,7 +3,8 @@
 pub(crate) mod answer;
 pub(crate) mod coefficient_inference;
 mod coefficient_units;
-pub(crate) mod equations;
+mod disturbance;
+pub mod equations;
 pub(crate) mod evidence;
 pub(crate) mod free_runs;
 mod identifiability;

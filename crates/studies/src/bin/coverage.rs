@@ -13,7 +13,9 @@ use std::time::Instant;
 use clap::Parser;
 use sidc_studies::coverage::case::Case;
 use sidc_studies::coverage::figures::Row;
-use sidc_studies::coverage::{accelerometer, figures, odebench, pendulum, run, sampled_input};
+use sidc_studies::coverage::{
+    accelerometer, driven, figures, odebench, pendulum, run, sampled_input,
+};
 
 /// Measures how often 95 % intervals hold the truth.
 #[derive(Parser, Debug)]
@@ -83,5 +85,6 @@ fn all() -> Vec<Case> {
     all.push(odebench::short());
     all.extend(accelerometer::cases());
     all.extend(sampled_input::cases());
+    all.extend(driven::cases());
     all
 }

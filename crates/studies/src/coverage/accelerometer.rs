@@ -2,7 +2,7 @@
 //!
 //! In: nothing. Out: the case with white noise, and with noise that lasts some samples, as behind a filter.
 
-use super::case::{Case, Sensor, deviation};
+use super::case::{Case, Motion, Sensor, deviation};
 use sidc_testing::integrate::grid;
 use sidc_testing::plants::response::free;
 use sidc_testing::table::Table;
@@ -39,6 +39,6 @@ fn pendulum(name: &'static str, memory: f64) -> Case {
             size: deviation(&tables, 3),
             memory,
         }],
-        tables,
+        motion: Motion::Fixed(tables),
     }
 }

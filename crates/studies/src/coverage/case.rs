@@ -12,8 +12,16 @@ pub struct Case {
     pub name: &'static str,
     pub model: String,
     pub laws: Vec<Law>,
-    pub tables: Vec<Table>,
+    pub motion: Motion,
     pub sensors: Vec<Sensor>,
+}
+
+/// The motion that perfect sensors would read.
+pub enum Motion {
+    /// The same in all draws.
+    Fixed(Vec<Table>),
+    /// Another one in each.
+    Drawn(fn(&mut Random) -> Vec<Table>),
 }
 
 /// Noise of a column.
@@ -49,6 +57,14 @@ impl Case {
     /// The tables with noise of this level.
     pub fn noisy(&self, level: f64, seed: u64) -> Vec<String> {
         let mut random = Random::new(self.seed(level, seed));
+        let drawn;
+        let tables = match &self.motion {
+            Motion::Fixed(tables) => tables,
+            Motion::Drawn(motion) => {
+                drawn = motion(&mut random);
+                &drawn
+            }
+        };
         let spoil = |clean: &Table| {
             let mut table = Table {
                 comments: Vec::new(),
@@ -69,7 +85,7 @@ impl Case {
             }
             table.csv()
         };
-        self.tables.iter().map(spoil).collect()
+        tables.iter().map(spoil).collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod accelerometer;
 pub mod case;
+pub mod driven;
 pub mod figures;
 pub mod odebench;
 pub mod pendulum;

@@ -3,7 +3,7 @@
 //! In: nothing. Out: a case for each, its states read 501 or 1,000 times in ten seconds. One to four states, terms that are weak,
 //! a limit cycle with two speeds, chaos, a conserved sum.
 
-use super::case::{Case, Law, Sensor, deviation};
+use super::case::{Case, Law, Motion, Sensor, deviation};
 use sidc_testing::plants::response::free;
 use sidc_testing::table::Table;
 
@@ -60,7 +60,7 @@ fn case(system: System) -> Case {
         sensors: (1..=n)
             .map(|i| Sensor::white(NAMES[i], deviation(&tables, i)))
             .collect(),
-        tables,
+        motion: Motion::Fixed(tables),
     }
 }
 

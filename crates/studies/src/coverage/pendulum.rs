@@ -2,7 +2,7 @@
 //!
 //! In: nothing. Out: the case. The motion is that of the program `plant`: ten seconds of held forces on a bounded track.
 
-use super::case::{Case, Sensor};
+use super::case::{Case, Motion, Sensor};
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::plants::cart_pendulum::{Plant, State};
 use sidc_testing::plants::force::{Force, Kind};
@@ -52,7 +52,7 @@ fn cart_pendulum(name: &'static str, memory: f64) -> Case {
         name,
         model: MODEL.into(),
         laws: plant.laws().to_vec(),
-        tables: vec![table],
+        motion: Motion::Fixed(vec![table]),
         sensors: vec![sensor("y", SIZES.0), sensor("theta", SIZES.1)],
     }
 }

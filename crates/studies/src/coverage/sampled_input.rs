@@ -2,7 +2,7 @@
 //!
 //! In: nothing. Out: the two cases. Their samples are nearly alike, and neither the record of the force nor its model says which is true.
 
-use super::case::{Case, Sensor, deviation};
+use super::case::{Case, Motion, Sensor, deviation};
 use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::table::Table;
 
@@ -45,6 +45,6 @@ fn forced(name: &'static str, smooth: bool) -> Case {
         model: MODEL.into(),
         laws: vec![("ddx", vec![("sin(x)", -4.0), ("dx", -0.5), ("u", 1.5)])],
         sensors: vec![Sensor::white("x", deviation(&tables, 1))],
-        tables,
+        motion: Motion::Fixed(tables),
     }
 }

@@ -9,6 +9,7 @@ use crate::discovery::{
     SparsestProof, Trust, Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
+use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
 use sidc_lang::units::Unit;
@@ -215,6 +216,10 @@ pub struct Together {
     /// Delays that were estimated.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub delays: Vec<InputDelay>,
+    /// What drives the law besides its terms, if that was estimated with it. The residuals of the channels are then what a reading says beyond
+    /// those before it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub disturbance: Option<DisturbanceFit>,
     /// Price of a term in the criterion.
     pub price: f64,
     /// Sets of terms that were fitted.
@@ -222,6 +227,17 @@ pub struct Together {
     /// The criterion of each tie minus the answer's, in the order of `ties`.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub ties: Vec<f64>,
+}
+
+/// What drives a law besides its terms.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct DisturbanceFit {
+    /// White noise: what it adds to the integral of the target in one unit of time, a standard deviation. Otherwise the standard deviation of
+    /// the disturbance itself, in units of the target. 0 where nothing that counts drives the law.
+    pub size: f64,
+    /// Time constant of its autocorrelation; absent for white noise.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub memory: Option<f64>,
 }
 
 /// The delay of an input against its record.
@@ -339,6 +355,20 @@ impl Discovery {
     pub fn unit(&self, s: Signal) -> Option<Unit> {
         let of = |id: VarId| self.variable_of(id)?.unit.as_ref();
         units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
+    }
+
+    /// What time is counted in.
+    pub fn time_unit(&self) -> String {
+        match self.unit(Signal::TIME) {
+            _ if self.discrete => "samples".into(),
+            Some(unit) => unit.to_string(),
+            None => "s".into(),
+        }
+    }
+
+    /// A time with its unit, to two digits.
+    pub fn duration(&self, time: f64) -> String {
+        format!("{} {}", significant(time, 2), self.time_unit())
     }
 
     /// The unit of a term's coefficient, and of its standard error; `None` where some signal has none.

@@ -199,6 +199,9 @@ codes! {
     /// The terms found are linearly dependent on these data.
     DependentSupport = "dependent-support": Coefficients,
         "record another motion, or leave one of the terms out";
+    /// Something that lasts drives the law besides its terms.
+    Disturbed = "disturbed": Law,
+        "look for a term, an input or a state that the model lacks; if there is none, the equation holds as it is";
     /// A library was used up, or most of a large one.
     ExhaustedLibrary = "exhausted-library": Law,
         "offer terms of the physics: sines, quotients, products";

@@ -118,7 +118,7 @@ fn attempt(
         Some(horizon) => (horizon, HorizonChoice::Asked),
         None => choose(&all, &signals, longest),
     };
-    let unit = time_unit(d);
+    let unit = d.time_unit();
     if horizon < 0.5 * step || horizon > longest {
         let text = format!(
             "the records have steps of {} {unit} and stretches of at most {} {unit}, and {} {unit} ahead was asked for",
@@ -217,15 +217,6 @@ fn attempt(
         unavailable: errors.stopped.then(stopped),
         ..Prediction::default()
     })
-}
-
-/// What time is counted in.
-fn time_unit(d: &Discovery) -> String {
-    match d.unit(Signal::TIME) {
-        _ if d.discrete => "samples".into(),
-        Some(unit) => unit.to_string(),
-        None => "s".into(),
-    }
 }
 
 /// Components of the state that are measured and move, with spread and noise.

@@ -35,6 +35,8 @@ pub(crate) struct CompiledLaws {
     pub law_states: Vec<usize>,
     /// (state, the state that is its rate)
     pub chain: Vec<(usize, usize)>,
+    /// States that no law moves.
+    held: Vec<usize>,
     values: Tape,
     slopes: Tape,
     entries: Vec<PartialDerivative>,
@@ -126,16 +128,20 @@ impl CompiledLaws {
             let count = laws[..active.len()].iter().filter(|x| **x == l).count();
             from..from + count
         };
+        let law_states: Vec<usize> = system.laws.iter().map(|l| l.state).collect();
+        let chain: Vec<(usize, usize)> = (0..n)
+            .filter_map(|i| Some((i, system.derivative_state(i)?)))
+            .collect();
+        let moved = |i: &usize| law_states.contains(i) || chain.iter().any(|(from, _)| from == i);
         CompiledLaws {
             states: n,
             laws: m,
             inputs: inputs.len(),
             active: active.to_vec(),
             ranges: (0..m).map(of).collect(),
-            law_states: system.laws.iter().map(|l| l.state).collect(),
-            chain: (0..n)
-                .filter_map(|i| Some((i, system.derivative_state(i)?)))
-                .collect(),
+            held: (0..n).filter(|i| !moved(i)).collect(),
+            law_states,
+            chain,
             values: tape(&values, &inputs),
             slopes: tape(&slopes, &inputs),
             entries,
@@ -322,6 +328,9 @@ impl CompiledLaws {
         for (l, i) in self.law_states.iter().enumerate() {
             let from = (self.states + l) * count;
             out[i * count..(i + 1) * count].copy_from_slice(&points[from..from + count]);
+        }
+        for i in &self.held {
+            out[i * count..(i + 1) * count].fill(0.0);
         }
     }
 }

@@ -42,6 +42,16 @@ pub(crate) struct IntervalBlock {
     pub steps: usize,
 }
 
+impl IntervalBlock {
+    /// The intervals of another block after these.
+    pub fn append(&mut self, next: &IntervalBlock) {
+        self.end.extend_from_slice(&next.end);
+        self.transition.extend_from_slice(&next.transition);
+        self.columns.extend_from_slice(&next.columns);
+        self.steps = self.steps.max(next.steps);
+    }
+}
+
 /// Buffers that blocks share. Of every three, the first belongs to the start of a step, the second to its middle, the third to its end.
 #[derive(Default)]
 pub(crate) struct Workspace {

@@ -6,7 +6,7 @@
 use sidc_progress::Observer;
 use std::ops::Range;
 
-use super::gauss_newton::Fit;
+use super::fitted_support::Fit;
 use crate::trajectory::least_squares::NormalEquations;
 use crate::trajectory::model::{Problem, Record, segments};
 use crate::trajectory::thresholds::RESIDUALS;

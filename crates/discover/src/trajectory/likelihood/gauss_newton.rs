@@ -4,6 +4,7 @@
 //! solves for the coefficients under their constraints and substitutes back; the noise of each sensor is then taken from its residuals.
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
+use super::fitted_support::{Fit, best_judged, left_the_data};
 use super::step_halving::{StepHalving, Verdict};
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::{EliminatedStates, IncrementalQr, constrained_step};
@@ -11,58 +12,9 @@ use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 use sidc_progress::Observer;
 
-/// A fitted support.
-#[derive(Clone, Debug)]
-pub struct Fit {
-    pub(crate) point: LinearizationPoint,
-    /// Variances of the coefficients; 0 for those that constraints fix.
-    pub variances: Vec<f64>,
-    /// The criterion: smaller is better.
-    pub value: f64,
-    /// Sum of squared residuals of each sensor's readings, groups × states.
-    pub residual_squares: Vec<f64>,
-    /// χ² of the slips between the laws and the trajectory, in units of the criterion.
-    pub law_misfit: f64,
-    /// Whether the fit converged.
-    pub arrived: bool,
-}
-
-impl Fit {
-    pub fn support(&self) -> &[usize] {
-        &self.point.support
-    }
-
-    pub fn coefficients(&self) -> &[f64] {
-        &self.point.coefficients
-    }
-
-    /// Noise of each sensor, groups × states.
-    pub fn sigma(&self) -> &[f64] {
-        &self.point.sigma
-    }
-
-    /// States along each record, samples × n.
-    pub fn paths(&self) -> &[Vec<f64>] {
-        &self.point.paths
-    }
-
-    /// Reading less trajectory at every sample of a record; NaN where there is no reading.
-    pub(crate) fn residuals(
-        &self,
-        problem: &Problem,
-        record: usize,
-        state: usize,
-    ) -> impl Iterator<Item = f64> {
-        let path = self.point.paths[record].iter();
-        let estimated = path.skip(state).step_by(problem.states());
-        let read = problem.records[record].measured[state].iter();
-        read.zip(estimated).map(|(y, z)| y - z)
-    }
-}
-
 /// Fits the support of `from` from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
 /// `beat`. `None` where the laws diverge, the trajectory leaves the data, or the observer ends the work.
-pub(crate) fn fit(
+pub(super) fn undisturbed_fit(
     problem: &Problem,
     from: LinearizationPoint,
     criterion: &PenalizedLikelihood,
@@ -117,18 +69,7 @@ pub(crate) fn fit(
         }
         let start = halving.is_careful().then(|| point.clone());
         let step = &solved.coefficients;
-        let mut farthest = 0.0f64;
-        let n = problem.states();
-        for (r, (path, record)) in point.paths.iter_mut().zip(&eliminated).enumerate() {
-            let own = problem.sensors.of(r);
-            let (sigma, readings) = (&point.sigma[own.clone()], &problem.readings[own]);
-            for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
-                *x += d;
-                if readings[at % n] > 0 {
-                    farthest = farthest.max((d / sigma[at % n]).abs());
-                }
-            }
-        }
+        let farthest = move_states(problem, &mut point, &eliminated, step);
         point.coefficients = constrained.coefficients;
         halving.starts(start, farthest);
         if !farthest.is_finite() || left_the_data(problem, &point) {
@@ -183,10 +124,26 @@ pub(crate) fn fit(
     })
 }
 
-/// The best fit that was judged, from which every shorter step leaves the data.
-fn best_judged(halving: StepHalving<Fit>) -> Option<Fit> {
-    let (fit, arrived) = halving.best(false)?;
-    fit.value.is_finite().then_some(Fit { arrived, ..fit })
+/// Moves the trajectories with the coefficients; the largest move of a state that is read, in units of its sensor's noise.
+fn move_states(
+    problem: &Problem,
+    point: &mut LinearizationPoint,
+    eliminated: &[EliminatedStates],
+    step: &[f64],
+) -> f64 {
+    let n = problem.states();
+    let mut farthest = 0.0f64;
+    for (r, (path, record)) in point.paths.iter_mut().zip(eliminated).enumerate() {
+        let own = problem.sensors.of(r);
+        let (sigma, readings) = (&point.sigma[own.clone()], &problem.readings[own]);
+        for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
+            *x += d;
+            if readings[at % n] > 0 {
+                farthest = farthest.max((d / sigma[at % n]).abs());
+            }
+        }
+    }
+    farthest
 }
 
 /// The fit at a point with the coefficients that it has: only the states follow the laws there.
@@ -222,34 +179,4 @@ fn misfits(problem: &Problem, at: &LinearizationPoint, square: f64) -> (Vec<f64>
     let explained = squares.iter().zip(&at.sigma);
     let explained: f64 = explained.map(|(square, s)| square / s.powi(2)).sum();
     (squares, (square - explained).max(0.0))
-}
-
-/// Whether some trajectory is farther from its readings than any fit of use.
-fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bool {
-    let n = problem.states();
-    let records = problem
-        .records
-        .iter()
-        .zip(&problem.smoothed)
-        .zip(&point.paths);
-    for (r, ((record, curve), path)) in records.enumerate() {
-        let sigma = &point.sigma[problem.sensors.of(r)];
-        let relative = sigma.iter().zip(&problem.spread).map(|(s, d)| s / d);
-        let limit =
-            GAUSS_NEWTON.lost_spread + GAUSS_NEWTON.lost_noise * relative.fold(0.0, f64::max);
-        for (at, x) in path.iter().enumerate() {
-            let (k, i) = (at / n, at % n);
-            let read = record.measured[i][k];
-            let (from, limit) = match read.is_finite() {
-                true => (read, limit),
-                false => (curve.states[at], GAUSS_NEWTON.lost_unread.max(limit)),
-            };
-            // Negated so that NaN counts as lost.
-            let near = (x - from).abs() <= limit * problem.spread[i];
-            if !near {
-                return true;
-            }
-        }
-    }
-    false
 }

@@ -18,7 +18,7 @@ use sidc_lang::term::Tape;
 use sidc_solve::QuadraticForm;
 
 /// All columns, and which of them each law has.
-type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
+pub(super) type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
 
 impl Problem {
     /// The quadratic form of all columns about a point, on all samples: on parts of them, what chance gives a term would be multiplied
@@ -85,6 +85,9 @@ impl Problem {
     ) -> Result<(), Diverged> {
         let code = CompiledLaws::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
+        if at.process.is_some() {
+            return self.filter_parts((&code, all), at, parts, sink, observer);
+        }
         self.eliminate((&code, all), at, sink, (false, parts), observer)?;
         Ok(())
     }
@@ -112,13 +115,7 @@ impl Problem {
         (keep, parts): (bool, &[(usize, Range<usize>)]),
         observer: &mut dyn Observer,
     ) -> Result<Vec<EliminatedStates>, Diverged> {
-        let integrator = ShootingIntegrator {
-            laws: code,
-            all,
-            coefficients: &at.coefficients,
-            spread: &self.spread,
-            accuracy: self.accuracy(&at.sigma),
-        };
+        let integrator = self.integrator((code, all), at);
         let mut work = Workspace::default();
         let mut block = IntervalBlock::default();
         let parts = parts.iter().map(|(r, samples)| {
@@ -143,6 +140,20 @@ impl Problem {
             Ok(filter.end())
         });
         parts.collect()
+    }
+
+    pub(super) fn integrator<'a>(
+        &'a self,
+        (laws, all): (&'a CompiledLaws, Option<AllColumns<'a>>),
+        at: &'a LinearizationPoint,
+    ) -> ShootingIntegrator<'a> {
+        ShootingIntegrator {
+            laws,
+            all,
+            coefficients: &at.coefficients,
+            spread: &self.spread,
+            accuracy: self.accuracy(&at.sigma),
+        }
     }
 
     fn time_update(

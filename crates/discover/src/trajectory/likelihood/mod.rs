@@ -5,15 +5,23 @@
 
 mod block_products;
 mod criterion;
+mod disturbed_fit;
+mod fitted_support;
 mod gauss_newton;
 mod integral_matching;
+mod kalman_filter;
 mod linearization;
+mod noise_estimation;
+mod quasi_newton;
 mod sandwich_covariance;
 mod step_halving;
+mod support_fit;
 
 pub use block_products::{BlockProducts, block_products};
 pub use criterion::term_price;
 pub(crate) use criterion::{PenalizedLikelihood, final_floor};
-pub use gauss_newton::Fit;
-pub(crate) use gauss_newton::fit;
+pub(crate) use disturbed_fit::{innovations, undisturbed_value};
+pub use fitted_support::Fit;
+pub(crate) use kalman_filter::Innovation;
 pub(crate) use sandwich_covariance::set_variances;
+pub(crate) use support_fit::fit;

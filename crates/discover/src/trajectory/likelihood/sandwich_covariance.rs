@@ -5,7 +5,7 @@
 //! estimate by C A_rᵀ e, so its covariance is C A_rᵀ S A_r C. S, the covariance of the errors, is diagonal where residuals are white, else
 //! that of an autoregression. Under constraints C is the covariance of the coefficients that they leave free.
 
-use super::gauss_newton::Fit;
+use super::fitted_support::Fit;
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::{IncrementalQr, constrained_covariances};
 use crate::trajectory::model::Problem;
@@ -15,6 +15,10 @@ use sidc_solve::Autoregression;
 
 /// Sets the variances; they stay as they are if the laws diverge or the observer ends the work.
 pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, observer: &mut dyn Observer) {
+    // Innovations under process noise are white: the variances of the fit are right.
+    if fit.point.process.is_some() {
+        return;
+    }
     if let Some(variances) = variances(problem, fit, observer) {
         fit.variances = variances;
     }

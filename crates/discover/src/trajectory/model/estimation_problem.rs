@@ -5,6 +5,7 @@
 use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
+use super::process_noise::ProcessNoise;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
 use super::rejected_readings::{LeftOut, reject_outliers};
@@ -40,8 +41,10 @@ pub struct Problem {
     pub left_out: Vec<LeftOut>,
     /// Columns that belong to one run each.
     pub run_columns: RunColumns,
+    /// What moves the states besides the laws, where a search starts; `None` where laws hold but for slips.
+    pub(crate) process: Option<ProcessNoise>,
     /// Noise that the model declares for each state.
-    declared: Vec<Option<f64>>,
+    pub(super) declared: Vec<Option<f64>>,
     /// Columns of each law.
     pub(crate) ranges: Vec<Range<usize>>,
     /// All columns, compiled.
@@ -57,6 +60,7 @@ pub(crate) struct LinearizationPoint {
     pub paths: Vec<Vec<f64>>,
     /// Noise of each sensor, groups × states.
     pub sigma: Vec<f64>,
+    pub process: Option<ProcessNoise>,
 }
 
 impl LinearizationPoint {
@@ -105,6 +109,7 @@ impl Problem {
             quantization: Vec::new(),
             left_out,
             run_columns: RunColumns::default(),
+            process: None,
             declared,
         };
         problem.compile_columns();
@@ -169,6 +174,7 @@ impl Problem {
             quantization: self.quantization.clone(),
             left_out: Vec::new(),
             run_columns: self.run_columns.clone(),
+            process: self.process.clone(),
             records,
             smoothed,
         };
@@ -246,6 +252,22 @@ impl Problem {
             .collect()
     }
 
+    /// The mean interval between samples and the length of all records, in seconds.
+    pub(crate) fn step_and_length(&self) -> (f64, f64) {
+        let of = |r: &Record| Some((r.len().checked_sub(1)?, r.time.last()? - r.time.first()?));
+        let (mut intervals, mut length) = (0, 0.0);
+        for (count, time) in self.records.iter().filter_map(of) {
+            intervals += count;
+            length += time;
+        }
+        (length / intervals.max(1) as f64, length)
+    }
+
+    /// Length of all records, in seconds.
+    pub fn length(&self) -> f64 {
+        self.step_and_length().1
+    }
+
     pub fn states(&self) -> usize {
         self.system.states.len()
     }
@@ -273,6 +295,7 @@ impl Problem {
             coefficients: Vec::new(),
             paths: self.smoothed.iter().map(|c| c.states.clone()).collect(),
             sigma: sigma.to_vec(),
+            process: self.process.clone(),
         }
     }
 }

@@ -3,8 +3,10 @@
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
 mod coefficient_constraints;
+mod disturbance_states;
 mod estimation_problem;
 mod extra_columns;
+mod process_noise;
 mod quantization;
 mod record;
 mod rejected_readings;
@@ -18,6 +20,7 @@ mod system;
 pub use coefficient_constraints::CoefficientConstraints;
 pub(crate) use estimation_problem::LinearizationPoint;
 pub use estimation_problem::Problem;
+pub use process_noise::{Disturbance, ProcessNoise};
 pub use record::{Exogenous, Record};
 pub use rejected_readings::LeftOut;
 pub use run_columns::{RunColumn, RunColumns};

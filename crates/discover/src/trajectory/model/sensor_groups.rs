@@ -36,6 +36,14 @@ impl SensorGroups {
         }
     }
 
+    /// The same groups, with a sensor for each of so many states.
+    pub(crate) fn with_states(&self, states: usize) -> SensorGroups {
+        SensorGroups {
+            states,
+            ..self.clone()
+        }
+    }
+
     /// Number of groups times states.
     pub fn count(&self) -> usize {
         self.groups * self.states

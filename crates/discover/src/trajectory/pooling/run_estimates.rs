@@ -295,6 +295,7 @@ fn assembled(
         coefficients,
         paths,
         sigma,
+        process: start.process.clone(),
     }
 }
 

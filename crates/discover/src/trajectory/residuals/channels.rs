@@ -4,7 +4,7 @@
 //! and library together: what is missing from those stays in the residuals.
 
 use super::outliers::{Outliers, outliers};
-use crate::trajectory::likelihood::{Fit, final_floor};
+use crate::trajectory::likelihood::{Fit, Innovation, final_floor, innovations};
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::{GAUSS_NEWTON, RESIDUALS};
 use sidc_lang::term::Signal;
@@ -46,7 +46,14 @@ pub struct File {
 }
 
 /// The residuals of every state that is read.
+///
+/// Under process noise residuals are innovations, and what they should be is their deviation: disturbances are no misfit.
 pub fn channels(problem: &Problem, fit: &Fit) -> Vec<Channel> {
+    if fit.process().is_some() {
+        let all = innovations(problem, fit);
+        let read = (0..problem.states()).filter(|i| problem.readings_of(*i) > 0);
+        return read.map(|i| channel_of(problem, fit, i, &all)).collect();
+    }
     (0..problem.states())
         .filter(|i| problem.readings_of(*i) > 0)
         .map(|i| channel(problem, fit, i))
@@ -77,10 +84,15 @@ impl Problem {
 
 /// Noise of a state's sensors, root mean square over all readings.
 fn noise(problem: &Problem, state: usize) -> f64 {
+    mean_noise(problem, &problem.noise, state)
+}
+
+/// The same of noises by sensor.
+fn mean_noise(problem: &Problem, noise: &[f64], state: usize) -> f64 {
     let n = problem.states();
-    let own = || (state..problem.noise.len()).step_by(n);
-    let square: f64 = own()
-        .map(|s| problem.readings[s] as f64 * problem.noise[s].powi(2))
+    let own = (state..noise.len()).step_by(n);
+    let square: f64 = own
+        .map(|s| problem.readings[s] as f64 * noise[s].powi(2))
         .sum();
     (square / problem.readings_of(state) as f64).sqrt()
 }
@@ -132,6 +144,38 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         chance: white_noise_bound(m) + rounded,
         files: files(problem, fit, state),
         outliers: outliers(problem, fit, state),
+        left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
+    }
+}
+
+/// A channel by its innovations.
+fn channel_of(problem: &Problem, fit: &Fit, state: usize, all: &[Innovation]) -> Channel {
+    let own = || all.iter().filter(|i| i.state == state);
+    let m = own().count().max(1) as f64;
+    let rms =
+        |f: &dyn Fn(&Innovation) -> f64| (own().map(|i| f(i).powi(2)).sum::<f64>() / m).sqrt();
+    let mut sums = [0.0; WHITENESS_LAGS];
+    for (r, record) in problem.records.iter().enumerate() {
+        let mut whitened = vec![0.0; record.len()];
+        for i in own().filter(|i| i.record == r) {
+            whitened[i.sample] = i.value / i.deviation;
+        }
+        add_autocovariances(&whitened, &mut sums);
+    }
+    let excess = rms(&|i| i.value / i.deviation);
+    let correlation = sums.map(|s| s / (m * excess * excess).max(f64::MIN_POSITIVE));
+    Channel {
+        signal: problem.system.states[state],
+        left: rms(&|i| i.value),
+        noise: mean_noise(problem, fit.sigma(), state),
+        excess,
+        accuracy: 0.0,
+        spread: problem.spread[state],
+        readings: problem.readings_of(state),
+        memory: rms_autocorrelation(&correlation).copysign(correlation[0]),
+        chance: white_noise_bound(m),
+        files: Vec::new(),
+        outliers: None,
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
     }
 }

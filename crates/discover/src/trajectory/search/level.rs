@@ -410,7 +410,7 @@ impl<'a> SearchLevel<'a> {
 
 /// The point with a support at the minimum of its quadratic form under the constraints. A support that cannot obey them has no
 /// fit, wherever it starts.
-fn at_minimum(
+pub(super) fn at_minimum(
     problem: &Problem,
     form: &QuadraticForm,
     from: &LinearizationPoint,

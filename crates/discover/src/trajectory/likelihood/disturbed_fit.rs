@@ -1,0 +1,147 @@
+//! Gauss–Newton for one support under process noise: coefficients and noises of the largest likelihood of the innovations.
+//!
+//! In: a problem, a point with process noise. Out: a [`Fit`] whose trajectory is the filtered one, or nothing where the laws diverge. About
+//! every point the noises come first, with the laws linearised there; then coefficients and states move.
+
+use super::criterion::{PenalizedLikelihood, residual_squares};
+use super::fitted_support::{Fit, best_judged, left_the_data};
+use super::kalman_filter::{Filtered, Innovation, NoRows};
+use super::noise_estimation::estimate_noises;
+use super::step_halving::{StepHalving, Verdict};
+use crate::trajectory::integration::CompiledLaws;
+use crate::trajectory::least_squares::{IncrementalQr, constrained_step};
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::thresholds::{DISTURBANCES, GAUSS_NEWTON};
+use sidc_progress::Observer;
+
+/// The criterion of a fit without process noise, as fits with it count: by the innovations. `None` where the laws diverge or the observer ends
+/// the work.
+pub(crate) fn undisturbed_value(
+    problem: &Problem,
+    fit: &Fit,
+    criterion: &PenalizedLikelihood,
+    observer: &mut dyn Observer,
+) -> Option<f64> {
+    let code = CompiledLaws::new(&problem.system, fit.support());
+    let intervals = problem.intervals(&code, &fit.point, observer).ok()?;
+    let filtered = problem.filter(&intervals, &fit.point, &mut NoRows, &mut |_| {});
+    Some(filtered.value - centre(problem) + criterion.cost(problem, fit.support()))
+}
+
+/// What the criterion of fits without process noise leaves out: χ² of as many readings.
+fn centre(problem: &Problem) -> f64 {
+    problem.measurements() as f64
+}
+
+/// The innovations of a fit, reading by reading. Empty where the laws diverge.
+pub(crate) fn innovations(problem: &Problem, fit: &Fit) -> Vec<Innovation> {
+    let code = CompiledLaws::new(&problem.system, fit.support());
+    let observer = &mut sidc_progress::Unwatched;
+    let mut all = Vec::new();
+    if let Ok(intervals) = problem.intervals(&code, &fit.point, observer) {
+        problem.filter(&intervals, &fit.point, &mut NoRows, &mut |i| all.push(i));
+    }
+    all
+}
+
+/// Fits the support of `from`. Steps end early where the criterion will hardly come near `beat`. `None` where the laws diverge, the
+/// trajectory leaves the data, or the observer ends the work.
+pub(super) fn disturbed_fit(
+    problem: &Problem,
+    from: LinearizationPoint,
+    criterion: &PenalizedLikelihood,
+    beat: f64,
+    observer: &mut dyn Observer,
+) -> Option<Fit> {
+    let code = CompiledLaws::new(&problem.system, &from.support);
+    let cost = criterion.cost(problem, &from.support) - centre(problem);
+    let rows = problem.system.constraints.on(&from.support);
+    let mut point = from;
+    let mut halving = StepHalving::default();
+    halving.mistrust();
+    let (mut arrived, mut before) = (false, f64::INFINITY);
+    // Noises of a fit near by are good enough until coefficients stand still, and where another support is far better.
+    let mut estimate = beat == f64::INFINITY;
+    for _ in 0..DISTURBANCES.max_steps {
+        let Ok(intervals) = problem.intervals(&code, &point, observer) else {
+            match halving.halfway(point).filter(|_| observer.go_on()) {
+                Some(nearer) => point = nearer,
+                None => return best_judged(halving).filter(|_| observer.go_on()),
+            }
+            continue;
+        };
+        let estimated = std::mem::take(&mut estimate);
+        if estimated {
+            estimate_noises(problem, &intervals, &mut point);
+        }
+        let mut qr = IncrementalQr::new(point.support.len());
+        let Filtered { value, paths } = problem.filter(&intervals, &point, &mut qr, &mut |_| {});
+        let constrained = constrained_step(&mut qr, &point.coefficients, &rows)?;
+        let here = LinearizationPoint {
+            paths,
+            ..point.clone()
+        };
+        if left_the_data(problem, &here) {
+            match halving.halfway(point) {
+                Some(nearer) => point = nearer,
+                None => return best_judged(halving),
+            }
+            continue;
+        }
+        let value = value + cost;
+        let fit = Fit {
+            residual_squares: residual_squares(problem, &here),
+            point: here.clone(),
+            variances: constrained.solution.variances,
+            value,
+            law_misfit: 0.0,
+            arrived: false,
+        };
+        let gain = qr.square_without_step() - constrained.solution.residual;
+        let still = (before - value).abs() < GAUSS_NEWTON.criterion_step;
+        match halving.judge(fit, value, &point) {
+            Verdict::Try(nearer) if !still => {
+                point = nearer;
+                continue;
+            }
+            Verdict::End if !still => break,
+            _ => {}
+        }
+        if gain < GAUSS_NEWTON.criterion_step && still {
+            arrived = estimated || value - beat > DISTURBANCES.near;
+            estimate = !arrived;
+            if arrived {
+                break;
+            }
+        }
+        let hope = GAUSS_NEWTON.hopeless_gain * gain.max((before - value).abs());
+        if value - beat > GAUSS_NEWTON.hopeless_lag + DISTURBANCES.max_steps as f64 * hope {
+            break;
+        }
+        before = value;
+        let farthest = farthest(problem, &point, &here);
+        halving.starts(Some(point), farthest);
+        point = LinearizationPoint {
+            coefficients: constrained.coefficients,
+            ..here
+        };
+    }
+    let (fit, arrived) = halving.best(arrived)?;
+    fit.value.is_finite().then_some(Fit { arrived, ..fit })
+}
+
+/// The largest move of a state that is read, in units of its sensor's noise.
+fn farthest(problem: &Problem, from: &LinearizationPoint, to: &LinearizationPoint) -> f64 {
+    let n = problem.states();
+    let mut farthest = 0.0f64;
+    for (r, (a, b)) in from.paths.iter().zip(&to.paths).enumerate() {
+        let own = problem.sensors.of(r);
+        let (sigma, readings) = (&to.sigma[own.clone()], &problem.readings[own]);
+        for (at, (a, b)) in a.iter().zip(b).enumerate() {
+            if readings[at % n] > 0 {
+                farthest = farthest.max(((a - b) / sigma[at % n]).abs());
+            }
+        }
+    }
+    farthest
+}

@@ -1,0 +1,97 @@
+//! A fitted support, and what both ways to fit one ask of it.
+//!
+//! In: a point. Out: a [`Fit`], or whether the point has left the data. Takes no steps.
+
+use super::step_halving::StepHalving;
+use crate::trajectory::model::{LinearizationPoint, Problem, ProcessNoise};
+use crate::trajectory::thresholds::GAUSS_NEWTON;
+
+/// A fitted support.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    pub(crate) point: LinearizationPoint,
+    /// Variances of the coefficients; 0 for those that constraints fix.
+    pub variances: Vec<f64>,
+    /// The criterion: smaller is better.
+    pub value: f64,
+    /// Sum of squared residuals of each sensor's readings, groups × states.
+    pub residual_squares: Vec<f64>,
+    /// χ² of the slips between the laws and the trajectory, in units of the criterion.
+    pub law_misfit: f64,
+    /// Whether the fit converged.
+    pub arrived: bool,
+}
+
+impl Fit {
+    pub fn support(&self) -> &[usize] {
+        &self.point.support
+    }
+
+    pub fn coefficients(&self) -> &[f64] {
+        &self.point.coefficients
+    }
+
+    /// What moves the states besides the laws, if that was fitted.
+    pub fn process(&self) -> Option<&ProcessNoise> {
+        self.point.process.as_ref()
+    }
+
+    /// Noise of each sensor, groups × states.
+    pub fn sigma(&self) -> &[f64] {
+        &self.point.sigma
+    }
+
+    /// States along each record, samples × n.
+    pub fn paths(&self) -> &[Vec<f64>] {
+        &self.point.paths
+    }
+
+    /// Reading less trajectory at every sample of a record; NaN where there is no reading.
+    pub(crate) fn residuals(
+        &self,
+        problem: &Problem,
+        record: usize,
+        state: usize,
+    ) -> impl Iterator<Item = f64> {
+        let path = self.point.paths[record].iter();
+        let estimated = path.skip(state).step_by(problem.states());
+        let read = problem.records[record].measured[state].iter();
+        read.zip(estimated).map(|(y, z)| y - z)
+    }
+}
+
+/// The best fit that was judged, from which every shorter step leaves the data.
+pub(super) fn best_judged(halving: StepHalving<Fit>) -> Option<Fit> {
+    let (fit, arrived) = halving.best(false)?;
+    fit.value.is_finite().then_some(Fit { arrived, ..fit })
+}
+
+/// Whether some trajectory is farther from its readings than any fit of use.
+pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bool {
+    let n = problem.states();
+    let records = problem
+        .records
+        .iter()
+        .zip(&problem.smoothed)
+        .zip(&point.paths);
+    for (r, ((record, curve), path)) in records.enumerate() {
+        let sigma = &point.sigma[problem.sensors.of(r)];
+        let relative = sigma.iter().zip(&problem.spread).map(|(s, d)| s / d);
+        let limit =
+            GAUSS_NEWTON.lost_spread + GAUSS_NEWTON.lost_noise * relative.fold(0.0, f64::max);
+        for (at, x) in path.iter().enumerate() {
+            let (k, i) = (at / n, at % n);
+            let read = record.measured[i][k];
+            let (from, limit) = match read.is_finite() {
+                true => (read, limit),
+                false => (curve.states[at], GAUSS_NEWTON.lost_unread.max(limit)),
+            };
+            // Negated so that NaN counts as lost.
+            let near = (x - from).abs() <= limit * problem.spread[i];
+            if !near {
+                return true;
+            }
+        }
+    }
+    false
+}

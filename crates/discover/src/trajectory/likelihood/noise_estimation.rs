@@ -1,0 +1,87 @@
+//! The noises of sensors and disturbances by maximum likelihood.
+//!
+//! In: a problem, its laws linearised along a trajectory. Out: the noises under which the innovations are most likely. Moves no coefficients.
+
+use super::kalman_filter::NoRows;
+use super::quasi_newton::minimise;
+use crate::trajectory::integration::IntervalBlock;
+use crate::trajectory::model::{Disturbance, LinearizationPoint, Problem, ProcessNoise};
+use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
+
+/// Sets the noises of a point to the most likely ones for its trajectory and coefficients.
+pub(super) fn estimate_noises(
+    problem: &Problem,
+    intervals: &[IntervalBlock],
+    point: &mut LinearizationPoint,
+) {
+    let bounds = bounds(problem, point);
+    let start = noises(problem, point);
+    let mut trial = point.clone();
+    let mut value = |logs: &[f64]| {
+        set_noises(problem, &mut trial, logs);
+        let value = problem
+            .filter(intervals, &trial, &mut NoRows, &mut |_| {})
+            .value;
+        if value.is_finite() {
+            value
+        } else {
+            f64::INFINITY
+        }
+    };
+    let readings = problem.measurements() as f64;
+    let found = minimise(
+        &mut value,
+        start,
+        &bounds,
+        (readings, DISTURBANCES.converged),
+    );
+    if found.value.is_finite() {
+        set_noises(problem, point, &found.at);
+    }
+}
+
+/// Logarithms of all noises that are estimated: of the sensors that read, then of the process.
+fn noises(problem: &Problem, point: &LinearizationPoint) -> Vec<f64> {
+    let read = point.sigma.iter().zip(&problem.readings);
+    let sensors = read.filter(|(_, m)| **m > 0).map(|(s, _)| *s);
+    let process = point.process.iter().flat_map(ProcessNoise::values);
+    sensors.chain(process).map(f64::ln).collect()
+}
+
+fn set_noises(problem: &Problem, point: &mut LinearizationPoint, logs: &[f64]) {
+    let mut values = logs.iter().map(|x| x.exp());
+    let read = point.sigma.iter_mut().zip(&problem.readings);
+    for (sigma, _) in read.filter(|(_, m)| **m > 0) {
+        *sigma = values.next().unwrap_or(*sigma);
+    }
+    if let Some(process) = &mut point.process {
+        process.set_values(&mut values);
+    }
+}
+
+/// Bounds of the logarithms: wide, so that they end at a bound only what the data do not determine.
+fn bounds(problem: &Problem, point: &LinearizationPoint) -> Vec<(f64, f64)> {
+    let n = problem.states();
+    let floor = SEARCH.floors.iter().copied().fold(f64::INFINITY, f64::min);
+    let [least, most] = DISTURBANCES.range;
+    let mut all: Vec<(f64, f64)> = (0..point.sigma.len())
+        .filter(|i| problem.readings[*i] > 0)
+        .map(|i| (floor * problem.spread[i % n], most * problem.spread[i % n]))
+        .collect();
+    let (step, length) = problem.step_and_length();
+    let laws = point.process.iter().flat_map(|p| p.laws.iter().enumerate());
+    for (l, disturbance) in laws {
+        match disturbance {
+            Disturbance::White { .. } => {
+                let spread = problem.spread[problem.system.laws[l].state];
+                all.push((least * spread / length.sqrt(), most * spread / step.sqrt()));
+            }
+            Disturbance::FirstOrder { .. } => {
+                let spread = problem.rate_spread(l);
+                all.push((least * spread, most * spread));
+                all.push((0.5 * step, length));
+            }
+        }
+    }
+    all.into_iter().map(|(a, b)| (a.ln(), b.ln())).collect()
+}

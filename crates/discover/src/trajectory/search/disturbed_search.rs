@@ -1,0 +1,197 @@
+//! The search of laws that are disturbed: support, coefficients and disturbances together.
+//!
+//! In: a problem, the best fit without disturbances. Out: the problem with process noise and the best fit to it, or nothing where laws
+//! without disturbances explain the readings as well. Disturbances are white, or remember as an autoregression of first order does;
+//! the criterion decides, in which every number that describes them costs as a parameter (Schwarz 1978).
+
+use super::level::{SearchLevel, at_minimum};
+use super::search_observer::SearchObserver;
+use super::support_search::{Found, final_criterion};
+use crate::trajectory::likelihood::{Fit, fit, undisturbed_value};
+use crate::trajectory::model::{LinearizationPoint, Problem, ProcessNoise};
+use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
+
+/// Laws with their disturbances.
+pub struct DisturbedAnswer {
+    /// The problem whose states include disturbances that remember.
+    pub problem: Problem,
+    pub found: Found,
+    /// Decrease of the criterion against laws without disturbances, all their numbers paid for.
+    pub gain: f64,
+}
+
+/// Searches from the support of the best fit without disturbances, if there is one. `None` if that fit is as good, or nothing could be fitted.
+///
+/// Long records are searched on segments first.
+pub fn search_disturbed(
+    problem: &Problem,
+    free: Option<&Fit>,
+    observer: &mut dyn SearchObserver,
+) -> Option<DisturbedAnswer> {
+    let criterion = final_criterion(problem);
+    let value = |fit| undisturbed_value(problem, fit, &criterion, observer);
+    let without = free.and_then(value).unwrap_or(f64::INFINITY);
+    let mut best: Option<(f64, Problem, Found)> = None;
+    for kind in [Kind::White, Kind::FirstOrder] {
+        let Some((disturbed, found)) = search_kind(problem, kind, free, observer) else {
+            continue;
+        };
+        let numbers = kind.numbers() * problem.system.laws.len();
+        let price = numbers as f64 * (problem.measurements() as f64).ln();
+        let value = found.best.value + price;
+        if value < best.as_ref().map_or(without, |b| b.0) {
+            best = Some((value, disturbed, found));
+        }
+    }
+    let (value, problem, found) = best?;
+    Some(DisturbedAnswer {
+        problem,
+        found,
+        gain: without - value,
+    })
+}
+
+/// The search under disturbances of one kind.
+fn search_kind(
+    problem: &Problem,
+    kind: Kind,
+    free: Option<&Fit>,
+    observer: &mut dyn SearchObserver,
+) -> Option<(Problem, Found)> {
+    let start = |problem: &Problem| {
+        let smooth = problem.initial_point(&problem.noise);
+        let (support, coefficients) = free
+            .map(|fit| (fit.support().to_vec(), fit.coefficients().to_vec()))
+            .unwrap_or_default();
+        let (disturbed, point) = kind.of(problem, &smooth);
+        let point = LinearizationPoint {
+            support,
+            coefficients,
+            ..point
+        };
+        (disturbed, point)
+    };
+    let Some(short) = problem.on_segments() else {
+        let (disturbed, point) = start(problem);
+        let found = search_from(&disturbed, point, observer)?;
+        return Some((disturbed, found));
+    };
+    let (disturbed, point) = start(&short);
+    let found = search_from(&disturbed, point, observer)?;
+    let (whole, point) = start(problem);
+    let point = LinearizationPoint {
+        support: found.best.point.support.clone(),
+        coefficients: found.best.point.coefficients.clone(),
+        process: found.best.point.process.clone(),
+        sigma: found.best.point.sigma.clone(),
+        ..point
+    };
+    let best = fit(
+        &whole,
+        point,
+        &final_criterion(&whole),
+        f64::INFINITY,
+        observer,
+    )?;
+    let rivals = vec![(best.support().to_vec(), best.value)];
+    Some((
+        whole,
+        Found {
+            best,
+            rivals,
+            ..found
+        },
+    ))
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    White,
+    FirstOrder,
+}
+
+impl Kind {
+    /// Numbers that describe the disturbance of a law.
+    fn numbers(self) -> usize {
+        match self {
+            Kind::White => 1,
+            Kind::FirstOrder => 2,
+        }
+    }
+
+    /// A problem with disturbances of this kind, and a point of it. They start as large as what the laws explain.
+    fn of(self, problem: &Problem, at: &LinearizationPoint) -> (Problem, LinearizationPoint) {
+        let (step, _) = problem.step_and_length();
+        match self {
+            Kind::White => {
+                let size = |l| DISTURBANCES.first_size * problem.rate_spread(l) * step.sqrt();
+                let process = ProcessNoise::white(&problem.system, size);
+                let mut problem = problem.clone();
+                problem.process = Some(process.clone());
+                let point = LinearizationPoint {
+                    process: Some(process),
+                    ..at.clone()
+                };
+                (problem, point)
+            }
+            Kind::FirstOrder => problem.with_disturbance_states(at, |l| {
+                let size = DISTURBANCES.first_size * problem.rate_spread(l);
+                (size, DISTURBANCES.first_memory * step)
+            }),
+        }
+    }
+}
+
+/// The best support under disturbances: from the one given, and from what the laws show where disturbances alone are fitted.
+fn search_from(
+    problem: &Problem,
+    start: LinearizationPoint,
+    observer: &mut dyn SearchObserver,
+) -> Option<Found> {
+    let criterion = final_criterion(problem);
+    let penalty = criterion.penalty;
+    let mut level = SearchLevel::new(problem, criterion);
+    let mut starts = proposals(problem, &start, penalty, observer);
+    starts.insert(0, start);
+    level.fit(starts, observer);
+    level.improve((true, true), observer);
+    let tried = level.tried.len();
+    let fitted = level.tried.into_iter().filter(|(_, v)| v.is_finite());
+    let mut rivals: Vec<(Vec<usize>, f64)> = fitted.collect();
+    rivals.sort_by(|a, b| a.1.total_cmp(&b.1));
+    Some(Found {
+        best: level.best.into_iter().next()?,
+        rivals,
+        tried,
+        penalty,
+        inefficiency: 1.0,
+    })
+}
+
+/// Supports on the likelihood about a fit of disturbances alone.
+fn proposals(
+    problem: &Problem,
+    start: &LinearizationPoint,
+    penalty: f64,
+    observer: &mut dyn SearchObserver,
+) -> Vec<LinearizationPoint> {
+    let alone = LinearizationPoint {
+        support: Vec::new(),
+        coefficients: Vec::new(),
+        ..start.clone()
+    };
+    let criterion = final_criterion(problem);
+    let alone: Option<Fit> = fit(problem, alone, &criterion, f64::INFINITY, observer);
+    let Some(alone) = alone else {
+        return Vec::new();
+    };
+    let Ok(form) = problem.quadratic_form(&alone.point, observer) else {
+        return Vec::new();
+    };
+    let prices = SEARCH.initial_prices.map(|p| p * penalty);
+    let supports = form.backward_elimination(&prices).into_iter();
+    let supports = supports.map(|s| form.steepest_descent(&s, penalty));
+    supports
+        .map(|s| at_minimum(problem, &form, &alone.point, s))
+        .collect()
+}

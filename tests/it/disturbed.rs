@@ -1,0 +1,141 @@
+//! Laws that white noise or slow forces drive: their terms, their intervals, what is said of the disturbance, and where it is doubted.
+
+use std::fs;
+
+use serde_json::Value;
+use sidc_testing::integrate::grid;
+use sidc_testing::program::{Run, sidc_in};
+use sidc_testing::random::Random;
+use sidc_testing::stochastic::path;
+
+const STEP: f64 = 0.05;
+
+/// The columns as a table whose first one is the time.
+fn csv(names: &str, columns: &[Vec<f64>]) -> String {
+    let mut text = format!("t,{names}\n");
+    for (k, t) in grid(columns[0].len(), STEP).iter().enumerate() {
+        let cells: Vec<String> = columns.iter().map(|c| c[k].to_string()).collect();
+        text.push_str(&format!("{t},{}\n", cells.join(",")));
+    }
+    text
+}
+
+fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.sid"), model).unwrap();
+    fs::write(folder.path().join("d.csv"), data).unwrap();
+    let arguments = ["identify", "m.sid", "d.csv", "-o", "r.json"];
+    let run = sidc_in(folder.path(), &[&arguments[..], more].concat());
+    let found = fs::read_to_string(folder.path().join("r.json")).unwrap();
+    (run, serde_json::from_str(&found).unwrap())
+}
+
+/// How many standard errors each coefficient of the only equation is off the truth; its terms must be those given.
+fn deviations(found: &Value, truth: &[(&str, f64)]) -> Vec<f64> {
+    let terms = found["equations"][0]["terms"].as_array().unwrap();
+    let names: Vec<&str> = terms.iter().map(|t| t["term"].as_str().unwrap()).collect();
+    let known: Vec<&str> = truth.iter().map(|t| t.0).collect();
+    assert_eq!(names, known);
+    let off = |(t, (_, value)): (&Value, &(&str, f64))| {
+        (t["coefficient"].as_f64().unwrap() - value) / t["standard_error"].as_f64().unwrap()
+    };
+    terms.iter().zip(truth).map(off).collect()
+}
+
+fn codes(found: &Value) -> Vec<&str> {
+    let reasons = found["equations"][0]["reasons"].as_array();
+    let reasons = reasons.into_iter().flatten();
+    reasons.map(|r| r["code"].as_str().unwrap()).collect()
+}
+
+fn disturbance(found: &Value) -> &Value {
+    &found["equations"][0]["evidence"]["together"]["disturbance"]
+}
+
+/// Positions of a double well driven by white noise, read with a sensor of this noise.
+fn double_well(seed: u64, sensor: f64) -> String {
+    let mut random = Random::new(seed);
+    let law = |x: &[f64; 1]| [x[0] - x[0].powi(3)];
+    let path = path(&law, [0.5], [0.2], (8001, STEP), &mut random);
+    let read = path.iter().map(|x| x[0] + sensor * random.normal());
+    csv("x", &[read.collect()])
+}
+
+#[test]
+fn a_double_well_driven_by_white_noise_is_found_with_its_noise() {
+    let truth = [("x", 1.0), ("x^3", -1.0)];
+    for (seed, sensor) in [(1, 0.0), (2, 0.0), (3, 0.04)] {
+        let data = double_well(seed, sensor);
+        let (run, found) = identify("state x : order 1\ndx ~ poly(x; 5)\n", &data, &[]);
+        for off in deviations(&found, &truth) {
+            assert!(off.abs() < 3.5, "seed {seed}: {off}");
+        }
+        let size = disturbance(&found)["size"].as_f64().unwrap();
+        assert!((size - 0.5).abs() < 0.03, "{size}");
+        assert_eq!(disturbance(&found)["memory"], Value::Null);
+        let told = "white noise drives dx too: in 1 s it moves x by 0.";
+        assert!(run.stdout.contains(told), "{}", run.stdout);
+        assert!(!codes(&found).contains(&"disturbed"));
+    }
+}
+
+#[test]
+fn an_oscillator_driven_by_white_noise_is_found_from_its_position() {
+    let mut random = Random::new(5);
+    let law = |x: &[f64; 2]| [x[1], 2.0 * (1.0 - x[0] * x[0]) * x[1] - x[0]];
+    let path = path(&law, [0.0, 0.3], [1.0, 0.0], (2001, STEP), &mut random);
+    let data = csv("x", &[path.iter().map(|x| x[0]).collect()]);
+    let (run, found) = identify("state x : order 2\nddx ~ poly(x, dx; 3)\n", &data, &[]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let truth = [("x", -1.0), ("dx", 2.0), ("x^2*dx", -2.0)];
+    for off in deviations(&found, &truth) {
+        assert!(off.abs() < 3.5, "{off}");
+    }
+}
+
+/// A pendulum in gusts that last half a second, read with noise 0.002.
+fn gusts() -> String {
+    let mut random = Random::new(8);
+    let law = |x: &[f64; 3]| {
+        let gust = x[2];
+        [x[1], -20.0 * x[0].sin() - 0.4 * x[1] + gust, -2.0 * gust]
+    };
+    let path = path(
+        &law,
+        [0.0, 0.0, 3.0],
+        [0.5, 0.0, 0.0],
+        (2001, STEP),
+        &mut random,
+    );
+    let read = path.iter().map(|x| x[0] + 0.002 * random.normal());
+    csv("x", &[read.collect()])
+}
+
+#[test]
+fn a_force_that_lasts_is_estimated_with_the_law_and_doubted() {
+    let model = "state x : order 2\nddx ~ <1, x, dx, sin x, cos x, x^2, dx^2, x*dx>\n";
+    let (run, found) = identify(model, &gusts(), &[]);
+    for off in deviations(&found, &[("dx", -0.4), ("sin(x)", -20.0)]) {
+        assert!(off.abs() < 3.5, "{off}\n{}", run.stdout);
+    }
+    // 3 / √(2·2) = 1.5, for 1/2 s.
+    let size = disturbance(&found)["size"].as_f64().unwrap();
+    let memory = disturbance(&found)["memory"].as_f64().unwrap();
+    assert!((size / 1.5 - 1.0).abs() < 0.2, "{size}");
+    assert!((memory / 0.5 - 1.0).abs() < 0.3, "{memory}");
+    assert_eq!(run.status, 3);
+    assert!(codes(&found).contains(&"disturbed"), "{}", run.stdout);
+}
+
+#[test]
+fn laws_that_explain_the_readings_have_no_disturbance() {
+    let mut random = Random::new(9);
+    let law = |x: &[f64; 2]| [x[1], -20.0 * x[0].sin() - 0.4 * x[1]];
+    let path = path(&law, [0.0, 0.0], [1.5, 0.0], (401, STEP), &mut random);
+    let read = path.iter().map(|x| x[0] + 0.01 * random.normal());
+    let data = csv("x", &[read.collect()]);
+    let model = "state x : order 2\nddx ~ <1, x, dx, sin x, cos x>\n";
+    let (run, found) = identify(model, &data, &[]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    assert_eq!(disturbance(&found), &Value::Null);
+}
