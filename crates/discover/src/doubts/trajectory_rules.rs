@@ -6,7 +6,7 @@
 use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
 use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
-use sidc_lang::model::{Equation, Model};
+use sidc_lang::model::{Between, Equation, Model, Var, VarKind};
 use sidc_lang::term::{Language, SignalNames, Term};
 use sidc_system::discovery::{Change, Discovery, Evidence, FoundTerm, Reason, ReasonCode};
 
@@ -58,13 +58,13 @@ pub(crate) fn unexplained(c: &Channel) -> bool {
 }
 
 /// The doubt `input-delay`: inputs that were shifted in time.
-pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
-    let inputs: Vec<&str> = late.inputs.iter().map(|v| names.variable(*v)).collect();
+pub(crate) fn late(model: &Model, late: &DelayedInputs) -> Reason {
+    let inputs: Vec<&str> = late.inputs.iter().map(|v| model.variable(*v)).collect();
     let (act, record) = match inputs.len() {
         1 => ("acts", "its record"),
         _ => ("act", "their records"),
     };
-    Reason::new(
+    let reason = Reason::new(
         ReasonCode::InputDelay,
         format!(
             "{} {act} {} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
@@ -73,12 +73,47 @@ pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
             late.samples.abs(),
             late.gain
         ),
-    )
-    .remedy(format!(
-        "shift {} by {} s in the table, or find where that arises; the equations are those with the delay",
-        inputs.join(", "),
-        short(late.seconds.abs())
-    ))
+    );
+    let step = late.seconds / late.samples;
+    let range = format!(
+        "delay in {}..{}",
+        short((late.seconds - step).max(0.0)),
+        short(late.seconds + step)
+    );
+    let found = "the equations are those with the delay";
+    let mut all = model.vars_of(VarKind::Input);
+    match (all.next(), all.next()) {
+        (Some((_, only)), None) => {
+            let line = with_delay(only, &range);
+            let text = format!("if that can be, declare it: `{line}`; {found}");
+            reason.change(text, Change::Model(vec![line]))
+        }
+        _ => {
+            let inputs = inputs.join(", ");
+            reason.remedy(format!("if that can be, declare it, with `{range}` for {inputs}; {found}"))
+        }
+    }
+}
+
+/// The declaration of an input with a delay.
+fn with_delay(input: &Var, delay: &str) -> String {
+    let mut attributes = Vec::new();
+    if input.order > 0 {
+        attributes.push(format!("order {}", input.order));
+    }
+    if let Some(sigma) = input.noise.get(&0) {
+        attributes.push(format!("noise {sigma}"));
+    }
+    if let Some(unit) = &input.unit {
+        attributes.push(format!("unit \"{unit}\""));
+    }
+    match input.between {
+        Some(Between::Hold) => attributes.push("hold".into()),
+        Some(Between::Linear) => attributes.push("linear".into()),
+        None => {}
+    }
+    attributes.push(delay.into());
+    format!("input {} : {}", input.name, attributes.join(", "))
 }
 
 /// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do. `terms` are those of this equation; without

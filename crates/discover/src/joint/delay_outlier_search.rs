@@ -12,7 +12,7 @@ use crate::trajectory;
 use crate::trajectory::{
     DelayedInputs, Fit, Found, Law, Problem, SearchObserver, SensorOffset, StartingSupport,
 };
-use sidc_lang::model::{Model, VarKind};
+use sidc_lang::model::{Model, Var, VarKind};
 use sidc_lang::term::VarId;
 use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
 
@@ -298,7 +298,7 @@ pub(crate) fn unexplained(problem: &Problem, fit: &Fit) -> bool {
     channels.iter().any(trajectory_rules::unexplained)
 }
 
-/// Declared inputs that the laws may contain and that are not constant.
+/// Inputs that the laws may contain, that are not constant and whose delay the model does not declare.
 fn inputs(model: &Model, problem: &Problem) -> Vec<VarId> {
     let moves = |place: usize| {
         let columns = problem
@@ -311,7 +311,8 @@ fn inputs(model: &Model, problem: &Problem) -> Vec<VarId> {
     let signals = problem.system.exogenous.iter().enumerate();
     let mut found: Vec<VarId> = signals
         .filter(|(place, s)| {
-            model.var(s.var).is_some_and(|v| v.kind == VarKind::Input) && moves(*place)
+            let undeclared = |v: &&Var| v.kind == VarKind::Input && v.delay.is_none();
+            model.var(s.var).filter(undeclared).is_some() && moves(*place)
         })
         .map(|(_, s)| s.var)
         .collect();

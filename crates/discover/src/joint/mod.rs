@@ -7,6 +7,7 @@
 mod applicability;
 mod constrained_search;
 mod constraint_doubts;
+mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
 mod library_probe;
@@ -66,14 +67,20 @@ pub fn discover_jointly(
 ) -> Result<Option<(Discovery, Fitted)>, Box<Refusal>> {
     let mut watcher = EquationObserver::new(observer);
     let discovery = Discovery::of(model);
-    let start = weak_start((model, libraries), dataset, problem, options, &mut watcher);
-    match search_under_constraints((model, problem), start, options, &mut watcher) {
+    let watcher = &mut watcher;
+    let delays = declared_delays::settle((model, libraries), dataset, problem, options, watcher);
+    let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
+    let problem = problem.as_ref();
+    let start = weak_start((model, libraries), &dataset, problem, options, watcher);
+    match search_under_constraints((model, problem), start, options, watcher) {
         Settled::Answer(answer) => {
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
-                refuse_contradiction(&discovery, model, &answer, &mut watcher)?;
+                refuse_contradiction(&discovery, model, &answer, watcher)?;
             }
-            Ok(Some(conclude(model, discovery, &answer, &mut watcher)))
+            let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
+            delays.state(model, &mut discovery);
+            Ok(Some((discovery, fitted)))
         }
         Settled::OnlyFree(free) => {
             let nothing_under = None;
@@ -82,7 +89,7 @@ pub fn discover_jointly(
                 model,
                 &free,
                 nothing_under,
-                &mut watcher,
+                watcher,
             ))
         }
         Settled::Nothing => Ok(watcher.stop().map(|stop| {

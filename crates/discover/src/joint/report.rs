@@ -66,7 +66,7 @@ impl Report<'_> {
             made: law.written.iter().filter(|by_hand| !**by_hand).count(),
         });
         if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
-            reasons.push(trajectory_rules::late(names, late));
+            reasons.push(trajectory_rules::late(self.model, late));
         }
         if let Some(offset) = self.offset {
             let own = offset.terms.iter().filter(|j| law.columns.contains(j));

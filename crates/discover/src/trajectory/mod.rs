@@ -57,7 +57,7 @@ mod tests;
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
 pub use model::{
-    CoefficientConstraints, Law, LeftOut, Problem, Record, RunColumn, RunColumns, SensorGroups,
+    AppliedDelay, CoefficientConstraints, Law, LeftOut, Problem, Record, RunColumn, RunColumns, SensorGroups,
     System,
 };
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
@@ -69,8 +69,8 @@ pub use search::{
     search_from_free,
 };
 pub use sensor_faults::{
-    DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
-    fit_delay, screen_delays, widen_by_interpolation, with_delay,
+    DelayEstimate, DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
+    fit_delay, profile_delays, screen_delays, screen_ranges, widen_by_interpolation, with_delay,
 };
-pub(crate) use thresholds::POOLING;
+pub(crate) use thresholds::{DECLARED_DELAYS, POOLING};
 pub use thresholds::tables;

@@ -8,6 +8,7 @@ use crate::discovery::{
     Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, RunCoefficient,
     SparsestProof, Trust, Verification, Witness,
 };
+use super::signal_delays::{SignalDelay, stated};
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
@@ -27,6 +28,8 @@ pub struct Discovery {
     pub runs_left: Vec<String>,
     /// Other ways to write the relations that the equations span; `None` where none were looked for.
     pub relations: Option<Box<RelationChoices>>,
+    /// Declared delays, stated or found, in order of declaration.
+    pub delays: Vec<SignalDelay>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -327,6 +330,7 @@ impl Discovery {
             failed: Vec::new(),
             runs_left: Vec::new(),
             relations: None,
+            delays: stated(model),
         }
     }
 
@@ -347,8 +351,12 @@ impl Discovery {
         units::coefficient(&self.unit(target)?, &term)
     }
 
-    /// How many seconds later than its record an input acts, as it was found; 0 in discrete time, where it is a matter of samples.
+    /// How many seconds later than its record an input acts, as declared or found; 0 in discrete time, where it is a matter of samples.
     pub fn input_delay(&self, input: VarId) -> f64 {
+        let is_input = self.variable_of(input).map(|v| v.kind) == Some(VarKind::Input);
+        if let Some(declared) = self.declared_delay(input).filter(|_| is_input) {
+            return declared;
+        }
         let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
         let mut delays = evidence
             .filter_map(|e| e.together.as_ref())

@@ -8,6 +8,7 @@ mod reason;
 mod relation_choices;
 mod run_coefficients;
 mod run_parameters;
+mod signal_delays;
 mod sparsest_proof;
 pub mod thresholds;
 mod verification;
@@ -28,6 +29,7 @@ pub use relation_choices::{
 };
 pub use run_coefficients::RunCoefficient;
 pub use run_parameters::RunParameters;
+pub use signal_delays::SignalDelay;
 pub use sparsest_proof::SparsestProof;
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};

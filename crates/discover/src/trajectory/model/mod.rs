@@ -3,6 +3,7 @@
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
 mod coefficient_constraints;
+mod delayed_records;
 mod estimation_problem;
 mod extra_columns;
 mod quantization;
@@ -16,6 +17,7 @@ mod subsampling;
 mod system;
 
 pub use coefficient_constraints::CoefficientConstraints;
+pub use delayed_records::AppliedDelay;
 pub(crate) use estimation_problem::LinearizationPoint;
 pub use estimation_problem::Problem;
 pub use record::{Exogenous, Record};
