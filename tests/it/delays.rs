@@ -70,7 +70,10 @@ fn states(u: &[f64], moves: Moves, late: f64, instants: &[f64]) -> Vec<[f64; 2]>
     let mut z = [1.0, 0.0];
     let mut found = vec![[1.0, 0.0]; instants.len()];
     let ahead = |z: [f64; 2], k: [f64; 2], h: f64| [z[0] + h * k[0], z[1] + h * k[1]];
-    for pair in knots.windows(2).filter(|p| p[1] > 0.0 && p[1] <= last + 1e-12) {
+    for pair in knots
+        .windows(2)
+        .filter(|p| p[1] > 0.0 && p[1] <= last + 1e-12)
+    {
         let h = (pair[1] - pair[0]) / 8.0;
         for part in 0..8 {
             let at = pair[0] + f64::from(part) * h;
@@ -136,8 +139,12 @@ fn off(document: &Value) -> f64 {
         let term = terms.iter().find(|t| t["term"] == name);
         term.map_or(0.0, |t| t["coefficient"].as_f64().unwrap())
     };
-    let own = LAW.iter().map(|(name, wanted)| (found(name) - wanted).abs());
-    let others = terms.iter().filter(|t| LAW.iter().all(|(name, _)| t["term"] != *name));
+    let own = LAW
+        .iter()
+        .map(|(name, wanted)| (found(name) - wanted).abs());
+    let others = terms
+        .iter()
+        .filter(|t| LAW.iter().all(|(name, _)| t["term"] != *name));
     let others = others.map(|t| t["coefficient"].as_f64().unwrap().abs());
     own.chain(others).fold(0.0, f64::max)
 }
@@ -171,9 +178,7 @@ fn regression_knows_a_delay_too() {
     for moves in [Moves::Held, Moves::Straight] {
         let u = input(moves, 9);
         let z = states(&u, moves, DELAY, &times());
-        let rate = |(t, z): (&f64, &[f64; 2])| {
-            -4.0 * z[0] - 0.4 * z[1] + moves.at(&u, t - DELAY)
-        };
+        let rate = |(t, z): (&f64, &[f64; 2])| -4.0 * z[0] - 0.4 * z[1] + moves.at(&u, t - DELAY);
         let record = table(&[
             ("x", z.iter().map(|z| z[0]).collect()),
             ("dx", z.iter().map(|z| z[1]).collect()),
@@ -247,12 +252,23 @@ fn a_simulation_of_the_result_is_the_motion() {
     let folder = tempfile::tempdir().unwrap();
     let record = late_input(Moves::Held, 1e-4);
     let (_, document) = identify(folder.path(), &model(Moves::Held, SOUGHT), &record, &[]);
-    let args = ["simulate", "r.json", "a.csv", "-o", "run.csv", "--start", "x=1,dx=0"];
+    let args = [
+        "simulate", "r.json", "a.csv", "-o", "run.csv", "--start", "x=1,dx=0",
+    ];
     let run = sidc_in(folder.path(), &args);
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
     let text = fs::read_to_string(folder.path().join("run.csv")).unwrap();
-    let place = text.lines().next().unwrap().split(',').position(|c| c == "x").unwrap();
-    let simulated = text.lines().skip(1).map(|l| l.split(',').nth(place).unwrap().parse::<f64>().unwrap());
+    let place = text
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|c| c == "x")
+        .unwrap();
+    let simulated = text
+        .lines()
+        .skip(1)
+        .map(|l| l.split(',').nth(place).unwrap().parse::<f64>().unwrap());
     let seconds = document["delays"][0]["seconds"].as_f64().unwrap();
     let u = input(Moves::Held, 9);
     let truth = states(&u, Moves::Held, seconds, &times());
@@ -291,7 +307,10 @@ fn delays_that_no_data_can_tell_are_refused() {
     ] {
         fs::write(folder.path().join("m.sid"), model(Moves::Held, delay)).unwrap();
         fs::write(folder.path().join("a.csv"), &record).unwrap();
-        let run = sidc_in(folder.path(), &[&["identify", "m.sid", "a.csv", "-q"], options].concat());
+        let run = sidc_in(
+            folder.path(),
+            &[&["identify", "m.sid", "a.csv", "-q"], options].concat(),
+        );
         assert_eq!(run.status, 1, "{}", run.stdout);
         said.push_str(&format!("{}\n", run.stderr));
     }

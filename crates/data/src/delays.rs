@@ -47,11 +47,7 @@ pub fn with_true_readings(dataset: &Dataset, sensors: &[KnownDelay]) -> Dataset 
 }
 
 /// The records with these inputs, and their derivatives, as they act.
-pub fn with_acting_inputs(
-    dataset: &Dataset,
-    inputs: &[KnownDelay],
-    value: InputValue,
-) -> Dataset {
+pub fn with_acting_inputs(dataset: &Dataset, inputs: &[KnownDelay], value: InputValue) -> Dataset {
     moved(dataset, inputs, |time, values, seconds, signal| {
         let held = dataset.between(signal.var) == Some(Between::Hold) && signal.der == 0;
         let at = |k: usize| -> Option<f64> {

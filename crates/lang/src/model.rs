@@ -313,7 +313,8 @@ impl Model {
 
     /// True if some delay is to be sought.
     pub fn seeks_delays(&self) -> bool {
-        self.delays().any(|(_, d)| matches!(d, Delay::Within { .. }))
+        self.delays()
+            .any(|(_, d)| matches!(d, Delay::Within { .. }))
     }
 
     /// The unit of a signal, if its variable declares one.

@@ -5,7 +5,9 @@
 
 use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
-use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
+use crate::trajectory::{
+    BetterLaws, Channel, DelayedInputs, InputLag, LawChange, Problem, SensorOffset,
+};
 use sidc_lang::model::{Between, Equation, Model, Var, VarKind};
 use sidc_lang::term::{Language, SignalNames, Term};
 use sidc_system::discovery::{Change, Discovery, Evidence, FoundTerm, Reason, ReasonCode};
@@ -57,30 +59,38 @@ pub(crate) fn unexplained(c: &Channel) -> bool {
     misfits(c) || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
 }
 
-/// The doubt `input-delay`: inputs that were shifted in time.
-pub(crate) fn late(model: &Model, late: &DelayedInputs) -> Reason {
+/// The doubt `input-delay`: inputs that were shifted in time, or that a lag would explain as well.
+pub(crate) fn late(model: &Model, late: &DelayedInputs, lag: Option<&InputLag>) -> Reason {
     let inputs: Vec<&str> = late.inputs.iter().map(|v| model.variable(*v)).collect();
     let (act, record) = match inputs.len() {
         1 => ("acts", "its record"),
         _ => ("act", "their records"),
     };
-    let reason = Reason::new(
-        ReasonCode::InputDelay,
-        format!(
-            "{} {act} {} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
-            inputs.join(", "),
-            short(late.seconds.abs()),
+    let (inputs, seconds) = (inputs.join(", "), short(late.seconds.abs()));
+    let text = match lag {
+        None => format!(
+            "{inputs} {act} {seconds} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
             late.samples.abs(),
             late.gain
         ),
-    );
+        Some(lag) => format!(
+            "{inputs} {act} slowly or late: a lag of about {} s explains as much as a delay of about {seconds} s, and neither explains all",
+            short(lag.seconds)
+        ),
+    };
+    let reason = Reason::new(ReasonCode::InputDelay, text);
+    let found = "the equations are those with the delay";
+    if lag.is_some() {
+        return reason.remedy(format!(
+            "measure what is between {inputs} and the states: a drive, a valve, a tank; {found}"
+        ));
+    }
     let step = late.seconds / late.samples;
     let range = format!(
         "delay in {}..{}",
         short((late.seconds - step).max(0.0)),
         short(late.seconds + step)
     );
-    let found = "the equations are those with the delay";
     let mut all = model.vars_of(VarKind::Input);
     match (all.next(), all.next()) {
         (Some((_, only)), None) => {
@@ -88,15 +98,14 @@ pub(crate) fn late(model: &Model, late: &DelayedInputs) -> Reason {
             let text = format!("if that can be, declare it: `{line}`; {found}");
             reason.change(text, Change::Model(vec![line]))
         }
-        _ => {
-            let inputs = inputs.join(", ");
-            reason.remedy(format!("if that can be, declare it, with `{range}` for {inputs}; {found}"))
-        }
+        _ => reason.remedy(format!(
+            "if that can be, declare it, with `{range}` for {inputs}; {found}"
+        )),
     }
 }
 
 /// The declaration of an input with a delay.
-fn with_delay(input: &Var, delay: &str) -> String {
+pub(crate) fn with_delay(input: &Var, delay: &str) -> String {
     let mut attributes = Vec::new();
     if input.order > 0 {
         attributes.push(format!("order {}", input.order));

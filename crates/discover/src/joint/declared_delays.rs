@@ -6,6 +6,7 @@
 
 use std::borrow::Cow;
 
+use crate::doubts::trajectory_rules::with_delay;
 use crate::joint::constrained_search::{Settled, search_under_constraints};
 use crate::joint::weak_start::weak_start;
 use crate::options::Options;
@@ -14,11 +15,11 @@ use crate::trajectory::{
 };
 use sidc_data::{Dataset, InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 use sidc_lang::library::Library;
-use sidc_lang::model::{Delay, Model, VarKind};
+use sidc_lang::model::{Delay, Model, Var, VarKind};
 use sidc_lang::number::significant;
 use sidc_lang::term::{SignalNames, VarId};
 use sidc_progress::EquationObserver;
-use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, SignalDelay};
+use sidc_system::discovery::{Change, Discovery, Equation, Reason, ReasonCode, SignalDelay};
 
 /// The declared delays of a model, in order of declaration.
 pub(crate) struct DeclaredDelays {
@@ -56,7 +57,10 @@ pub(crate) fn settle(
             break;
         };
         let (fit, count) = (&answer.fit, delays.len());
-        let late = fit.late.iter().flat_map(|l| l.inputs.iter().map(|v| (*v, l.seconds)));
+        let late = fit
+            .late
+            .iter()
+            .flat_map(|l| l.inputs.iter().map(|v| (*v, l.seconds)));
         delays.extend(late.map(|(var, seconds)| AppliedDelay::known(var, seconds)));
         let problem = problem.of_trajectories(&fit.problem.runs());
         let at = (fit.problem.as_ref(), &fit.found.best);
@@ -172,27 +176,41 @@ fn doubt(model: &Model, estimate: &DelayEstimate) -> Option<Reason> {
     let short = |x: f64| significant(x, 3);
     let range = format!("{}..{}", short(from), short(to));
     if estimate.at_end {
-        let middle = 0.5 * (from + to);
-        let upper = estimate.delay.seconds > middle;
-        let (from, to) = match upper {
-            true => (from, to + (to - from)),
-            false => (from - (to - from), to),
+        let upper = estimate.delay.seconds > 0.5 * (from + to);
+        let wider = match upper {
+            true => format!("delay in {}..{}", short(from), short(to + (to - from))),
+            false => format!("delay in {}..{}", short(from - (to - from)), short(to)),
         };
-        let wider = format!("delay in {}..{}", short(from), short(to));
         let text = format!(
-            "the likeliest delay of {name} is the end of its range, {} s: {} may be likelier still",
+            "the likeliest delay of {name} is the end of its range, {} s, and one beyond it is likelier still",
             short(estimate.delay.seconds),
-            if upper { "a longer one" } else { "a shorter one" },
         );
-        let remedy = match !upper && estimate.delay.range.0 >= 0.0 {
-            true => format!("if the record of {name} may be late, let it be sought below 0: `{wider}`; else look whether it is the right input"),
+        let reason = Reason::new(ReasonCode::DelayRange, text);
+        let told = match !upper && from >= 0.0 {
+            true => format!(
+                "if the record of {name} may be late, let the range reach below 0: `{wider}`"
+            ),
             false => format!("widen the range: `{wider}`"),
         };
-        return Some(Reason::new(ReasonCode::DelayRange, text).remedy(remedy));
+        return Some(match only_input(model, estimate.delay.var) {
+            Some(input) => reason.change(told, Change::Model(vec![with_delay(input, &wider)])),
+            None => reason.remedy(told),
+        });
     }
     estimate.is_open().then(|| {
-        let text = format!("the data do not tell the delay of {name}: all of {range} s fits as well");
-        let remedy = format!("record a motion in which {name} changes faster than in {} s, or state its delay", short(to - from));
+        let text =
+            format!("the data do not tell the delay of {name}: all of {range} s fits as well");
+        let remedy = format!(
+            "record a motion in which {name} changes faster than in {} s, or state its delay",
+            short(to - from)
+        );
         Reason::new(ReasonCode::DelayRange, text).remedy(remedy)
     })
+}
+
+/// An input that is the only one, so that a statement is its own.
+fn only_input(model: &Model, var: VarId) -> Option<&Var> {
+    let mut all = model.vars_of(VarKind::Input);
+    let (_, input) = all.next().filter(|(id, _)| *id == var)?;
+    all.next().is_none().then_some(input)
 }

@@ -116,6 +116,7 @@ fn conclude(
         problem,
         found,
         late,
+        lag,
         offset,
     } = &answer.fit;
     let mut found = found.clone();
@@ -126,6 +127,7 @@ fn conclude(
         problem,
         found: &found,
         late: late.as_ref(),
+        lag: lag.as_ref(),
         offset: offset.as_ref(),
         channels: trajectory::channels(problem, &found.best),
     };

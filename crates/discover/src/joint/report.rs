@@ -7,7 +7,9 @@ use crate::joint::thresholds::JOINT;
 use crate::known_terms::fixed;
 use crate::regression::task::{named, simpler};
 use crate::selection::thresholds::TERM_SELECTION;
-use crate::trajectory::{Channel, DelayedInputs, File, Found, Law, Problem, SensorOffset};
+use crate::trajectory::{
+    Channel, DelayedInputs, File, Found, InputLag, Law, Problem, SensorOffset,
+};
 use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
@@ -22,6 +24,7 @@ pub(crate) struct Report<'a> {
     pub problem: &'a Problem,
     pub found: &'a Found,
     pub late: Option<&'a DelayedInputs>,
+    pub lag: Option<&'a InputLag>,
     pub offset: Option<&'a SensorOffset>,
     pub channels: Vec<Channel>,
 }
@@ -66,7 +69,7 @@ impl Report<'_> {
             made: law.written.iter().filter(|by_hand| !**by_hand).count(),
         });
         if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
-            reasons.push(trajectory_rules::late(self.model, late));
+            reasons.push(trajectory_rules::late(self.model, late, self.lag));
         }
         if let Some(offset) = self.offset {
             let own = offset.terms.iter().filter(|j| law.columns.contains(j));

@@ -237,6 +237,8 @@ family! {
         max_terms: usize = 8, unit "terms", source "set by hand";
         /// Sets of inputs whose delays are fitted.
         max_sets: usize = 2, unit "sets", source "set by hand";
+        /// Time constants of a lag that is tried in place of a delay.
+        lags: [f64; 6] = [1.0, 0.7, 1.4, 0.5, 2.0, 0.35], unit "delays", source "a lag shifts slow motion by its time constant and fast motion by less; a grid of half octaves about the delay";
         /// A record is cut by at most one part in so many.
         max_cut: usize = 5, unit "", source "set by hand";
     }

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::signal_delays::{SignalDelay, stated};
 use crate::discovery::{
     Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, RunCoefficient,
     SparsestProof, Trust, Verification, Witness,
 };
-use super::signal_delays::{SignalDelay, stated};
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::{Signal, SignalNames, Term, VarId};
 use sidc_lang::units;

@@ -194,7 +194,7 @@ codes! {
     ConstraintStrained = "constraint-strained": Law,
         "check the constraint, or leave it out and see what the data say";
     /// The range of a delay ends where it is likeliest, or the data do not tell the delay.
-    DelayRange = "delay-range": Coefficients,
+    DelayRange = "delay-range": Data,
         "widen the range of the delay, or record a faster motion";
     /// A combination of states stays constant along the data.
     DependentStates = "dependent-states": Terms,

@@ -87,7 +87,12 @@ impl Problem {
         let place = |l: &LeftOut| origin.iter().position(|r| *r == l.record);
         let left_out = self.left_out.iter();
         out.left_out = left_out
-            .filter_map(|l| Some(LeftOut { record: place(l)?, ..*l }))
+            .filter_map(|l| {
+                Some(LeftOut {
+                    record: place(l)?,
+                    ..*l
+                })
+            })
             .collect();
         out
     }
@@ -124,19 +129,26 @@ impl LinearizationPoint {
         for record in &to.records {
             let same = |r: &Record| {
                 let last = |r: &Record| r.time.last().copied().unwrap_or(f64::INFINITY);
-                r.trajectory == record.trajectory && last(r) >= record.time.first().copied().unwrap_or(f64::NAN)
+                r.trajectory == record.trajectory
+                    && last(r) >= record.time.first().copied().unwrap_or(f64::NAN)
             };
             while own.peek().is_some_and(|(r, _)| !same(r)) {
                 own.next();
             }
-            let Some((old, path)) = own.peek() else { continue };
+            let Some((old, path)) = own.peek() else {
+                continue;
+            };
             let state = &|t: &f64, i: usize| {
                 let (k, part) = segment(&old.time, *t);
                 let next = (k + 1).min(old.time.len() - 1);
                 path[k * n + i] + part * (path[next * n + i] - path[k * n + i])
             };
             let times = record.time.iter();
-            paths.push(times.flat_map(|t| (0..n).map(move |i| state(t, i))).collect());
+            paths.push(
+                times
+                    .flat_map(|t| (0..n).map(move |i| state(t, i)))
+                    .collect(),
+            );
         }
         LinearizationPoint {
             paths,
@@ -262,7 +274,10 @@ fn within(read: f64, delay: &AppliedDelay, span: &RangeInclusive<f64>) -> bool {
 /// Whether an instant is that of a sample.
 fn near(record: &Record, at: f64, tolerance: f64) -> bool {
     let next = record.time.partition_point(|t| *t < at - tolerance);
-    record.time.get(next).is_some_and(|t| (t - at).abs() <= tolerance)
+    record
+        .time
+        .get(next)
+        .is_some_and(|t| (t - at).abs() <= tolerance)
 }
 
 /// The sample at or before an instant and the part of its step that has passed; the ends of the record for what is beyond.

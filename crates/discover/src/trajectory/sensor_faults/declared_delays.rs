@@ -19,7 +19,7 @@ pub struct DelayEstimate {
     pub delay: AppliedDelay,
     /// 95 % confidence interval; an end of the range where the data do not bound the delay before it.
     pub interval: (f64, f64),
-    /// Whether the likelihood is largest at an end of the range, and still rises there.
+    /// Whether the likelihood is largest at an end of the range, and larger still beyond.
     pub at_end: bool,
 }
 
@@ -41,14 +41,23 @@ pub fn screen_ranges(
     let columns = columns(problem, &[], &inputs);
     let few = restricted(problem, &columns);
     let floor = final_criterion(problem).floor;
-    let sigma: Vec<f64> = problem.noise.iter().zip(&floor).map(|(s, f)| s.max(*f)).collect();
+    let sigma: Vec<f64> = problem
+        .noise
+        .iter()
+        .zip(&floor)
+        .map(|(s, f)| s.max(*f))
+        .collect();
     let left = |delays: &[AppliedDelay], observer: &mut dyn Observer| {
         let moved = few.with_delays(delays);
         let form = moved.integral_matching_form(&sigma, SEARCH.initial_slacks[0], observer)?;
         Some(form.least_squares(&(0..form.p).collect::<Vec<_>>()).square)
     };
     let sought: Vec<usize> = sought(&delays);
-    let sweeps = if sought.len() > 1 { DECLARED_DELAYS.sweeps } else { 1 };
+    let sweeps = if sought.len() > 1 {
+        DECLARED_DELAYS.sweeps
+    } else {
+        1
+    };
     for place in sought.iter().cycle().take(sweeps * sought.len()) {
         let mut best = (f64::INFINITY, delays[*place].seconds);
         for seconds in grid(problem, &delays[*place], DECLARED_DELAYS.screened) {
@@ -65,7 +74,9 @@ pub fn screen_ranges(
 /// Places of delays that are not known.
 fn sought(delays: &[AppliedDelay]) -> Vec<usize> {
     let places = 0..delays.len();
-    places.filter(|i| delays[*i].range.0 < delays[*i].range.1).collect()
+    places
+        .filter(|i| delays[*i].range.0 < delays[*i].range.1)
+        .collect()
 }
 
 /// Delays evenly over a range, its ends among them: at most so many, none nearer than half a sampling interval.
@@ -73,7 +84,9 @@ fn grid(problem: &Problem, delay: &AppliedDelay, most: usize) -> Vec<f64> {
     let (from, to) = delay.range;
     let finest = step(problem).map_or(most as f64, |h| 2.0 * (to - from) / h);
     let parts = finest.ceil().clamp(2.0, most as f64);
-    (0..=parts as usize).map(|k| from + (to - from) * k as f64 / parts).collect()
+    (0..=parts as usize)
+        .map(|k| from + (to - from) * k as f64 / parts)
+        .collect()
 }
 
 /// The delays under which the likelihood of the fitted support is largest. `at` is the problem with the delays as they are. `None` if the
@@ -93,7 +106,11 @@ pub fn profile_delays(
         rise: DECLARED_DELAYS.rise * inefficiency,
     };
     let sought = sought(delays);
-    let sweeps = if sought.len() > 1 { DECLARED_DELAYS.sweeps } else { 1 };
+    let sweeps = if sought.len() > 1 {
+        DECLARED_DELAYS.sweeps
+    } else {
+        1
+    };
     for place in sought.iter().cycle().take(sweeps * sought.len()) {
         profile.maximise(*place, observer);
     }
@@ -120,23 +137,52 @@ struct DelayProfile<'a> {
 }
 
 impl DelayProfile<'_> {
-    /// The criterion with one delay changed; infinite where nothing can be fitted. A better delay is kept.
-    fn value(&mut self, place: usize, seconds: f64, observer: &mut dyn Observer) -> f64 {
+    /// The fit with one delay changed; `None` where nothing can be fitted.
+    fn fit(
+        &self,
+        place: usize,
+        seconds: f64,
+        observer: &mut dyn Observer,
+    ) -> Option<(Problem, Fit)> {
         let mut delays = self.delays.clone();
         delays[place].seconds = seconds;
         let problem = self.problem.with_delays(&delays);
         let start = self.best.2.on_instants(&self.best.1, &problem);
         if start.paths.len() != problem.records.len() {
-            return f64::INFINITY;
+            return None;
         }
-        let Some(fit) = fit(&problem, start, &self.criterion, f64::INFINITY, observer) else {
+        let found = fit(&problem, start, &self.criterion, f64::INFINITY, observer)?;
+        Some((problem, found))
+    }
+
+    /// The criterion with one delay changed; infinite where nothing can be fitted. A better delay is kept.
+    fn value(&mut self, place: usize, seconds: f64, observer: &mut dyn Observer) -> f64 {
+        let Some((problem, fit)) = self.fit(place, seconds, observer) else {
             return f64::INFINITY;
         };
         if fit.value < self.best.0 {
             self.best = (fit.value, problem, fit.point);
-            self.delays = delays;
+            self.delays[place].seconds = seconds;
         }
         fit.value
+    }
+
+    /// Whether the likelihood goes on rising beyond an end of the range: half a sampling interval away, or an interval of the delay.
+    fn rises_beyond(
+        &self,
+        place: usize,
+        end: f64,
+        interval: f64,
+        observer: &mut dyn Observer,
+    ) -> bool {
+        let (from, to) = self.delays[place].range;
+        let outwards = if end == from { -1.0 } else { 1.0 };
+        let near = step(self.problem).map_or(interval, |h| 0.5 * h);
+        [near, interval].into_iter().any(|by| {
+            let beyond = end + outwards * by.min(to - from);
+            let found = self.fit(place, beyond, observer);
+            found.is_some_and(|(_, fit)| fit.value < self.best.0 - self.rise)
+        })
     }
 
     /// Moves one delay to the largest likelihood: over a grid, then by golden sections (Kiefer 1953) about the best of it.
@@ -204,12 +250,16 @@ impl DelayProfile<'_> {
             self.bound(place, to, observer),
         );
         let delay = self.delays[place];
-        let end = DECLARED_DELAYS.end * (to - from);
-        let ends = [(from, interval.1 < to), (to, interval.0 > from)];
+        let interval = (interval.0.min(delay.seconds), interval.1.max(delay.seconds));
+        let near = DECLARED_DELAYS.end * (to - from);
+        let end = [from, to]
+            .into_iter()
+            .find(|end| (delay.seconds - end).abs() <= near);
+        let width = interval.1 - interval.0;
         DelayEstimate {
             delay,
-            interval: (interval.0.min(delay.seconds), interval.1.max(delay.seconds)),
-            at_end: ends.iter().any(|(at, bounded)| (delay.seconds - at).abs() <= end && *bounded),
+            interval,
+            at_end: end.is_some_and(|end| self.rises_beyond(place, end, width, observer)),
         }
     }
 
@@ -242,7 +292,11 @@ impl DelayProfile<'_> {
             }
             let straight = part / risen.sqrt();
             let between = straight > inside && straight < outside;
-            part = if between { straight } else { 0.5 * (inside + outside) };
+            part = if between {
+                straight
+            } else {
+                0.5 * (inside + outside)
+            };
         }
         best + outside * length
     }

@@ -144,7 +144,9 @@ pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
     match key {
         "hold" | "linear" => d.help("it is for inputs: how they move between samples"),
         "order" => d.help("it is for states and inputs: how many derivatives exist"),
-        "delay" => d.help("it is for inputs, which act late, and for states, whose sensor reads late"),
+        "delay" => {
+            d.help("it is for inputs, which act late, and for states, whose sensor reads late")
+        }
         _ => d.help("remove it"),
     }
 }
@@ -178,12 +180,15 @@ pub fn noise(at: Span, value: f64) -> Diagnostic {
 
 /// `delay -0.1`
 pub fn negative_delay(at: Span, seconds: f64) -> Diagnostic {
-    Diagnostic::error("attribute-value", format!("a delay of {seconds} s is an advance"))
-        .at(at, "a number that is not negative")
-        .help(format!(
-            "if the record may be late, let it be sought: `delay in {seconds} .. {}`",
-            -seconds
-        ))
+    Diagnostic::error(
+        "attribute-value",
+        format!("a delay of {seconds} s is an advance"),
+    )
+    .at(at, "a number that is not negative")
+    .help(format!(
+        "if the record may be late, let it be sought: `delay in {seconds} .. {}`",
+        -seconds
+    ))
 }
 
 /// `delay in 0.2 .. 0.1`
@@ -197,11 +202,16 @@ pub fn empty_delay_range(at: Span, from: f64, to: f64) -> Diagnostic {
 }
 
 pub fn delay_in_discrete(at: Span, place: Span, keyword: &str) -> Diagnostic {
-    let d = Diagnostic::error("mixed-time", "a model about samples has no delays in seconds")
-        .at(at, "has no meaning here")
-        .also(place, "makes it a model about samples");
+    let d = Diagnostic::error(
+        "mixed-time",
+        "a model about samples has no delays in seconds",
+    )
+    .at(at, "has no meaning here")
+    .also(place, "makes it a model about samples");
     match keyword {
-        "input" => d.help("remove it, and write the delay in the equations: `lag(u, 2)` is u two samples before"),
+        "input" => d.help(
+            "remove it, and write the delay in the equations: `lag(u, 2)` is u two samples before",
+        ),
         _ => d.help("remove it, and shift the column in the table by whole samples"),
     }
 }

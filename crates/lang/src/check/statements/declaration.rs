@@ -243,7 +243,9 @@ impl Checker<'_> {
         let Some(value) = &a.value else {
             let wanted = "seconds, or a range of them";
             let example = "delay 0.09` or `delay in 0 .. 0.2";
-            return self.fail(errors::attribute_value(a.key.span, "delay", wanted, example));
+            return self.fail(errors::attribute_value(
+                a.key.span, "delay", wanted, example,
+            ));
         };
         let ExprKind::Range(from, to) = &value.kind else {
             let seconds = self.early_number(value, "delay", "delay 0.09")?;
