@@ -33,9 +33,9 @@ pub(super) fn check(model: &Model, dataset: &Dataset) -> Vec<Diagnostic> {
 fn too_long(var: &Var, size: f64, longest: f64) -> Diagnostic {
     let name = &var.name;
     let message = format!(
-        "{name} is delayed by up to {} s, and the longest record without a gap takes {} s",
+        "{name} is delayed by up to {} s, and the longest record without a gap has room for {} s",
         significant(size, 4),
-        significant(longest, 4)
+        significant(DELAYS.longest * longest, 4)
     );
     let d = Diagnostic::error("delay-too-long", message);
     let d = match var.span {

@@ -187,7 +187,8 @@ fn regression_knows_a_delay_too() {
         ]);
         let options = ["--method", "regression"];
         let with = identify(folder.path(), &model(moves, KNOWN), &record, &options);
-        assert!(off(&with.1) < 1e-6, "{}", with.0.stdout);
+        // Rates of a record without noise are those that its samples give, to the error of a polynomial.
+        assert!(off(&with.1) < 5e-3, "{}", with.0.stdout);
         assert_eq!(with.0.status, 0, "{}", with.0.stdout);
         let without = identify(folder.path(), &model(moves, ""), &record, &options);
         assert!(off(&without.1) > 1e-2, "{}", without.0.stdout);
@@ -233,7 +234,7 @@ fn the_sensor_of_one_of_two_states_reads_late() {
     let folder = tempfile::tempdir().unwrap();
     let record = late_sensor(0.002);
     let model = |delay: &str| {
-        format!("state x{delay}\nstate v\ninput u : hold\ndx ~ <x, v, u>\ndv ~ poly(x, v; 2) + u\n")
+        format!("state x{delay}\nstate v\ninput u : hold\ndx ~ <v, u>\ndv ~ poly(x, v; 2) + u\n")
     };
     for delay in [" : delay 0.1185", " : delay in 0..0.3"] {
         let (run, document) = identify(folder.path(), &model(delay), &record, &["--verify"]);

@@ -351,24 +351,6 @@ impl Discovery {
         units::coefficient(&self.unit(target)?, &term)
     }
 
-    /// How many seconds later than its record an input acts, as declared or found; 0 in discrete time, where it is a matter of samples.
-    pub fn input_delay(&self, input: VarId) -> f64 {
-        let is_input = self.variable_of(input).map(|v| v.kind) == Some(VarKind::Input);
-        if let Some(declared) = self.declared_delay(input).filter(|_| is_input) {
-            return declared;
-        }
-        let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let mut delays = evidence
-            .filter_map(|e| e.together.as_ref())
-            .flat_map(|t| &t.delays);
-        let name = self.variable_of(input).map(|v| v.name.as_str());
-        let found = delays.find(|d| Some(d.input.as_str()) == name);
-        match found {
-            Some(delay) if !self.discrete => delay.seconds.clamp(-1e9, 1e9),
-            _ => 0.0,
-        }
-    }
-
     /// The noise of a signal's sensor, declared or seen by smoothing, in its unit; 0 where none was estimated.
     pub fn sensor_noise(&self, signal: Signal) -> f64 {
         let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
