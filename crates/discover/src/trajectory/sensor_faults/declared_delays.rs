@@ -220,11 +220,16 @@ impl DelayProfile<'_> {
                 values = (values.1, self.value(place, inner.1, observer));
             }
         }
-        self.to_vertex(place, (from, to), observer);
+        self.move_to_vertex(place, (from, to), observer);
     }
 
     /// The vertex of the parabola through the best delay and both ends of its bracket.
-    fn to_vertex(&mut self, place: usize, (from, to): (f64, f64), observer: &mut dyn Observer) {
+    fn move_to_vertex(
+        &mut self,
+        place: usize,
+        (from, to): (f64, f64),
+        observer: &mut dyn Observer,
+    ) {
         let best = (self.delays[place].seconds, self.best.0);
         let ends = [from, to].map(|at| (at - best.0, self.value(place, at, observer) - best.1));
         let [(a, fa), (b, fb)] = ends;
