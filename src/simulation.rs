@@ -83,6 +83,7 @@ impl Discovery {
         if found.iter().any(Diagnostic::is_error) {
             return Err(Error::of(ErrorKind::Data, &found, &sources));
         }
+        let dataset = discovery.without_sensor_delays(&dataset).unwrap_or(dataset);
         let by_run = RunParameters::of(discovery, &model);
         let valued = by_run.as_ref().map(|p| p.with_values(&dataset));
         let source = Source {

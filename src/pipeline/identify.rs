@@ -43,7 +43,7 @@ pub fn identify(
     let found = discover::discover(
         &program.model,
         &program.libraries,
-        (&measured.dataset, &measured.samples),
+        (measured.acting(), &measured.samples),
         search,
         observer,
     );

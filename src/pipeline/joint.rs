@@ -2,7 +2,7 @@
 //!
 //! In: a program, its data, the problem. Out: a [`Discovery`]. Decides nothing about when this is the way.
 
-use sidc_data::Dataset;
+use sidc_data::{Dataset, InputValue};
 use sidc_discover as discover;
 use sidc_discover::identifiability::Rows;
 use sidc_discover::trajectory::Problem;
@@ -38,7 +38,8 @@ pub(super) fn jointly(
         (nothing, Fitted::default())
     });
     rates::doubt(&mut discovery, &dataset.rate_faults);
-    let read = evidence::readings(program, dataset, &discovery);
+    let acting = discovery.without_delays(dataset, InputValue::AtInstant);
+    let read = evidence::readings(program, acting.as_ref().unwrap_or(dataset), &discovery);
     let weighing = Weighing {
         program,
         rows: Rows {

@@ -31,8 +31,10 @@ pub fn judge(
     observer: &mut dyn Observer,
 ) -> Judgement {
     let request = &options.prediction;
-    let used = &found.followed(&measured.dataset);
-    let held = &measured.held;
+    let used = found.followed(&measured.dataset);
+    let used = &found.without_sensor_delays(&used).unwrap_or(used);
+    let true_held = found.without_sensor_delays(&measured.held);
+    let held = true_held.as_ref().unwrap_or(&measured.held);
     // Coefficients by run are parameters of the runs here.
     let by_run = RunParameters::of(found, &program.model);
     let with_values = |data: &Dataset| by_run.as_ref().map(|p| p.with_values(data));

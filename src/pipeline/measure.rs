@@ -4,7 +4,7 @@
 //! diagnostics. Finds no equation.
 
 use sidc_data as data;
-use sidc_data::{Dataset, HoldOut, Provenance, Samples, Table};
+use sidc_data::{Dataset, HoldOut, InputValue, Provenance, Samples, Table};
 use sidc_discover as discover;
 use sidc_discover::trajectory::Problem;
 use sidc_discover::{Method, TargetCopy};
@@ -14,6 +14,9 @@ use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::{Activity, Observer};
 
+use sidc_system::discovery::Discovery;
+
+use super::delays;
 use super::program::{Program, Staged, finish, needed};
 use crate::data::Data;
 use crate::options::Options;
@@ -21,6 +24,8 @@ use crate::options::Options;
 /// A program's signals on common rows.
 pub struct Measured {
     pub dataset: Dataset,
+    /// The same with stated delays taken out, for equations that are found one by one; `None` where it is no other.
+    acting: Option<Dataset>,
     /// What is held out: equations are not found from it, but run on it.
     pub held: Dataset,
     /// The same in words, for messages.
@@ -66,6 +71,12 @@ pub fn measure(
             return (None, diagnostics);
         }
     };
+    diagnostics.extend(delays::check(model, &dataset));
+    if diagnostics.iter().any(Diagnostic::is_error) {
+        return (None, diagnostics);
+    }
+    let stated = Discovery::of(model);
+    let at_instants = stated.without_delays(&dataset, InputValue::AtInstant);
     let first = model.equations.first().map_or(Signal::TIME, |e| e.target);
     let signal = &model.name(first);
     let together = |program: &Program, search: &discover::Options, observer: &mut dyn Observer| {
@@ -76,7 +87,10 @@ pub fn measure(
     let mut joint = together(program, search, observer);
     let (samples, mut found, report) = match &joint {
         Ok(_) => Default::default(),
-        Err(_) => data::samples(model, &dataset, &needed(program), observer),
+        Err(_) => {
+            let acting = at_instants.as_ref().unwrap_or(&dataset);
+            data::samples(model, acting, &needed(program), observer)
+        }
     };
     if search.chooses_way() && found.iter().any(|d| d.code == "no-samples") {
         // A trajectory can be estimated from readings that are never complete, or too sparse for derivatives.
@@ -98,6 +112,8 @@ pub fn measure(
     if let Err(why) = &joint {
         if !model.per_run.is_empty() {
             diagnostics.push(not_per_run(model, &why.because));
+        } else if let Some(sought) = delays::not_sought(model, &why.because) {
+            diagnostics.push(sought);
         } else if search.method == Method::Joint {
             diagnostics.push(not_joint(&why.because));
         } else if search.robust {
@@ -108,9 +124,14 @@ pub fn measure(
     }
     let joint = joint.ok();
     diagnostics.extend(found);
+    let acting = match &joint {
+        Some(_) => None,
+        None => stated.without_delays(&dataset, InputValue::OverStep),
+    };
     finish(
         Measured {
             dataset,
+            acting,
             held,
             held_out: in_words(&hold_out, data),
             samples,
@@ -194,6 +215,11 @@ fn weaker_method(why: &str) -> Diagnostic {
 }
 
 impl Measured {
+    /// The records as the inputs act and the states are, as far as the model states delays.
+    pub(super) fn acting(&self) -> &Dataset {
+        self.acting.as_ref().unwrap_or(&self.dataset)
+    }
+
     /// The program whose candidates are searched.
     pub(super) fn searched<'a>(&'a self, program: &'a Program) -> &'a Program {
         self.narrowed.as_ref().unwrap_or(program)

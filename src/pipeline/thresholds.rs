@@ -16,7 +16,15 @@ family! {
     }
 }
 
+family! {
+    /// Delays that records are long enough for.
+    pub(crate) DELAYS: PipelineDelays {
+        /// Longest delay.
+        longest: f64 = 0.5, unit "of the longest record without a gap", source "a delay takes so much of the record away; what is left is to be the larger part";
+    }
+}
+
 /// Every number that decides in the pipeline, family by family.
 pub fn thresholds() -> Vec<Table> {
-    vec![PipelineBudget::table()]
+    vec![PipelineBudget::table(), PipelineDelays::table()]
 }

@@ -34,6 +34,7 @@ fn model(sources: &mut Sources, vars: &[(&str, VarKind, u8)]) -> Model {
         noise: Default::default(),
         unit: None,
         between: None,
+        delay: None,
         span,
     };
     model.vars.push(var("t", VarKind::Time, 0, None));

@@ -13,6 +13,7 @@ mod constrained;
 mod constrained_joint;
 mod coverage;
 mod data;
+mod delays;
 mod dependencies;
 mod determinism;
 mod dictionary;

@@ -14,6 +14,7 @@ mod binding;
 mod checks;
 mod csv;
 mod dataset;
+mod delays;
 mod derivatives;
 pub mod draft;
 mod intersample;
@@ -30,6 +31,7 @@ pub use dataset::{
     Column, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples, Trajectory, Window,
     hold_out, keep_window,
 };
+pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 pub use derivatives::is_smooth;
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
@@ -45,6 +47,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         checks::thresholds::TimeChecks::table(),
         rate_columns::thresholds::RateColumnThresholds::table(),
         rate_columns::thresholds::RateFilterThresholds::table(),
+        delays::DelayThresholds::table(),
         derivatives::thresholds::BandwidthSelection::table(),
         derivatives::thresholds::NoiseEstimation::table(),
         derivatives::thresholds::QuantizationThresholds::table(),

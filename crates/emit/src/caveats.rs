@@ -71,6 +71,18 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
             lines.extend(wrapped(&text, WIDTH, "  ", "    "));
         }
     }
+    for (place, variable) in d.variables.iter().enumerate() {
+        let delay = d.sensor_delay(VarId(place as u16));
+        if delay != 0.0 {
+            let text = format!(
+                "the sensor of {} reads {} s late: its reading at time t is of t - {}",
+                plain(&variable.name),
+                significant(delay, 6),
+                significant(delay, 6)
+            );
+            lines.extend(wrapped(&text, WIDTH, "  ", "    "));
+        }
+    }
     lines
 }
 

@@ -124,7 +124,7 @@ pub struct Ident {
     pub span: Span,
 }
 
-/// `key` or `key value`.
+/// `key`, `key value` or `key in FROM .. TO`, whose value is a range.
 #[derive(Clone, Debug)]
 pub struct Attribute {
     pub key: Ident,
@@ -248,7 +248,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
 ];
 
 /// Every word that opens an attribute of a declaration.
-pub const ATTRIBUTES: [&str; 5] = ["order", "noise", "unit", "hold", "linear"];
+pub const ATTRIBUTES: [&str; 6] = ["order", "noise", "unit", "hold", "linear", "delay"];
 
 impl Keyword {
     pub fn named(text: &str) -> Option<Keyword> {

@@ -69,6 +69,8 @@ pub struct Var {
     pub unit: Option<Unit>,
     /// How an input moves between samples, if declared.
     pub between: Option<Between>,
+    /// How late an input acts, or the sensor of a state reads, if declared.
+    pub delay: Option<Delay>,
     /// Where it was declared; `None` for time.
     pub span: Option<Span>,
 }
@@ -88,6 +90,15 @@ pub enum Between {
     /// Zero-order hold: the value of a sample lasts until the next.
     Hold,
     Linear,
+}
+
+/// How many seconds later than recorded an input acts; or how many seconds ago the state was what its sensor reads. Finite numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Delay {
+    /// `delay 0.09`, not negative.
+    Known(f64),
+    /// `delay in 0 .. 0.2`: sought there, ends included; `from` is below `to`.
+    Within { from: f64, to: f64 },
 }
 
 /// One equation: the target signal, and what is known or asked about it.
@@ -292,6 +303,18 @@ impl Model {
     /// Standard deviation of a signal's measurement noise in model units, if declared.
     pub fn noise(&self, s: Signal) -> Option<f64> {
         self.var(s.var)?.noise.get(&s.der).copied()
+    }
+
+    /// Inputs and states with a declared delay, in order of declaration.
+    pub fn delays(&self) -> impl Iterator<Item = (VarId, Delay)> {
+        let all = (0..).map(VarId).zip(&self.vars);
+        all.filter_map(|(id, v)| Some((id, v.delay?)))
+    }
+
+    /// True if some delay is to be sought.
+    pub fn seeks_delays(&self) -> bool {
+        self.delays()
+            .any(|(_, d)| matches!(d, Delay::Within { .. }))
     }
 
     /// The unit of a signal, if its variable declares one.

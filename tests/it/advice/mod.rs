@@ -33,6 +33,7 @@ followed! {
     ColouredResiduals: sensors::coloured_residuals, "or use a quieter sensor";
     ConstraintBroken: library::constraint_broken, "or leave it out";
     ConstraintStrained: library::constraint_strained, "or leave it out";
+    DelayRange: sensors::delay_range, "widen the range: `delay in 0..0.2`";
     DependentStates: library::dependent_states, "leave one of these states out of the libraries";
     DependentSupport: records::dependent_support, "record another motion";
     Disturbed: sensors::disturbed, "look for a term, an input or a state";
@@ -41,7 +42,7 @@ followed! {
     HeldOut: search::held_out, "take more rows, 100 say";
     HeuristicSolver: search::heuristic_solver, "leave --solver out";
     InconsistentRows: sensors::inconsistent_rows, "--noise NAME=SIGMA";
-    InputDelay: sensors::input_delay, "shift u by 0.15 s in the table";
+    InputDelay: sensors::input_delay, "declare it: `input u : hold, delay in 0.1..0.2`";
     MemoryLimit: search::memory_limit, "--samples 416 fits";
     Misfit: library::misfit, "add sin(x) to the library";
     NoMotion: records::no_motion, "record data in which it moves";

@@ -83,6 +83,7 @@ pub fn system(seed: u64) -> Discovery {
         failed: Vec::new(),
         runs_left: Vec::new(),
         relations: None,
+        delays: Vec::new(),
     }
 }
 

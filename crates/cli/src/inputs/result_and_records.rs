@@ -87,11 +87,12 @@ impl ResultAndRecordsArgs {
         let complete = !found.iter().any(Diagnostic::is_error);
         diagnostics::report((complete.then_some(()), found), &sources, monitor.notes)?;
         monitor.stages.done("data bound");
+        let as_read = opened.discovery.without_sensor_delays(&dataset);
         Ok(ResultAndRecords {
             name,
             opened,
             model,
-            dataset,
+            dataset: as_read.unwrap_or(dataset),
             files: data.entries,
             start,
         })

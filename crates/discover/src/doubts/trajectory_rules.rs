@@ -5,8 +5,10 @@
 
 use crate::doubts::regression_rules;
 use crate::doubts::thresholds::{DOUBTS, TRAJECTORY_DOUBTS};
-use crate::trajectory::{BetterLaws, Channel, DelayedInputs, LawChange, Problem, SensorOffset};
-use sidc_lang::model::{Equation, Model};
+use crate::trajectory::{
+    BetterLaws, Channel, DelayedInputs, InputLag, LawChange, Problem, SensorOffset,
+};
+use sidc_lang::model::{Between, Equation, Model, Var, VarKind};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_system::discovery::{
@@ -60,28 +62,70 @@ pub(crate) fn unexplained(c: &Channel) -> bool {
     misfits(c) || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
 }
 
-/// The doubt `input-delay`: inputs that were shifted in time.
-pub(crate) fn late(names: &Discovery, late: &DelayedInputs) -> Reason {
-    let inputs: Vec<&str> = late.inputs.iter().map(|v| names.variable(*v)).collect();
+/// The doubt `input-delay`: inputs that were shifted in time, or that a lag would explain as well.
+pub(crate) fn late(model: &Model, late: &DelayedInputs, lag: Option<&InputLag>) -> Reason {
+    let inputs: Vec<&str> = late.inputs.iter().map(|v| model.variable(*v)).collect();
     let (act, record) = match inputs.len() {
         1 => ("acts", "its record"),
         _ => ("act", "their records"),
     };
-    Reason::new(
-        ReasonCode::InputDelay,
-        format!(
-            "{} {act} {} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
-            inputs.join(", "),
-            short(late.seconds.abs()),
+    let (inputs, seconds) = (inputs.join(", "), short(late.seconds.abs()));
+    let text = match lag {
+        None => format!(
+            "{inputs} {act} {seconds} s ({} samples) later than {record}, which the criterion prefers by {:.0}",
             late.samples.abs(),
             late.gain
         ),
-    )
-    .remedy(format!(
-        "shift {} by {} s in the table, or find where that arises; the equations are those with the delay",
-        inputs.join(", "),
-        short(late.seconds.abs())
-    ))
+        Some(lag) => format!(
+            "{inputs} {act} slowly or late: a lag of about {} s explains as much as a delay of about {seconds} s, and neither explains all",
+            short(lag.seconds)
+        ),
+    };
+    let reason = Reason::new(ReasonCode::InputDelay, text);
+    let found = "the equations are those with the delay";
+    if lag.is_some() {
+        return reason.remedy(format!(
+            "measure what is between {inputs} and the states: a drive, a valve, a tank; {found}"
+        ));
+    }
+    let step = late.seconds / late.samples;
+    let range = format!(
+        "delay in {}..{}",
+        short((late.seconds - step).max(0.0)),
+        short(late.seconds + step)
+    );
+    let mut all = model.vars_of(VarKind::Input);
+    match (all.next(), all.next()) {
+        (Some((_, only)), None) => {
+            let line = with_delay(only, &range);
+            let text = format!("if that can be, declare it: `{line}`; {found}");
+            reason.change(text, Change::Model(vec![line]))
+        }
+        _ => reason.remedy(format!(
+            "if that can be, declare it, with `{range}` for {inputs}; {found}"
+        )),
+    }
+}
+
+/// The declaration of an input with a delay.
+pub(crate) fn with_delay(input: &Var, delay: &str) -> String {
+    let mut attributes = Vec::new();
+    if input.order > 0 {
+        attributes.push(format!("order {}", input.order));
+    }
+    if let Some(sigma) = input.noise.get(&0) {
+        attributes.push(format!("noise {sigma}"));
+    }
+    if let Some(unit) = &input.unit {
+        attributes.push(format!("unit \"{unit}\""));
+    }
+    match input.between {
+        Some(Between::Hold) => attributes.push("hold".into()),
+        Some(Between::Linear) => attributes.push("linear".into()),
+        None => {}
+    }
+    attributes.push(delay.into());
+    format!("input {} : {}", input.name, attributes.join(", "))
 }
 
 /// The doubt `disturbed`: what the model lacks moves slowly, and so does a disturbance that lasts. White noise is none of these.

@@ -47,11 +47,12 @@ pub fn joint(
     observer: &mut dyn Observer,
 ) -> Result<Problem, NotJoint> {
     let by_run = !model.per_run.is_empty();
-    let asked = options.method == Method::Joint || by_run && options.method == Method::Auto;
+    let needed = by_run || model.seeks_delays();
+    let asked = options.method == Method::Joint || needed && options.method == Method::Auto;
     if by_run && !model.constraints.is_empty() {
         return Err(NotJoint::fine("coefficients are constrained"));
     }
-    if by_run && (options.samples.is_some() || options.path) {
+    if needed && (options.samples.is_some() || options.path) {
         return Err(NotJoint::fine(
             "rows are to be drawn, or a path is to be shown",
         ));

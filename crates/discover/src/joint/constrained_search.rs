@@ -112,6 +112,7 @@ fn owned<'a>(fit: JointFit, constraints: &CoefficientConstraints) -> JointFit<'a
         problem: Cow::Owned(fit.problem.under(constraints.clone())),
         found: fit.found,
         late: fit.late,
+        lag: fit.lag,
         offset: fit.offset,
     }
 }

@@ -10,9 +10,10 @@ use crate::doubts::trajectory_rules;
 use crate::options::Options;
 use crate::trajectory;
 use crate::trajectory::{
-    DelayedInputs, Fit, Found, Law, Problem, SearchObserver, SensorOffset, StartingSupport,
+    DelayedInputs, Fit, Found, InputLag, Law, Problem, SearchObserver, SensorOffset,
+    StartingSupport,
 };
-use sidc_lang::model::{Model, VarKind};
+use sidc_lang::model::{Model, Var, VarKind};
 use sidc_lang::term::VarId;
 use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
 
@@ -22,6 +23,8 @@ pub(crate) struct JointFit<'a> {
     pub found: Found,
     /// Inputs that act later than recorded; in `problem` they are shifted.
     pub late: Option<DelayedInputs>,
+    /// A lag of inputs that explains as much as their delay.
+    pub lag: Option<InputLag>,
     /// An offset of a sensor that would explain terms.
     pub offset: Option<SensorOffset>,
 }
@@ -33,6 +36,7 @@ impl<'a> JointFit<'a> {
             problem: Cow::Owned(self.problem.into_owned()),
             found: self.found,
             late: self.late,
+            lag: self.lag,
             offset: self.offset,
         }
     }
@@ -46,6 +50,7 @@ impl<'a> JointFit<'a> {
             problem,
             found,
             late,
+            lag: None,
             offset: None,
         }
     }
@@ -75,6 +80,7 @@ pub(crate) fn search_system<'a>(
         search.without_outliers(&mut fit);
     }
     search.with_delay(&inputs, &mut fit);
+    search.lag_or_delay(problem, &mut fit);
     if options.robust && fit.late.is_some() {
         search.without_outliers(&mut fit);
     }
@@ -240,6 +246,18 @@ impl DelayOutlierSearch<'_, '_> {
         trajectory::fit_delay(problem, fit, &proposals, self.watcher)
     }
 
+    /// A delay that leaves more than noise stands for something that the model lacks. It is called a delay only if a lag, which is the simplest
+    /// thing that the model may lack, explains less.
+    fn lag_or_delay(&mut self, problem: &Problem, fit: &mut JointFit) {
+        let Some(late) = &fit.late else { return };
+        let same_readings = fit.problem.left_out.len() == problem.left_out.len();
+        let noise_alone = !unexplained(&fit.problem, &fit.found.best);
+        if noise_alone || !same_readings || self.watcher.stop().is_some() {
+            return;
+        }
+        fit.lag = trajectory::find_lag(problem, late, &fit.found, self.watcher);
+    }
+
     /// Removes readings that the laws found do not explain, and searches again, until no more are removed.
     fn without_outliers(&mut self, fit: &mut JointFit) {
         for _ in 0..SENSOR_SEARCH.outlier_rounds {
@@ -325,7 +343,7 @@ pub(crate) fn unexplained(problem: &Problem, fit: &Fit) -> bool {
     channels.iter().any(trajectory_rules::unexplained)
 }
 
-/// Declared inputs that the laws may contain and that are not constant.
+/// Inputs that the laws may contain, that are not constant and whose delay the model does not declare.
 fn inputs(model: &Model, problem: &Problem) -> Vec<VarId> {
     let moves = |place: usize| {
         let columns = problem
@@ -338,7 +356,8 @@ fn inputs(model: &Model, problem: &Problem) -> Vec<VarId> {
     let signals = problem.system.exogenous.iter().enumerate();
     let mut found: Vec<VarId> = signals
         .filter(|(place, s)| {
-            model.var(s.var).is_some_and(|v| v.kind == VarKind::Input) && moves(*place)
+            let undeclared = |v: &&Var| v.kind == VarKind::Input && v.delay.is_none();
+            model.var(s.var).filter(undeclared).is_some() && moves(*place)
         })
         .map(|(_, s)| s.var)
         .collect();

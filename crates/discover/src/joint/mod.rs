@@ -7,6 +7,7 @@
 mod applicability;
 mod constrained_search;
 mod constraint_doubts;
+mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
 mod disturbances;
@@ -68,17 +69,23 @@ pub fn discover_jointly(
 ) -> Result<Option<(Discovery, Fitted)>, Box<Refusal>> {
     let mut watcher = EquationObserver::new(observer);
     let discovery = Discovery::of(model);
-    let start = weak_start((model, libraries), dataset, problem, options, &mut watcher);
-    match search_under_constraints((model, problem), start, options, &mut watcher) {
+    let watcher = &mut watcher;
+    let delays = declared_delays::settle((model, libraries), dataset, problem, options, watcher);
+    let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
+    let problem = problem.as_ref();
+    let start = weak_start((model, libraries), &dataset, problem, options, watcher);
+    match search_under_constraints((model, problem), start, options, watcher) {
         Settled::Answer(mut answer) => {
-            if let Some(disturbed) = disturbed(problem, Some(&answer), &mut watcher) {
+            if let Some(disturbed) = disturbed(problem, Some(&answer), watcher) {
                 answer.fit = disturbed;
             }
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
-                refuse_contradiction(&discovery, model, &answer, &mut watcher)?;
+                refuse_contradiction(&discovery, model, &answer, watcher)?;
             }
-            Ok(Some(conclude(model, discovery, &answer, &mut watcher)))
+            let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
+            delays.state(model, &mut discovery);
+            Ok(Some((discovery, fitted)))
         }
         Settled::OnlyFree(free) => {
             let nothing_under = None;
@@ -87,16 +94,18 @@ pub fn discover_jointly(
                 model,
                 &free,
                 nothing_under,
-                &mut watcher,
+                watcher,
             ))
         }
-        Settled::Nothing if let Some(fit) = disturbed(problem, None, &mut watcher) => {
+        Settled::Nothing if let Some(fit) = disturbed(problem, None, watcher) => {
             let answer = ConstrainedAnswer {
                 fit,
                 free: None,
                 left: Vec::new(),
             };
-            Ok(Some(conclude(model, discovery, &answer, &mut watcher)))
+            let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
+            delays.state(model, &mut discovery);
+            Ok(Some((discovery, fitted)))
         }
         Settled::Nothing => Ok(watcher.stop().map(|stop| {
             let failed = |law: &Law| Failed {
@@ -122,6 +131,7 @@ fn conclude(
         problem,
         found,
         late,
+        lag,
         offset,
     } = &answer.fit;
     let mut found = found.clone();
@@ -132,6 +142,7 @@ fn conclude(
         problem,
         found: &found,
         late: late.as_ref(),
+        lag: lag.as_ref(),
         offset: offset.as_ref(),
         channels: trajectory::channels(problem, &found.best),
     };

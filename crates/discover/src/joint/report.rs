@@ -8,7 +8,7 @@ use crate::known_terms::fixed;
 use crate::regression::task::{named, simpler};
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
-    Channel, DelayedInputs, Disturbance, File, Found, Law, Problem, SensorOffset,
+    Channel, DelayedInputs, Disturbance, File, Found, InputLag, Law, Problem, SensorOffset,
 };
 use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::Model;
@@ -24,6 +24,7 @@ pub(crate) struct Report<'a> {
     pub problem: &'a Problem,
     pub found: &'a Found,
     pub late: Option<&'a DelayedInputs>,
+    pub lag: Option<&'a InputLag>,
     pub offset: Option<&'a SensorOffset>,
     pub channels: Vec<Channel>,
 }
@@ -72,7 +73,7 @@ impl Report<'_> {
             reasons.extend(trajectory_rules::disturbed(names, law.target, &disturbance));
         }
         if let Some(late) = self.late.filter(|late| self.concerns(late, law)) {
-            reasons.push(trajectory_rules::late(names, late));
+            reasons.push(trajectory_rules::late(self.model, late, self.lag));
         }
         if let Some(offset) = self.offset {
             let own = offset.terms.iter().filter(|j| law.columns.contains(j));

@@ -57,8 +57,8 @@ mod tests;
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
 pub use model::{
-    CoefficientConstraints, Disturbance, Law, LeftOut, Problem, Record, RunColumn, RunColumns,
-    SensorGroups, System,
+    AppliedDelay, CoefficientConstraints, Disturbance, Law, LeftOut, Problem, ProcessNoise, Record,
+    RunColumn, RunColumns, SensorGroups, System,
 };
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
@@ -69,8 +69,9 @@ pub use search::{
     search_beyond_libraries, search_disturbed, search_from_free,
 };
 pub use sensor_faults::{
-    DelayProposal, DelayedInputs, SensorOffset, criterion_without_delay, find_sensor_offset,
-    fit_delay, screen_delays, widen_by_interpolation, with_delay,
+    DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,
+    find_lag, find_sensor_offset, fit_delay, profile_delays, screen_delays, screen_ranges,
+    widen_by_interpolation, with_delay,
 };
 pub use thresholds::tables;
-pub(crate) use thresholds::{AHEAD, POOLING};
+pub(crate) use thresholds::{AHEAD, DECLARED_DELAYS, POOLING};

@@ -285,8 +285,40 @@ family! {
         max_terms: usize = 8, unit "terms", source "set by hand";
         /// Sets of inputs whose delays are fitted.
         max_sets: usize = 2, unit "sets", source "set by hand";
+        /// Time constants of a lag that is tried in place of a delay.
+        lags: [f64; 6] = [1.0, 0.7, 1.4, 0.5, 2.0, 0.35], unit "delays", source "a lag shifts slow motion by its time constant and fast motion by less; a grid of half octaves about the delay";
         /// A record is cut by at most one part in so many.
         max_cut: usize = 5, unit "", source "set by hand";
+    }
+}
+
+family! {
+    /// Delays that the model declares.
+    pub(crate) DECLARED_DELAYS: DeclaredDelays {
+        /// Instants nearer than this are one.
+        instant: f64 = 1e-6, unit "sampling intervals", source "time stamps of nine digits round intervals of a thousandth of the record by as much";
+        /// Most delays of a range that are screened.
+        screened: usize = 40, unit "delays", source "a range of 20 samples in half samples, as `screened` of delays that nobody declared";
+        /// Most delays of a range at which a support is refitted before the best is looked for between them.
+        profiled: usize = 12, unit "delays", source "the screening has found the region: these guard against a minimum beside it";
+        /// Times that each of several delays is moved while the others stand.
+        sweeps: usize = 2, unit "sweeps", source "set by hand";
+        /// Rise of −2 log likelihood at the ends of a confidence interval.
+        rise: f64 = 3.84, unit "", source "0.95 quantile of chi squared with one degree of freedom (Wilks 1938)";
+        /// Most golden sections.
+        sections: usize = 24, unit "sections", source "0.618^24 = 1e-5 of a grid interval";
+        /// Difference of criteria that no longer tells two delays apart.
+        flat: f64 = 0.002, unit "of `rise`", source "moves the delay by 2 % of half its interval";
+        /// First guess of where an interval ends, as a part of the way to the end of the range.
+        first_part: f64 = 0.1, unit "", source "set by hand; secants correct it";
+        /// Accuracy of the rise at the ends of an interval.
+        bound_accuracy: f64 = 0.05, unit "of `rise`", source "moves an end by 2.5 % of half the interval";
+        /// Most fits for an end of an interval.
+        bounds: usize = 12, unit "fits", source "halving alone then leaves 1/4096 of the range";
+        /// Distance from an end of the range that counts as none.
+        end: f64 = 1e-3, unit "of the range", source "a delay so near an end is not bounded by it";
+        /// Rounds of a search of terms and a profile of the delays.
+        rounds: usize = 2, unit "rounds", source "as `delay_rounds`: the first terms, found at a screened delay, may not be the last";
     }
 }
 
@@ -334,6 +366,7 @@ pub fn tables() -> Vec<Table> {
         Ahead::table(),
         Pooling::table(),
         Delays::table(),
+        DeclaredDelays::table(),
         Offsets::table(),
     ]
 }

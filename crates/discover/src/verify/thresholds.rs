@@ -16,6 +16,8 @@ family! {
         residual: f64 = 1e-3, unit "of the residual", source "set by hand";
         /// Rows of a fitted trajectory may miss the equation by this much, since its rates were solved for in f64.
         trajectory: f64 = 1e-9, unit "of the largest part", source "set by hand";
+        /// Distance within which an instant of the trajectory is that of a late reading.
+        instant: f64 = 1e-6, unit "sampling intervals", source "as the delay was applied";
         /// Distance of the residual of a sensor from the one that is stated.
         readings: f64 = 1e-6, unit "of the residual", source "set by hand";
         /// Duality gap up to which the 1-norm counts as the smallest.

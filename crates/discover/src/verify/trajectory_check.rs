@@ -93,6 +93,19 @@ impl TrajectoryCheck<'_> {
         }
     }
 
+    /// The row whose reading is of an instant: later by the delay of the sensor, to the rounding of its sum.
+    fn row(&self, time: &[f64], at: f64, signal: Signal) -> Option<usize> {
+        let late = self.case.names.sensor_delay(signal.var);
+        if late == 0.0 {
+            return time.binary_search_by(|t| t.total_cmp(&at)).ok();
+        }
+        let read = at + late;
+        let step = (time.last()? - time.first()?) / time.len() as f64;
+        let tolerance = VERIFICATION.instant * step;
+        let row = time.partition_point(|t| *t < read - tolerance);
+        Some(row).filter(|k| time.get(*k).is_some_and(|t| *t <= read + tolerance))
+    }
+
     /// Root mean square of readings minus trajectory.
     fn reading_residual(&self, signal: Signal) -> f64 {
         let Some(trajectory) = self.samples.column(signal) else {
@@ -104,7 +117,7 @@ impl TrajectoryCheck<'_> {
             let Some(readings) = self.case.dataset.trajectories.get(*record as usize) else {
                 continue;
             };
-            let at = readings.time.binary_search_by(|t| t.total_cmp(time)).ok();
+            let at = self.row(&readings.time, *time, signal);
             let read = at.zip(readings.column(signal)).and_then(|(k, c)| c.get(k));
             if let Some(read) = read.filter(|y| y.is_finite()) {
                 let residual = DoubleDouble::sum(*read, -x);

@@ -25,6 +25,10 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
     }
+    for delay in d.delay_sentences() {
+        let lines = wrapped(&delay, TEXT_WIDTH, "", "    ");
+        out.extend(lines.iter().map(|l| format!("{l}\n")));
+    }
     out.push_str(&sparsest_answers(d));
     out.push_str(&other_laws(d));
     out.push('\n');

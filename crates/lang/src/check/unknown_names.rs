@@ -27,7 +27,7 @@ const PLACED: [(&str, &str); 5] = [
     ),
     (
         "delay",
-        "`delay` is reserved for a later version; `lag(u, k)` is k samples back in discrete time",
+        "a delay is declared with its input: `input u : delay 0.1`; in discrete time `lag(u, k)` is k samples back",
     ),
     ("next", "`next(x)` takes one state"),
 ];

@@ -152,12 +152,27 @@ impl AstBuilder<'_> {
         })
     }
 
-    /// `attribute = { word ~ expr? }`
+    /// `attribute = { word ~ (within | expr)? }`
     fn attribute(&self, pair: Pair<Rule>) -> Result<Attribute> {
         let mut inner = pair.into_inner();
         let key = self.ident(&self.next(&mut inner)?);
-        let value = inner.next().map(|e| self.expr(e)).transpose()?;
+        let value = inner.next().map(|value| match value.as_rule() {
+            Rule::within => self.within(value),
+            _ => self.expr(value),
+        });
+        let value = value.transpose()?;
         Ok(Attribute { key, value })
+    }
+
+    /// `within = { inside ~ expr ~ ".." ~ expr }`
+    fn within(&self, pair: Pair<Rule>) -> Result<Expr> {
+        let mut ends = pair.into_inner();
+        self.next(&mut ends)?;
+        let from = self.expr(self.next(&mut ends)?)?;
+        let to = self.expr(self.next(&mut ends)?)?;
+        let span = from.span.to(to.span);
+        let ends = ExprKind::Range(Box::new(from), Box::new(to));
+        Ok(Expr::new(span, ends))
     }
 
     /// `constant = { SOI ~ "let" ~ word ~ "=" ~ expr ~ EOI }`

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::signal_delays::{SignalDelay, stated};
 use crate::discovery::{
     Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, RunCoefficient,
     SparsestProof, Trust, Verification, Witness,
@@ -28,6 +29,8 @@ pub struct Discovery {
     pub runs_left: Vec<String>,
     /// Other ways to write the relations that the equations span; `None` where none were looked for.
     pub relations: Option<Box<RelationChoices>>,
+    /// Declared delays, stated or found, in order of declaration.
+    pub delays: Vec<SignalDelay>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -343,6 +346,7 @@ impl Discovery {
             failed: Vec::new(),
             runs_left: Vec::new(),
             relations: None,
+            delays: stated(model),
         }
     }
 
@@ -375,20 +379,6 @@ impl Discovery {
     pub fn coefficient_unit(&self, target: Signal, term: &Term) -> Option<Unit> {
         let term = units::of_term(term, &|s| self.unit(s))?;
         units::coefficient(&self.unit(target)?, &term)
-    }
-
-    /// How many seconds later than its record an input acts, as it was found; 0 in discrete time, where it is a matter of samples.
-    pub fn input_delay(&self, input: VarId) -> f64 {
-        let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let mut delays = evidence
-            .filter_map(|e| e.together.as_ref())
-            .flat_map(|t| &t.delays);
-        let name = self.variable_of(input).map(|v| v.name.as_str());
-        let found = delays.find(|d| Some(d.input.as_str()) == name);
-        match found {
-            Some(delay) if !self.discrete => delay.seconds.clamp(-1e9, 1e9),
-            _ => 0.0,
-        }
     }
 
     /// The noise of a signal's sensor, declared or seen by smoothing, in its unit; 0 where none was estimated.

@@ -1,6 +1,7 @@
 //! Equations with evidence, statuses and doubts: plain data that all other modules may read.
 
 mod coefficient_inference;
+mod delays_taken_out;
 mod equations;
 mod identifiability;
 mod mass_matrix_form;
@@ -8,6 +9,7 @@ mod reason;
 mod relation_choices;
 mod run_coefficients;
 mod run_parameters;
+mod signal_delays;
 mod sparsest_proof;
 pub mod thresholds;
 mod verification;
@@ -29,6 +31,7 @@ pub use relation_choices::{
 };
 pub use run_coefficients::RunCoefficient;
 pub use run_parameters::RunParameters;
+pub use signal_delays::SignalDelay;
 pub use sparsest_proof::SparsestProof;
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
 pub use verification::{Verification, VerifiedProof, Witness};

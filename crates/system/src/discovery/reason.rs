@@ -193,6 +193,9 @@ codes! {
     /// A constraint holds, but the fit without it is many standard errors away.
     ConstraintStrained = "constraint-strained": Law,
         "check the constraint, or leave it out and see what the data say";
+    /// The range of a delay ends where it is likeliest, or the data do not tell the delay.
+    DelayRange = "delay-range": Data,
+        "widen the range of the delay, or record a faster motion";
     /// A combination of states stays constant along the data.
     DependentStates = "dependent-states": Terms,
         "leave one of these states out of the libraries";

@@ -61,6 +61,7 @@ impl RunParameters {
                 noise: Default::default(),
                 unit: None,
                 between: None,
+                delay: None,
                 span: None,
             });
             let signal = Signal::new(id);

@@ -10,7 +10,7 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Evidence, Mark, Notice, Reason, RelationChoices, RunCoefficient, Status, Without,
+    Evidence, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay, Status, Without,
 };
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
@@ -46,6 +46,9 @@ pub struct Document {
     /// Other ways to write the relations that the equations span; absent where none were looked for.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub relations: Option<Box<RelationChoices>>,
+    /// Declared delays, stated or found; absent if the model declares none.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub delays: Vec<SignalDelay>,
     #[serde(default)]
     pub settings: Settings,
     /// What was measured and what was estimated.

@@ -1,6 +1,6 @@
 //! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
-use crate::discovery::{Discovery, Equation, Failed, FoundTerm, Trust};
+use crate::discovery::{Discovery, Equation, Failed, FoundTerm, SignalDelay, Trust};
 use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
 use sidc_lang as lang;
 use sidc_lang::Vocabulary;
@@ -121,6 +121,15 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
         }
     }
     d.relations.clone_from(&doc.relations);
+    d.delays.clone_from(&doc.delays);
+    let unknown = |delay: &&SignalDelay| {
+        let mut names = d.variables.iter().map(|v| &v.name);
+        !delay.seconds.is_finite() || !names.any(|name| *name == delay.signal)
+    };
+    if let Some(delay) = d.delays.iter().find(unknown) {
+        let why = format!("{:?} is delayed and is no variable", delay.signal);
+        return Err(damaged(name, &why));
+    }
     if model.data.entries.len() != reading.columns.len() {
         return Err(damaged(name, "its data block is not one entry a signal"));
     }

@@ -47,6 +47,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
             .collect(),
         runs_left: d.runs_left.clone(),
         relations: d.relations.clone(),
+        delays: d.delays.clone(),
         settings: beside.settings,
         signals: beside.signals,
         warnings: warnings(d, beside.warnings),

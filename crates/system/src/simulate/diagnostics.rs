@@ -142,9 +142,6 @@ pub(super) fn late(d: &Discovery, s: Signal, seconds: f64) -> Diagnostic {
     let how = if seconds > 0.0 { "later" } else { "earlier" };
     Diagnostic::note(
         "input-late",
-        format!(
-            "{name} acts {} s {how} than its record says, as it was found to",
-            seconds.abs()
-        ),
+        format!("{name} acts {} s {how} than its record says", seconds.abs()),
     )
 }

@@ -77,6 +77,8 @@ fn restarted(
     let mut observer = monitor.silent_observer();
     let one = |(candidate, found): (&Candidate, &Identified)| {
         let (model, held) = (&candidate.program.model, &candidate.measured.held);
+        let true_held = found.discovery.without_sensor_delays(held);
+        let held = true_held.as_ref().unwrap_or(held);
         let runs = validate::restarted((&found.discovery, model), held, parts, &mut observer);
         merit(found, Some(&runs), shared)
     };

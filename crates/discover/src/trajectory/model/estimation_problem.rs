@@ -153,6 +153,11 @@ impl Problem {
         problem
     }
 
+    /// Noise that the model declares for each state.
+    pub(super) fn declared(&self) -> &[Option<f64>] {
+        &self.declared
+    }
+
     /// The same system, noise and spread on parts of the records; part i is of record `origin[i]`.
     pub(crate) fn with_parts(
         &self,

@@ -3,6 +3,7 @@
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
 mod coefficient_constraints;
+mod delayed_records;
 mod disturbance_states;
 mod estimation_problem;
 mod extra_columns;
@@ -18,6 +19,7 @@ mod subsampling;
 mod system;
 
 pub use coefficient_constraints::CoefficientConstraints;
+pub use delayed_records::AppliedDelay;
 pub(crate) use estimation_problem::LinearizationPoint;
 pub use estimation_problem::Problem;
 pub use process_noise::{Disturbance, ProcessNoise};

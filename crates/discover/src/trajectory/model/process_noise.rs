@@ -38,6 +38,11 @@ impl ProcessNoise {
         }
     }
 
+    /// Whether no disturbance has a memory.
+    pub fn is_white(&self) -> bool {
+        self.stationary().next().is_none()
+    }
+
     /// The numbers that describe the disturbances: an intensity each, or a deviation and a memory.
     pub(crate) fn values(&self) -> Vec<f64> {
         let of = |d: &Disturbance| match d {

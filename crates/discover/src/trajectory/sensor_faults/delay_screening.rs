@@ -152,7 +152,7 @@ impl DelayScreen {
 }
 
 /// The columns of a support and the simplest of every law.
-fn columns(problem: &Problem, support: &[usize], inputs: &[VarId]) -> Vec<usize> {
+pub(super) fn columns(problem: &Problem, support: &[usize], inputs: &[VarId]) -> Vec<usize> {
     let system = &problem.system;
     let has = |j: usize, v: &VarId| {
         let mut found = false;
@@ -179,7 +179,7 @@ fn columns(problem: &Problem, support: &[usize], inputs: &[VarId]) -> Vec<usize>
 }
 
 /// The problem with only these columns, rising.
-fn restricted(problem: &Problem, columns: &[usize]) -> Problem {
+pub(super) fn restricted(problem: &Problem, columns: &[usize]) -> Problem {
     let mut out = problem.clone();
     let system = &mut out.system;
     for law in &mut system.laws {

@@ -106,7 +106,7 @@ pub fn criterion_without_delay(
 }
 
 /// Samples at the start and at the end of a record for which the delayed input is unknown.
-fn ends(late: &DelayedInputs) -> (usize, usize) {
+pub(super) fn ends(late: &DelayedInputs) -> (usize, usize) {
     let whole = late.samples.abs().ceil() as usize;
     match late.samples > 0.0 {
         true => (whole, 0),

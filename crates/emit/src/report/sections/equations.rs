@@ -26,6 +26,9 @@ pub(crate) fn html(s: &Subject) -> String {
             notation.symbol(f.target)
         ));
     }
+    for delay in d.delay_sentences() {
+        body.push_str(&format!("<p>{}</p>\n", escape(&delay)));
+    }
     for (head, laws) in relations::told(d) {
         body.push_str(&format!(
             "<p>{}</p>\n<pre tabindex=\"0\">{}</pre>\n",

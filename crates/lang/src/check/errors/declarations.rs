@@ -132,7 +132,7 @@ pub fn unknown_attribute(at: Span, key: &str, known: &[&str]) -> Diagnostic {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
         None => d.at(at, "not known"),
     };
-    d.fact("attributes: order 2, noise 0.01, unit \"m\"; for inputs hold or linear")
+    d.fact("attributes: order 2, noise 0.01, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09")
 }
 
 pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
@@ -144,6 +144,9 @@ pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
     match key {
         "hold" | "linear" => d.help("it is for inputs: how they move between samples"),
         "order" => d.help("it is for states and inputs: how many derivatives exist"),
+        "delay" => {
+            d.help("it is for inputs, which act late, and for states, whose sensor reads late")
+        }
         _ => d.help("remove it"),
     }
 }
@@ -173,6 +176,44 @@ pub fn noise(at: Span, value: f64) -> Diagnostic {
     )
     .at(at, "a number above 0, in the unit of the signal")
     .help("leave `noise` out if it is not known")
+}
+
+/// `delay -0.1`
+pub fn negative_delay(at: Span, seconds: f64) -> Diagnostic {
+    Diagnostic::error(
+        "attribute-value",
+        format!("a delay of {seconds} s is an advance"),
+    )
+    .at(at, "a number that is not negative")
+    .help(format!(
+        "if the record may be late, let it be sought: `delay in {seconds} .. {}`",
+        -seconds
+    ))
+}
+
+/// `delay in 0.2 .. 0.1`
+pub fn empty_delay_range(at: Span, from: f64, to: f64) -> Diagnostic {
+    let d = Diagnostic::error("attribute-value", "a range of delays ends above its start");
+    let d = d.at(at, format!("{from} is not below {to}"));
+    match from > to {
+        true => d.help(format!("write `delay in {to} .. {from}`")),
+        false => d.help(format!("for a delay that is known write `delay {from}`")),
+    }
+}
+
+pub fn delay_in_discrete(at: Span, place: Span, keyword: &str) -> Diagnostic {
+    let d = Diagnostic::error(
+        "mixed-time",
+        "a model about samples has no delays in seconds",
+    )
+    .at(at, "has no meaning here")
+    .also(place, "makes it a model about samples");
+    match keyword {
+        "input" => d.help(
+            "remove it, and write the delay in the equations: `lag(u, 2)` is u two samples before",
+        ),
+        _ => d.help("remove it, and shift the column in the table by whole samples"),
+    }
 }
 
 pub fn attribute_value(at: Span, key: &str, wanted: &str, example: &str) -> Diagnostic {

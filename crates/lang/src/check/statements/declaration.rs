@@ -5,7 +5,7 @@
 use crate::ast::{ATTRIBUTES, Attribute, Expr, ExprKind, Keyword, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
-use crate::model::{Between, Var, VarKind};
+use crate::model::{Between, Delay, Var, VarKind};
 use crate::source::Span;
 use crate::term::{Signal, VarId};
 use crate::thresholds::MODEL;
@@ -18,6 +18,7 @@ struct Attributes {
     noise: Option<f64>,
     unit: Option<Unit>,
     between: Option<Between>,
+    delay: Option<Delay>,
 }
 
 impl Checker<'_> {
@@ -29,6 +30,7 @@ impl Checker<'_> {
             noise: Default::default(),
             unit: None,
             between: None,
+            delay: None,
             span: None,
         });
         self.scope.signals.insert("t".to_string(), Signal::TIME);
@@ -82,6 +84,7 @@ impl Checker<'_> {
                 noise: a.noise.map(|sigma| (0, sigma)).into_iter().collect(),
                 unit: a.unit.clone(),
                 between: a.between,
+                delay: a.delay,
                 span: Some(span),
             });
         }
@@ -169,6 +172,7 @@ impl Checker<'_> {
             noise: None,
             unit: None,
             between: None,
+            delay: None,
         };
         for (i, a) in attributes.iter().enumerate() {
             let before = attributes.iter().take(i).find(|b| b.key.text == a.key.text);
@@ -189,6 +193,9 @@ impl Checker<'_> {
                 "noise" if keyword != Keyword::Param => out.noise = self.noise(a),
                 "unit" => out.unit = self.unit(a),
                 "hold" | "linear" if keyword == Keyword::Input => self.between(a, &mut out.between),
+                "delay" if matches!(keyword, Keyword::State | Keyword::Input) => {
+                    out.delay = self.delay(keyword, a);
+                }
                 key if ATTRIBUTES.contains(&key) => {
                     self.say(errors::attribute_elsewhere(a.key.span, key, keyword.text()));
                 }
@@ -226,6 +233,36 @@ impl Checker<'_> {
         }
         let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
         self.fail(errors::noise(at, value))
+    }
+
+    /// `delay 0.09` or `delay in 0 .. 0.2`
+    fn delay(&mut self, keyword: Keyword, a: &Attribute) -> Option<Delay> {
+        if let Some(place) = self.scope.discrete {
+            return self.fail(errors::delay_in_discrete(a.key.span, place, keyword.text()));
+        }
+        let Some(value) = &a.value else {
+            let wanted = "seconds, or a range of them";
+            let example = "delay 0.09` or `delay in 0 .. 0.2";
+            return self.fail(errors::attribute_value(
+                a.key.span, "delay", wanted, example,
+            ));
+        };
+        let ExprKind::Range(from, to) = &value.kind else {
+            let seconds = self.early_number(value, "delay", "delay 0.09")?;
+            if seconds < 0.0 {
+                return self.fail(errors::negative_delay(value.span, seconds));
+            }
+            return Some(Delay::Known(seconds));
+        };
+        let (first, last) = (
+            self.early_number(from, "delay", "delay in 0 .. 0.2"),
+            self.early_number(to, "delay", "delay in 0 .. 0.2"),
+        );
+        let (from, to) = (first?, last?);
+        if from < to {
+            return Some(Delay::Within { from, to });
+        }
+        self.fail(errors::empty_delay_range(value.span, from, to))
     }
 
     /// `unit "m"`

@@ -98,8 +98,7 @@ impl SampledInput {
 
     /// The segment that holds from `t` on. At a jump the right side counts.
     pub fn line(&self, time: &[f64], t: f64) -> InputSegment {
-        let own = t - self.late;
-        let row = after(time, own);
+        let row = after(time, self.recorded(time, t));
         let value = |i: usize| self.values.get(i).copied().unwrap_or(0.0);
         let last = self.values.len() - 1;
         let flat = |value| InputSegment::flat(t, value);
@@ -120,6 +119,17 @@ impl SampledInput {
                     meets: (time[i] + self.late, value(i)),
                 }
             }
+        }
+    }
+
+    /// When the value that acts at `t` was recorded. A knot of a delayed input is the sum of an instant and the delay; the difference must not
+    /// round to before that instant, since the segment before would then hold until the next knot.
+    fn recorded(&self, time: &[f64], t: f64) -> f64 {
+        const ROUNDING: f64 = 1e-9;
+        let own = t - self.late;
+        match (self.late, time.first().zip(time.last())) {
+            (0.0, _) | (_, None) => own,
+            (_, Some((first, last))) => own + ROUNDING * (last - first) / time.len() as f64,
         }
     }
 
