@@ -78,6 +78,9 @@ pub(crate) fn search_system<'a>(
     if options.robust && fit.late.is_some() {
         search.without_outliers(&mut fit);
     }
+    if search.with_growing_noise(&mut fit) && options.robust {
+        search.without_outliers(&mut fit);
+    }
     fit.offset = search.offset(&fit);
     Some(fit)
 }
@@ -228,6 +231,38 @@ impl DelayOutlierSearch<'_, '_> {
             fit.problem = Cow::Owned(next);
             fit.found = found;
         }
+    }
+
+    /// Weighs readings by noise that grows with the signal, where the model says so or the residuals show it, and searches again until
+    /// the weights stay. True if anything changed.
+    fn with_growing_noise(&mut self, fit: &mut JointFit) -> bool {
+        let mut changed = false;
+        for _ in 0..SENSOR_SEARCH.growth_rounds {
+            if self.watcher.stop().is_some() {
+                break;
+            }
+            let price = fit.found.penalty;
+            let best = &fit.found.best;
+            let Some(grown) = trajectory::grow_noise(&fit.problem, best, price) else {
+                break;
+            };
+            // What laws leave beyond noise may well grow with the signal.
+            if !changed && grown.estimated > 0 && unexplained(&grown.problem, best) {
+                break;
+            }
+            let Some(found) = self.run(&grown.problem) else {
+                break;
+            };
+            let paid = price * grown.estimated as f64;
+            let better = found.best.value + paid < fit.found.best.value;
+            if !changed && grown.estimated > 0 && !better {
+                break;
+            }
+            fit.problem = Cow::Owned(grown.problem);
+            fit.found = found;
+            changed = true;
+        }
+        changed
     }
 
     /// A sensor offset that would replace terms. Looked for only if the laws explain the readings to their noise.

@@ -62,7 +62,7 @@ pub use model::{
 };
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
-pub use residuals::{Channel, File, Outliers, channels, leave_out};
+pub use residuals::{Channel, File, GrownNoise, Outliers, channels, grow_noise, leave_out};
 pub(crate) use search::minimum;
 pub use search::{
     BetterLaws, Found, LawChange, SearchObserver, StartingSupport, search, search_beyond_libraries,

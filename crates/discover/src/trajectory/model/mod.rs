@@ -5,6 +5,7 @@
 mod coefficient_constraints;
 mod estimation_problem;
 mod extra_columns;
+mod noise_growth;
 mod quantization;
 mod record;
 mod rejected_readings;

@@ -6,8 +6,10 @@
 mod channels;
 mod effective_sample_size;
 mod fitted_signals;
+mod noise_growth;
 mod outliers;
 
 pub use channels::{Channel, File, channels};
 pub(crate) use effective_sample_size::statistical_inefficiency;
+pub use noise_growth::{GrownNoise, grow_noise};
 pub use outliers::{Outliers, leave_out};
