@@ -10,7 +10,8 @@ use crate::doubts::trajectory_rules;
 use crate::options::Options;
 use crate::trajectory;
 use crate::trajectory::{
-    DelayedInputs, Fit, Found, Law, Problem, SearchObserver, SensorOffset, StartingSupport,
+    DelayedInputs, Fit, Found, GrownNoise, Law, Problem, SearchObserver, SensorOffset,
+    StartingSupport,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::term::VarId;
@@ -242,20 +243,19 @@ impl DelayOutlierSearch<'_, '_> {
                 break;
             }
             let price = fit.found.penalty;
-            let best = &fit.found.best;
-            let Some(grown) = trajectory::grow_noise(&fit.problem, best, price) else {
+            let Some(grown) = grown_noise(fit, changed) else {
                 break;
             };
-            // What laws leave beyond noise may well grow with the signal.
-            if !changed && grown.estimated > 0 && unexplained(&grown.problem, best) {
-                break;
-            }
             let Some(found) = self.run(&grown.problem) else {
                 break;
             };
             let paid = price * grown.estimated as f64;
             let better = found.best.value + paid < fit.found.best.value;
-            if !changed && grown.estimated > 0 && !better {
+            // Laws that are wrong leave more where the signal is large, too.
+            let explains = || !unexplained(&grown.problem, &found.best);
+            let worse_before = || unexplained(&grown.problem, &fit.found.best);
+            let accepted = better && (explains() || !worse_before());
+            if !changed && grown.estimated > 0 && !accepted {
                 break;
             }
             fit.problem = Cow::Owned(grown.problem);
@@ -311,6 +311,18 @@ impl DelayOutlierSearch<'_, '_> {
             moved = Some(late);
         }
     }
+}
+
+/// Growth of the noise along the fit, or, where laws leave more than noise, along the smoothed trajectories: with wrong weights a search may
+/// have gone wrong, and what laws leave is no noise.
+fn grown_noise(fit: &JointFit, settled: bool) -> Option<GrownNoise> {
+    let (problem, best, price) = (&fit.problem, &fit.found.best, fit.found.penalty);
+    let grown = trajectory::grow_noise(problem, Some(best), price)?;
+    let explains = || !unexplained(&grown.problem, best);
+    if settled || grown.estimated == 0 || explains() {
+        return Some(grown);
+    }
+    trajectory::grow_noise(problem, None, price).filter(|g| g.estimated > 0)
 }
 
 /// The sum of two delays; `None` if they belong to different inputs or cancel.

@@ -17,30 +17,29 @@ pub struct GrownNoise {
     pub problem: Problem,
     /// Growths that were estimated, not declared.
     pub estimated: usize,
-    /// −2 log likelihood of the fit's residuals gains this by the estimated growths.
-    pub gain: f64,
 }
 
-/// The problem with readings weighed by noise that grows along the fit, where the model declares it or where it gains more than
-/// `price`; `None` where weights stay as they are.
-pub fn grow_noise(problem: &Problem, fit: &Fit, price: f64) -> Option<GrownNoise> {
-    let (mut estimated, mut gain) = (0, 0.0);
+/// The problem with readings weighed by noise that grows along a fit, or along the smoothed trajectories, where the model declares it or
+/// where it gains more than `price`; `None` where weights stay as they are.
+pub fn grow_noise(problem: &Problem, fit: Option<&Fit>, price: f64) -> Option<GrownNoise> {
+    let mut estimated = 0;
+    let smoothed = || problem.smoothed.iter().map(|c| c.states.clone()).collect();
+    let paths: Vec<Vec<f64>> = fit.map_or_else(smoothed, |fit| fit.paths().to_vec());
     let law = |state: usize| match problem.declared[state] {
         Some(declared) => Some(declared).filter(SensorNoise::grows),
         None => {
-            let found = Readings::new(problem, fit, state)?.growth();
-            let (law, own) = found.filter(|(_, own)| *own > price)?;
+            let alone = fit.map(|fit| far_alone(problem, fit, state));
+            let readings = Readings::new(problem, &paths, alone.as_deref(), state)?;
+            let (law, _) = readings.growth().filter(|(_, gain)| *gain > price)?;
             estimated += 1;
-            gain += own;
             Some(law)
         }
     };
     let laws: Vec<Option<SensorNoise>> = (0..problem.states()).map(law).collect();
-    let weighed = problem.with_growth(&laws, fit.paths());
+    let weighed = problem.with_growth(&laws, &paths);
     (change(problem, &weighed) > GROWTH.settled).then_some(GrownNoise {
         problem: weighed,
         estimated,
-        gain,
     })
 }
 
@@ -68,15 +67,19 @@ struct Readings {
 }
 
 impl Readings {
-    /// `None` where too few are read, or the residuals are no noise.
-    fn new(problem: &Problem, fit: &Fit, state: usize) -> Option<Readings> {
+    /// Of residuals from trajectories, without the readings that are `alone`. `None` where too few are read, or the residuals are no noise.
+    fn new(
+        problem: &Problem,
+        paths: &[Vec<f64>],
+        alone: Option<&[Vec<bool>]>,
+        state: usize,
+    ) -> Option<Readings> {
         let n = problem.states();
         let mut sensors = vec![Vec::new(); problem.sensors.count() / n.max(1)];
-        let alone = far_alone(problem, fit, state);
-        let records = problem.records.iter().zip(fit.paths());
-        for (r, ((record, path), alone)) in records.zip(alone).enumerate() {
+        for (r, (record, path)) in problem.records.iter().zip(paths).enumerate() {
+            let outlier = |k: usize| alone.is_some_and(|alone| alone[r][k]);
             let read = record.measured[state].iter().enumerate();
-            let used = read.filter(|(k, y)| y.is_finite() && !alone[*k]);
+            let used = read.filter(|(k, y)| y.is_finite() && !outlier(*k));
             let squares = used.map(|(k, y)| {
                 let x = path[k * n + state];
                 ((y - x).powi(2), x * x)
