@@ -20,6 +20,7 @@ mod docs;
 mod drafts;
 mod emit;
 mod gallery;
+mod growing_noise;
 mod holdout;
 mod honest;
 mod hostile;

@@ -70,7 +70,7 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = assignments::parameter)]
     pub params: Vec<(String, Vec<f64>)>,
-    /// Standard deviation of a signal's measurement, in units of the model: theta=0.01, ddtheta=0.5
+    /// Noise of a signal: a standard deviation in units of the model, a share of the value, or both: theta=0.01, x=2%, x=0.01+2%
     #[arg(long = "noise", value_name = "theta=0.01", value_parser = assignments::noise)]
     pub noise: Vec<(String, SensorNoise)>,
     /// Stop after this time with what there is: 30, 30s, 5m, 1h

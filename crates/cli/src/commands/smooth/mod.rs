@@ -45,7 +45,7 @@ pub struct Args {
     /// Use only times A to B, ends optional: --window=2..10, --window=..5
     #[arg(long, value_name = "A..B", value_parser = time_ranges::window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
-    /// Standard deviation of a sensor's noise, in the model's units: --noise theta=0.01
+    /// Noise of a sensor: a standard deviation in the model's units or a share of the value: theta=0.01, x=2%
     #[arg(long, value_name = "NAME=SIGMA", value_parser = assignments::noise)]
     noise: Vec<(String, SensorNoise)>,
     /// Constant parameters: one value a trajectory, or one for all

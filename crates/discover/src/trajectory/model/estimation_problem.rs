@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
-use super::noise_growth::Growth;
+use super::growth::Growth;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
 use super::rejected_readings::{LeftOut, reject_outliers};

@@ -5,6 +5,7 @@
 mod coefficient_constraints;
 mod estimation_problem;
 mod extra_columns;
+mod growth;
 mod noise_growth;
 mod quantization;
 mod record;

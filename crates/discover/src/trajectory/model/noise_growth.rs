@@ -5,29 +5,9 @@
 //! readings: weights that follow the errors themselves bias the fit (Davidian & Carroll, J. Am. Stat. Assoc. 1987). Estimates no noise.
 
 use super::estimation_problem::Problem;
+use super::growth::Growth;
 use crate::trajectory::thresholds::GROWTH;
 use sidc_lang::sensor_noise::SensorNoise;
-
-/// How the noise of one sensor grows.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Growth {
-    /// Noise at each value, but for a factor.
-    law: SensorNoise,
-    /// Its geometric mean over the readings: level · law / mean is the noise.
-    mean: f64,
-    /// Root mean square of the relative noise of the readings.
-    pub rms: f64,
-}
-
-impl Growth {
-    /// The noise at each value for a level of the sensor.
-    pub fn of_level(&self, level: f64) -> SensorNoise {
-        SensorNoise {
-            floor: self.law.floor * level / self.mean,
-            share: self.law.share * level / self.mean,
-        }
-    }
-}
 
 impl Problem {
     /// Root mean square of the noise of a sensor's readings over its level.

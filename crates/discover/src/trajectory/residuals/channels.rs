@@ -160,7 +160,8 @@ fn growth(problem: &Problem, fit: &Fit, state: usize) -> Option<SensorNoise> {
     for s in (state..problem.growth.len()).step_by(problem.states()) {
         if let Some(growth) = problem.growth[s] {
             let weight = problem.readings[s] as f64 / problem.readings_of(state) as f64;
-            let noise = growth.of_level(fit.sigma()[s]);
+            let level = (fit.residual_squares[s] / problem.readings[s].max(1) as f64).sqrt();
+            let noise = growth.of_level(level);
             floor += weight * noise.floor.powi(2);
             share += weight * noise.share.powi(2);
         }
