@@ -235,8 +235,9 @@ impl DelayOutlierSearch<'_, '_> {
     }
 
     /// Weighs readings by noise that grows with the signal, where the model says so or the residuals show it, and searches again until
-    /// the weights stay. True if anything changed.
+    /// the weights stay. True if anything changed. Growth that the last answer shows no more was none.
     fn with_growing_noise(&mut self, fit: &mut JointFit) -> bool {
+        let (before, mut estimated) = ((fit.problem.clone(), fit.found.clone()), 0);
         let mut changed = false;
         for _ in 0..SENSOR_SEARCH.growth_rounds {
             if self.watcher.stop().is_some() {
@@ -246,6 +247,10 @@ impl DelayOutlierSearch<'_, '_> {
             let Some(grown) = grown_noise(fit, changed) else {
                 break;
             };
+            if grown.estimated < estimated {
+                (fit.problem, fit.found) = before;
+                return false;
+            }
             let Some(found) = self.run(&grown.problem) else {
                 break;
             };
@@ -253,13 +258,12 @@ impl DelayOutlierSearch<'_, '_> {
             let better = found.best.value + paid < fit.found.best.value;
             // Laws that are wrong leave more where the signal is large, too.
             let explains = || !unexplained(&grown.problem, &found.best);
-            let worse_before = || unexplained(&grown.problem, &fit.found.best);
-            let accepted = better && (explains() || !worse_before());
-            if !changed && grown.estimated > 0 && !accepted {
+            if grown.estimated > estimated && !(better && explains()) {
                 break;
             }
             fit.problem = Cow::Owned(grown.problem);
             fit.found = found;
+            estimated = grown.estimated;
             changed = true;
         }
         changed
