@@ -1,5 +1,6 @@
 //! Model + data → discovery: the stages of the pipeline, one after another.
 
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_progress::{Observer, Unwatched};
 use sidc_system::result::{self, Beside};
 
@@ -73,7 +74,7 @@ impl Model {
     }
 
     /// The program, with the noise that the options give in place of what the model declares.
-    fn with_noise(&self, noise: &[(String, f64)]) -> Result<Program, Error> {
+    fn with_noise(&self, noise: &[(String, SensorNoise)]) -> Result<Program, Error> {
         let mut program = self.program.clone();
         pipeline::set_noise(&mut program, noise).map_err(|fault| {
             let (code, text) = match fault {

@@ -2,6 +2,7 @@
 
 use sidc_data::{HoldOut, HoldOutRange, Window};
 use sidc_discover::Method;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_solve::solver;
 use sidc_system::predict::{ErrorLimit, PredictionRequest};
 
@@ -23,7 +24,7 @@ use crate::pipeline::BUDGET;
 /// ```
 #[derive(Clone, Default)]
 pub struct Options {
-    pub(crate) noise: Vec<(String, f64)>,
+    pub(crate) noise: Vec<(String, SensorNoise)>,
     pub(crate) window: Window,
     pub(crate) held_out: HoldOut,
     pub(crate) search: sidc_discover::Options,
@@ -34,7 +35,15 @@ pub struct Options {
 impl Options {
     /// Standard deviation of a signal's measurement, in the model's units; holds over what the model declares.
     pub fn noise(mut self, signal: &str, deviation: f64) -> Options {
-        self.noise.push((signal.into(), deviation));
+        self.noise
+            .push((signal.into(), SensorNoise::constant(deviation)));
+        self
+    }
+
+    /// The same for noise that grows with the signal: of standard deviation √(floor² + (share · value)²).
+    pub fn growing_noise(mut self, signal: &str, floor: f64, share: f64) -> Options {
+        self.noise
+            .push((signal.into(), SensorNoise { floor, share }));
         self
     }
 

@@ -11,7 +11,7 @@ use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
 use sidc_lang::source::Sources;
-use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 use sidc_progress::{Activity, Observer};
 
 use sidc_system::discovery::Discovery;
@@ -122,6 +122,11 @@ pub fn measure(
             diagnostics.push(weaker_method(&why.because));
         }
     }
+    if search.method == Method::Weak
+        && let Some(name) = growing(model)
+    {
+        diagnostics.push(share_unused(&name));
+    }
     let joint = joint.ok();
     diagnostics.extend(found);
     let acting = match &joint {
@@ -201,6 +206,22 @@ fn not_robust(why: &str) -> Diagnostic {
         format!("--robust has no effect: the equations are not estimated together with their trajectory, because {why}"),
     )
     .help("readings are left out where --method is joint")
+}
+
+/// The first signal whose noise is declared to grow with it.
+fn growing(model: &Model) -> Option<String> {
+    let vars = (0..).map(VarId).zip(&model.vars);
+    let mut sensors = vars.flat_map(|(id, v)| v.noise.iter().map(move |(der, n)| (id, *der, n)));
+    let (id, der, _) = sensors.find(|(_, _, noise)| noise.grows())?;
+    Some(model.name(Signal::derivative(id, der)))
+}
+
+fn share_unused(name: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "share-unused",
+        format!("the weak form takes the noise of {name} to be the same at every value: its root mean square along the data"),
+    )
+    .help("leave --method to the program: the joint estimate weighs each reading by its own noise")
 }
 
 fn weaker_method(why: &str) -> Diagnostic {

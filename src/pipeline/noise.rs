@@ -1,8 +1,9 @@
 //! Noise of sensors that is given beside the model.
 //!
-//! In: a program, standard deviations by name. Out: the program with these in place of what its model declares, or the first fault.
+//! In: a program, noises by name. Out: the program with these in place of what its model declares, or the first fault.
 
 use sidc_lang::model::{Model, VarKind};
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Signal, SignalNames, VarId};
 
 use super::program::Program;
@@ -16,14 +17,14 @@ pub enum NoiseFault {
     Unknown { name: String, measured: Vec<String> },
 }
 
-/// Standard deviations by the names of signals, in the model's units; they hold over what the model declares.
+/// Noise by the names of signals; it holds over what the model declares.
 ///
 /// # Errors
 /// The first fault.
-pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), NoiseFault> {
+pub fn set_noise(program: &mut Program, given: &[(String, SensorNoise)]) -> Result<(), NoiseFault> {
     let signals = sensors(&program.model);
-    for (place, (name, sigma)) in noise.iter().enumerate() {
-        if noise.iter().take(place).any(|(n, _)| n == name) {
+    for (place, (name, noise)) in given.iter().enumerate() {
+        if given.iter().take(place).any(|(n, _)| n == name) {
             return Err(NoiseFault::Twice(name.clone()));
         }
         let Some((_, signal)) = signals.iter().find(|(n, _)| n == name) else {
@@ -32,7 +33,7 @@ pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), N
             return Err(NoiseFault::Unknown { name, measured });
         };
         if let Some(var) = program.model.vars.get_mut(signal.var.0 as usize) {
-            var.noise.insert(signal.der, *sigma);
+            var.noise.insert(signal.der, *noise);
         }
     }
     Ok(())

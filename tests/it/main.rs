@@ -22,6 +22,7 @@ mod docs;
 mod drafts;
 mod emit;
 mod gallery;
+mod growing_noise;
 mod holdout;
 mod honest;
 mod hostile;

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use crate::statistics::{autocorrelation_time, median, norm, rms};
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::Signal;
 
 /// The error model of one equation on M rows.
@@ -105,8 +106,12 @@ impl Weights {
 
 /// The standard error of every value: estimated, or as declared for the sensor.
 fn errors(samples: &Samples, s: Signal) -> Option<Cow<'_, [f64]>> {
-    match &samples.column(s)?.origin {
-        Origin::Measured { noise } => noise.map(|sigma| vec![sigma; samples.len()].into()),
+    let column = samples.column(s)?;
+    match &column.origin {
+        Origin::Measured { noise } => {
+            let at = |noise: &SensorNoise| column.values.iter().map(|v| noise.at(*v)).collect();
+            noise.as_ref().map(|noise| Cow::Owned(at(noise)))
+        }
         Origin::Estimated { error, .. } => Some(error.into()),
     }
 }

@@ -140,6 +140,8 @@ pub struct Expr {
 #[derive(Clone, Debug)]
 pub enum ExprKind {
     Number(f64),
+    /// `2%`, as a part of 1.
+    Share(f64),
     /// A quoted header or unit, without its quotes.
     Text(String),
     Name(String),
@@ -211,7 +213,9 @@ impl Expr {
     /// The operands, items or arguments, in order; the numbers of a generator are not among them.
     pub fn children(&self) -> Vec<&Expr> {
         match &self.kind {
-            ExprKind::Number(_) | ExprKind::Text(_) | ExprKind::Name(_) => Vec::new(),
+            ExprKind::Number(_) | ExprKind::Share(_) | ExprKind::Text(_) | ExprKind::Name(_) => {
+                Vec::new()
+            }
             ExprKind::Negate(x) | ExprKind::Group(x) => vec![x],
             ExprKind::Power(x, y) | ExprKind::Range(x, y) => vec![x, y],
             ExprKind::Sum(parts) => parts.iter().map(|(_, x)| x).collect(),

@@ -15,6 +15,7 @@ pub mod model;
 pub mod number;
 pub mod parse;
 pub mod render;
+pub mod sensor_noise;
 pub mod source;
 pub mod term;
 mod thresholds;

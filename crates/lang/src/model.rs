@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::sensor_noise::SensorNoise;
 use crate::source::Span;
 use crate::term::{Expr, Func, Signal, SignalNames, Term, VarId};
 use crate::units;
@@ -63,8 +64,8 @@ pub struct Var {
     pub kind: VarKind,
     /// Highest derivative that exists.
     pub order: u8,
-    /// Standard deviation of the sensor's noise by order of derivative, each in model units.
-    pub noise: BTreeMap<u8, f64>,
+    /// Noise of the sensor by order of derivative.
+    pub noise: BTreeMap<u8, SensorNoise>,
     /// Its unit. Time is in seconds in a model that declares any unit.
     pub unit: Option<Unit>,
     /// How an input moves between samples, if declared.
@@ -300,8 +301,8 @@ impl Model {
         self.vars.get(id.0 as usize)
     }
 
-    /// Standard deviation of a signal's measurement noise in model units, if declared.
-    pub fn noise(&self, s: Signal) -> Option<f64> {
+    /// Noise of a signal's sensor, if declared.
+    pub fn noise(&self, s: Signal) -> Option<SensorNoise> {
         self.var(s.var)?.noise.get(&s.der).copied()
     }
 

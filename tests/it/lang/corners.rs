@@ -1,6 +1,7 @@
 //! Where one rule ends and the next begins: names that look like others, limits to the last one, faults that follow from faults.
 
 use sidc_lang::model::{LibExpr, LibKind, Model, RightSide};
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Expr, Signal, SignalNames, VarId};
 
 use super::{compiled, model, said};
@@ -166,7 +167,7 @@ fn constraints_are_linear_in_coefficients_and_free_in_numbers() {
 #[test]
 fn only_sensors_have_noise_above_zero() {
     let m = model("state x : noise 0.1\ninput u\ndx ~ <x, u>\n");
-    assert_eq!(m.noise(signal(&m, "x")), Some(0.1));
+    assert_eq!(m.noise(signal(&m, "x")), Some(SensorNoise::constant(0.1)));
     assert_eq!(m.noise(signal(&m, "u")), None);
     assert_eq!(errors("state x : noise 0\ndx ~ <x>\n").len(), 1);
     let text = "state x\nparam m : noise 0.1\ndx ~ <m*x>\n";

@@ -1,6 +1,7 @@
 //! Rare forms of every statement: what they mean, and what is said of those that mean nothing.
 
 use sidc_lang::model::{ColumnKind, Relation, VarKind};
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Signal, VarId};
 
 use super::{compiled, model, said};
@@ -19,9 +20,15 @@ fn numbers_are_known_before_anything_else() {
         "state x : order n, noise s\ninput u : noise 2*s\ndata { x = \"X\" * k }\nlet n = (4/2)\nlet s = -(-0.1)^1\nlet k = sqrt(4) * 3 - pi/pi\nddx ~ <x^n, u>\n",
     );
     let x = m.vars.iter().find(|v| v.name == "x").unwrap();
-    assert_eq!((x.order, x.noise.get(&0)), (2, Some(&0.1)));
+    assert_eq!(
+        (x.order, x.noise.get(&0)),
+        (2, Some(&SensorNoise::constant(0.1)))
+    );
     let u = m.vars.iter().find(|v| v.name == "u").unwrap();
-    assert_eq!((u.kind, u.noise.get(&0)), (VarKind::Input, Some(&0.2)));
+    assert_eq!(
+        (u.kind, u.noise.get(&0)),
+        (VarKind::Input, Some(&SensorNoise::constant(0.2)))
+    );
     let shown = format!("{:?}", m.data);
     assert!(shown.contains("Number(5.0)"), "{shown}");
     // A number that uses another is one too, in the order of the lines.

@@ -3,6 +3,7 @@
 //! One small text each, and the part of the model that it is about.
 
 use sidc_lang::model::{Between, ColumnKind, LibKind, RightSide, VarKind};
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 
 use super::{compiled, model};
@@ -88,7 +89,7 @@ fn declarations() {
     let names: Vec<&str> = m.vars.iter().map(|v| v.name.as_str()).collect();
     assert_eq!(names, ["t", "y", "theta", "F", "z", "m"]);
     assert_eq!(m.vars[1].order, 2);
-    assert_eq!(m.vars[1].noise.get(&0), Some(&0.1));
+    assert_eq!(m.vars[1].noise.get(&0), Some(&SensorNoise::constant(0.1)));
     assert_eq!(m.vars[1].unit.as_ref().unwrap().to_string(), "m");
     assert_eq!(m.vars[3].between, Some(Between::Hold));
     assert_eq!(m.vars[4].kind, VarKind::Output);

@@ -3,6 +3,10 @@
 use super::names::hint;
 use crate::failure::Failure;
 use sidc::pipeline::{self, NoiseFault, Program};
+use sidc_lang::sensor_noise::SensorNoise;
+
+const NOISE: &str =
+    "a noise is a standard deviation above 0 (0.01), a share of the value (2%), or both (0.01+2%)";
 
 /// `m=0.3,0.5`
 pub fn parameter(text: &str) -> Result<(String, Vec<f64>), String> {
@@ -19,14 +23,21 @@ pub fn parameter(text: &str) -> Result<(String, Vec<f64>), String> {
     Ok((name.trim().to_string(), values?))
 }
 
-/// `theta=0.01`
-pub fn noise(text: &str) -> Result<(String, f64), String> {
-    match parameter(text)? {
-        (name, values) if values.len() == 1 && values.iter().all(|x| *x > 0.0) => {
-            Ok((name, values.iter().sum()))
+/// `theta=0.01`, `x=2%`, `x=0.01+2%`
+pub fn noise(text: &str) -> Result<(String, SensorNoise), String> {
+    let (name, parts) = text.split_once('=').ok_or("write a noise as name=value")?;
+    let mut noise = SensorNoise::default();
+    for part in parts.split('+').map(str::trim) {
+        let (to, number, unit) = match part.strip_suffix('%') {
+            Some(number) => (&mut noise.share, number, 0.01),
+            None => (&mut noise.floor, part, 1.0),
+        };
+        match number.trim().parse::<f64>() {
+            Ok(x) if x > 0.0 && x.is_finite() && *to == 0.0 => *to = unit * x,
+            _ => return Err(NOISE.into()),
         }
-        _ => Err("a noise is one number above 0, a standard deviation".into()),
     }
+    Ok((name.trim().to_string(), noise))
 }
 
 /// `theta=0.1,dtheta=0`
@@ -47,7 +58,7 @@ pub fn start(text: &str) -> Result<Vec<(String, f64)>, String> {
 ///
 /// # Errors
 /// A name that the model does not measure, or that is given twice.
-pub fn set_noise(program: &mut Program, noise: &[(String, f64)]) -> Result<(), Failure> {
+pub fn set_noise(program: &mut Program, noise: &[(String, SensorNoise)]) -> Result<(), Failure> {
     pipeline::set_noise(program, noise).map_err(|fault| match fault {
         NoiseFault::Twice(name) => given_twice("--noise", &name),
         NoiseFault::Unknown { name, measured } => {

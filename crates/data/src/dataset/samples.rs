@@ -1,5 +1,6 @@
 //! The rows that equations are found from: all signals at common instants, trajectories one after another.
 
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::Signal;
 
 /// A table of M rows; every column is finite.
@@ -25,8 +26,8 @@ pub struct Column {
 /// Where the values of a column come from.
 #[derive(Clone, Debug)]
 pub enum Origin {
-    /// `noise` is the standard deviation of the sensor, if declared.
-    Measured { noise: Option<f64> },
+    /// `noise` is that of the sensor, if declared.
+    Measured { noise: Option<SensorNoise> },
     /// Estimated from other signals; `error` is the standard error of each value (length M), `method` a few words.
     Estimated {
         error: Vec<f64>,
@@ -68,7 +69,7 @@ impl Samples {
         let named = self.columns.iter_mut().filter(|c| c.signal == signal);
         for column in named {
             if let Origin::Measured { noise } = &mut column.origin {
-                *noise = Some(sigma);
+                *noise = Some(SensorNoise::constant(sigma));
             }
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! In: values of one signal along each trajectory. Out: a [`Column`] and its [`Provenance`].
 
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::Signal;
 
 use super::signal_estimates::SignalValues;
@@ -69,7 +70,7 @@ impl GatheredColumn {
         }
     }
 
-    pub(super) fn into_column(self, noise: Option<f64>) -> Column {
+    pub(super) fn into_column(self, noise: Option<SensorNoise>) -> Column {
         Column {
             signal: self.signal,
             values: self.values,

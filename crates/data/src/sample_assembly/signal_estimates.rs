@@ -4,6 +4,7 @@
 //! estimated. No estimate crosses a gap; one crosses a jump of an input only where that promises half the error.
 
 use sidc_lang::model::Model;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::Observer;
 
@@ -121,7 +122,8 @@ impl<'a> SignalEstimator<'a> {
         crossings: &mut JumpCrossings,
         observer: &mut dyn Observer,
     ) -> Result<SignalValues, Stopped> {
-        let noise = self.model.noise(below);
+        let declared = self.model.noise(below);
+        let noise = declared.map(|noise| noise.rms(values));
         let missing: Vec<bool> = values.iter().map(|x| !x.is_finite()).collect();
         let within = segments(&missing, &self.gaps_and_jumps);
         let mut e =
@@ -139,6 +141,12 @@ impl<'a> SignalEstimator<'a> {
                 .iter()
                 .filter(|s| s.len() < SAMPLING.min_rows_between_jumps);
             crossings.crossed += short.map(|s| s.rows_end - s.start).sum::<usize>();
+        }
+        if let (Some(declared), Some(rms)) = (declared.filter(SensorNoise::grows), noise) {
+            // A window is narrow beside the signal: its readings are about as noisy as the one in its middle.
+            for (error, value) in e.error.iter_mut().zip(values) {
+                *error *= declared.at(*value) / rms;
+            }
         }
         for (error, corner) in e.error.iter_mut().zip(&self.intersample.corners) {
             *error = error.hypot(size * corner);

@@ -42,7 +42,7 @@ pub(crate) fn states_in_samples(model: &Model, samples: &Samples) -> Vec<Measure
             Origin::Measured { noise } => Some(MeasuredState {
                 signal: c.signal,
                 values: c.values.clone(),
-                noise: noise.unwrap_or(0.0),
+                noise: noise.map_or(0.0, |noise| noise.rms(&c.values)),
             }),
             Origin::Estimated { .. } => None,
         })

@@ -71,7 +71,7 @@ pub fn joint(
     }
     let declared = || {
         let mut states = states(model);
-        states.any(|s| model.noise(s).is_some_and(|n| n > 0.0))
+        states.any(|s| model.noise(s).is_some_and(|n| n.is_valid()))
     };
     let without_laws = |because| NotJoint {
         because,

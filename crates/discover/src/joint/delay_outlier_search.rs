@@ -10,7 +10,7 @@ use crate::doubts::trajectory_rules;
 use crate::options::Options;
 use crate::trajectory;
 use crate::trajectory::{
-    DelayedInputs, Fit, Found, InputLag, Law, Problem, SearchObserver, SensorOffset,
+    DelayedInputs, Fit, Found, GrownNoise, InputLag, Law, Problem, SearchObserver, SensorOffset,
     StartingSupport,
 };
 use sidc_lang::model::{Model, Var, VarKind};
@@ -82,6 +82,9 @@ pub(crate) fn search_system<'a>(
     search.with_delay(&inputs, &mut fit);
     search.lag_or_delay(problem, &mut fit);
     if options.robust && fit.late.is_some() {
+        search.without_outliers(&mut fit);
+    }
+    if search.with_growing_noise(&mut fit) && options.robust {
         search.without_outliers(&mut fit);
     }
     fit.offset = search.offset(&fit);
@@ -275,6 +278,41 @@ impl DelayOutlierSearch<'_, '_> {
         }
     }
 
+    /// Weighs readings by noise that grows with the signal, where the model says so or the residuals show it, and searches again until
+    /// the weights stay. True if anything changed. Growth that the last answer shows no more was none.
+    fn with_growing_noise(&mut self, fit: &mut JointFit) -> bool {
+        let (before, mut estimated) = ((fit.problem.clone(), fit.found.clone()), 0);
+        let mut changed = false;
+        for _ in 0..SENSOR_SEARCH.growth_rounds {
+            if self.watcher.stop().is_some() {
+                break;
+            }
+            let price = fit.found.penalty;
+            let Some(grown) = grown_noise(fit, changed) else {
+                break;
+            };
+            if grown.estimated < estimated {
+                (fit.problem, fit.found) = before;
+                return false;
+            }
+            let Some(found) = self.run(&grown.problem) else {
+                break;
+            };
+            let paid = price * grown.estimated as f64;
+            let better = found.best.value + paid < fit.found.best.value;
+            // Laws that are wrong leave more where the signal is large, too.
+            let explains = || !unexplained(&grown.problem, &found.best);
+            if grown.estimated > estimated && !(better && explains()) {
+                break;
+            }
+            fit.problem = Cow::Owned(grown.problem);
+            fit.found = found;
+            estimated = grown.estimated;
+            changed = true;
+        }
+        changed
+    }
+
     /// A sensor offset that would replace terms. Looked for only if the laws explain the readings to their noise.
     fn offset(&mut self, fit: &JointFit) -> Option<SensorOffset> {
         let best = &fit.found.best;
@@ -321,6 +359,18 @@ impl DelayOutlierSearch<'_, '_> {
             moved = Some(late);
         }
     }
+}
+
+/// Growth of the noise along the fit, or, where laws leave more than noise, along the smoothed trajectories: with wrong weights a search may
+/// have gone wrong, and what laws leave is no noise.
+fn grown_noise(fit: &JointFit, settled: bool) -> Option<GrownNoise> {
+    let (problem, best, price) = (&fit.problem, &fit.found.best, fit.found.penalty);
+    let grown = trajectory::grow_noise(problem, Some(best), price)?;
+    let explains = || !unexplained(&grown.problem, best);
+    if settled || grown.estimated == 0 || explains() {
+        return Some(grown);
+    }
+    trajectory::grow_noise(problem, None, price).filter(|g| g.estimated > 0)
 }
 
 /// The sum of two delays; `None` if they belong to different inputs or cancel.

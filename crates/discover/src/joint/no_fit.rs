@@ -65,7 +65,7 @@ pub(crate) fn measured_states(problem: &Problem) -> Vec<MeasuredState> {
         values: (problem.records.iter())
             .flat_map(|r| r.measured[i].iter().copied())
             .collect(),
-        noise: problem.noise[i],
+        noise: problem.noise[i] * problem.rms_over_level(i),
     })
     .collect()
 }

@@ -14,7 +14,7 @@ use crate::uncertainty::term_identity::same_laws;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::{
-    ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, FoundTerm, InputDelay,
+    ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, FoundTerm, GrowingNoise, InputDelay,
     RunCoefficient, Status, Together,
 };
 
@@ -159,6 +159,10 @@ impl Report<'_> {
             left: c.left,
             noise: c.noise,
             declared: self.model.noise(c.signal).is_some(),
+            growing: c.growth.map(|noise| GrowingNoise {
+                floor: noise.floor,
+                share: noise.share,
+            }),
             relative: c.left / c.spread,
             memory: c.memory,
             chance: c.chance,

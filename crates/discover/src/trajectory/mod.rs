@@ -62,7 +62,9 @@ pub use model::{
 };
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
-pub use residuals::{Channel, File, Outliers, channels, leave_out, log_error_ahead, own_time};
+pub use residuals::{
+    Channel, File, GrownNoise, Outliers, channels, grow_noise, leave_out, log_error_ahead, own_time,
+};
 pub(crate) use search::minimum;
 pub use search::{
     BetterLaws, DisturbedAnswer, Found, LawChange, SearchObserver, StartingSupport, search,

@@ -257,6 +257,22 @@ family! {
 }
 
 family! {
+    /// Noise that grows with the signal.
+    pub(crate) GROWTH: NoiseGrowth {
+        /// Least noise of a reading.
+        least: f64 = 0.01, unit "root mean square noise of its sensor", source "where a signal crosses 0, the fitted value is itself uncertain by about 1/sqrt(readings) of the noise";
+        /// Growths that are tried: shares of the noise at the root mean square value, in units of the constant part.
+        tried: (f64, f64) = (0.1, 100.0), unit "", source "below, the growth changes no weight by 1 %; above, the constant part is below `least`";
+        /// Growths tried a decade before the best one is refined.
+        per_decade: usize = 8, unit "growths", source "the likelihood of 50 readings changes over half a decade or more";
+        /// Fewest readings of a sensor from which growth is estimated.
+        min_readings: usize = 50, unit "readings", source "as for a noise level of their own: `records.min_readings_of_own_noise`";
+        /// Root mean square change of the logarithms of the weights at which they are not computed again.
+        settled: f64 = 0.05, unit "", source "weights off by 5 % cost estimates less than 1 % of their precision";
+    }
+}
+
+family! {
     /// What several records of one plant say of each other.
     pub(crate) POOLING: Pooling {
         /// Residual up to which laws follow a record from which they were not found.
@@ -364,6 +380,7 @@ pub fn tables() -> Vec<Table> {
         ConstrainedSupports::table(),
         Residuals::table(),
         Ahead::table(),
+        NoiseGrowth::table(),
         Pooling::table(),
         Delays::table(),
         DeclaredDelays::table(),

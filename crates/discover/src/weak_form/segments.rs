@@ -7,6 +7,7 @@
 use sidc_data as data;
 use sidc_data::{Column, Dataset, Origin, Samples, Trajectory};
 use sidc_lang::model::Model;
+use sidc_lang::term::Signal;
 
 use super::interpolation::Stencil;
 use super::signal_sources::{EquationSignals, SignalSource};
@@ -69,7 +70,11 @@ pub(super) fn segments(
     }
     let seen = |(sum, count): &(f64, usize)| (sum / (*count).max(1) as f64).sqrt();
     let noise = sources.records.iter().zip(&squares);
-    let noise = noise.map(|(s, q)| model.noise(*s).unwrap_or_else(|| seen(q)));
+    let declared = |s: Signal| {
+        let columns = dataset.trajectories.iter().filter_map(|t| t.column(s));
+        Some(model.noise(s)?.rms(columns.flatten()))
+    };
+    let noise = noise.map(|(s, q)| declared(*s).unwrap_or_else(|| seen(q)));
     (out, noise.collect())
 }
 

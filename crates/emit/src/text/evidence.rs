@@ -152,6 +152,17 @@ fn channel(c: &ChannelFit) -> Vec<String> {
         significant(c.left, 2),
         percent(c.relative)
     )];
+    if let Some(noise) = c.growing {
+        let floor = match noise.floor > 0.0 {
+            true => format!("{} and ", significant(noise.floor, 2)),
+            false => String::new(),
+        };
+        lines.push(format!(
+            "noise of {} grows with the signal: {floor}{} of the value",
+            c.signal,
+            percent(noise.share)
+        ));
+    }
     if c.left_out > 0 {
         lines.push(format!(
             "robust: {} readings of {} had no weight",

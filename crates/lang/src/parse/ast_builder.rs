@@ -327,12 +327,13 @@ impl AstBuilder<'_> {
         }
     }
 
-    /// `primary = _{ number | reference | list | group | text }`
+    /// `primary = _{ share | number | reference | list | group | text }`
     fn primary(&self, pair: Pair<Rule>) -> Result<Expr> {
         let span = self.span(&pair);
         let kind = match pair.as_rule() {
             Rule::reference => return self.reference(pair),
             Rule::number => ExprKind::Number(number(&pair)),
+            Rule::share => ExprKind::Share(percent(&pair)),
             Rule::text => ExprKind::Text(pair.as_str().trim_matches('"').to_string()),
             Rule::list => ExprKind::List(self.items(self.next(&mut pair.into_inner())?)?),
             Rule::group => {
@@ -416,6 +417,12 @@ fn infix(left: Expr, op: Rule, right: Expr) -> Expr {
 /// The value of digits that the lexer has accepted.
 fn number(pair: &Pair<Rule>) -> f64 {
     pair.as_str().parse().unwrap_or(f64::NAN)
+}
+
+/// `share = @{ number ~ "%" }`
+fn percent(pair: &Pair<Rule>) -> f64 {
+    let number = pair.as_str().trim_end_matches('%');
+    number.parse::<f64>().unwrap_or(f64::NAN) / 100.0
 }
 
 /// `raised = { "^" ~ minus? ~ number }`

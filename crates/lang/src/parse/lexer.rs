@@ -193,6 +193,8 @@ impl<'t> Lexer<'t> {
             let span = self.span(start);
             self.bad(start, syntax_errors::implicit_product(span, number, name));
         } else {
+            // `2%`
+            self.at += usize::from(self.peek() == Some('%'));
             self.push(TokenKind::Number, start);
         }
     }

@@ -265,6 +265,9 @@ pub struct ChannelFit {
     /// Whether the noise was declared.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub declared: bool,
+    /// The noise that the residuals show, where it grows with the signal.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub growing: Option<GrowingNoise>,
     /// Autocorrelation of the residuals over the first lags, and its bound for white noise.
     pub memory: f64,
     pub chance: f64,
@@ -274,6 +277,14 @@ pub struct ChannelFit {
     /// Readings without weight.
     #[serde(skip_serializing_if = "is_zero", default)]
     pub left_out: usize,
+}
+
+/// Noise of standard deviation √(floor² + (share · value)²).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GrowingNoise {
+    /// In the signal's units.
+    pub floor: f64,
+    pub share: f64,
 }
 
 fn is_zero(count: &usize) -> bool {

@@ -17,9 +17,9 @@ mod ways;
 
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
-    ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, Failed, FoundTerm, HeldOut,
-    InputDelay, NormGrading, OtherLaw, PathKnot, Proof, Rearranged, Status, Together, Variable,
-    Ways,
+    ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, Failed, FoundTerm, GrowingNoise,
+    HeldOut, InputDelay, NormGrading, OtherLaw, PathKnot, Proof, Rearranged, Status, Together,
+    Variable, Ways,
 };
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,

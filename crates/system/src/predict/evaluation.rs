@@ -229,8 +229,9 @@ fn predicted(model: &Model, runs: Option<&SegmentRuns>, all: &[&Trajectory]) -> 
         let mean = finite().sum::<f64>() / count;
         let spread = (finite().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt();
         let moves = spread > 1e-12 * mean.abs() && spread > 0.0;
-        let noise = model.noise(*signal);
-        let noise = noise.unwrap_or_else(|| difference_noise(columns()));
+        let declared = model.noise(*signal);
+        let declared = declared.map(|noise| noise.rms(columns().flatten()));
+        let noise = declared.unwrap_or_else(|| difference_noise(columns()));
         moves.then_some(Predicted {
             signal: *signal,
             place,

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use sidc_lang::model::{Between, ColumnExpr, ColumnKind, Model};
 use sidc_lang::parse::is_name;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Signal, SignalNames, VarId};
 
 /// What a model declares about its data. All absent in documents of earlier versions.
@@ -30,6 +31,9 @@ pub struct Reading {
     /// Signal → standard deviation of its sensor, in units of the model, where declared.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub noise: BTreeMap<String, f64>,
+    /// Signal → noise as a share of the value, where declared.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub noise_share: BTreeMap<String, f64>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,10 +65,27 @@ impl Reading {
                 };
                 out.between.insert(var.name.clone(), course);
             }
-            for (der, sigma) in &var.noise {
+            for (der, noise) in &var.noise {
                 let name = model.name(Signal::derivative(id, *der));
-                out.noise.insert(name, *sigma);
+                if noise.grows() {
+                    out.noise_share.insert(name.clone(), noise.share);
+                }
+                if noise.floor > 0.0 {
+                    out.noise.insert(name, noise.floor);
+                }
             }
+        }
+        out
+    }
+
+    /// The noise of every sensor that was declared, by name.
+    pub fn sensors(&self) -> BTreeMap<&str, SensorNoise> {
+        let mut out: BTreeMap<&str, SensorNoise> = BTreeMap::new();
+        for (name, floor) in &self.noise {
+            out.entry(name).or_default().floor = *floor;
+        }
+        for (name, share) in &self.noise_share {
+            out.entry(name).or_default().share = *share;
         }
         out
     }
@@ -109,11 +130,11 @@ impl Reading {
                 CourseEntry::Linear => Between::Linear,
             });
         }
-        for (name, sigma) in &self.noise {
+        for (name, noise) in self.sensors() {
             let signal = signal(model, name).ok_or_else(|| format!("{name:?} is no signal"))?;
             let var = model.vars.get_mut(usize::from(signal.var.0));
-            if let Some(var) = var.filter(|_| *sigma > 0.0 && sigma.is_finite()) {
-                var.noise.insert(signal.der, *sigma);
+            if let Some(var) = var.filter(|_| noise.is_valid()) {
+                var.noise.insert(signal.der, noise);
             }
         }
         Ok(())

@@ -128,15 +128,17 @@ impl RecordSimulation<'_> {
         }
         let spreads = columns.iter().map(|c| deviation(c));
         let mut noisy = false;
-        let each = state.iter().zip(&mut off).zip(spreads);
-        let sigma = each.map(|((signal, off), spread)| {
+        let each = state.iter().zip(&columns).zip(&mut off).zip(spreads);
+        let sigma = each.map(|(((signal, column), off), spread)| {
             let middle = off.len() / 2;
             let median = match off.is_empty() {
                 true => 0.0,
                 false => *off.select_nth_unstable_by(middle, f64::total_cmp).1,
             };
             // Of normal errors the median is 0.6745 standard deviations.
-            let sigma = self.model.noise(*signal).unwrap_or(median / 0.6745);
+            let declared = self.model.noise(*signal);
+            let declared = declared.map(|noise| noise.rms(column.iter()));
+            let sigma = declared.unwrap_or(median / 0.6745);
             noisy |= sigma > INITIAL_STATE.clean * spread;
             sigma
                 .max(INITIAL_STATE.clean * spread)

@@ -11,6 +11,7 @@ use crate::thresholds::MODEL_COMPARISON;
 use sidc::pipeline;
 use sidc::{HoldOutRange, Method, Options};
 use sidc_discover::METHODS;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_solve::SOLVERS;
 use sidc_system::predict::ErrorLimit;
 
@@ -69,9 +70,9 @@ pub struct Args {
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_name = "m=0.3,0.5", value_parser = assignments::parameter)]
     pub params: Vec<(String, Vec<f64>)>,
-    /// Standard deviation of a signal's measurement, in units of the model: theta=0.01, ddtheta=0.5
+    /// Noise of a signal: a standard deviation in units of the model, a share of the value, or both: theta=0.01, x=2%, x=0.01+2%
     #[arg(long = "noise", value_name = "theta=0.01", value_parser = assignments::noise)]
-    pub noise: Vec<(String, f64)>,
+    pub noise: Vec<(String, SensorNoise)>,
     /// Stop after this time with what there is: 30, 30s, 5m, 1h
     #[arg(long, value_name = "TIME", value_parser = quantities::time)]
     pub time_limit: Option<Duration>,

@@ -17,6 +17,7 @@ use sidc_data::{Dataset, Smoothed, Trajectory};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::number::significant;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
 
@@ -44,9 +45,9 @@ pub struct Args {
     /// Use only times A to B, ends optional: --window=2..10, --window=..5
     #[arg(long, value_name = "A..B", value_parser = time_ranges::window, allow_hyphen_values = true)]
     window: Option<(Option<f64>, Option<f64>)>,
-    /// Standard deviation of a sensor's noise, in the model's units: --noise theta=0.01
+    /// Noise of a sensor: a standard deviation in the model's units or a share of the value: theta=0.01, x=2%
     #[arg(long, value_name = "NAME=SIGMA", value_parser = assignments::noise)]
-    noise: Vec<(String, f64)>,
+    noise: Vec<(String, SensorNoise)>,
     /// Constant parameters: one value a trajectory, or one for all
     #[arg(long = "param", value_parser = assignments::parameter)]
     params: Vec<(String, Vec<f64>)>,
@@ -139,7 +140,7 @@ fn smoothed(
         return raw;
     }
     let breaks = data::breaks(model, dataset, trajectory, signal);
-    let noise = model.noise(signal);
+    let noise = model.noise(signal).map(|noise| noise.rms(values));
     let mut name = model.name(signal);
     if dataset.trajectories.len() > 1 {
         name = format!("{name} of {}", trajectory.name);

@@ -154,8 +154,8 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
 fn relative_error(samples: &Samples, s: Signal) -> f64 {
     match samples.column(s).map(|c| (&c.origin, &c.values)) {
         Some((Origin::Estimated { error, .. }, values)) => norm(error) / norm(values),
-        Some((Origin::Measured { noise: Some(sigma) }, values)) => {
-            sigma * (values.len() as f64).sqrt() / norm(values)
+        Some((Origin::Measured { noise: Some(noise) }, values)) => {
+            noise.rms(values) * (values.len() as f64).sqrt() / norm(values)
         }
         _ => 0.0,
     }

@@ -91,7 +91,7 @@ pub fn term_price(readings: f64) -> f64 {
     CRITERION.term_price * readings.max(CRITERION.min_readings).ln()
 }
 
-/// Sum of squared residuals of each sensor's readings.
+/// Sum of squared residuals of each sensor's readings, each over its relative noise.
 pub(crate) fn residual_squares(problem: &Problem, point: &LinearizationPoint) -> Vec<f64> {
     let n = problem.states();
     let mut out = vec![0.0; problem.sensors.count()];
@@ -102,7 +102,7 @@ pub(crate) fn residual_squares(problem: &Problem, point: &LinearizationPoint) ->
                 .enumerate()
                 .filter(|(_, x)| x.is_finite())
             {
-                *out += (read - path[k * n + i]).powi(2);
+                *out += ((read - path[k * n + i]) / record.relative_noise_at(i, k)).powi(2);
             }
         }
     }

@@ -14,7 +14,7 @@ pub struct Fit {
     pub variances: Vec<f64>,
     /// The criterion: smaller is better.
     pub value: f64,
-    /// Sum of squared residuals of each sensor's readings, groups × states.
+    /// Sum of squared residuals of each sensor's readings, each over its relative noise; groups × states.
     pub residual_squares: Vec<f64>,
     /// χ² of the slips between the laws and the trajectory, in units of the criterion.
     pub law_misfit: f64,
@@ -46,17 +46,19 @@ impl Fit {
         &self.point.paths
     }
 
-    /// Reading less trajectory at every sample of a record; NaN where there is no reading.
-    pub(crate) fn residuals(
-        &self,
-        problem: &Problem,
+    /// Reading less trajectory, over the relative noise of the reading, at every sample of a record; NaN where there is no reading.
+    pub(crate) fn residuals<'a>(
+        &'a self,
+        problem: &'a Problem,
         record: usize,
         state: usize,
-    ) -> impl Iterator<Item = f64> {
+    ) -> impl Iterator<Item = f64> + use<'a> {
         let path = self.point.paths[record].iter();
         let estimated = path.skip(state).step_by(problem.states());
-        let read = problem.records[record].measured[state].iter();
-        read.zip(estimated).map(|(y, z)| y - z)
+        let record = &problem.records[record];
+        let read = record.measured[state].iter().enumerate();
+        read.zip(estimated)
+            .map(move |((k, y), z)| (y - z) / record.relative_noise_at(state, k))
     }
 }
 
@@ -76,7 +78,8 @@ pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bo
         .zip(&point.paths);
     for (r, ((record, curve), path)) in records.enumerate() {
         let sigma = &point.sigma[problem.sensors.of(r)];
-        let relative = sigma.iter().zip(&problem.spread).map(|(s, d)| s / d);
+        let relative = sigma.iter().zip(&problem.spread).enumerate();
+        let relative = relative.map(|(i, (s, d))| record.relative_noise_range(i).1 * s / d);
         let limit =
             GAUSS_NEWTON.lost_spread + GAUSS_NEWTON.lost_noise * relative.fold(0.0, f64::max);
         for (at, x) in path.iter().enumerate() {

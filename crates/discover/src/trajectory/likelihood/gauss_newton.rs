@@ -134,12 +134,14 @@ fn move_states(
     let n = problem.states();
     let mut farthest = 0.0f64;
     for (r, (path, record)) in point.paths.iter_mut().zip(eliminated).enumerate() {
-        let own = problem.sensors.of(r);
+        let (own, readable) = (problem.sensors.of(r), &problem.records[r]);
         let (sigma, readings) = (&point.sigma[own.clone()], &problem.readings[own]);
         for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
             *x += d;
-            if readings[at % n] > 0 {
-                farthest = farthest.max((d / sigma[at % n]).abs());
+            let i = at % n;
+            if readings[i] > 0 {
+                let sigma = sigma[i] * readable.relative_noise_at(i, at / n);
+                farthest = farthest.max((d / sigma).abs());
             }
         }
     }

@@ -305,7 +305,8 @@ impl Problem {
                 continue;
             }
             let row = sink.reserve_rows(1);
-            let update = || filter.measurement_update((i, reading, *sigma), row);
+            let relative = self.records[r].relative_noise_at(i, k);
+            let update = || filter.measurement_update((i, reading, sigma * relative), row);
             let (innovation, variance) = wide(update);
             value += (variance / self.spread[i].powi(2)).ln() + innovation.powi(2) / variance;
             listener(Innovation {

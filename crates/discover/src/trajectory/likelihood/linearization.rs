@@ -121,7 +121,7 @@ impl Problem {
         let parts = parts.iter().map(|(r, samples)| {
             let (record, path) = (&self.records[*r], &at.paths[*r]);
             let sigma = &at.sigma[self.sensors.of(*r)];
-            let stiffness = stiffness(sigma, record.len());
+            let stiffness = stiffness(sigma, record);
             let mut filter =
                 InformationFilter::new(&stiffness, sink, keep.then_some(samples.len()));
             let last = samples.end - 1;
@@ -191,7 +191,7 @@ impl Problem {
                 if read.is_finite() {
                     return Measurement {
                         component: i,
-                        weight: 1.0 / sigma[i],
+                        weight: 1.0 / (sigma[i] * record.relative_noise_at(i, k)),
                         value: read - path[k * n + i],
                     };
                 }
@@ -208,14 +208,18 @@ impl Problem {
         let relative = sigma
             .iter()
             .zip(self.spread.iter().cycle())
-            .map(|(s, d)| s / d);
+            .zip(self.least_relative_noise())
+            .map(|((s, d), least)| least * s / d);
         (SHOOTING.accuracy * relative.fold(f64::INFINITY, f64::min)).max(SHOOTING.min_accuracy)
     }
 }
 
-fn stiffness(sigma: &[f64], samples: usize) -> Vec<f64> {
+/// One over the slip that laws are allowed, a part of the least noise of each state's readings.
+fn stiffness(sigma: &[f64], record: &Record) -> Vec<f64> {
     let slack = SHOOTING
         .slack
-        .min(SHOOTING.slack_of_record / (samples as f64).sqrt());
-    sigma.iter().map(|s| 1.0 / (slack * s)).collect()
+        .min(SHOOTING.slack_of_record / (record.len() as f64).sqrt());
+    let least = |i: usize| record.relative_noise_range(i).0;
+    let states = sigma.iter().enumerate();
+    states.map(|(i, s)| 1.0 / (slack * s * least(i))).collect()
 }

@@ -41,9 +41,12 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
             let sensors = problem.sensors.of(r);
             for ((i, memory), sensor) in memories.iter().enumerate().zip(sensors) {
                 let states = response.iter().skip(i).step_by(n);
-                let read = record.measured[i].iter().zip(states);
+                let read = record.measured[i].iter().zip(states).enumerate();
                 let weight = residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
-                let weights = read.map(|(y, z)| if y.is_finite() { z * weight } else { 0.0 });
+                let weights = read.map(|(k, (y, z))| match y.is_finite() {
+                    true => z * weight / record.relative_noise_at(i, k),
+                    false => 0.0,
+                });
                 sum += memory.variance(&weights.collect::<Vec<_>>());
             }
         }
@@ -56,7 +59,7 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
     Some(covariances.iter().map(of).collect())
 }
 
-/// Root mean square of a sensor's residuals. The noise in the fit is larger where a floor holds it, or where readings are little
+/// Root mean square of a sensor's residuals, each over its relative noise. The noise in the fit is larger where a floor holds it, or where readings are little
 /// informative: that is the sensor's weight, not its error. It may not be far smaller, since arithmetic is only as fine as the fit needs.
 fn residual_rms(problem: &Problem, fit: &Fit, sensor: usize) -> f64 {
     let mean = fit.residual_squares[sensor] / problem.readings[sensor].max(1) as f64;

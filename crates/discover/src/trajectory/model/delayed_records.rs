@@ -186,15 +186,25 @@ impl Plan {
             return None;
         }
         let places = self.places(record, &nodes, (&span, tolerance));
-        let measured = places.iter().zip(&record.measured).map(|(places, column)| {
-            let mut out = vec![f64::NAN; nodes.len()];
+        let at_nodes = |places: &[Option<usize>], column: &[f64], elsewhere: f64| {
+            let mut out = vec![elsewhere; nodes.len()];
             for (place, x) in places.iter().zip(column) {
                 if let Some(place) = place {
                     out[*place] = *x;
                 }
             }
             out
+        };
+        let measured = places.iter().zip(&record.measured);
+        let measured: Vec<Vec<f64>> = measured
+            .map(|(places, column)| at_nodes(places, column, f64::NAN))
+            .collect();
+        let relative = places.iter().zip(&record.relative_noise);
+        let relative_noise = relative.map(|(places, column)| match column.is_empty() {
+            true => Vec::new(),
+            false => at_nodes(places, column, 1.0),
         });
+        let relative_noise: Vec<Vec<f64>> = relative_noise.collect();
         let exogenous = signals.iter().zip(&record.exogenous).zip(&self.exogenous);
         let exogenous = exogenous.map(|((signal, o), delay)| {
             let seconds = delay.map_or(0.0, |d| d.seconds);
@@ -209,7 +219,8 @@ impl Plan {
         });
         let moved = Record {
             trajectory: record.trajectory,
-            measured: measured.collect(),
+            measured,
+            relative_noise,
             exogenous: exogenous.collect(),
             curved: record.curved,
             time: nodes,

@@ -36,6 +36,7 @@ impl Problem {
             curve.noise.extend((0..laws).map(|_| None));
         }
         problem.sensors = self.sensors.with_states(all);
+        problem.growth = widened(&self.growth, n, all, None);
         problem.compile_columns();
         problem.update_noise();
         let first_order = |l: usize| {
@@ -76,7 +77,7 @@ impl Problem {
 }
 
 /// Rows of n numbers made rows of `all`.
-fn widened(rows: &[f64], n: usize, all: usize, fill: f64) -> Vec<f64> {
+fn widened<T: Copy>(rows: &[T], n: usize, all: usize, fill: T) -> Vec<T> {
     let rows = rows.chunks_exact(n);
     let more = std::iter::repeat_n(fill, all - n);
     rows.flat_map(|row| row.iter().copied().chain(more.clone()))

@@ -5,6 +5,7 @@
 use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
+use super::growth::Growth;
 use super::process_noise::ProcessNoise;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
@@ -14,6 +15,7 @@ use super::sensor_groups::{SensorGroups, sensor_groups};
 use super::smoothing::{SmoothedTrajectory, smoothed_trajectories};
 use super::system::System;
 use sidc_data::Dataset;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Expr, Signal, Tape};
 
 /// The estimation problem of one system on its data.
@@ -29,8 +31,10 @@ pub struct Problem {
     /// Which sensors read which record.
     pub sensors: SensorGroups,
     /// Standard deviation of each sensor's noise as smoothing shows it; for unmeasured states in proportion to the measured ones of
-    /// their variable. Groups × states.
+    /// their variable. Of noise that grows with the signal, the geometric mean over the readings. Groups × states.
     pub noise: Vec<f64>,
+    /// How each sensor's noise grows with the signal, groups × states; `None` where it is the same for all readings.
+    pub(crate) growth: Vec<Option<Growth>>,
     /// Number of readings of each sensor, groups × states.
     pub readings: Vec<usize>,
     /// Share of each sensor's readings that carries information, groups × states: 1 but for coarse encoders.
@@ -44,7 +48,7 @@ pub struct Problem {
     /// What moves the states besides the laws, where a search starts; `None` where laws hold but for slips.
     pub(crate) process: Option<ProcessNoise>,
     /// Noise that the model declares for each state.
-    pub(super) declared: Vec<Option<f64>>,
+    pub(crate) declared: Vec<Option<SensorNoise>>,
     /// Columns of each law.
     pub(crate) ranges: Vec<Range<usize>>,
     /// All columns, compiled.
@@ -79,11 +83,12 @@ impl Problem {
     pub fn new(
         system: System,
         dataset: &Dataset,
-        declared: &dyn Fn(Signal) -> Option<f64>,
+        declared: &dyn Fn(Signal) -> Option<SensorNoise>,
         robust: bool,
     ) -> Result<Problem, Signal> {
         let mut records = records(&system, dataset, &SensorSettings { declared, robust })?;
-        let declared: Vec<Option<f64>> = system.states.iter().map(|s| declared(*s)).collect();
+        let declared: Vec<Option<SensorNoise>> =
+            system.states.iter().map(|s| declared(*s)).collect();
         let left_out = match robust {
             true => reject_outliers(&mut records, &declared),
             false => Vec::new(),
@@ -94,6 +99,7 @@ impl Problem {
             spread: (0..n).map(|i| spread(&smoothed, i, n)).collect(),
             sensors: sensor_groups(&records, n),
             noise: Vec::new(),
+            growth: Vec::new(),
             ranges: Vec::new(),
             all: Tape::default(),
             names: dataset
@@ -114,6 +120,11 @@ impl Problem {
         };
         problem.compile_columns();
         problem.update_noise();
+        let laws: Vec<Option<SensorNoise>> = (problem.declared.iter())
+            .map(|noise| noise.filter(SensorNoise::grows))
+            .collect();
+        let curves: Vec<Vec<f64>> = problem.smoothed.iter().map(|c| c.states.clone()).collect();
+        problem.set_growth(&laws, &curves);
         Ok(problem)
     }
 
@@ -133,7 +144,7 @@ impl Problem {
         &self,
         system: System,
         dataset: &Dataset,
-        declared: &dyn Fn(Signal) -> Option<f64>,
+        declared: &dyn Fn(Signal) -> Option<SensorNoise>,
         robust: bool,
     ) -> Result<Problem, Signal> {
         let fresh = records(&system, dataset, &SensorSettings { declared, robust })?;
@@ -154,7 +165,7 @@ impl Problem {
     }
 
     /// Noise that the model declares for each state.
-    pub(super) fn declared(&self) -> &[Option<f64>] {
+    pub(super) fn declared(&self) -> &[Option<SensorNoise>] {
         &self.declared
     }
 
@@ -171,6 +182,7 @@ impl Problem {
             spread: self.spread.clone(),
             sensors: self.sensors.for_parts(origin),
             noise: self.noise.clone(),
+            growth: self.growth.clone(),
             declared: self.declared.clone(),
             ranges: self.ranges.clone(),
             all: self.all.clone(),
@@ -226,6 +238,9 @@ impl Problem {
             &self.noise,
             &self.quantization,
         );
+        for (level, growth) in self.noise.iter_mut().zip(&self.growth) {
+            *level /= growth.map_or(1.0, |g| g.rms);
+        }
     }
 
     /// Noise of a group's sensors: root mean square over its records; unmeasured states take the largest relative noise of their variable.

@@ -7,6 +7,8 @@ mod delayed_records;
 mod disturbance_states;
 mod estimation_problem;
 mod extra_columns;
+mod growth;
+mod noise_growth;
 mod process_noise;
 mod quantization;
 mod record;

@@ -10,6 +10,7 @@ use crate::trajectory::thresholds::RECORDS;
 use sidc_data as data;
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Between;
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::Signal;
 
 /// One uninterrupted piece of a trajectory, M samples.
@@ -21,6 +22,8 @@ pub struct Record {
     pub time: Vec<f64>,
     /// Readings of each state, each column of length M; NaN where there is none.
     pub measured: Vec<Vec<f64>>,
+    /// Noise of each state's readings relative to the level of their sensor, each column of length M; empty where it is the same for all.
+    pub relative_noise: Vec<Vec<f64>>,
     /// The exogenous signals of the system, in its order.
     pub exogenous: Vec<Exogenous>,
     /// Whether exogenous signals that are not held run along cubics through four samples instead of straight.
@@ -56,8 +59,29 @@ impl Record {
             trajectory: self.trajectory,
             time: keep(&self.time),
             measured: self.measured.iter().map(keep).collect(),
+            relative_noise: self
+                .relative_noise
+                .iter()
+                .map(|all| all.get(samples.clone()).unwrap_or(&[]).to_vec())
+                .collect(),
             exogenous: exogenous.collect(),
             curved: self.curved,
+        }
+    }
+
+    /// Noise of a reading relative to the level of its sensor: 1 where all are equally noisy.
+    pub(crate) fn relative_noise_at(&self, state: usize, k: usize) -> f64 {
+        let own = self.relative_noise.get(state).and_then(|all| all.get(k));
+        own.copied().unwrap_or(1.0)
+    }
+
+    /// Smallest and largest relative noise of a state's readings.
+    pub(crate) fn relative_noise_range(&self, state: usize) -> (f64, f64) {
+        match self.relative_noise.get(state).filter(|all| !all.is_empty()) {
+            None => (1.0, 1.0),
+            Some(all) => all
+                .iter()
+                .fold((f64::INFINITY, 0.0), |(a, b), x| (x.min(a), x.max(b))),
         }
     }
 
@@ -93,7 +117,7 @@ impl Record {
 /// How readings are treated before there is a fit.
 pub struct SensorSettings<'a> {
     /// Noise that the model declares.
-    pub declared: &'a dyn Fn(Signal) -> Option<f64>,
+    pub declared: &'a dyn Fn(Signal) -> Option<SensorNoise>,
     /// Whether outliers of the smoother get no weight.
     pub robust: bool,
 }
@@ -161,6 +185,7 @@ fn record(
             .iter()
             .map(|s| cut(*s).unwrap_or_else(unmeasured))
             .collect(),
+        relative_noise: Vec::new(),
         exogenous,
         curved: false,
     })
@@ -181,7 +206,8 @@ fn smoothed(
     };
     let (steps, from, values) =
         (0..=2).find_map(|steps| Some((steps, lower(steps)?, cut(lower(steps)?)?)))?;
-    let smooth = data::smooth(time, &values, (sensor.declared)(from), &[], sensor.robust)?;
+    let declared = (sensor.declared)(from).map(|noise| noise.rms(&values));
+    let smooth = data::smooth(time, &values, declared, &[], sensor.robust)?;
     Some(match steps {
         0 => smooth.values,
         1 => smooth.slope,

@@ -4,6 +4,7 @@
 
 use super::record::Record;
 use sidc_data as data;
+use sidc_lang::sensor_noise::SensorNoise;
 
 /// A reading without weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,12 +16,16 @@ pub struct LeftOut {
 }
 
 /// Takes outliers of the robust smoother out of the records.
-pub(crate) fn reject_outliers(records: &mut [Record], declared: &[Option<f64>]) -> Vec<LeftOut> {
+pub(crate) fn reject_outliers(
+    records: &mut [Record],
+    declared: &[Option<SensorNoise>],
+) -> Vec<LeftOut> {
     let mut out = Vec::new();
     for (r, record) in records.iter_mut().enumerate() {
         let time = &record.time;
         for (state, column) in record.measured.iter_mut().enumerate() {
-            let Some(smooth) = data::smooth(time, column, declared[state], &[], true) else {
+            let sigma = declared[state].map(|noise| noise.rms(column.iter()));
+            let Some(smooth) = data::smooth(time, column, sigma, &[], true) else {
                 continue;
             };
             for sample in smooth.outliers {

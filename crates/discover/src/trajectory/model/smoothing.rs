@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::record::Record;
 use super::system::System;
 use sidc_data as data;
+use sidc_lang::sensor_noise::SensorNoise;
 
 /// A first guess of a trajectory.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +43,7 @@ impl SmoothedTrajectory {
 pub(crate) fn smoothed_trajectories(
     system: &System,
     records: &[Record],
-    declared: &[Option<f64>],
+    declared: &[Option<SensorNoise>],
 ) -> Vec<SmoothedTrajectory> {
     let curve = |r: &Record| smoothed_trajectory(system, r, declared);
     records.iter().map(curve).collect()
@@ -51,7 +52,7 @@ pub(crate) fn smoothed_trajectories(
 fn smoothed_trajectory(
     system: &System,
     record: &Record,
-    declared: &[Option<f64>],
+    declared: &[Option<SensorNoise>],
 ) -> SmoothedTrajectory {
     let (n, m, length) = (system.states.len(), system.laws.len(), record.len());
     let mut curve = SmoothedTrajectory {
@@ -70,7 +71,8 @@ fn smoothed_trajectory(
             if column.iter().all(|x| x.is_nan()) {
                 continue;
             }
-            let Some(s) = data::smooth(&record.time, column, declared[i], &[], false) else {
+            let sigma = declared[i].map(|noise| noise.rms(column));
+            let Some(s) = data::smooth(&record.time, column, sigma, &[], false) else {
                 continue;
             };
             curve.noise[i] = Some(s.sigma);

@@ -7,6 +7,7 @@ use super::outliers::{Outliers, outliers};
 use crate::trajectory::likelihood::{Fit, Innovation, final_floor, innovations};
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::{GAUSS_NEWTON, RESIDUALS};
+use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::Signal;
 use sidc_solve::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 
@@ -18,6 +19,8 @@ pub struct Channel {
     pub left: f64,
     /// The sensor's noise, as declared or as smoothing shows it.
     pub noise: f64,
+    /// The noise that the residuals show, where it grows with the signal.
+    pub growth: Option<SensorNoise>,
     /// Root mean square of residuals, each over the noise of its own record's sensor.
     pub excess: f64,
     /// How closely the fit was brought to its optimum; what it leaves below that says nothing.
@@ -68,6 +71,7 @@ impl Problem {
             signal: self.system.states[i],
             left: noise(self, i),
             noise: noise(self, i),
+            growth: None,
             excess: 1.0,
             accuracy: accuracy(self, i),
             spread: self.spread[i],
@@ -92,7 +96,7 @@ fn mean_noise(problem: &Problem, noise: &[f64], state: usize) -> f64 {
     let n = problem.states();
     let own = (state..noise.len()).step_by(n);
     let square: f64 = own
-        .map(|s| problem.readings[s] as f64 * noise[s].powi(2))
+        .map(|s| problem.readings[s] as f64 * (noise[s] * problem.rms_over_level(s)).powi(2))
         .sum();
     (square / problem.readings_of(state) as f64).sqrt()
 }
@@ -118,12 +122,22 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         let left: Vec<f64> = left.collect();
         let own: f64 = left.iter().map(|x| x * x).sum();
         total += own;
-        square += own * sigma * sigma;
+        square += match problem.growth.get(sensor).copied().flatten() {
+            None => own * sigma * sigma,
+            Some(_) => left
+                .iter()
+                .enumerate()
+                .map(|(k, x)| (x * sigma * record.relative_noise_at(state, k)).powi(2))
+                .sum(),
+        };
         excess += own * (sigma / noise.max(f64::MIN_POSITIVE)).powi(2);
         add_autocovariances(&left, &mut sums);
         if let Some(lattice) = coarse {
             let way = (0..record.len()).map(|k| path[k * n + state]);
-            let error: Vec<f64> = way.map(|x| (lattice.nearest(x) - x) / sigma).collect();
+            let error = way.enumerate().map(|(k, x)| {
+                (lattice.nearest(x) - x) / (sigma * record.relative_noise_at(state, k))
+            });
+            let error: Vec<f64> = error.collect();
             add_autocovariances(&error, &mut rounded);
         }
     }
@@ -136,6 +150,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
         signal: problem.system.states[state],
         left: (square / m).sqrt(),
         noise: noise(problem, state),
+        growth: growth(problem, fit, state),
         excess: (excess / m).sqrt(),
         accuracy: accuracy(problem, state),
         spread: problem.spread[state],
@@ -177,7 +192,31 @@ fn channel_of(problem: &Problem, fit: &Fit, state: usize, all: &[Innovation]) ->
         files: Vec::new(),
         outliers: None,
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
+        growth: growth(problem, fit, state),
     }
+}
+
+/// The noise of a state's sensors as the residuals show it, root mean square over all readings; `None` where it does not grow.
+fn growth(problem: &Problem, fit: &Fit, state: usize) -> Option<SensorNoise> {
+    let (mut floor, mut share) = (0.0, 0.0);
+    for s in (state..problem.growth.len()).step_by(problem.states()) {
+        if let Some(growth) = problem.growth[s] {
+            let weight = problem.readings[s] as f64 / problem.readings_of(state) as f64;
+            // Filtered states lie nearer to the readings than the sensor's noise.
+            let level = match fit.process() {
+                Some(_) => fit.sigma()[s],
+                None => (fit.residual_squares[s] / problem.readings[s].max(1) as f64).sqrt(),
+            };
+            let noise = growth.of_level(level);
+            floor += weight * noise.floor.powi(2);
+            share += weight * noise.share.powi(2);
+        }
+    }
+    let noise = SensorNoise {
+        floor: floor.sqrt(),
+        share: share.sqrt(),
+    };
+    noise.grows().then_some(noise)
 }
 
 /// Adds Σ x_k x_{k+lag} for every lag.
@@ -203,7 +242,8 @@ fn files(problem: &Problem, fit: &Fit, state: usize) -> Vec<File> {
         seen.push(group);
         files.push(File {
             trajectory: record.trajectory,
-            left: (fit.residual_squares[sensor] / count as f64).sqrt(),
+            left: (fit.residual_squares[sensor] / count as f64).sqrt()
+                * problem.rms_over_level(sensor),
         });
     }
     let least = files.iter().map(|f| f.left).fold(f64::INFINITY, f64::min);

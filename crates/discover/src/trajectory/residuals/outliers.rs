@@ -46,6 +46,13 @@ pub(crate) fn outliers(problem: &Problem, fit: &Fit, state: usize) -> Option<Out
     found.filter(|s| s.count as f64 > readings as f64 / RESIDUALS.readings_per_chance_outlier + 0.5)
 }
 
+/// Whether each reading of a state is an outlier, record by record.
+pub(super) fn far_alone(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<bool>> {
+    let all = distances(problem, fit, state).into_iter();
+    all.map(|far| (0..far.len()).map(|k| is_outlier(&far, k)).collect())
+        .collect()
+}
+
 /// The problem with exactly the outliers of this fit left out, earlier ones taken back in if they are none; `None` if that changes nothing.
 pub fn leave_out(problem: &Problem, fit: &Fit) -> Option<Problem> {
     let mut records = problem.records.clone();
@@ -109,7 +116,7 @@ fn distances(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<f64>> {
 struct Scale {
     /// Robust standard deviation of every record's sensor.
     records: Vec<f64>,
-    /// Deviations of readings, each with the value of the trajectory there, rising by that value.
+    /// Deviations of readings over their relative noise, each with the value of the trajectory there, rising by that value.
     by_value: Vec<(f64, f64)>,
 }
 
@@ -119,8 +126,9 @@ impl Scale {
         let mut by_value = Vec::new();
         for (record, path) in problem.records.iter().zip(fit.paths()) {
             let values = path.iter().skip(state).step_by(n);
-            let read = record.measured[state].iter().zip(values);
-            let own = read.map(|(y, x)| (*x, (y - x).abs()));
+            let read = record.measured[state].iter().zip(values).enumerate();
+            let own =
+                read.map(|(k, (y, x))| (*x, (y - x).abs() / record.relative_noise_at(state, k)));
             by_value.extend(own.filter(|(_, d)| d.is_finite()));
         }
         by_value.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -140,11 +148,11 @@ impl Scale {
         read: &[f64],
     ) -> Vec<f64> {
         let n = problem.states();
-        let path = &fit.paths()[record];
+        let (path, noise) = (&fit.paths()[record], &problem.records[record]);
         let left: Vec<f64> = read
             .iter()
             .enumerate()
-            .map(|(k, y)| (y - path[k * n + state]).abs())
+            .map(|(k, y)| (y - path[k * n + state]).abs() / noise.relative_noise_at(state, k))
             .collect();
         let distance = |(k, d): (usize, &f64)| {
             if !d.is_finite() {
@@ -188,7 +196,8 @@ fn robust_sigma(problem: &Problem, fit: &Fit, state: usize) -> Vec<f64> {
     let mut left: Vec<Vec<f64>> = vec![Vec::new(); groups];
     for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
         let read = record.measured[state].iter().enumerate();
-        let own = read.map(|(k, y)| (y - path[k * n + state]).abs());
+        let own =
+            read.map(|(k, y)| (y - path[k * n + state]).abs() / record.relative_noise_at(state, k));
         left[problem.sensors.group(r)].extend(own.filter(|x| x.is_finite()));
     }
     let floor = final_floor(problem);

@@ -139,8 +139,8 @@ fn options(s: &Settings) -> Vec<String> {
             word(&format!("{name}={}", values.join(",")))
         ));
     }
-    for (name, sigma) in &s.reading.noise {
-        out.push(format!("--noise={}", word(&format!("{name}={sigma}"))));
+    for (name, noise) in s.reading.sensors() {
+        out.push(format!("--noise={}", word(&format!("{name}={noise}"))));
     }
     if s.robust {
         out.push("--robust".into());

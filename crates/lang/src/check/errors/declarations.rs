@@ -132,7 +132,7 @@ pub fn unknown_attribute(at: Span, key: &str, known: &[&str]) -> Diagnostic {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
         None => d.at(at, "not known"),
     };
-    d.fact("attributes: order 2, noise 0.01, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09")
+    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09")
 }
 
 pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
@@ -169,12 +169,15 @@ pub fn order(at: Span, value: f64, least: u8, most: u8) -> Diagnostic {
     .help("write `order 2` for a name with two derivatives")
 }
 
-pub fn noise(at: Span, value: f64) -> Diagnostic {
+pub fn noise(at: Span, value: &str) -> Diagnostic {
     Diagnostic::error(
         "attribute-value",
         format!("a noise of {value} is not a standard deviation"),
     )
-    .at(at, "a number above 0, in the unit of the signal")
+    .at(
+        at,
+        "a number above 0 in the unit of the signal, a share of the value, or both",
+    )
     .help("leave `noise` out if it is not known")
 }
 

@@ -42,6 +42,15 @@ pub fn chain_too_long(at: Span, limit: usize, help: &str) -> Diagnostic {
         .help(help)
 }
 
+pub fn share_elsewhere(at: Span, share: f64) -> Diagnostic {
+    Diagnostic::error(
+        "share-place",
+        "a percentage is the noise of a sensor, and has no meaning elsewhere",
+    )
+    .at(at, "a share of what?")
+    .help(format!("write {share:?} for the number"))
+}
+
 pub fn text_in_model(at: Span, text: &str) -> Diagnostic {
     Diagnostic::error(
         "quoted-name",

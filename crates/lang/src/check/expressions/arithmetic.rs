@@ -14,6 +14,7 @@ impl Checker<'_> {
     pub fn arithmetic(&mut self, e: &Ast) -> Option<Expr> {
         match &e.kind {
             ExprKind::Number(x) => Some(Expr::number(*x)),
+            ExprKind::Share(x) => self.fail(errors::share_elsewhere(e.span, *x)),
             ExprKind::Text(text) => self.fail(errors::text_in_model(e.span, text)),
             ExprKind::Name(text) => self.name(e, text),
             ExprKind::Negate(x) => Some(self.arithmetic(x)?.scale(-1.0)),

@@ -55,7 +55,7 @@ impl Checker<'_> {
             ExprKind::Call(call) if self.vocabulary.generator(&call.name.text).is_some() => {
                 self.generator(e, call)
             }
-            ExprKind::Call(_) | ExprKind::Text(_) => self.term(e),
+            ExprKind::Call(_) | ExprKind::Text(_) | ExprKind::Share(_) => self.term(e),
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
         }
     }

@@ -137,6 +137,7 @@ impl Checker<'_> {
     fn column(&mut self, e: &Ast) -> Option<ColumnExpr> {
         let kind = match &e.kind {
             ExprKind::Number(x) => ColumnKind::Number(*x),
+            ExprKind::Share(x) => return self.fail(errors::share_elsewhere(e.span, *x)),
             ExprKind::Text(text) => ColumnKind::Column(text.trim().to_string()),
             ExprKind::Name(text) => ColumnKind::Number(self.number_in_data(e, text)?),
             ExprKind::Group(x) => self.column(x)?.kind,

@@ -2,10 +2,11 @@
 //!
 //! In: declarations. Out: variables in order of declaration, and every name that they make. Name clashes are reported with both places.
 
-use crate::ast::{ATTRIBUTES, Attribute, Expr, ExprKind, Keyword, StatementKind};
+use crate::ast::{ATTRIBUTES, Attribute, Expr, ExprKind, Keyword, Sign, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::model::{Between, Delay, Var, VarKind};
+use crate::sensor_noise::SensorNoise;
 use crate::source::Span;
 use crate::term::{Signal, VarId};
 use crate::thresholds::MODEL;
@@ -15,7 +16,7 @@ use crate::units::Unit;
 /// What the attributes of one statement say.
 struct Attributes {
     order: u8,
-    noise: Option<f64>,
+    noise: Option<SensorNoise>,
     unit: Option<Unit>,
     between: Option<Between>,
     delay: Option<Delay>,
@@ -81,7 +82,7 @@ impl Checker<'_> {
                 name,
                 kind,
                 order: a.order,
-                noise: a.noise.map(|sigma| (0, sigma)).into_iter().collect(),
+                noise: a.noise.map(|noise| (0, noise)).into_iter().collect(),
                 unit: a.unit.clone(),
                 between: a.between,
                 delay: a.delay,
@@ -225,14 +226,42 @@ impl Checker<'_> {
         }
     }
 
-    /// `noise 0.01`
-    fn noise(&mut self, a: &Attribute) -> Option<f64> {
-        let value = self.attribute_number(a, "noise 0.01")?;
-        if value > 0.0 && value.is_finite() {
-            return Some(value);
+    /// `noise 0.01`, `noise 2%`, `noise 0.01 + 2%`
+    fn noise(&mut self, a: &Attribute) -> Option<SensorNoise> {
+        let example = "noise 0.01";
+        let Some(value) = &a.value else {
+            self.attribute_number(a, example)?;
+            return None;
+        };
+        let mut noise = SensorNoise::default();
+        let parts = match &value.kind {
+            ExprKind::Sum(parts) => parts.iter().collect(),
+            _ => Vec::new(),
+        };
+        let shares = |e: &Expr| matches!(e.kind, ExprKind::Share(_));
+        if parts.iter().any(|(_, e)| shares(e)) {
+            for (sign, part) in parts {
+                let (to, x) = match &part.kind {
+                    ExprKind::Share(x) => (&mut noise.share, *x),
+                    _ => (
+                        &mut noise.floor,
+                        self.early_number(part, &a.key.text, example)?,
+                    ),
+                };
+                // Each part once, and added.
+                let fits = *sign == Sign::Plus && *to == 0.0 && x > 0.0;
+                *to = if fits { x } else { f64::NAN };
+            }
+        } else if let ExprKind::Share(x) = value.kind {
+            noise.share = x;
+        } else {
+            noise.floor = self.early_number(value, &a.key.text, example)?;
         }
-        let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
-        self.fail(errors::noise(at, value))
+        if noise.is_valid() {
+            return Some(noise);
+        }
+        let text = self.text(value.span).to_string();
+        self.fail(errors::noise(value.span, &text))
     }
 
     /// `delay 0.09` or `delay in 0 .. 0.2`

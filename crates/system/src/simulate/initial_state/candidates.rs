@@ -145,7 +145,7 @@ fn smoothed(
     values: &[f64],
 ) -> Option<data::Smoothed> {
     let breaks = data::breaks(model, leg, trajectory, signal);
-    let sigma = model.noise(signal);
+    let sigma = model.noise(signal).map(|noise| noise.rms(values));
     let found = data::smooth(&trajectory.time, values, sigma, &breaks, true)?;
     let spread = deviation(values);
     let size = values.iter().filter(|v| v.is_finite());
