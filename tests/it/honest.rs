@@ -174,9 +174,9 @@ fn a_hidden_state_leaves_residuals_that_remember() {
     says(&run, &["doubt[misfit]", "doubt[coloured-residuals]"]);
 }
 
-/// A pendulum that something unseen pushes: the library has no word for it, and bends must not be bought to imitate it.
+/// A pendulum that something unseen pushes: the library has no word for it, and terms must not be bought to imitate it.
 #[test]
-fn an_error_that_is_slow_buys_few_terms() {
+fn a_push_that_is_slow_buys_no_terms() {
     let rate = |t: f64, z: &[f64]| {
         vec![
             z[1],
@@ -186,13 +186,8 @@ fn an_error_that_is_slow_buys_few_terms() {
     let rows = simulate(&rate, &[2.5, 0.0], STEP, 1000);
     let model = "state theta : order 2\nddtheta ~ <sin theta, cos theta, sin(2*theta), cos(2*theta)> + poly(theta, dtheta; 3)\n";
     let run = identify(model, &[angles(&rows, 1e-3)]);
-    says(
-        &run,
-        &["doubt[misfit]", "doubt[coloured-residuals]", "sin(theta)"],
-    );
-    let law = run.stdout.split("fit:").next().unwrap();
-    let terms = law.matches('*').count();
-    assert!(terms < 9, "{}", run.stdout);
+    let law = "ddtheta = -0.1001(39)*dtheta - 9.818(13)*sin(theta)\n";
+    says(&run, &["doubt[disturbed]", law]);
 }
 
 /// Charging through a nonlinear resistor: an exponential with a constant inside, which no polynomial is.

@@ -43,8 +43,15 @@ fn a_measured_pendulum_gives_gravity_and_damping() {
     let data = record("pendulum_single_free.csv");
     let model = "state theta : order 2\nddtheta ~ <sin theta, cos theta> + poly(dtheta; 2)\n";
     let found = identify(model, &data);
-    near(&found[0][..1], &[("dtheta", -0.06)], 0.25);
-    near(&found[0][1..], &[("sin(theta)", 64.2)], 0.01);
+    let known = ["dtheta", "sin(theta)"];
+    let (laws, rest): (Vec<_>, Vec<_>) =
+        (found[0].iter().cloned()).partition(|(name, _)| known.contains(&name.as_str()));
+    near(&laws[..1], &[("dtheta", -0.055)], 0.05);
+    near(&laws[1..], &[("sin(theta)", 64.2)], 0.01);
+    // What is left is the tilt of its zero, 0.3 % of gravity.
+    for (name, a) in &rest {
+        assert!(a.abs() < 0.003 * 64.2, "{name}: {a}");
+    }
 }
 
 /// SINDy-PI's implicit double pendulum, from angles and speeds.

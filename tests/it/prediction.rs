@@ -206,8 +206,8 @@ fn an_unstable_plant_is_judged_by_prediction_and_not_by_its_free_run() {
 #[test]
 fn what_holds_for_the_data_used_alone_is_doubted_though_the_plant_is_unstable() {
     let [time, angle, mut input] = balanced(1_200);
-    // In the last part the record of the input is that of another actuator.
-    for (k, u) in input.iter_mut().enumerate().skip(800) {
+    // In the part held out the record of the input is that of another actuator.
+    for (k, u) in input.iter_mut().enumerate().skip(840) {
         *u = 6.0 * (0.05 * k as f64).sin();
     }
     let columns = [("t", &time[..]), ("th", &angle[..]), ("u", &input[..])];

@@ -8,19 +8,18 @@ use crate::joint::delay_outlier_search::{JointFit, search_with_disturbances, une
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::still;
 use crate::trajectory;
-use crate::trajectory::{AHEAD, Problem, ProcessNoise};
+use crate::trajectory::{AHEAD, Disturbance, Problem, ProcessNoise};
 use sidc_progress::EquationObserver;
 
 /// The fit with disturbances where that is the best explanation of what the answer leaves: the innovations are white, as those of the
-/// right laws with the right disturbances are; no standard terms explain it instead; and the laws alone, from the same states, predict
-/// as well. Where no laws lead along the data, what drives them has to be white. Otherwise disturbances only stand for what the laws lack.
-/// Where constraints shape the answer none is looked for: what it leaves is theirs.
+/// right laws with the right disturbances are, and no standard terms explain the same. A disturbance that lasts may also stand for what the
+/// laws lack. So it has to be smaller than the target that it drives, and, against laws without it, to make do with no more terms that by
+/// themselves, from the same states, predict as well. Where constraints shape the answer none is looked for: what it leaves is theirs.
 pub(crate) fn disturbed<'a>(
     problem: &Problem,
     answer: Option<&ConstrainedAnswer>,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    let explained = |fit: &JointFit| !unexplained(&fit.problem, &fit.found.best);
     let settled = |a: &ConstrainedAnswer| a.free.is_some() || explained(&a.fit);
     if watcher.stop().is_some() || answer.is_some_and(settled) {
         return None;
@@ -30,13 +29,35 @@ pub(crate) fn disturbed<'a>(
     }
     let fit = search_with_disturbances(problem, answer.map(|a| &a.fit), watcher)?;
     let better = explained(&fit)
-        && match answer {
-            None => fit.found.best.process().is_some_and(ProcessNoise::is_white),
-            Some(before) => {
-                predicts_as_well(&before.fit, &fit) && !terms_explain(&before.fit, watcher)
-            }
-        };
+        && laws_prevail(problem, &fit)
+        && answer.is_none_or(|a| takes_the_place(&a.fit, &fit, watcher));
     (better && watcher.stop().is_none()).then_some(fit)
+}
+
+fn explained(fit: &JointFit) -> bool {
+    !unexplained(&fit.problem, &fit.found.best)
+}
+
+/// Whether every disturbance that lasts varies less than what is left to the law of its target.
+fn laws_prevail(problem: &Problem, fit: &JointFit) -> bool {
+    let disturbances = fit.found.best.process().into_iter().flat_map(|p| &p.laws);
+    disturbances.enumerate().all(|(l, d)| match d {
+        Disturbance::White { .. } => true,
+        Disturbance::FirstOrder { deviation, .. } => {
+            2.0 * deviation.powi(2) < problem.rate_spread(l).powi(2)
+        }
+    })
+}
+
+fn takes_the_place(
+    before: &JointFit,
+    disturbed: &JointFit,
+    watcher: &mut EquationObserver,
+) -> bool {
+    let best = &disturbed.found.best;
+    let white = best.process().is_some_and(ProcessNoise::is_white);
+    let fewer = best.support().len() <= before.found.best.support().len();
+    (white || fewer && predicts_as_well(before, disturbed)) && !terms_explain(before, watcher)
 }
 
 /// Whether the laws with standard terms that their libraries lack leave only noise.

@@ -113,8 +113,6 @@ family! {
     pub(crate) DISTURBANCES: Disturbances {
         /// Most steps of a fit under process noise.
         max_steps: usize = 20, unit "steps", source "as many as fits whose steps are halved may take";
-        /// Distance from the best fit up to which the noises of another support are estimated.
-        near: f64 = 20.0, unit "criterion", source "noises that are those of the best fit make no support better, and a rival within 6 is off by far less";
         /// Promise of a step at which the noises have converged.
         converged: f64 = 0.01, unit "criterion", source "half of `criterion_step`";
         /// Deviation of states before anything is read.

@@ -4,6 +4,7 @@ mod coefficient_inference;
 mod delays_taken_out;
 mod equations;
 mod identifiability;
+mod joint_estimate;
 mod mass_matrix_form;
 mod reason;
 mod relation_choices;
@@ -17,13 +18,13 @@ mod ways;
 
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
-    ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, Failed, FoundTerm, GrowingNoise,
-    HeldOut, InputDelay, NormGrading, OtherLaw, PathKnot, Proof, Rearranged, Status, Together,
-    Variable, Ways,
+    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, NormGrading, OtherLaw, PathKnot,
+    Proof, Rearranged, Status, Variable, Ways,
 };
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
+pub use joint_estimate::{ChannelFit, DisturbanceFit, GrowingNoise, InputDelay, Together};
 pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
 pub use relation_choices::{

@@ -60,8 +60,9 @@ pub(super) fn disturbed_fit(
     let mut halving = StepHalving::default();
     halving.mistrust();
     let (mut arrived, mut before) = (false, f64::INFINITY);
-    // Noises of a fit near by are good enough until coefficients stand still, and where another support is far better.
+    // Noises come first where there is no fit yet to take them from, then after the first step of the coefficients, and at their end.
     let mut estimate = beat == f64::INFINITY;
+    let mut known = false;
     for _ in 0..DISTURBANCES.max_steps {
         let Ok(intervals) = problem.intervals(&code, &point, observer) else {
             match halving.halfway(point).filter(|_| observer.go_on()) {
@@ -74,6 +75,7 @@ pub(super) fn disturbed_fit(
         if estimated {
             estimate_noises(problem, &intervals, &mut point);
         }
+        known |= estimated;
         let mut qr = IncrementalQr::new(point.support.len());
         let Filtered { value, paths } = problem.filter(&intervals, &point, &mut qr, &mut |_| {});
         let constrained = constrained_step(&mut qr, &point.coefficients, &rows)?;
@@ -108,14 +110,16 @@ pub(super) fn disturbed_fit(
             _ => {}
         }
         if gain < GAUSS_NEWTON.criterion_step && still {
-            arrived = estimated || value - beat > DISTURBANCES.near;
-            estimate = !arrived;
-            if arrived {
+            if estimated {
+                arrived = true;
                 break;
             }
+            estimate = true;
         }
+        estimate |= !known;
         let hope = GAUSS_NEWTON.hopeless_gain * gain.max((before - value).abs());
-        if value - beat > GAUSS_NEWTON.hopeless_lag + DISTURBANCES.max_steps as f64 * hope {
+        if known && value - beat > GAUSS_NEWTON.hopeless_lag + DISTURBANCES.max_steps as f64 * hope
+        {
             break;
         }
         before = value;

@@ -63,7 +63,7 @@ impl Problem {
     }
 
     /// Standard deviation of a law's target along the smoothed trajectories.
-    pub(crate) fn rate_spread(&self, law: usize) -> f64 {
+    pub fn rate_spread(&self, law: usize) -> f64 {
         let laws = self.system.laws.len();
         let all = || {
             let curves = self.smoothed.iter();
