@@ -127,6 +127,11 @@ pub fn measure(
     {
         diagnostics.push(share_unused(&name));
     }
+    let estimated = |s: &Signal| joint.as_ref().is_ok_and(|problem| problem.holds(*s));
+    let mut noisy = model.noisy_inputs().map(|(s, _)| s);
+    if let Some(unused) = noisy.find(|s| !estimated(s)) {
+        diagnostics.push(input_noise_unused(&model.name(unused)));
+    }
     let joint = joint.ok();
     diagnostics.extend(found);
     let acting = match &joint {
@@ -222,6 +227,14 @@ fn share_unused(name: &str) -> Diagnostic {
         format!("the weak form takes the noise of {name} to be the same at every value: its root mean square along the data"),
     )
     .help("leave --method to the program: the joint estimate weighs each reading by its own noise")
+}
+
+fn input_noise_unused(name: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "input-noise-unused",
+        format!("{name} is taken as it is read: only the joint estimate knows noise of inputs, and only of those that are held between samples"),
+    )
+    .help("say `hold` if the input is held; otherwise its noise makes its coefficients too small")
 }
 
 fn weaker_method(why: &str) -> Diagnostic {

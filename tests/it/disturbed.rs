@@ -3,7 +3,7 @@
 use std::fs;
 
 use serde_json::Value;
-use sidc_testing::integrate::grid;
+use sidc_testing::integrate::{grid, integrate};
 use sidc_testing::program::{Run, sidc_in};
 use sidc_testing::random::Random;
 use sidc_testing::stochastic::path;
@@ -125,6 +125,43 @@ fn a_force_that_lasts_is_estimated_with_the_law_and_doubted() {
     assert!((memory / 0.5 - 1.0).abs() < 0.3, "{memory}");
     assert_eq!(run.status, 3);
     assert!(codes(&found).contains(&"disturbed"), "{}", run.stdout);
+}
+
+/// A mass on a spring under forces that change at every sample and are recorded with noise 0.7: x, u.
+fn forced(seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let mut z = [0.3, 0.0];
+    let (mut x, mut u) = (Vec::new(), Vec::new());
+    for _ in 0..1500 {
+        let force = 1.5 * random.normal();
+        x.push(z[0] + 0.001 * random.normal());
+        u.push(force + 0.7 * random.normal());
+        let rate = |_: f64, z: &[f64; 2]| [z[1], -4.0 * z[0] - 0.5 * z[1] + force];
+        z = integrate(&rate, 0.0, STEP, z);
+    }
+    csv("x,u", &[x, u])
+}
+
+#[test]
+fn declared_noise_of_an_input_no_longer_shrinks_its_coefficient() {
+    let truth = [("x", -4.0), ("dx", -0.5), ("u", 1.0)];
+    let model = "state x : order 2\ninput u : hold, noise 0.7\nddx ~ poly(x, dx, u; 2)\n";
+    let data = forced(1);
+    let (run, found) = identify(model, &data, &[]);
+    for off in deviations(&found, &truth) {
+        assert!(off.abs() < 3.5, "{off}\n{}", run.stdout);
+    }
+    // Taken at its word, the record makes it 1.5²/(1.5² + 0.7²) = 0.82.
+    let (_, found) = identify(&model.replace(", noise 0.7", ""), &data, &[]);
+    assert!(deviations(&found, &truth)[2] < -6.0);
+}
+
+#[test]
+fn noise_of_an_input_that_is_not_estimated_is_said() {
+    let model = "state x : order 2\ninput u : linear, noise 0.7\nddx ~ <x, dx, u>\n";
+    let (run, _) = identify(model, &forced(2), &[]);
+    let warned = "warning[input-noise-unused]: u is taken as it is read";
+    assert!(run.stderr.contains(warned), "{}", run.stderr);
 }
 
 #[test]

@@ -306,6 +306,12 @@ impl Model {
         self.var(s.var)?.noise.get(&s.der).copied()
     }
 
+    /// Inputs whose noise is declared, in order of declaration.
+    pub fn noisy_inputs(&self) -> impl Iterator<Item = (Signal, SensorNoise)> {
+        let inputs = self.vars_of(VarKind::Input);
+        inputs.filter_map(|(id, v)| Some((Signal::new(id), *v.noise.get(&0)?)))
+    }
+
     /// Inputs and states with a declared delay, in order of declaration.
     pub fn delays(&self) -> impl Iterator<Item = (VarId, Delay)> {
         let all = (0..).map(VarId).zip(&self.vars);

@@ -47,7 +47,7 @@ pub fn joint(
     observer: &mut dyn Observer,
 ) -> Result<Problem, NotJoint> {
     let by_run = !model.per_run.is_empty();
-    let needed = by_run || model.seeks_delays();
+    let needed = by_run || model.seeks_delays() || model.noisy_inputs().next().is_some();
     let asked = options.method == Method::Joint || needed && options.method == Method::Auto;
     if by_run && !model.constraints.is_empty() {
         return Err(NotJoint::fine("coefficients are constrained"));

@@ -118,7 +118,6 @@ pub(crate) fn search_with_disturbances<'a>(
     free: Option<&JointFit>,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    let problem = free.map_or(problem, |fit| &fit.problem);
     let mut search = DelayOutlierSearch {
         watcher,
         start: StartingSupport::new(),

@@ -9,17 +9,28 @@ use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::still;
 use crate::trajectory;
 use crate::trajectory::{AHEAD, Disturbance, Problem, ProcessNoise};
+use sidc_lang::model::Model;
+use sidc_lang::term::Signal;
 use sidc_progress::EquationObserver;
 
 /// The fit with disturbances where that is the best explanation of what the answer leaves: the innovations are white, as those of the
 /// right laws with the right disturbances are, and no standard terms explain the same. A disturbance that lasts may also stand for what the
 /// laws lack. So it has to be smaller than the target that it drives, and, against laws without it, to make do with no more terms that by
 /// themselves, from the same states, predict as well. Where constraints shape the answer none is looked for: what it leaves is theirs.
+///
+/// Inputs whose noise is declared are estimated too, whatever is left without that.
 pub(crate) fn disturbed<'a>(
-    problem: &Problem,
+    (model, problem): (&Model, &Problem),
     answer: Option<&ConstrainedAnswer>,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
+    let known = answer.map_or(problem, |a| &a.fit.problem);
+    let inputs = noisy_inputs(model, known);
+    if !inputs.is_empty() && answer.is_none_or(|a| a.free.is_none()) {
+        let noisy = known.with_noisy_inputs(&inputs);
+        let fit = search_with_disturbances(&noisy, answer.map(|a| &a.fit), watcher)?;
+        return watcher.stop().is_none().then_some(fit);
+    }
     let settled = |a: &ConstrainedAnswer| a.free.is_some() || explained(&a.fit);
     if watcher.stop().is_some() || answer.is_some_and(settled) {
         return None;
@@ -27,11 +38,19 @@ pub(crate) fn disturbed<'a>(
     if answer.is_none() && !still(problem).is_empty() {
         return None;
     }
-    let fit = search_with_disturbances(problem, answer.map(|a| &a.fit), watcher)?;
+    let fit = search_with_disturbances(known, answer.map(|a| &a.fit), watcher)?;
     let better = explained(&fit)
         && laws_prevail(problem, &fit)
         && answer.is_none_or(|a| takes_the_place(&a.fit, &fit, watcher));
     (better && watcher.stop().is_none()).then_some(fit)
+}
+
+/// Held inputs whose noise is declared, with that noise.
+pub(crate) fn noisy_inputs(model: &Model, problem: &Problem) -> Vec<(Signal, f64)> {
+    let declared = model.noisy_inputs();
+    let held = declared.filter(|(s, _)| problem.holds(*s));
+    held.map(|(s, noise)| (s, noise.rms(&problem.values_of_input(s))))
+        .collect()
 }
 
 fn explained(fit: &JointFit) -> bool {

@@ -76,7 +76,7 @@ pub fn discover_jointly(
     let start = weak_start((model, libraries), &dataset, problem, options, watcher);
     match search_under_constraints((model, problem), start, options, watcher) {
         Settled::Answer(mut answer) => {
-            if let Some(disturbed) = disturbed(problem, Some(&answer), watcher) {
+            if let Some(disturbed) = disturbed((model, problem), Some(&answer), watcher) {
                 answer.fit = disturbed;
             }
             // A search that was cut short shows no contradiction.
@@ -97,7 +97,7 @@ pub fn discover_jointly(
                 watcher,
             ))
         }
-        Settled::Nothing if let Some(fit) = disturbed(problem, None, watcher) => {
+        Settled::Nothing if let Some(fit) = disturbed((model, problem), None, watcher) => {
             let answer = ConstrainedAnswer {
                 fit,
                 free: None,

@@ -59,7 +59,8 @@ fn spread(values: &[f64]) -> f64 {
 /// The readings of the measured states.
 pub(crate) fn measured_states(problem: &Problem) -> Vec<MeasuredState> {
     let states = problem.system.states.iter().enumerate();
-    let read = states.filter(|(i, s)| s.der == 0 && problem.readings_of(*i) > 0);
+    let read: Vec<usize> = problem.read_states().collect();
+    let read = states.filter(|(i, s)| s.der == 0 && read.contains(i));
     read.map(|(i, signal)| MeasuredState {
         signal: *signal,
         values: (problem.records.iter())

@@ -127,6 +127,16 @@ family! {
 }
 
 family! {
+    /// Inputs that are read with noise.
+    pub(crate) INPUT_NOISE: InputNoise {
+        /// Correlation of an input from one sample to the next, at least and at most.
+        correlation: [f64; 2] = [1e-3, 0.999], unit "", source "below, it is none; above, the record holds no change to tell it by";
+        /// Least share of the variance of its readings that is the input's own.
+        least_share: f64 = 0.01, unit "of the variance", source "with less the readings say nothing of the input";
+    }
+}
+
+family! {
     /// The price of a term, and the least noise.
     pub(crate) CRITERION: Criterion {
         /// Price of a term over the logarithm of the number of readings; 1 would be the Bayesian criterion (Schwarz 1978).
@@ -373,6 +383,7 @@ pub fn tables() -> Vec<Table> {
         GaussNewton::table(),
         QuasiNewton::table(),
         Disturbances::table(),
+        InputNoise::table(),
         Criterion::table(),
         Search::table(),
         ConstrainedSupports::table(),

@@ -60,7 +60,7 @@ pub(super) fn disturbed_fit(
     let mut halving = StepHalving::default();
     halving.mistrust();
     let (mut arrived, mut before) = (false, f64::INFINITY);
-    // Noises come first where there is no fit yet to take them from, then after the first step of the coefficients, and at their end.
+    // Noises are estimated in every other step, and at the end; first where there is no fit yet to take them from.
     let mut estimate = beat == f64::INFINITY;
     let mut known = false;
     for _ in 0..DISTURBANCES.max_steps {
@@ -71,7 +71,8 @@ pub(super) fn disturbed_fit(
             }
             continue;
         };
-        let estimated = std::mem::take(&mut estimate);
+        let estimated = estimate;
+        estimate = !estimate;
         if estimated {
             estimate_noises(problem, &intervals, &mut point);
         }
@@ -109,14 +110,10 @@ pub(super) fn disturbed_fit(
             Verdict::End if !still => break,
             _ => {}
         }
-        if gain < GAUSS_NEWTON.criterion_step && still {
-            if estimated {
-                arrived = true;
-                break;
-            }
-            estimate = true;
+        if gain < GAUSS_NEWTON.criterion_step && still && estimated {
+            arrived = true;
+            break;
         }
-        estimate |= !known;
         let hope = GAUSS_NEWTON.hopeless_gain * gain.max((before - value).abs());
         if known && value - beat > GAUSS_NEWTON.hopeless_lag + DISTURBANCES.max_steps as f64 * hope
         {

@@ -137,8 +137,8 @@ impl Filter {
         let moved = self.state.iter().zip(from).map(|(x, f)| x - f);
         off.iter_mut().zip(moved).for_each(|(o, x)| *o = x);
         self.state.copy_from_slice(&block.end[b * n..(b + 1) * n]);
-        for (state, kept) in at.process.iter().flat_map(|process| process.decay(h)) {
-            self.state[state] *= kept;
+        for (state, kept, mean) in at.process.iter().flat_map(|process| process.decay(h)) {
+            self.state[state] = mean + kept * (self.state[state] - mean);
             self.transition[state * n + state] = kept;
         }
         for i in 0..n {
@@ -282,8 +282,9 @@ impl Problem {
         for i in 0..n {
             filter.covariance[i * n + i] = (DISTURBANCES.first_state * self.spread[i]).powi(2);
         }
-        for (state, deviation) in at.process.iter().flat_map(|process| process.stationary()) {
-            filter.state[state] = 0.0;
+        let given = at.process.iter().flat_map(|process| process.stationary());
+        for (state, mean, deviation) in given {
+            filter.state[state] = mean;
             filter.covariance[state * n + state] = deviation * deviation;
         }
         filter

@@ -40,19 +40,27 @@ pub(super) fn estimate_noises(
     }
 }
 
+impl Problem {
+    /// Whether the readings show the noise of a sensor; that of an input is declared.
+    fn shows_noise(&self, sensor: usize) -> bool {
+        self.readings[sensor] > 0 && self.input_noise[sensor % self.states()].is_none()
+    }
+}
+
 /// Logarithms of all noises that are estimated: of the sensors that read, then of the process.
 fn noises(problem: &Problem, point: &LinearizationPoint) -> Vec<f64> {
-    let read = point.sigma.iter().zip(&problem.readings);
-    let sensors = read.filter(|(_, m)| **m > 0).map(|(s, _)| *s);
+    let sensors = (0..point.sigma.len()).filter(|i| problem.shows_noise(*i));
+    let sensors = sensors.map(|i| point.sigma[i]);
     let process = point.process.iter().flat_map(ProcessNoise::values);
     sensors.chain(process).map(f64::ln).collect()
 }
 
 fn set_noises(problem: &Problem, point: &mut LinearizationPoint, logs: &[f64]) {
     let mut values = logs.iter().map(|x| x.exp());
-    let read = point.sigma.iter_mut().zip(&problem.readings);
-    for (sigma, _) in read.filter(|(_, m)| **m > 0) {
-        *sigma = values.next().unwrap_or(*sigma);
+    for (i, sigma) in point.sigma.iter_mut().enumerate() {
+        if problem.shows_noise(i) {
+            *sigma = values.next().unwrap_or(*sigma);
+        }
     }
     if let Some(process) = &mut point.process {
         process.set_values(&mut values);
@@ -65,7 +73,7 @@ fn bounds(problem: &Problem, point: &LinearizationPoint) -> Vec<(f64, f64)> {
     let floor = SEARCH.floors.iter().copied().fold(f64::INFINITY, f64::min);
     let [least, most] = DISTURBANCES.range;
     let mut all: Vec<(f64, f64)> = (0..point.sigma.len())
-        .filter(|i| problem.readings[*i] > 0)
+        .filter(|i| problem.shows_noise(*i))
         .map(|i| (floor * problem.spread[i % n], most * problem.spread[i % n]))
         .collect();
     let (step, length) = problem.step_and_length();

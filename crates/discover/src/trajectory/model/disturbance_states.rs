@@ -28,6 +28,7 @@ impl Problem {
             law.known = law.known.clone() + Expr::signal(signal);
             problem.spread.push(self.rate_spread(l));
             problem.declared.push(None);
+            problem.input_noise.push(None);
         }
         for (record, curve) in problem.records.iter_mut().zip(&mut problem.smoothed) {
             let unread = vec![f64::NAN; record.len()];
@@ -49,6 +50,7 @@ impl Problem {
         };
         let process = ProcessNoise {
             laws: (0..laws).map(first_order).collect(),
+            inputs: Vec::new(),
         };
         problem.process = Some(process.clone());
         let point = LinearizationPoint {
@@ -77,7 +79,7 @@ impl Problem {
 }
 
 /// Rows of n numbers made rows of `all`.
-fn widened<T: Copy>(rows: &[T], n: usize, all: usize, fill: T) -> Vec<T> {
+pub(super) fn widened<T: Copy>(rows: &[T], n: usize, all: usize, fill: T) -> Vec<T> {
     let rows = rows.chunks_exact(n);
     let more = std::iter::repeat_n(fill, all - n);
     rows.flat_map(|row| row.iter().copied().chain(more.clone()))

@@ -47,6 +47,8 @@ pub struct Problem {
     pub run_columns: RunColumns,
     /// What moves the states besides the laws, where a search starts; `None` where laws hold but for slips.
     pub(crate) process: Option<ProcessNoise>,
+    /// Noise of the states that are inputs: declared, since nothing shows it; `None` for all others.
+    pub(crate) input_noise: Vec<Option<f64>>,
     /// Noise that the model declares for each state.
     pub(crate) declared: Vec<Option<SensorNoise>>,
     /// Columns of each law.
@@ -116,6 +118,7 @@ impl Problem {
             left_out,
             run_columns: RunColumns::default(),
             process: None,
+            input_noise: vec![None; n],
             declared,
         };
         problem.compile_columns();
@@ -192,6 +195,7 @@ impl Problem {
             left_out: Vec::new(),
             run_columns: self.run_columns.clone(),
             process: self.process.clone(),
+            input_noise: self.input_noise.clone(),
             records,
             smoothed,
         };
@@ -286,6 +290,12 @@ impl Problem {
     /// Length of all records, in seconds.
     pub fn length(&self) -> f64 {
         self.step_and_length().1
+    }
+
+    /// States that sensors read, without inputs.
+    pub(crate) fn read_states(&self) -> impl Iterator<Item = usize> {
+        let read = |i: &usize| self.readings_of(*i) > 0 && self.input_noise[*i].is_none();
+        (0..self.states()).filter(read)
     }
 
     pub fn states(&self) -> usize {

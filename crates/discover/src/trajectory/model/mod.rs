@@ -9,6 +9,7 @@ mod estimation_problem;
 mod extra_columns;
 mod growth;
 mod noise_growth;
+mod noisy_inputs;
 mod process_noise;
 mod quantization;
 mod record;

@@ -10,6 +10,20 @@ use super::system::System;
 pub struct ProcessNoise {
     /// One of each law.
     pub laws: Vec<Disturbance>,
+    /// Inputs that are read with noise.
+    pub(crate) inputs: Vec<NoisyInput>,
+}
+
+/// An input that is held from sample to sample and read with noise: a state that no law moves. It varies about its mean as an autoregression
+/// of first order does, so that readings are worth no more than they are: taken at their word they would make its coefficients too small
+/// (regression calibration; Carroll et al. 2006, chapter 4).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct NoisyInput {
+    pub state: usize,
+    pub mean: f64,
+    pub deviation: f64,
+    /// Seconds.
+    pub memory: f64,
 }
 
 /// The disturbance of one law, by how it remembers its past.
@@ -35,12 +49,14 @@ impl ProcessNoise {
         });
         ProcessNoise {
             laws: white.collect(),
+            inputs: Vec::new(),
         }
     }
 
     /// Whether no disturbance has a memory.
     pub fn is_white(&self) -> bool {
-        self.stationary().next().is_none()
+        let white = |d: &Disturbance| matches!(d, Disturbance::White { .. });
+        self.laws.iter().all(white)
     }
 
     /// The numbers that describe the disturbances: an intensity each, or a deviation and a memory.
@@ -67,31 +83,48 @@ impl ProcessNoise {
         }
     }
 
-    /// The share of each state that lasts over an interval of length `h`, besides what the laws do to it: 1 but for disturbances.
-    pub(crate) fn decay(&self, h: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.laws.iter().filter_map(move |d| match d {
-            Disturbance::White { .. } => None,
-            Disturbance::FirstOrder { memory, state, .. } => Some((*state, (-h / memory).exp())),
-        })
-    }
-
-    /// Deviations of the states that are disturbances, before anything is read.
-    pub(crate) fn stationary(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        self.laws.iter().filter_map(|d| match d {
+    /// The states that no law moves.
+    fn autoregressions(&self) -> impl Iterator<Item = NoisyInput> + '_ {
+        let laws = self.laws.iter().filter_map(|d| match *d {
             Disturbance::White { .. } => None,
             Disturbance::FirstOrder {
-                deviation, state, ..
-            } => Some((*state, *deviation)),
-        })
+                deviation,
+                memory,
+                state,
+            } => Some(NoisyInput {
+                state,
+                mean: 0.0,
+                deviation,
+                memory,
+            }),
+        });
+        laws.chain(self.inputs.iter().copied())
+    }
+
+    /// The states that no law moves, with the share of their distance from their mean that lasts over an interval of length `h`, and the mean.
+    pub(crate) fn decay(&self, h: f64) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
+        let all = self.autoregressions();
+        all.map(move |a| (a.state, (-h / a.memory).exp(), a.mean))
+    }
+
+    /// The same states with mean and deviation before anything is read.
+    pub(crate) fn stationary(&self) -> impl Iterator<Item = (usize, f64, f64)> + '_ {
+        self.autoregressions()
+            .map(|a| (a.state, a.mean, a.deviation))
     }
 
     /// Adds to P, the covariance of the states (n × n by rows), what disturbances do over an interval of length `h` with transition T. White
     /// noise is integrated by Simpson's rule, the transition to the middle taken halfway: exact for two integrations.
     pub(crate) fn add_covariance(&self, transition: &[f64], h: f64, covariance: &mut [f64]) {
+        let n = covariance.len().isqrt();
+        for a in self.autoregressions() {
+            let fresh = -(-2.0 * h / a.memory).exp_m1();
+            covariance[a.state * n + a.state] += a.deviation.powi(2) * fresh;
+        }
         for d in &self.laws {
             match *d {
+                Disturbance::FirstOrder { .. } => {}
                 Disturbance::White { intensity, moves } => {
-                    let n = covariance.len().isqrt();
                     let weight = h / 6.0 * intensity.powi(2);
                     let start = |i: usize| transition[i * n + moves];
                     let end = |i: usize| if i == moves { 1.0 } else { 0.0 };
@@ -104,15 +137,6 @@ impl ProcessNoise {
                                     + end(i) * end(j));
                         }
                     }
-                }
-                Disturbance::FirstOrder {
-                    deviation,
-                    memory,
-                    state,
-                } => {
-                    let n = covariance.len().isqrt();
-                    let fresh = -(-2.0 * h / memory).exp_m1();
-                    covariance[state * n + state] += deviation.powi(2) * fresh;
                 }
             }
         }
@@ -129,7 +153,10 @@ mod tests {
             intensity: 0.7,
             moves: 1,
         };
-        let noise = ProcessNoise { laws: vec![white] };
+        let noise = ProcessNoise {
+            laws: vec![white],
+            inputs: Vec::new(),
+        };
         let h = 0.3_f64;
         let mut q = vec![0.0; 4];
         noise.add_covariance(&[1.0, h, 0.0, 1.0], h, &mut q);
@@ -147,9 +174,10 @@ mod tests {
                 memory: 0.5,
                 state: 1,
             }],
+            inputs: Vec::new(),
         };
-        let (state, kept) = noise.decay(0.2).next().unwrap();
-        assert_eq!(state, 1);
+        let (state, kept, mean) = noise.decay(0.2).next().unwrap();
+        assert_eq!((state, mean), (1, 0.0));
         let mut covariance = vec![0.0, 0.0, 0.0, (kept * 2.0).powi(2)];
         noise.add_covariance(&[1.0, 0.2, 0.0, 1.0], 0.2, &mut covariance);
         assert!((covariance[3] - 4.0).abs() < 1e-12);

@@ -54,8 +54,10 @@ pub struct File {
 pub fn channels(problem: &Problem, fit: &Fit) -> Vec<Channel> {
     if fit.process().is_some() {
         let all = innovations(problem, fit);
-        let read = (0..problem.states()).filter(|i| problem.readings_of(*i) > 0);
-        return read.map(|i| channel_of(problem, fit, i, &all)).collect();
+        return problem
+            .read_states()
+            .map(|i| channel_of(problem, fit, i, &all))
+            .collect();
     }
     (0..problem.states())
         .filter(|i| problem.readings_of(*i) > 0)

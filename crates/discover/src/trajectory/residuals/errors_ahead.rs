@@ -37,8 +37,10 @@ pub fn log_error_ahead(problem: &Problem, fit: &Fit, from: &[Vec<f64>], ahead: f
             count += 1;
         }
     }
-    let read = (0..problem.states()).filter(|i| problem.readings_of(*i) > 0);
-    let logs: Vec<f64> = read.map(|i| 0.5 * squares[i].ln()).collect();
+    let logs: Vec<f64> = problem
+        .read_states()
+        .map(|i| 0.5 * squares[i].ln())
+        .collect();
     match count {
         0 => f64::INFINITY,
         _ => logs.iter().sum::<f64>() / logs.len() as f64,
@@ -70,8 +72,8 @@ fn block_errors(
         let known = given.min(n);
         states[k * n..k * n + known].copy_from_slice(&from[k * given..k * given + known]);
         // Laws are run without their disturbances.
-        for (state, _) in at.process.iter().flat_map(|p| p.stationary()) {
-            states[k * n + state] = 0.0;
+        for (state, mean, _) in at.process.iter().flat_map(|p| p.stationary()) {
+            states[k * n + state] = mean;
         }
     }
     for step in 0..steps {

@@ -30,9 +30,16 @@ pub fn search_disturbed(
 ) -> Option<DisturbedAnswer> {
     let criterion = final_criterion(problem);
     let value = |fit| undisturbed_value(problem, fit, &criterion, observer);
-    let without = free.and_then(value).unwrap_or(f64::INFINITY);
+    // Against inputs without noise nothing is to be weighed: it is declared.
+    let comparable = free.filter(|_| problem.process.is_none());
+    let without = comparable.and_then(value).unwrap_or(f64::INFINITY);
     let mut best: Option<(f64, Problem, Found)> = None;
-    for kind in [Kind::White, Kind::FirstOrder] {
+    // Noise of inputs is white as it is held.
+    let kinds: &[Kind] = match problem.process {
+        Some(_) => &[Kind::White],
+        None => &[Kind::White, Kind::FirstOrder],
+    };
+    for kind in kinds.iter().copied() {
         let Some((disturbed, found)) = search_kind(problem, kind, free, observer) else {
             continue;
         };
@@ -125,7 +132,11 @@ impl Kind {
         match self {
             Kind::White => {
                 let size = |l| DISTURBANCES.first_size * problem.rate_spread(l) * step.sqrt();
-                let process = ProcessNoise::white(&problem.system, size);
+                let inputs = problem.process.as_ref().map(|p| p.inputs.clone());
+                let process = ProcessNoise {
+                    inputs: inputs.unwrap_or_default(),
+                    ..ProcessNoise::white(&problem.system, size)
+                };
                 let mut problem = problem.clone();
                 problem.process = Some(process.clone());
                 let point = LinearizationPoint {
