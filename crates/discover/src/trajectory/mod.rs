@@ -28,6 +28,9 @@
 //!
 //! The criterion is Σ Mᵢ ln(noiseᵢ²) + χ² of the slips + price · terms, with Mᵢ readings of sensor i.
 //!
+//! Where laws are disturbed, slips are process noise whose size is estimated, and the states of a record are filtered forward instead: the
+//! innovations of an extended Kalman filter take the place of the residuals (`likelihood/disturbed_fit`).
+//!
 //! # Which terms (`search`)
 //!
 //! About a fit, the eliminated problem over *all* candidate columns is a quadratic form χ²(a). Backward elimination, single moves and
