@@ -96,18 +96,10 @@ pub(crate) fn search_from<'a>(
     free: &JointFit<'a>,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    let mut search = DelayOutlierSearch {
-        watcher,
-        start: StartingSupport::new(),
-        refits: 0,
-    };
-    let mut guide = SearchGuide {
-        search: &mut search,
-        inputs: None,
-        laws: &free.problem.system.laws,
-        late: None,
-    };
-    let found = trajectory::search_from_free(&free.problem, &free.found, &mut guide)?;
+    let laws = &free.problem.system.laws;
+    let found = watched(laws, watcher, |guide| {
+        trajectory::search_from_free(&free.problem, &free.found, guide)
+    })?;
     let late = free.late.clone();
     Some(JointFit::new(free.problem.clone(), found, late))
 }
@@ -118,24 +110,34 @@ pub(crate) fn search_with_disturbances<'a>(
     free: Option<&JointFit>,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    let mut search = DelayOutlierSearch {
-        watcher,
-        start: StartingSupport::new(),
-        refits: 0,
-    };
-    let mut guide = SearchGuide {
-        search: &mut search,
-        inputs: None,
-        laws: &problem.system.laws,
-        late: None,
-    };
     let best = free.map(|fit| &fit.found.best);
-    let answer = trajectory::search_disturbed(problem, best, &mut guide)?;
+    let answer = watched(&problem.system.laws, watcher, |guide| {
+        trajectory::search_disturbed(problem, best, guide)
+    })?;
     Some(JointFit::new(
         Cow::Owned(answer.problem),
         answer.found,
         free.and_then(|fit| fit.late.clone()),
     ))
+}
+
+/// One search that looks for no faults of sensors.
+fn watched<T>(
+    laws: &[Law],
+    watcher: &mut EquationObserver,
+    search: impl FnOnce(&mut dyn SearchObserver) -> T,
+) -> T {
+    let mut searches = DelayOutlierSearch {
+        watcher,
+        start: StartingSupport::new(),
+        refits: 0,
+    };
+    search(&mut SearchGuide {
+        search: &mut searches,
+        inputs: None,
+        laws,
+        late: None,
+    })
 }
 
 struct DelayOutlierSearch<'a, 'w> {

@@ -3,7 +3,7 @@
 //! In: a problem, the answer without disturbances, if there is one. Out: the answer with them, or nothing. Never writes messages.
 
 use crate::doubts::trajectory_rules;
-use crate::joint::constrained_search::ConstrainedAnswer;
+use crate::joint::constrained_search::{ConstrainedAnswer, Settled};
 use crate::joint::delay_outlier_search::{JointFit, search_with_disturbances, unexplained};
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::still;
@@ -13,13 +13,38 @@ use sidc_lang::model::Model;
 use sidc_lang::term::Signal;
 use sidc_progress::EquationObserver;
 
+/// What a search ended with, with disturbances where they explain what it leaves, or where it ended with nothing.
+pub(crate) fn with_disturbances<'a>(
+    of: (&Model, &Problem),
+    settled: Settled<'a>,
+    watcher: &mut EquationObserver,
+) -> Settled<'a> {
+    match settled {
+        Settled::Answer(mut answer) => {
+            if let Some(fit) = disturbed(of, Some(&answer), watcher) {
+                answer.fit = fit;
+            }
+            Settled::Answer(answer)
+        }
+        Settled::Nothing => match disturbed(of, None, watcher) {
+            None => Settled::Nothing,
+            Some(fit) => Settled::Answer(Box::new(ConstrainedAnswer {
+                fit,
+                free: None,
+                left: Vec::new(),
+            })),
+        },
+        Settled::OnlyFree(free) => Settled::OnlyFree(free),
+    }
+}
+
 /// The fit with disturbances where that is the best explanation of what the answer leaves: the innovations are white, as those of the
 /// right laws with the right disturbances are, and no standard terms explain the same. A disturbance that lasts may also stand for what the
 /// laws lack. So it has to be smaller than the target that it drives, and, against laws without it, to make do with no more terms that by
 /// themselves, from the same states, predict as well. Where constraints shape the answer none is looked for: what it leaves is theirs.
 ///
 /// Inputs whose noise is declared are estimated too, whatever is left without that.
-pub(crate) fn disturbed<'a>(
+fn disturbed<'a>(
     (model, problem): (&Model, &Problem),
     answer: Option<&ConstrainedAnswer>,
     watcher: &mut EquationObserver,
@@ -46,7 +71,7 @@ pub(crate) fn disturbed<'a>(
 }
 
 /// Held inputs whose noise is declared, with that noise.
-pub(crate) fn noisy_inputs(model: &Model, problem: &Problem) -> Vec<(Signal, f64)> {
+fn noisy_inputs(model: &Model, problem: &Problem) -> Vec<(Signal, f64)> {
     let declared = model.noisy_inputs();
     let held = declared.filter(|(s, _)| problem.holds(*s));
     held.map(|(s, noise)| (s, noise.rms(&problem.values_of_input(s))))

@@ -30,7 +30,7 @@ use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
 use crate::joint::delay_outlier_search::JointFit;
-use crate::joint::disturbances::disturbed;
+use crate::joint::disturbances::with_disturbances;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
@@ -74,11 +74,9 @@ pub fn discover_jointly(
     let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
     let problem = problem.as_ref();
     let start = weak_start((model, libraries), &dataset, problem, options, watcher);
-    match search_under_constraints((model, problem), start, options, watcher) {
-        Settled::Answer(mut answer) => {
-            if let Some(disturbed) = disturbed((model, problem), Some(&answer), watcher) {
-                answer.fit = disturbed;
-            }
+    let settled = search_under_constraints((model, problem), start, options, watcher);
+    match with_disturbances((model, problem), settled, watcher) {
+        Settled::Answer(answer) => {
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
                 refuse_contradiction(&discovery, model, &answer, watcher)?;
@@ -96,16 +94,6 @@ pub fn discover_jointly(
                 nothing_under,
                 watcher,
             ))
-        }
-        Settled::Nothing if let Some(fit) = disturbed((model, problem), None, watcher) => {
-            let answer = ConstrainedAnswer {
-                fit,
-                free: None,
-                left: Vec::new(),
-            };
-            let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
-            delays.state(model, &mut discovery);
-            Ok(Some((discovery, fitted)))
         }
         Settled::Nothing => Ok(watcher.stop().map(|stop| {
             let failed = |law: &Law| Failed {

@@ -101,8 +101,8 @@ mod tests {
     #[test]
     fn the_course_of_an_input_is_that_without_its_noise() {
         // ±1 in turn for four samples, read 0.5 too high and too low in turn.
-        let u = |k: usize| if k / 4 % 2 == 0 { 1.0 } else { -1.0 };
-        let error = |k: usize| if k % 2 == 0 { 0.5 } else { -0.5 };
+        let u = |k: usize| if (k / 4).is_multiple_of(2) { 1.0 } else { -1.0 };
+        let error = |k: usize| if k.is_multiple_of(2) { 0.5 } else { -0.5 };
         let read: Vec<f64> = (0..800).map(|k| u(k) + error(k)).collect();
         let course = course([&read[..]].into_iter(), 0.5, 0.1);
         assert!(course.mean.abs() < 1e-12);
