@@ -111,12 +111,12 @@ pub(crate) fn search_with_disturbances<'a>(
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
     let best = free.map(|fit| &fit.found.best);
-    let answer = watched(&problem.system.laws, watcher, |guide| {
+    let (problem, found) = watched(&problem.system.laws, watcher, |guide| {
         trajectory::search_disturbed(problem, best, guide)
     })?;
     Some(JointFit::new(
-        Cow::Owned(answer.problem),
-        answer.found,
+        Cow::Owned(problem),
+        found,
         free.and_then(|fit| fit.late.clone()),
     ))
 }

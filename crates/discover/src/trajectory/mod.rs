@@ -70,8 +70,8 @@ pub use residuals::{
 };
 pub(crate) use search::minimum;
 pub use search::{
-    BetterLaws, DisturbedAnswer, Found, LawChange, SearchObserver, StartingSupport, search,
-    search_beyond_libraries, search_disturbed, search_from_free,
+    BetterLaws, Found, LawChange, SearchObserver, StartingSupport, search, search_beyond_libraries,
+    search_disturbed, search_from_free,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

@@ -21,6 +21,7 @@ pub fn own_time(problem: &Problem) -> f64 {
 pub fn log_error_ahead(problem: &Problem, fit: &Fit, from: &[Vec<f64>], ahead: f64) -> f64 {
     let (step, _) = problem.step_and_length();
     let steps = (ahead / step).round().max(1.0) as usize;
+    let code = CompiledLaws::new(&problem.system, fit.support());
     let mut squares = vec![0.0; problem.states()];
     let mut count = 0;
     for (r, record) in problem.records.iter().enumerate() {
@@ -30,7 +31,13 @@ pub fn log_error_ahead(problem: &Problem, fit: &Fit, from: &[Vec<f64>], ahead: f
         let blocks = AHEAD.blocks.min(room / INTERVALS_AT_ONCE + 1);
         for b in 0..blocks {
             let start = room * b / (blocks - 1).max(1);
-            let Ok(errors) = block_errors(problem, fit, record, &from[r], (start, steps)) else {
+            let Ok(errors) = block_errors(
+                (problem, &code),
+                &fit.point,
+                record,
+                &from[r],
+                (start, steps),
+            ) else {
                 return f64::INFINITY;
             };
             squares.iter_mut().zip(&errors).for_each(|(s, e)| *s += e);
@@ -49,18 +56,16 @@ pub fn log_error_ahead(problem: &Problem, fit: &Fit, from: &[Vec<f64>], ahead: f
 
 /// Squared errors of the runs from as many neighbouring samples as are integrated at once: side by side, each an interval behind the next.
 fn block_errors(
-    problem: &Problem,
-    fit: &Fit,
+    (problem, laws): (&Problem, &CompiledLaws),
+    at: &LinearizationPoint,
     record: &Record,
     from: &[f64],
     (start, steps): (usize, usize),
 ) -> Result<Vec<f64>, Diverged> {
     let n = problem.states();
     let given = from.len() / record.len();
-    let code = CompiledLaws::new(&problem.system, fit.support());
-    let at: &LinearizationPoint = &fit.point;
     let integrator = ShootingIntegrator {
-        laws: &code,
+        laws,
         all: None,
         coefficients: &at.coefficients,
         spread: &problem.spread,

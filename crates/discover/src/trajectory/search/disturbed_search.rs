@@ -11,23 +11,16 @@ use crate::trajectory::likelihood::{Fit, fit, undisturbed_value};
 use crate::trajectory::model::{LinearizationPoint, Problem, ProcessNoise};
 use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
 
-/// Laws with their disturbances.
-pub struct DisturbedAnswer {
-    /// The problem whose states include disturbances that remember.
-    pub problem: Problem,
-    pub found: Found,
-    /// Decrease of the criterion against laws without disturbances, all their numbers paid for.
-    pub gain: f64,
-}
-
-/// Searches from the support of the best fit without disturbances, if there is one. `None` if that fit is as good, or nothing could be fitted.
+/// Searches from the support of the best fit without disturbances, if there is one. Out come
+/// the problem whose states include disturbances that remember, and the fit to it; `None` if the other fit is as good, or nothing could be
+/// fitted.
 ///
 /// Long records are searched on segments first.
 pub fn search_disturbed(
     problem: &Problem,
     free: Option<&Fit>,
     observer: &mut dyn SearchObserver,
-) -> Option<DisturbedAnswer> {
+) -> Option<(Problem, Found)> {
     let criterion = final_criterion(problem);
     let value = |fit| undisturbed_value(problem, fit, &criterion, observer);
     // Against inputs without noise nothing is to be weighed: it is declared.
@@ -50,12 +43,7 @@ pub fn search_disturbed(
             best = Some((value, disturbed, found));
         }
     }
-    let (value, problem, found) = best?;
-    Some(DisturbedAnswer {
-        problem,
-        found,
-        gain: without - value,
-    })
+    best.map(|(_, problem, found)| (problem, found))
 }
 
 /// The search under disturbances of one kind.

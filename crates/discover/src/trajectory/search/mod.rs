@@ -15,7 +15,7 @@ mod support_search;
 #[cfg(test)]
 pub(crate) use beam_search::best_subsets;
 pub(crate) use constrained_supports::{ConstrainedForm, minimum};
-pub use disturbed_search::{DisturbedAnswer, search_disturbed};
+pub use disturbed_search::search_disturbed;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
 pub use search_from_free::search_from_free;
 pub use search_observer::SearchObserver;
