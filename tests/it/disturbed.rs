@@ -80,6 +80,34 @@ fn a_double_well_driven_by_white_noise_is_found_with_its_noise() {
 }
 
 #[test]
+fn reports_and_code_name_the_disturbance() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("m.sid"),
+        "state x : order 1\ndx ~ poly(x; 5)\n",
+    )
+    .unwrap();
+    fs::write(folder.path().join("d.csv"), double_well(1, 0.0)).unwrap();
+    let run = sidc_in(
+        folder.path(),
+        &["identify", "m.sid", "d.csv", "-o", "r.json"],
+    );
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let report = sidc_in(
+        folder.path(),
+        &["report", "r.json", "d.csv", "-o", "r.html"],
+    );
+    assert_eq!(report.status, 0, "{}", report.stderr);
+    let said = "white noise drives dx too: in 1 s it moves x by 0.";
+    let page = fs::read_to_string(folder.path().join("r.html")).unwrap();
+    assert!(page.contains(said));
+    for target in ["python", "c", "rust", "matlab"] {
+        let code = sidc_in(folder.path(), &["export", "r.json", "--to", target]).stdout;
+        assert!(code.contains(said), "{target}: {code}");
+    }
+}
+
+#[test]
 fn an_oscillator_driven_by_white_noise_is_found_from_its_position() {
     let mut random = Random::new(5);
     let law = |x: &[f64; 2]| [x[1], 2.0 * (1.0 - x[0] * x[0]) * x[1] - x[0]];

@@ -4,6 +4,7 @@
 //! no quotes, no backslashes, no ends of comments.
 
 use crate::code::identifiers::plain;
+use crate::text::disturbance;
 use crate::text::layout::wrapped;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
@@ -44,6 +45,10 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     let mut lines = vec![format!("verdict: {}", LawVerdict::of(d).as_str())];
     for (target, reason) in verdict::reasons(d) {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
+        lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+    }
+    for sentence in disturbance::sentences(d) {
+        let text = format!("{sentence}; runs of these equations leave it out");
         lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
     }
     for e in &d.equations {

@@ -21,14 +21,11 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&lines);
         out.push_str(&solution_path::table(d, e));
     }
-    out.push_str(&disturbances(d));
+    out.push_str(&lines(disturbance::sentences(d)));
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));
     }
-    for delay in d.delay_sentences() {
-        let lines = wrapped(&delay, TEXT_WIDTH, "", "    ");
-        out.extend(lines.iter().map(|l| format!("{l}\n")));
-    }
+    out.push_str(&lines(d.delay_sentences().into_iter()));
     out.push_str(&sparsest_answers(d));
     out.push_str(&other_laws(d));
     out.push('\n');
@@ -37,17 +34,10 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
     out
 }
 
-/// What drives the equations besides their terms, a line each.
-fn disturbances(d: &Discovery) -> String {
-    let mut out = String::new();
-    for e in &d.equations {
-        let Some(line) = disturbance::line(d, e) else {
-            continue;
-        };
-        let wrapped = wrapped(&line, TEXT_WIDTH, "", "    ");
-        out.extend(wrapped.iter().map(|l| format!("{l}\n")));
-    }
-    out
+/// Sentences, each on lines of its own.
+fn lines(sentences: impl Iterator<Item = String>) -> String {
+    let wrapped = sentences.flat_map(|s| wrapped(&s, TEXT_WIDTH, "", "    "));
+    wrapped.map(|l| format!("{l}\n")).collect()
 }
 
 /// What is known of the sparsest equations, where that was asked.

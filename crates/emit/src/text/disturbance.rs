@@ -1,13 +1,17 @@
-//! What drives an equation besides its terms, as a sentence.
+//! What drives the equations besides their terms, as sentences.
 //!
-//! In: an equation. Out: a line, or none.
+//! In: a discovery. Out: a sentence for each equation that has a disturbance.
 
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::discovery::{Discovery, Equation};
 
 /// `white noise drives dx too: in 1 s it moves x by 0.5 (standard deviation)`
-pub(super) fn line(d: &Discovery, e: &Equation) -> Option<String> {
+pub(crate) fn sentences(d: &Discovery) -> impl Iterator<Item = String> {
+    d.equations.iter().filter_map(|e| sentence(d, e))
+}
+
+fn sentence(d: &Discovery, e: &Equation) -> Option<String> {
     let together = e.evidence.as_ref()?.together.as_ref()?;
     let found = together.disturbance.as_ref().filter(|d| d.size > 0.0)?;
     let (target, size) = (d.name(e.target), significant(found.size, 3));

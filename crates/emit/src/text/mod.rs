@@ -3,7 +3,7 @@
 pub(crate) mod answer;
 pub(crate) mod coefficient_inference;
 mod coefficient_units;
-mod disturbance;
+pub(crate) mod disturbance;
 pub mod equations;
 pub(crate) mod evidence;
 pub(crate) mod free_runs;

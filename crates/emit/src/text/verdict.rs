@@ -128,6 +128,7 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
     let ended: usize = p.ended.iter().map(|e| e.starts).sum();
     let reached = p.starts.saturating_sub(ended);
     parts.push(format!("90 % of {reached} starts on {data}"));
+    parts.extend(shown(d, p).into_iter().filter_map(missed));
     for ended in &p.ended {
         parts.push(format!("{} more end early ({})", ended.starts, ended.code));
     }
@@ -168,6 +169,18 @@ fn signal(s: &SignalPrediction) -> String {
         figure(s.no_change),
         linear.unwrap_or_default()
     )
+}
+
+/// Where predictions on data held out miss a band twice as often as the one in ten that it promises.
+fn missed(s: &SignalPrediction) -> Option<String> {
+    let band = s.band.as_ref()?;
+    let held = band.held_out.as_ref().filter(|h| h.fixed < 0.8)?;
+    Some(format!(
+        "{} there beyond the {} of the data used in {:.0} % instead of 10",
+        s.signal,
+        significant(band.half_width, 2),
+        100.0 * (1.0 - held.fixed)
+    ))
 }
 
 /// The error of the equations; one that only says how exactly was computed is told as below a bound.

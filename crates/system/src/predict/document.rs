@@ -83,8 +83,48 @@ pub struct SignalPrediction {
     /// Until when the error stays below half the spread; absent if it does as far as the curve goes.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub follows: Option<f64>,
+    /// The band about predictions at the horizon; absent without data held out.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub band: Option<Band>,
     /// How the error grows with the horizon.
     pub curve: Vec<AheadFigures>,
+}
+
+/// A band about predictions that is to hold 90 % of the readings. Runs that end before the horizon are not in it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Band {
+    /// Half of its width, in the signal's unit: the error that 90 % of the predictions on the data used stay within.
+    pub half_width: f64,
+    /// How many these are.
+    pub predictions: usize,
+    /// What it holds of the data held out; absent where no prediction there comes true.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub held_out: Option<BandHeldOut>,
+}
+
+/// How many of the readings held out a band holds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BandHeldOut {
+    /// Share within the band of the data used.
+    pub fixed: f64,
+    /// Share within a band that follows the errors of predictions that have come true, and its half width at the end.
+    pub following: f64,
+    pub half_width: f64,
+    /// Every prediction, in order of time.
+    pub course: Vec<PredictedReading>,
+}
+
+/// A prediction that came true.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PredictedReading {
+    /// Index among the records held out.
+    pub record: usize,
+    /// Of the reading.
+    pub time: f64,
+    pub predicted: f64,
+    pub read: f64,
+    /// Of the band that follows, as it was when the prediction was made.
+    pub half_width: f64,
 }
 
 /// Errors over the starts whose runs reach the horizon.

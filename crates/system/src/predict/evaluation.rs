@@ -4,17 +4,17 @@
 
 use super::ErrorLimit;
 use super::PredictionRequest;
+use super::bands::{Ahead, bands};
 use super::continued_records::continued;
-use super::document::{
-    AheadFigures, DataKind, EndedRuns, ErrorFigures, HorizonChoice, Prediction, SignalPrediction,
-    within,
-};
-use super::error_growth::{Errors, Growth, GrowthErrors};
+use super::document::{Band, DataKind, EndedRuns, HorizonChoice, Prediction, SignalPrediction};
+use super::error_growth::Growth;
+use super::figures::signal;
 use super::horizon::{Predicted, choose, median_step};
 use super::linear_model::{Along, InputSums, LinearModel};
+use super::plan::Plan;
 use super::state_estimation::StateEstimator;
 use super::test_starts::test_starts;
-use super::thresholds::{PREDICTION, STATE_FIT};
+use super::thresholds::STATE_FIT;
 use super::window_choice::{Trial, choose_rows};
 use crate::discovery::{Discovery, Form, Notice};
 use crate::simulate::{SegmentRuns, Source};
@@ -193,9 +193,31 @@ fn attempt(
             text,
         ));
     }
+    let bands: Vec<Option<Band>> = match held.trajectories.is_empty() || errors.stopped {
+        true => vec![None; signals.len()],
+        false => {
+            let along = |estimators, starts, step| Ahead {
+                estimators,
+                starts,
+                ahead: horizon,
+                step,
+                fitted_rows,
+            };
+            let starts = test_starts(&runs_used, (&[], before.1), ahead_used, plan.band_starts);
+            let used = along(&states_used, &starts, step_used);
+            let starts = test_starts(on, before, (horizon, step), plan.band_starts);
+            bands(
+                &used,
+                &along(&states_held, &starts, step),
+                &signals,
+                observer,
+            )
+        }
+    };
     let describe = |(place, s): (usize, &Predicted)| {
         let figures = signal(d.name(s.signal), s, request, &ahead, asked, &errors, place);
         SignalPrediction {
+            band: bands.get(place).cloned().flatten(),
             unit: d.unit(s.signal).map(|u| u.to_string()),
             ..figures
         }
@@ -296,115 +318,4 @@ fn stretches(runs: &SegmentRuns, first: Option<&usize>) -> impl Iterator<Item = 
     let first = first.copied().unwrap_or(0);
     let all = runs.contiguous().into_iter();
     all.map(move |r| r.start.max(first)..r.end.max(first))
-}
-
-/// How many starts there are, and how far the curve goes.
-struct Plan {
-    starts: usize,
-    /// Horizons of the curve over the one asked for.
-    multiples: Vec<f64>,
-}
-
-impl Plan {
-    fn new(rows: usize, fitted: usize, used: &[SegmentRuns], longest: usize) -> Plan {
-        let all: usize = used.iter().map(|r| r.record().len()).sum();
-        let budget = PREDICTION.rows + PREDICTION.rows_a_row * all;
-        let components = used.first().map_or(1, |r| r.state().len());
-        // Half of the Gauss–Newton steps are mostly enough.
-        let fit = fitted * (components + 1) * STATE_FIT.steps / 2;
-        let affordable = (budget / PREDICTION.fewest_starts).saturating_sub(3 * fit);
-        let shortest = -3_i32;
-        let all = (0..PREDICTION.doublings as i32).map(|k| f64::powi(2.0, k + shortest));
-        let exists = |m: &f64| m * rows as f64 >= 1.0;
-        let ends = |m: &f64| {
-            let ahead = (m * rows as f64) as usize;
-            *m <= 1.0 || (ahead <= affordable && 2 * ahead <= longest)
-        };
-        let multiples: Vec<f64> = all.filter(exists).filter(ends).collect();
-        let starts = budget / (fit + rows).max(1);
-        Plan {
-            starts: starts.clamp(PREDICTION.fewest_starts, PREDICTION.starts),
-            multiples,
-        }
-    }
-}
-
-/// The figures of one signal.
-fn signal(
-    name: String,
-    s: &Predicted,
-    request: &PredictionRequest,
-    ahead: &[f64],
-    asked: usize,
-    all: &GrowthErrors,
-    place: usize,
-) -> SignalPrediction {
-    let of = |k: usize| all.errors.get(k).and_then(|e| e.get(place));
-    let point = |(k, ahead): (usize, &f64)| {
-        let errors = of(k)?;
-        (!errors.equations.is_empty()).then(|| figures(*ahead, errors))
-    };
-    let curve: Vec<AheadFigures> = ahead.iter().enumerate().filter_map(point).collect();
-    let here = of(asked).map(|e| figures(0.0, e)).unwrap_or_default();
-    let own = |limit: &ErrorLimit| match limit {
-        ErrorLimit::Share(part) => Some(part * s.spread),
-        ErrorLimit::Signal(wanted, value) => (*wanted == name).then_some(*value),
-    };
-    // A signal that is named has its own limit.
-    let named = |l: &&ErrorLimit| matches!(l, ErrorLimit::Signal(wanted, _) if *wanted == name);
-    let limit = request
-        .good
-        .iter()
-        .find(named)
-        .or(request.good.iter().find(|l| own(l).is_some()));
-    let limit = limit.and_then(own);
-    let met = |limit: f64| of(asked).is_some_and(|e| within(&e.equations, limit));
-    SignalPrediction {
-        spread: s.spread,
-        error: here.error,
-        no_change: here.no_change,
-        linear: here.linear,
-        limit,
-        good: limit.map(met),
-        follows: follows(&curve, PREDICTION.follows * s.spread),
-        curve,
-        signal: name,
-        unit: None,
-    }
-}
-
-fn figures(ahead: f64, e: &Errors) -> AheadFigures {
-    AheadFigures {
-        ahead,
-        starts: e.equations.len(),
-        ended: e.equations.iter().filter(|e| !e.is_finite()).count(),
-        error: ErrorFigures::of(&e.equations),
-        no_change: ErrorFigures::of(&e.no_change),
-        linear: (!e.linear.is_empty()).then(|| ErrorFigures::of(&e.linear)),
-    }
-}
-
-/// Where the error passes a bound, on straight lines through the logarithms of the errors, or where more than a tenth of the runs have
-/// ended; `None` if neither happens.
-fn follows(curve: &[AheadFigures], bound: f64) -> Option<f64> {
-    let mut last: Option<(f64, f64)> = None;
-    for point in curve {
-        let error = point.error.rms.filter(|_| 10 * point.ended <= point.starts);
-        let error = error.unwrap_or(f64::INFINITY);
-        if error > bound {
-            let Some((ahead, before)) = last else {
-                return Some(point.ahead);
-            };
-            let rise = (error / before.max(f64::MIN_POSITIVE)).ln();
-            let part = (bound / before.max(f64::MIN_POSITIVE)).ln() / rise;
-            let part = if part.is_finite() {
-                part.clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            return Some(ahead + part * (point.ahead - ahead));
-        }
-        last = Some((point.ahead, error));
-    }
-    None
 }

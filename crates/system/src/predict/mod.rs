@@ -4,22 +4,26 @@
 //! fitted with the equations to the readings up to it; inputs are as recorded. Never changes equations, never looks at a clock.
 //!
 //! Flow: `horizon` (how far ahead) → `state_estimation` (the state at a start) → `error_growth` (runs from all starts, and errors)
-//! with `linear_model` beside it → `document`.
+//! with `linear_model` beside it → `figures`, and `bands` → `document`.
 
+mod bands;
 mod continued_records;
 mod document;
 mod error_growth;
 mod evaluation;
+mod figures;
 mod horizon;
 mod linear_model;
 mod local_fit;
+mod plan;
 mod state_estimation;
 mod test_starts;
 pub mod thresholds;
 mod window_choice;
 
 pub use document::{
-    AheadFigures, DataKind, EndedRuns, ErrorFigures, HorizonChoice, Prediction, SignalPrediction,
+    AheadFigures, Band, BandHeldOut, DataKind, EndedRuns, ErrorFigures, HorizonChoice,
+    PredictedReading, Prediction, SignalPrediction,
 };
 pub use evaluation::{predict, predictable};
 

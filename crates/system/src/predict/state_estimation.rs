@@ -147,6 +147,19 @@ impl<'a> StateEstimator<'a> {
         Ok(end)
     }
 
+    /// The state that the equations reach from a state at the first of some rows, at the row behind them; `None` where the run ends before.
+    pub fn reach(
+        &self,
+        rows: std::ops::Range<usize>,
+        x: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Option<Vec<f64>> {
+        let ahead = rows.len();
+        let mut run = self.runs.run(rows.start..rows.end + 1, x, observer);
+        let last = run.states.pop().filter(|_| run.fault.is_none())?;
+        (run.states.len() == ahead).then_some(last)
+    }
+
     /// A first guess at the first row, from the readings next to it.
     fn guess(&self, from: usize, row: usize) -> Option<Vec<f64>> {
         let value = |c: &Component| {

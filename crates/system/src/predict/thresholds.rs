@@ -25,6 +25,18 @@ sidc_thresholds::family! {
 }
 
 sidc_thresholds::family! {
+    /// Bands about predictions.
+    pub BAND: BandRule {
+        /// Starts on the data used and as many on data held out, where the rows of all runs allow it.
+        starts: usize = 400, unit "starts", source "the share of readings within a band then has a standard error of √(0.9 · 0.1/400), 1.5 %";
+        /// Rows that the runs of bands may cover, over those of all other runs.
+        work: usize = 4, unit "times `prediction.rows` and `prediction.rows_a_row`", source "then all measured sets of docs/rigs.md have some 300 starts or more, in at most a second";
+        /// Growth of a band that follows its errors, for each prediction that was missed; for one that was not, a ninth as much less.
+        rate: f64 = 0.05, unit "of the logarithm of the half width", source "after a change of the errors by two a band has followed in 15 misses; rates of 0.02, 0.05 and 0.1 hold 84 to 95, 88 to 92 and 88 to 92 % on the eight measured sets of docs/rigs.md that move with their errors";
+    }
+}
+
+sidc_thresholds::family! {
     /// States at the starts, fitted with the equations to the readings before them.
     pub STATE_FIT: StateFit {
         /// Starts on the data used by which the number of rows is chosen.
@@ -68,6 +80,7 @@ sidc_thresholds::family! {
 pub fn tables() -> Vec<Table> {
     vec![
         PredictionRule::table(),
+        BandRule::table(),
         StateFit::table(),
         LinearModel::table(),
     ]

@@ -96,15 +96,10 @@ fn squares(
 ) -> Option<f64> {
     let record = estimator.runs.record();
     let row = row_ahead(&record.time, start.row, ahead, trial.step)?;
-    let run = estimator.runs.run(start.row..row + 1, x, observer);
-    let Some(reached) = run
-        .states
-        .get(row - start.row)
-        .filter(|_| run.fault.is_none())
-    else {
-        return Some(f64::INFINITY);
-    };
-    mean_square(trial, estimator, row, reached)
+    match estimator.reach(start.row..row, x, observer) {
+        Some(reached) => mean_square(trial, estimator, row, &reached),
+        None => Some(f64::INFINITY),
+    }
 }
 
 /// Mean over the signals of the squared distance of a state from the readings at a row, in spreads.

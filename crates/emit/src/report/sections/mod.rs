@@ -7,6 +7,7 @@ pub(crate) mod equations;
 pub(crate) mod error_by_terms;
 pub(crate) mod phase_portraits;
 pub(crate) mod prediction;
+mod prediction_bands;
 pub(crate) mod reproduction;
 pub(crate) mod residual_autocorrelation;
 pub(crate) mod trajectories;

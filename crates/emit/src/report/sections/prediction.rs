@@ -5,6 +5,7 @@ use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, number, section};
 use crate::report::report_contents::Subject;
+use crate::report::sections::prediction_bands;
 use crate::text::verdict::verdict;
 use crate::typeset::mathml::escape;
 use sidc_system::predict::{AheadFigures, ErrorFigures, Prediction, SignalPrediction};
@@ -34,7 +35,10 @@ pub(crate) fn html(s: &Subject) -> String {
     section(
         "prediction",
         "How far ahead",
-        &format!("<pre>{lines}</pre>\n{figures}"),
+        &format!(
+            "<pre>{lines}</pre>\n{figures}{}",
+            prediction_bands::html(&found.prediction, MAX_FIGURES)
+        ),
     )
 }
 
