@@ -9,6 +9,7 @@ use sidc_lang::diagnostic::Diagnostic;
 use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, SparsestProof};
 
+use super::constants;
 use super::evidence::Weighing;
 use super::joint::jointly;
 use super::measure::Measured;
@@ -48,6 +49,7 @@ pub fn identify(
         observer,
     );
     let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
+    constants::tell(program, &measured.samples, &mut discovery, options);
     rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {
         program,

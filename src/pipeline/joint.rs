@@ -2,11 +2,14 @@
 //!
 //! In: a program, its data, the problem. Out: a [`Discovery`]. Decides nothing about when this is the way.
 
+use std::borrow::Cow;
+
 use sidc_data::{Dataset, InputValue};
 use sidc_discover as discover;
 use sidc_discover::identifiability::Rows;
 use sidc_discover::trajectory::Problem;
 use sidc_discover::{Fitted, Refusal};
+use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
@@ -38,8 +41,17 @@ pub(super) fn jointly(
         (nothing, Fitted::default())
     });
     rates::doubt(&mut discovery, &dataset.rate_faults);
+    let unknowns = program.model.unknowns.iter().map(|u| Signal::new(u.var));
+    let constants: Vec<(Signal, f64)> = unknowns
+        .filter_map(|s| Some((s, discovery.unknown_value(s)?)))
+        .collect();
+    let dataset = &match constants.is_empty() {
+        true => Cow::Borrowed(dataset),
+        false => Cow::Owned(dataset.with_constants(&constants)),
+    };
     let acting = discovery.without_delays(dataset, InputValue::AtInstant);
-    let read = evidence::readings(program, acting.as_ref().unwrap_or(dataset), &discovery);
+    let acting = acting.as_ref().unwrap_or(dataset);
+    let read = evidence::readings(program, acting, &discovery);
     let weighing = Weighing {
         program,
         rows: Rows {

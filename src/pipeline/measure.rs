@@ -16,6 +16,7 @@ use sidc_progress::{Activity, Observer};
 
 use sidc_system::discovery::Discovery;
 
+use super::constants;
 use super::delays;
 use super::program::{Program, Staged, finish, needed};
 use crate::data::Data;
@@ -25,7 +26,7 @@ use crate::options::Options;
 pub struct Measured {
     pub dataset: Dataset,
     /// The same with stated delays taken out, for equations that are found one by one; `None` where it is no other.
-    acting: Option<Dataset>,
+    pub(super) acting: Option<Dataset>,
     /// What is held out: equations are not found from it, but run on it.
     pub held: Dataset,
     /// The same in words, for messages.
@@ -138,17 +139,18 @@ pub fn measure(
         Some(_) => None,
         None => stated.without_delays(&dataset, InputValue::OverStep),
     };
+    let measured = Measured {
+        dataset,
+        acting,
+        held,
+        held_out: in_words(&hold_out, data),
+        samples,
+        joint,
+        report,
+        narrowed,
+    };
     finish(
-        Measured {
-            dataset,
-            acting,
-            held,
-            held_out: in_words(&hold_out, data),
-            samples,
-            joint,
-            report,
-            narrowed,
-        },
+        constants::settle(program, measured, options, observer),
         diagnostics,
     )
 }

@@ -2,6 +2,7 @@
 //!
 //! Each stage takes the one before and adds its diagnostics; an observer hears what is done. Nothing here reads files or prints.
 
+mod constants;
 mod delays;
 mod document;
 mod evidence;

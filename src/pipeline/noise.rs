@@ -45,7 +45,7 @@ fn sensors(model: &Model) -> Vec<(String, Signal)> {
     let orders = (0..=highest).flat_map(|der| {
         let vars = (0..).zip(&model.vars);
         let measured = vars.filter(move |(_, v)| {
-            der <= v.order && !matches!(v.kind, VarKind::Time | VarKind::Param)
+            der <= v.order && !matches!(v.kind, VarKind::Time | VarKind::Param | VarKind::Unknown)
         });
         measured.map(move |(id, _)| Signal::derivative(VarId(id), der))
     });

@@ -11,6 +11,8 @@ family! {
         parallel_libraries: usize = 8, unit "equations", source "set by hand";
         /// Samples from which on readings are not differentiated just to say what a library lacks.
         differentiated_samples: usize = 20_000, unit "samples", source "set by hand";
+        /// Rounds in which unknown constants are refined for the terms that were found, and terms are found again.
+        constant_rounds: usize = 3, unit "rounds", source "the second finds the terms of the first, unless they changed with its constants; a third settles those";
         /// Part of every record that is held out where predictions are to be good and nothing else was held out.
         held_out: f64 = 0.25, unit "of the rows", source "as where several models are compared";
     }

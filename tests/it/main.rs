@@ -55,6 +55,7 @@ mod stiff;
 mod symbolic;
 mod thresholds;
 mod units;
+mod unknown_constants;
 mod verdicts;
 mod verify;
 mod ways;

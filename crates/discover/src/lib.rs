@@ -32,6 +32,7 @@ mod standard_terms;
 mod statistics;
 mod target_copies;
 mod thresholds;
+pub mod unknown_constants;
 
 pub use constrained::constraint_rows::check_constraints;
 pub use discover::discover;
@@ -65,6 +66,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         weak_form::tables(),
         scaled_design::thresholds::tables(),
         verify::thresholds::tables(),
+        unknown_constants::thresholds::tables(),
     ];
     families.into_iter().flatten().collect()
 }

@@ -4,8 +4,8 @@
 //! no quotes, no backslashes, no ends of comments.
 
 use crate::code::identifiers::plain;
-use crate::text::disturbance;
 use crate::text::layout::wrapped;
+use crate::text::{disturbance, unknown_constants};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 use sidc_system::discovery::{Discovery, RunCoefficient};
@@ -46,6 +46,9 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     for (target, reason) in verdict::reasons(d) {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
         lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
+    }
+    for line in unknown_constants::lines(d) {
+        lines.push(harmless(&line));
     }
     for sentence in disturbance::sentences(d) {
         let text = format!("{sentence}; runs of these equations leave it out");

@@ -33,6 +33,7 @@ pub enum Keyword {
     Input,
     Output,
     Param,
+    Unknown,
     Let,
     Data,
     Constrain,
@@ -58,6 +59,12 @@ pub enum StatementKind {
     Declare {
         keyword: Keyword,
         names: Vec<Expr>,
+        attributes: Vec<Attribute>,
+    },
+    /// `unknown k in 0.1 .. 10, unit "1/s"`; the range is an [`ExprKind::Range`].
+    Unknown {
+        names: Vec<Ident>,
+        range: Option<Expr>,
         attributes: Vec<Attribute>,
     },
     /// `let NAME = EXPR`
@@ -242,6 +249,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
     ("input", Keyword::Input),
     ("output", Keyword::Output),
     ("param", Keyword::Param),
+    ("unknown", Keyword::Unknown),
     ("let", Keyword::Let),
     ("data", Keyword::Data),
     ("constrain", Keyword::Constrain),

@@ -19,6 +19,8 @@ pub struct Model {
     /// True if the model mentions `next` or lagged samples: times are sample numbers, derivatives do not exist.
     pub discrete: bool,
     pub equations: Vec<Equation>,
+    /// The variables of kind [`VarKind::Unknown`], in order of declaration.
+    pub unknowns: Vec<UnknownConstant>,
     pub constraints: Vec<Constraint>,
     /// Coefficients that may have a value of their own in each run.
     pub per_run: Vec<Coefficient>,
@@ -84,6 +86,18 @@ pub enum VarKind {
     Output,
     /// Constant along a trajectory.
     Param,
+    /// A number that is sought with the terms: [`Model::unknowns`].
+    Unknown,
+}
+
+/// `unknown k in 0.1 .. 10`: a number inside terms that is sought with them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnknownConstant {
+    pub var: VarId,
+    /// Where it is sought, ends included; both signs and nine decades if not said. `from` is below `to`.
+    pub range: Option<(f64, f64)>,
+    /// Whether every run has its own.
+    pub per_run: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -348,5 +362,26 @@ impl Model {
 impl SignalNames for Model {
     fn variable(&self, var: VarId) -> &str {
         self.var(var).map_or("?", |v| &v.name)
+    }
+}
+
+/// Decades on each side of 1 where no range is said.
+const DECADES: f64 = 4.5;
+
+impl UnknownConstant {
+    /// The ranges in which it is sought, from their lower to their upper end: of one sign each, but for a range that the model says.
+    pub fn ranges(&self) -> Vec<(f64, f64)> {
+        let (least, most) = (10_f64.powf(-DECADES), 10_f64.powf(DECADES));
+        self.range
+            .map_or_else(|| vec![(least, most), (-most, -least)], |range| vec![range])
+    }
+
+    /// The middle of its range, between ends of one sign in the logarithm; 1 without a range.
+    pub fn start(&self) -> f64 {
+        match self.range {
+            None => 1.0,
+            Some((from, to)) if from * to > 0.0 => from.signum() * (from * to).sqrt(),
+            Some((from, to)) => 0.5 * (from + to),
+        }
     }
 }

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use sidc_lang::model::{ColumnExpr, ColumnKind, LibExpr, LibKind, Model, RightSide, VarKind};
+use sidc_lang::model::{ColumnExpr, ColumnKind, LibExpr, LibKind, Model, RightSide, Var, VarKind};
 use sidc_lang::source::Span;
 use sidc_lang::term::{Signal, SignalNames};
 
@@ -27,7 +27,8 @@ pub(super) fn sources_of<'a>(
     run: usize,
 ) -> Vec<(Signal, Source<'a>)> {
     let mut out = Vec::new();
-    for (i, var) in model.vars.iter().enumerate() {
+    let read = |var: &(usize, &Var)| var.1.kind != VarKind::Unknown;
+    for (i, var) in model.vars.iter().enumerate().filter(read) {
         let id = sidc_lang::term::VarId(i as u16);
         for der in 0..=var.order {
             let signal = Signal::derivative(id, der);
@@ -95,8 +96,9 @@ fn library_signals(lib: &LibExpr, out: &mut BTreeSet<Signal>) {
 pub(super) fn required(model: &Model) -> Vec<Signal> {
     let mut out: Vec<Signal> = Vec::new();
     for s in mentioned(model) {
-        let known = model.var(s.var).is_some_and(|v| v.kind != VarKind::Time);
-        if known && out.last().is_none_or(|last| last.var != s.var) {
+        let kind = model.var(s.var).map(|v| v.kind);
+        let read = !matches!(kind, None | Some(VarKind::Time | VarKind::Unknown));
+        if read && out.last().is_none_or(|last| last.var != s.var) {
             out.push(Signal::derivative(s.var, s.der));
         }
     }

@@ -37,6 +37,7 @@ pub(super) fn signal(model: &Model, table: &Table, signal: Signal, var: &Var) ->
         VarKind::Input => "input",
         VarKind::Output => "output",
         VarKind::Param => "parameter",
+        VarKind::Unknown => "unknown constant",
         _ => "state",
     };
     let mut d = Diagnostic::error(

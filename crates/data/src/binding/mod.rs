@@ -41,6 +41,9 @@ pub fn bind(
         side_by_side::say_once(&mut out);
     }
     give_params(model, params, &mut bound, &mut out);
+    for one in &mut bound {
+        start_unknowns(model, &mut one.trajectory);
+    }
     checks::check(model, &bound, sources, &mut out);
     let records = || bound.iter().map(|p| &p.trajectory);
     let mut assumed = Vec::new();
@@ -236,6 +239,15 @@ fn split_runs(
         }
     }
     runs
+}
+
+/// Gives every unknown constant a column with the value that its search starts from.
+fn start_unknowns(model: &Model, trajectory: &mut Trajectory) {
+    for unknown in &model.unknowns {
+        let column = vec![unknown.start(); trajectory.time.len()];
+        trajectory.columns.push((Signal::new(unknown.var), column));
+    }
+    trajectory.columns.sort_by_key(|(s, _)| *s);
 }
 
 /// Adds parameters from the command line as constant columns; they override columns of the same name.

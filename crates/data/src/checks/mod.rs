@@ -39,6 +39,9 @@ pub(crate) fn check(
             signal,
             out,
         };
+        if kind == Some(VarKind::Unknown) {
+            continue;
+        }
         check.missing_values();
         check.scale();
         if kind == Some(VarKind::Param) {

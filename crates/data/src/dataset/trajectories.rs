@@ -24,6 +24,17 @@ pub struct Input {
 }
 
 impl Dataset {
+    /// The records with these values of constants, for those that have a column.
+    pub fn with_constants(&self, values: &[(Signal, f64)]) -> Dataset {
+        let mut data = self.clone();
+        let columns = data.trajectories.iter_mut().flat_map(|t| &mut t.columns);
+        for (signal, column) in columns {
+            let own = values.iter().find(|(s, _)| s == signal);
+            own.into_iter().for_each(|(_, value)| column.fill(*value));
+        }
+        data
+    }
+
     /// How an input moves between samples; `None` if the variable is not a measured input.
     pub fn between(&self, var: VarId) -> Option<Between> {
         self.inputs.iter().find(|i| i.var == var).map(|i| i.between)

@@ -17,6 +17,7 @@ mod pooled_search;
 mod report;
 mod stated_constraints;
 pub(crate) mod thresholds;
+mod unknown_constants;
 mod weak_start;
 
 pub use applicability::{NotJoint, joint};
@@ -72,6 +73,13 @@ pub fn discover_jointly(
     let watcher = &mut watcher;
     let delays = declared_delays::settle((model, libraries), dataset, problem, options, watcher);
     let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
+    let constants = unknown_constants::settle(
+        (model, libraries),
+        (&dataset, problem.as_ref()),
+        options,
+        watcher,
+    );
+    let (problem, dataset) = (constants.problem(&problem), constants.dataset(&dataset));
     let problem = problem.as_ref();
     let start = weak_start((model, libraries), &dataset, problem, options, watcher);
     let settled = search_under_constraints((model, problem), start, options, watcher);
@@ -83,6 +91,12 @@ pub fn discover_jointly(
             }
             let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
             delays.state(model, &mut discovery);
+            constants.state(
+                model,
+                (&answer.fit.problem, &answer.fit.found),
+                &mut discovery,
+                watcher,
+            );
             Ok(Some((discovery, fitted)))
         }
         Settled::OnlyFree(free) => {

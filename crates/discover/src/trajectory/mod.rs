@@ -70,8 +70,8 @@ pub use residuals::{
 };
 pub(crate) use search::minimum;
 pub use search::{
-    BetterLaws, Found, LawChange, SearchObserver, StartingSupport, search, search_beyond_libraries,
-    search_disturbed, search_from_free,
+    BetterLaws, FittedConstants, Found, LawChange, SearchObserver, SoughtConstant, StartingSupport,
+    fit_constants, search, search_beyond_libraries, search_disturbed, search_from_free,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,
@@ -79,4 +79,4 @@ pub use sensor_faults::{
     widen_by_interpolation, with_delay,
 };
 pub use thresholds::tables;
-pub(crate) use thresholds::{AHEAD, DECLARED_DELAYS, POOLING};
+pub(crate) use thresholds::{AHEAD, CONSTANTS, DECLARED_DELAYS, POOLING};

@@ -347,6 +347,22 @@ family! {
 }
 
 family! {
+    /// Unknown constants for given terms.
+    pub(crate) CONSTANTS: Constants {
+        /// Minima of the criterion on rows from which terms are searched.
+        starts: usize = 4, unit "minima", source "set by hand: rows of differentiated noise may put the right one second, each costs a search";
+        /// Gauss–Newton steps.
+        steps: usize = 12, unit "steps", source "the search on rows starts them within their basin; each step then gains a digit";
+        /// Halvings of a step that makes the likelihood smaller.
+        halvings: i32 = 6, unit "halvings", source "to a sixty-fourth of the linearised step";
+        /// Step at which constants have settled.
+        settled: f64 = 0.01, unit "standard errors", source "the likelihood changes by 1e-4";
+        /// Rounds of a search of terms and a fit of the constants.
+        rounds: usize = 3, unit "rounds", source "as `delay_rounds`, and one in which nothing changes";
+    }
+}
+
+family! {
     /// Which offsets of sensors are tried.
     pub(crate) OFFSETS: Offsets {
         /// Offsets tried for each state.
@@ -393,6 +409,7 @@ pub fn tables() -> Vec<Table> {
         Pooling::table(),
         Delays::table(),
         DeclaredDelays::table(),
+        Constants::table(),
         Offsets::table(),
     ]
 }

@@ -69,7 +69,9 @@ pub(super) fn sources(
             .filter(|_| s.der == 0 && s.shift == 0);
         let source = match (kind, between) {
             _ if s.var == VarId::TIME => SignalSource::Time,
-            (Some(VarKind::Param), _) | (_, Some(Between::Hold)) => SignalSource::Held,
+            (Some(VarKind::Param | VarKind::Unknown), _) | (_, Some(Between::Hold)) => {
+                SignalSource::Held
+            }
             (_, Some(Between::Linear)) => SignalSource::Linear,
             _ => match smooth(*s) {
                 Some((record, order)) => SignalSource::Smooth { record, order },

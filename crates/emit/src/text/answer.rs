@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use crate::text::equations::equations_with_errors;
 use crate::text::layout::{TEXT_WIDTH, wrapped};
 use crate::text::verdict::verdict;
-use crate::text::{disturbance, relations, solution_path, sparsest};
+use crate::text::{disturbance, relations, solution_path, sparsest, unknown_constants};
 use crate::thresholds::PRINTED;
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Discovery;
@@ -21,6 +21,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&lines);
         out.push_str(&solution_path::table(d, e));
     }
+    out.push_str(&lines(unknown_constants::lines(d)));
     out.push_str(&lines(disturbance::sentences(d)));
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));

@@ -14,5 +14,6 @@ pub(crate) mod matrices;
 pub(crate) mod relations;
 mod solution_path;
 mod sparsest;
+pub(crate) mod unknown_constants;
 pub(crate) mod verdict;
 mod verification;

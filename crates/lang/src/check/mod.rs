@@ -49,6 +49,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
     model.data = c.data_blocks();
     c.units();
     model.vars = std::mem::take(&mut c.scope.vars);
+    model.unknowns = std::mem::take(&mut c.scope.unknowns);
     c.notes(&model);
     let failed = !file.broken.is_empty() || c.found.iter().any(Diagnostic::is_error);
     ((!failed).then_some(model), c.found)

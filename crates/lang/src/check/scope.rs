@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Diagnostic;
-use crate::model::{LibExpr, Var};
+use crate::model::{LibExpr, UnknownConstant, Var};
 use crate::source::Span;
 use crate::term::{Expr, Signal, VarId};
 use crate::thresholds::MESSAGES;
@@ -17,6 +17,8 @@ pub struct Scope {
     pub vars: Vec<Var>,
     /// Every spelling without primes: `x`, `dx`, `ddx`, `t`.
     pub signals: BTreeMap<String, Signal>,
+    /// The variables that are unknown constants.
+    pub unknowns: Vec<UnknownConstant>,
     pub lets: BTreeMap<String, Let>,
     /// Where the model first uses discrete time (`next`, `lag`).
     pub discrete: Option<Span>,

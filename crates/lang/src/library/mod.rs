@@ -13,6 +13,7 @@ mod grading;
 mod library_errors;
 mod pythagorean_identity;
 mod readable;
+mod scaling_unknowns;
 mod sets;
 mod slot_index;
 #[cfg(test)]
@@ -29,6 +30,7 @@ pub use generators::generator::{Exponents, Generator, Misuse};
 pub use generators::{GENERATORS, generator};
 pub use grading::Grading;
 pub use readable::{readable, readable_bytes};
+pub use scaling_unknowns::scaling_unknowns;
 pub use sets::selection_rule::restrictions;
 
 /// Expands the library of one equation. The libraries of all equations share `memory` bytes equally.

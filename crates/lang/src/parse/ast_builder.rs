@@ -30,6 +30,7 @@ pub fn statement(
         Rule::version => tree.version(inner),
         Rule::system => tree.system(inner),
         Rule::declare => tree.declare(inner, keyword.unwrap_or(Keyword::State)),
+        Rule::unknown => tree.unknown(inner),
         Rule::constant => tree.constant(inner),
         Rule::constrain => tree.constrain(inner),
         Rule::per_run => tree.per_run(inner),
@@ -152,6 +153,24 @@ impl AstBuilder<'_> {
         })
     }
 
+    /// `unknown = { SOI ~ "unknown" ~ word … ~ within? ~ (… ~ attribute …)? ~ EOI }`
+    fn unknown(&self, inner: Pairs<Rule>) -> Result<StatementKind> {
+        let (mut names, mut range, mut attributes) = (Vec::new(), None, Vec::new());
+        for pair in inner {
+            match pair.as_rule() {
+                Rule::word => names.push(self.ident(&pair)),
+                Rule::within => range = Some(self.within(pair)?),
+                Rule::attribute => attributes.push(self.attribute(pair)?),
+                _ => {}
+            }
+        }
+        Ok(StatementKind::Unknown {
+            names,
+            range,
+            attributes,
+        })
+    }
+
     /// `attribute = { word ~ (within | expr)? }`
     fn attribute(&self, pair: Pair<Rule>) -> Result<Attribute> {
         let mut inner = pair.into_inner();
@@ -170,9 +189,7 @@ impl AstBuilder<'_> {
         self.next(&mut ends)?;
         let from = self.expr(self.next(&mut ends)?)?;
         let to = self.expr(self.next(&mut ends)?)?;
-        let span = from.span.to(to.span);
-        let ends = ExprKind::Range(Box::new(from), Box::new(to));
-        Ok(Expr::new(span, ends))
+        Ok(range(from, to))
     }
 
     /// `constant = { SOI ~ "let" ~ word ~ "=" ~ expr ~ EOI }`
@@ -227,11 +244,10 @@ impl AstBuilder<'_> {
         if flipped {
             items = self.next(&mut items.into_inner())?;
         }
-        let items = self.items(items)?;
         let image = Image {
             span,
             flipped,
-            items,
+            items: self.items(items)?,
         };
         Ok(StatementKind::Symmetry { names, image })
     }
@@ -260,14 +276,7 @@ impl AstBuilder<'_> {
         let from = self.expr(self.next(&mut inner)?)?;
         match inner.next() {
             None => Ok(from),
-            Some(to) => {
-                let to = self.expr(to)?;
-                let span = from.span.to(to.span);
-                Ok(Expr::new(
-                    span,
-                    ExprKind::Range(Box::new(from), Box::new(to)),
-                ))
-            }
+            Some(to) => Ok(range(from, self.expr(to)?)),
         }
     }
 
@@ -412,6 +421,12 @@ fn infix(left: Expr, op: Rule, right: Expr) -> Expr {
         }
     };
     Expr::new(span, kind)
+}
+
+/// `from .. to`
+fn range(from: Expr, to: Expr) -> Expr {
+    let span = from.span.to(to.span);
+    Expr::new(span, ExprKind::Range(Box::new(from), Box::new(to)))
 }
 
 /// The value of digits that the lexer has accepted.

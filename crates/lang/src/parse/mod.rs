@@ -59,6 +59,7 @@ fn statement(
         Some(Keyword::Sidc) => Rule::version,
         Some(Keyword::System) => Rule::system,
         Some(Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param) => Rule::declare,
+        Some(Keyword::Unknown) => Rule::unknown,
         Some(Keyword::Let) => Rule::constant,
         Some(Keyword::Coef) => Rule::per_run,
         Some(Keyword::Constrain) if own.iter().any(|t| t.is(":")) => Rule::per_run,
@@ -124,7 +125,12 @@ fn broken(id: FileId, tokens: &[Token], piece: &StatementTokens) -> Broken {
     let declares = match piece.keyword {
         Some(k) => matches!(
             k,
-            Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param | Keyword::Let
+            Keyword::State
+                | Keyword::Input
+                | Keyword::Output
+                | Keyword::Param
+                | Keyword::Unknown
+                | Keyword::Let
         ),
         // Without a relation it is no equation, so its keyword is misspelt.
         None => !own.iter().any(|t| t.is("~") || t.is("=")),

@@ -11,6 +11,7 @@ mod function;
 mod parity;
 mod pretty_print;
 mod signal;
+mod substitute;
 mod total_order;
 
 pub use evaluate::{Graph, Node, PointTape, Tape};

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::signal_delays::{SignalDelay, stated};
+use super::unknown_values::UnknownValue;
 use crate::discovery::{
     Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, RunCoefficient,
     SparsestProof, Together, Trust, Verification, Witness,
@@ -31,6 +32,8 @@ pub struct Discovery {
     pub relations: Option<Box<RelationChoices>>,
     /// Declared delays, stated or found, in order of declaration.
     pub delays: Vec<SignalDelay>,
+    /// The unknown constants that stand in the equations, in order of declaration.
+    pub unknowns: Vec<UnknownValue>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -275,6 +278,7 @@ impl Discovery {
             runs_left: Vec::new(),
             relations: None,
             delays: stated(model),
+            unknowns: Vec::new(),
         }
     }
 

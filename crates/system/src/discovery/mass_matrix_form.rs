@@ -75,9 +75,12 @@ impl Form {
         form.unknowns = dynamics.iter().map(|e| e.target).collect();
         form.state_vector();
         form.other_signals(d);
-        form.rows = dynamics.iter().map(|e| form.row(e)).collect();
+        form.rows = dynamics
+            .iter()
+            .map(|e| form.row(right(d, e), e.target))
+            .collect();
         form.linear = form.rows.iter().all(|r| form.free(r));
-        form.outputs = maps.iter().map(|e| (e.target, right(e))).collect();
+        form.outputs = maps.iter().map(|e| (e.target, right(d, e))).collect();
         form
     }
 
@@ -187,20 +190,20 @@ impl Form {
                 _ if taken => {}
                 _ if s.shift < 0 => self.history.push(s),
                 Some(VarKind::Param) => self.params.push(s),
+                Some(VarKind::Unknown) => {}
                 _ => self.inputs.push(s),
             }
         }
     }
 
-    fn row(&self, e: &Equation) -> Row {
-        let right = right(e);
+    fn row(&self, right: Expr, target: Signal) -> Row {
         let slopes = self.unknowns.iter().map(|q| right.derivative(*q));
         let slopes: Vec<Expr> = slopes.collect();
         let mut force = right.clone();
         for (q, slope) in self.unknowns.iter().zip(&slopes) {
             force = force - multiplied(slope, *q);
         }
-        let unit = |q: &Signal| Expr::number(if *q == e.target { 1.0 } else { 0.0 });
+        let unit = |q: &Signal| Expr::number(if *q == target { 1.0 } else { 0.0 });
         let mass = self.unknowns.iter().zip(slopes);
         Row {
             mass: mass.map(|(q, slope)| unit(q) - slope).collect(),
@@ -227,9 +230,13 @@ fn is_output(d: &Discovery, s: Signal) -> bool {
         .is_some_and(|v| v.kind == VarKind::Output)
 }
 
-fn right(e: &Equation) -> Expr {
+fn right(d: &Discovery, e: &Equation) -> Expr {
     let parts = e.terms.iter();
-    parts
+    let symbolic: Expr = parts
         .map(|t| Expr::from((t.coefficient, t.term.clone())))
-        .sum()
+        .sum();
+    match d.unknowns.is_empty() {
+        true => symbolic,
+        false => symbolic.with_values(&|s| d.unknown_value(s)),
+    }
 }

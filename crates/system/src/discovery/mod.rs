@@ -13,6 +13,7 @@ mod run_parameters;
 mod signal_delays;
 mod sparsest_proof;
 pub mod thresholds;
+mod unknown_values;
 mod verification;
 mod ways;
 
@@ -35,4 +36,5 @@ pub use run_parameters::RunParameters;
 pub use signal_delays::SignalDelay;
 pub use sparsest_proof::SparsestProof;
 pub use thresholds::{MARKS, Marks, NEWTON, Newton};
+pub use unknown_values::UnknownValue;
 pub use verification::{Verification, VerifiedProof, Witness};

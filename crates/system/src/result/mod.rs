@@ -10,7 +10,8 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Evidence, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay, Status, Without,
+    Evidence, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay, Status,
+    UnknownValue, Without,
 };
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
@@ -49,6 +50,9 @@ pub struct Document {
     /// Declared delays, stated or found; absent if the model declares none.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub delays: Vec<SignalDelay>,
+    /// Unknown constants that stand in the equations; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub unknowns: Vec<UnknownValue>,
     #[serde(default)]
     pub settings: Settings,
     /// What was measured and what was estimated.

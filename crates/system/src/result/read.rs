@@ -1,11 +1,11 @@
 //! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
-use crate::discovery::{Discovery, Equation, Failed, FoundTerm, SignalDelay, Trust};
+use crate::discovery::{Discovery, Equation, Failed, FoundTerm, SignalDelay, Trust, UnknownValue};
 use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
 use sidc_lang as lang;
 use sidc_lang::Vocabulary;
 use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::model::{LibKind, Model, RightSide};
+use sidc_lang::model::{LibKind, Model, RightSide, VarKind};
 use sidc_lang::parse::is_name;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{SignalNames, Term};
@@ -130,6 +130,15 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
         let why = format!("{:?} is delayed and is no variable", delay.signal);
         return Err(damaged(name, &why));
     }
+    d.unknowns.clone_from(&doc.unknowns);
+    let is_unknown = |u: &UnknownValue| {
+        let mut all = d.variables.iter();
+        u.value.is_finite() && all.any(|v| v.name == u.name && v.kind == VarKind::Unknown)
+    };
+    if let Some(u) = d.unknowns.iter().find(|u| !is_unknown(u)) {
+        let why = format!("{:?} has a value and is no unknown constant", u.name);
+        return Err(damaged(name, &why));
+    }
     if model.data.entries.len() != reading.columns.len() {
         return Err(damaged(name, "its data block is not one entry a signal"));
     }
@@ -161,7 +170,7 @@ fn plain_words(name: &str, doc: &Document) -> Result<(), Diagnostic> {
             return Err(damaged(name, &format!("{text:?} is no name")));
         }
     }
-    const KINDS: [&str; 4] = ["state", "input", "output", "param"];
+    const KINDS: [&str; 5] = ["state", "input", "output", "param", "unknown"];
     if let Some(v) = doc
         .variables
         .iter()

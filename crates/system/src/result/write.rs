@@ -48,6 +48,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
         runs_left: d.runs_left.clone(),
         relations: d.relations.clone(),
         delays: d.delays.clone(),
+        unknowns: d.unknowns.clone(),
         settings: beside.settings,
         signals: beside.signals,
         warnings: warnings(d, beside.warnings),
@@ -71,6 +72,7 @@ fn variable(v: &crate::discovery::Variable) -> VariableEntry {
         VarKind::Input => "input",
         VarKind::Output => "output",
         VarKind::Param => "param",
+        VarKind::Unknown => "unknown",
     };
     VariableEntry {
         name: v.name.clone(),

@@ -91,7 +91,10 @@ pub fn is_bare(t: &Term) -> bool {
 
 fn is_input(design: &ScaledDesign, s: Signal) -> bool {
     let kind = design.model.var(s.var).map(|v| v.kind);
-    matches!(kind, Some(VarKind::Input | VarKind::Param))
+    matches!(
+        kind,
+        Some(VarKind::Input | VarKind::Param | VarKind::Unknown)
+    )
 }
 
 /// A signal that does not vary, with its range.

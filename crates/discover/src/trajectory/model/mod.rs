@@ -3,6 +3,7 @@
 //! In: a checked model, its libraries, a dataset. Out: a [`Problem`], which stays the same while supports are tried.
 
 mod coefficient_constraints;
+mod constant_values;
 mod delayed_records;
 mod disturbance_states;
 mod estimation_problem;

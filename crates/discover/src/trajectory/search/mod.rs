@@ -11,6 +11,7 @@ mod omitted_terms;
 mod search_from_free;
 mod search_observer;
 mod support_search;
+mod unknown_constants;
 
 #[cfg(test)]
 pub(crate) use beam_search::best_subsets;
@@ -21,3 +22,4 @@ pub use search_from_free::search_from_free;
 pub use search_observer::SearchObserver;
 pub use support_search::{Found, StartingSupport, search};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
+pub use unknown_constants::{FittedConstants, SoughtConstant, fit_constants};

@@ -4,7 +4,7 @@ use crate::report::markup::{lead, section};
 use crate::report::report_contents::Subject;
 use crate::report::sections::verdict::badge;
 use crate::text::matrices::consequences;
-use crate::text::{disturbance, evidence, relations};
+use crate::text::{disturbance, evidence, relations, unknown_constants};
 use crate::typeset::mathml::{MathMl, escape};
 use sidc_system::discovery::Equation;
 
@@ -26,7 +26,8 @@ pub(crate) fn html(s: &Subject) -> String {
             notation.symbol(f.target)
         ));
     }
-    for said in disturbance::sentences(d).chain(d.delay_sentences()) {
+    let said = unknown_constants::lines(d).chain(disturbance::sentences(d));
+    for said in said.chain(d.delay_sentences()) {
         body.push_str(&format!("<p>{}</p>\n", escape(&said)));
     }
     for (head, laws) in relations::told(d) {

@@ -346,3 +346,18 @@ pub fn unknown_function(
     let usages: Vec<&str> = generators.iter().map(|g| g.usage).collect();
     d.fact(format!("generators: {}", usages.join(", ")))
 }
+
+pub fn empty_unknown_range(at: Span, from: f64, to: f64) -> Diagnostic {
+    Diagnostic::error("empty-range", "the range of an unknown holds no number")
+        .at(at, "the second end is to be above the first")
+        .help(format!("write `in {} .. {}`", to.min(from), from.max(to)))
+}
+
+pub fn unknown_attribute_of_unknown(at: Span, key: &str) -> Diagnostic {
+    Diagnostic::error(
+        "unknown-attribute",
+        format!("an unknown constant has no attribute `{key}`"),
+    )
+    .at(at, "not `unit` and not `per run`")
+    .help("the forms are `unknown k in 0.1 .. 10, unit \"1/s\"` and `unknown L : per run`")
+}

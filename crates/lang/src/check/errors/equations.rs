@@ -39,6 +39,7 @@ pub fn wrong_target(at: Span, name: &str, var: &Var, discrete: bool) -> Diagnost
         VarKind::Input => "an input",
         VarKind::Output => "an output",
         VarKind::Param => "a parameter",
+        VarKind::Unknown => "an unknown constant",
     };
     let d = Diagnostic::error(
         "target",
@@ -191,8 +192,8 @@ pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
     for (i, var) in model.vars.iter().enumerate() {
         let id = VarId(i as u16);
         let target = model.has_equation(id);
-        let idle =
-            matches!(var.kind, VarKind::Input | VarKind::Param) && !scope.used_vars.contains(&id);
+        let idle = matches!(var.kind, VarKind::Input | VarKind::Param | VarKind::Unknown)
+            && !scope.used_vars.contains(&id);
         let asked_nothing = var.kind == VarKind::Output && !target;
         if let (Some(span), true) = (var.span, idle || asked_nothing) {
             out.push(unused(span, &var.name, asked_nothing));

@@ -6,6 +6,7 @@ use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign};
 use crate::check::checker::{Checker, every};
 use crate::check::errors;
 use crate::check::scope::Value;
+use crate::model::VarKind;
 use crate::term::{Expr, Func, Signal};
 use crate::thresholds::MODEL;
 
@@ -22,9 +23,12 @@ impl Checker<'_> {
             ExprKind::Sum(parts) => self.sum(parts),
             ExprKind::Product(parts) => self.product(e, parts),
             ExprKind::Power(base, exponent) => {
-                let (b, p) = (self.arithmetic(base), self.exponent(exponent));
+                let (b, p) = (self.arithmetic(base), self.raised_to(exponent));
                 let (b, p) = (b?, p?);
-                self.powered(e, b, p)
+                match p.as_number() {
+                    Some(p) => self.powered(e, b, p),
+                    None => power_of_unknown(b, p),
+                }
             }
             ExprKind::List(_) => self.fail(errors::library_inside(e.span, "a list")),
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
@@ -95,6 +99,20 @@ impl Checker<'_> {
             return Some(result);
         }
         self.fail(errors::not_finite(e.span))
+    }
+
+    /// The exponent of a power: a number, or an expression of unknown constants alone.
+    fn raised_to(&mut self, e: &Ast) -> Option<Expr> {
+        let value = self.arithmetic(e)?;
+        let mut constant = true;
+        value.for_each_signal(&mut |s| {
+            let kind = self.scope.var(s.var).map(|v| v.kind);
+            constant &= kind == Some(VarKind::Unknown);
+        });
+        match constant {
+            true => Some(value),
+            false => self.fail(errors::exponent_not_a_number(e.span)),
+        }
     }
 
     /// The exponent of a power, which must be constant.
@@ -189,4 +207,10 @@ impl Checker<'_> {
             None => self.unknown_name(inner.span, text),
         }
     }
+}
+
+/// bᵖ = exp(p·log b), for a p that is known only with the data.
+fn power_of_unknown(base: Expr, power: Expr) -> Option<Expr> {
+    let log = Expr::call(Func::named("log")?, vec![base]);
+    Some(Expr::call(Func::named("exp")?, vec![power * log]))
 }

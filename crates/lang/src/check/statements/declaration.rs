@@ -49,6 +49,13 @@ impl Checker<'_> {
             } = &s.kind
             {
                 self.declare(*keyword, names, attributes);
+            } else if let StatementKind::Unknown {
+                names,
+                range,
+                attributes,
+            } = &s.kind
+            {
+                self.declare_unknown(names, range.as_ref(), attributes);
             }
         }
         // Time has a unit only in a model with units.
@@ -131,7 +138,7 @@ impl Checker<'_> {
         }
     }
 
-    fn add_variable(&mut self, var: Var) {
+    pub(super) fn add_variable(&mut self, var: Var) {
         let span = var.span;
         let at = span.unwrap_or(Span::new(self.file.id, 0, 0));
         if var.name == "t" || var.name == "pi" {
@@ -295,7 +302,7 @@ impl Checker<'_> {
     }
 
     /// `unit "m"`
-    fn unit(&mut self, a: &Attribute) -> Option<Unit> {
+    pub(super) fn unit(&mut self, a: &Attribute) -> Option<Unit> {
         let Some((at, text)) = a.value.as_ref().and_then(|v| self.quoted(v)) else {
             return self.fail(errors::attribute_value(
                 a.key.span,

@@ -6,3 +6,4 @@ mod declaration;
 mod equation;
 mod let_binding;
 mod symmetry;
+mod unknown;

@@ -1,0 +1,204 @@
+//! Unknown constants inside terms, estimated together with the trajectory.
+//!
+//! In: a model, its libraries, a dataset, the problem. Out: the problem with the constants' values, and what is known of them. A search on rows
+//! of estimated derivatives starts them; then terms are searched at these values, and the likelihood of the constants is maximised for the terms,
+//! in turn.
+
+use std::borrow::Cow;
+
+use crate::joint::constrained_search::{Settled, search_under_constraints};
+use crate::joint::weak_start::weak_start;
+use crate::known_terms::fixed_terms;
+use crate::options::Options;
+use crate::trajectory::{
+    CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants,
+};
+use crate::unknown_constants;
+use sidc_data::{Dataset, samples};
+use sidc_lang::library::Library;
+use sidc_lang::model::Model;
+use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::EquationObserver;
+use sidc_system::discovery::{Discovery, UnknownValue};
+
+/// The unknown constants of a model, in order of declaration.
+pub(crate) struct Constants {
+    sought: Vec<SoughtConstant>,
+}
+
+/// Settles the unknown constants of a model.
+pub(crate) fn settle(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Constants {
+    if model.unknowns.is_empty() {
+        return Constants { sought: Vec::new() };
+    }
+    let (rows, _, _) = samples(model, dataset, &needed(model, libraries), watcher);
+    let of = (model, libraries);
+    let minima = unknown_constants::settle(of, (&rows, CONSTANTS.starts), options, watcher);
+    let mut constants = Constants { sought: Vec::new() };
+    let mut best: Option<(f64, Option<FittedConstants>)> = None;
+    for minimum in &minima {
+        let start = Constants::new(model, minimum);
+        let searched = start.searched(of, (dataset, problem), options, watcher);
+        let better = match (&searched, &best) {
+            (Some(new), Some(old)) => new.0 < old.0,
+            (found, _) => found.is_some() || constants.sought.is_empty(),
+        };
+        if better {
+            (constants, best) = (start, searched);
+        }
+    }
+    for round in 0..CONSTANTS.rounds {
+        if round > 0 {
+            best = constants.searched(of, (dataset, problem), options, watcher);
+        }
+        let Some((_, Some(fitted))) = best.take() else {
+            break;
+        };
+        let near = |(a, (b, e)): (&SoughtConstant, (&SoughtConstant, &f64))| {
+            (a.value - b.value).abs() <= 0.1 * e
+        };
+        let after = fitted.constants.iter().zip(&fitted.standard_errors);
+        let settled = constants.sought.iter().zip(after).all(near);
+        constants.sought = fitted.constants;
+        if settled {
+            break;
+        }
+    }
+    constants
+}
+
+impl Constants {
+    /// A search of terms at these values: its criterion, and the values of the largest likelihood for its terms. `None` where nothing fits,
+    /// or the work was ended.
+    fn searched(
+        &self,
+        (model, libraries): (&Model, &[Option<Library>]),
+        (dataset, problem): (&Dataset, &Problem),
+        options: &Options,
+        watcher: &mut EquationObserver,
+    ) -> Option<(f64, Option<FittedConstants>)> {
+        let (at, acting) = (self.problem(problem), self.dataset(dataset));
+        let start = weak_start((model, libraries), &acting, &at, options, watcher);
+        let settled = search_under_constraints((model, &at), start, options, watcher);
+        let Settled::Answer(answer) = settled else {
+            return None;
+        };
+        let (of, found) = (&answer.fit.problem, &answer.fit.found);
+        let fitted = fit_constants(of, &found.best, &self.sought, found.inefficiency, watcher);
+        let value = fitted.as_ref().map_or(found.best.value, |f| f.value);
+        watcher.stop().is_none().then_some((value, fitted))
+    }
+}
+
+/// Every signal that some equation mentions.
+fn needed(model: &Model, libraries: &[Option<Library>]) -> Vec<Signal> {
+    let mut all = Vec::new();
+    for (equation, library) in model.equations.iter().zip(libraries) {
+        let Some(library) = library else { continue };
+        all.push(equation.target);
+        all.extend(library.signals());
+        for (_, term) in fixed_terms(&equation.right) {
+            term.for_each_signal(&mut |s| all.push(s));
+        }
+    }
+    all
+}
+
+impl Constants {
+    fn new(model: &Model, values: &[f64]) -> Constants {
+        let one = |(u, value): (&sidc_lang::model::UnknownConstant, &f64)| {
+            let ranges = u.ranges();
+            let own = ranges
+                .iter()
+                .find(|(from, to)| (*from..=*to).contains(value));
+            SoughtConstant {
+                signal: Signal::new(u.var),
+                value: *value,
+                range: own.or(ranges.first()).copied().unwrap_or((*value, *value)),
+            }
+        };
+        Constants {
+            sought: model.unknowns.iter().zip(values).map(one).collect(),
+        }
+    }
+
+    fn values(&self) -> Vec<(Signal, f64)> {
+        self.sought.iter().map(|c| (c.signal, c.value)).collect()
+    }
+
+    /// The problem with the values.
+    pub fn problem<'a>(&self, problem: &'a Problem) -> Cow<'a, Problem> {
+        match self.sought.is_empty() {
+            true => Cow::Borrowed(problem),
+            false => Cow::Owned(problem.with_constant_values(&self.values())),
+        }
+    }
+
+    /// The records with the values.
+    pub fn dataset<'a>(&self, dataset: &'a Dataset) -> Cow<'a, Dataset> {
+        match self.sought.is_empty() {
+            true => Cow::Borrowed(dataset),
+            false => Cow::Owned(dataset.with_constants(&self.values())),
+        }
+    }
+
+    /// States the constants that stand in the equations; the coefficients' errors then hold theirs.
+    pub fn state(
+        &self,
+        model: &Model,
+        (problem, found): (&Problem, &Found),
+        discovery: &mut Discovery,
+        watcher: &mut EquationObserver,
+    ) {
+        if self.sought.is_empty() {
+            return;
+        }
+        let fitted = fit_constants(
+            problem,
+            &found.best,
+            &self.sought,
+            found.inefficiency,
+            watcher,
+        );
+        if let Some(fitted) = &fitted {
+            for (column, variance) in found.best.support().iter().zip(&fitted.variances) {
+                let law = &problem.system.laws[problem.system.law_of(*column)];
+                let term = problem.term(*column);
+                let own = discovery
+                    .equations
+                    .iter_mut()
+                    .filter(|e| e.target == law.target);
+                for t in own.flat_map(|e| &mut e.terms).filter(|t| t.term == *term) {
+                    let wider = |e: f64| e.max(variance.sqrt());
+                    t.standard_error = t.standard_error.map(wider);
+                }
+            }
+        }
+        let used = |s: Signal| {
+            let mut terms = discovery.equations.iter().flat_map(|e| &e.terms);
+            terms.any(|t| t.term.mentions(s))
+        };
+        let told = self
+            .sought
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| used(c.signal));
+        let told = told.map(|(k, c)| {
+            let error = fitted
+                .as_ref()
+                .and_then(|f| f.standard_errors.get(k))
+                .copied();
+            UnknownValue::new(
+                model.name(c.signal),
+                c.value,
+                error.filter(|e| e.is_finite()),
+            )
+        });
+        discovery.unknowns = told.collect();
+    }
+}

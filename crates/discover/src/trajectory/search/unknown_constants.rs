@@ -1,0 +1,232 @@
+//! Unknown constants of the largest likelihood, the terms kept.
+//!
+//! In: a problem, a fit, the constants with their ranges. Out: their values and errors, and the fit there. Chooses no terms.
+//!
+//! About a fit the laws change with a constant k by ψ = Σ a ∂φ/∂k. As one more column of the laws, with the coefficient δ, ψ makes of the
+//! likelihood of (a, δ) that of (a, k + δ) to first order: Gauss–Newton in all of them. The variance of δ is that of k, and those of the
+//! coefficients beside it hold the error of k.
+
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::search::last_criterion;
+use crate::trajectory::thresholds::CONSTANTS;
+use sidc_lang::term::{Expr, Signal, Term};
+use sidc_progress::Observer;
+use sidc_solve::{LinearConstraint, Sense};
+
+/// A constant with its value and the range that it is sought in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoughtConstant {
+    pub signal: Signal,
+    pub value: f64,
+    pub range: (f64, f64),
+}
+
+/// The constants of the largest likelihood.
+#[derive(Clone, Debug)]
+pub struct FittedConstants {
+    pub constants: Vec<SoughtConstant>,
+    /// The criterion there.
+    pub value: f64,
+    /// Of each constant; infinite where no law of the fit holds it.
+    pub standard_errors: Vec<f64>,
+    /// Variances of the fit's coefficients, the errors of the constants among their causes.
+    pub variances: Vec<f64>,
+}
+
+/// One Gauss–Newton step.
+struct Step {
+    moves: Vec<f64>,
+    standard_errors: Vec<f64>,
+    variances: Vec<f64>,
+}
+
+/// `None` where the laws hold no constant, nothing can be fitted, or the observer ends the work.
+pub fn fit_constants(
+    problem: &Problem,
+    found: &Fit,
+    constants: &[SoughtConstant],
+    inefficiency: f64,
+    observer: &mut dyn Observer,
+) -> Option<FittedConstants> {
+    let criterion = last_criterion(problem, inefficiency);
+    let mut here = constants.to_vec();
+    let at = |constants: &[SoughtConstant]| problem.with_constant_values(&values(constants));
+    let mut best = fit(
+        &at(&here),
+        found.point.clone(),
+        &criterion,
+        f64::INFINITY,
+        observer,
+    )?;
+    let mut step = step(&at(&here), &best, &here, &criterion, observer)?;
+    for _ in 0..CONSTANTS.steps {
+        let small = |(c, (by, e)): (&SoughtConstant, (&f64, &f64))| {
+            let error = if e.is_finite() {
+                CONSTANTS.settled * e
+            } else {
+                f64::INFINITY
+            };
+            by.abs() <= error.max(f64::EPSILON * c.value.abs())
+        };
+        let moves = step.moves.iter().zip(&step.standard_errors);
+        if here.iter().zip(moves).all(small) {
+            break;
+        }
+        let mut accepted = None;
+        for halvings in 0..CONSTANTS.halvings {
+            let part = 0.5_f64.powi(halvings);
+            let trial: Vec<SoughtConstant> = (here.iter().zip(&step.moves))
+                .map(|(c, by)| c.moved(part * by))
+                .collect();
+            let there = fit(
+                &at(&trial),
+                best.point.clone(),
+                &criterion,
+                f64::INFINITY,
+                observer,
+            );
+            if !observer.go_on() {
+                return None;
+            }
+            if let Some(there) = there.filter(|t| t.value < best.value) {
+                accepted = Some((trial, there));
+                break;
+            }
+        }
+        let Some((trial, there)) = accepted else {
+            break;
+        };
+        (here, best) = (trial, there);
+        step = self::step(&at(&here), &best, &here, &criterion, observer)?;
+    }
+    let wider = inefficiency.sqrt();
+    Some(FittedConstants {
+        value: best.value,
+        constants: here,
+        standard_errors: step.standard_errors.iter().map(|e| e * wider).collect(),
+        variances: step.variances.iter().map(|v| v * inefficiency).collect(),
+    })
+}
+
+pub(crate) fn values(constants: &[SoughtConstant]) -> Vec<(Signal, f64)> {
+    constants.iter().map(|c| (c.signal, c.value)).collect()
+}
+
+impl SoughtConstant {
+    /// Kept within its range, and between ends of one sign within a factor of e.
+    fn moved(self, by: f64) -> SoughtConstant {
+        let (from, to) = self.range;
+        let e = std::f64::consts::E;
+        let free = self.value + by;
+        let near = match from * to > 0.0 {
+            true => {
+                self.value.signum() * free.abs().clamp(self.value.abs() / e, self.value.abs() * e)
+            }
+            false => free,
+        };
+        // Beyond zero there is another sign: as far towards it as one step goes.
+        let same = from * to <= 0.0 || free * self.value > 0.0;
+        let value = if same { near } else { self.value / e };
+        SoughtConstant {
+            value: value.clamp(from, to),
+            ..self
+        }
+    }
+}
+
+/// A step about a fit at these constants.
+fn step(
+    problem: &Problem,
+    found: &Fit,
+    constants: &[SoughtConstant],
+    criterion: &PenalizedLikelihood,
+    observer: &mut dyn Observer,
+) -> Option<Step> {
+    let laws = &problem.system.laws;
+    // For each law the constants that it holds, with the weight of their column.
+    let mut held: Vec<Vec<(usize, f64)>> = vec![Vec::new(); laws.len()];
+    let mut extra: Vec<Vec<Term>> = vec![Vec::new(); laws.len()];
+    for (l, law) in laws.iter().enumerate() {
+        for (k, constant) in constants.iter().enumerate() {
+            let own = found.point.active().into_iter();
+            let own = own.filter(|(j, _)| law.columns.contains(j));
+            let moved = own.map(|(j, a)| {
+                problem.system.columns[j]
+                    .derivative(constant.signal)
+                    .scale(a)
+            });
+            let slope: Expr = moved.sum::<Expr>() + law.known.derivative(constant.signal);
+            if slope.as_number() == Some(0.0) {
+                continue;
+            }
+            let (weight, term) = slope.into_term();
+            held[l].push((k, weight));
+            extra[l].push(term);
+        }
+    }
+    let mut extended = problem.with_extra_columns(&extra);
+    let new: Vec<usize> = (0..extended.origin.len())
+        .filter(|j| extended.origin[*j].is_none())
+        .collect();
+    let owners: Vec<(usize, f64)> = held.into_iter().flatten().collect();
+    if owners.is_empty() || new.len() != owners.len() {
+        return None;
+    }
+    tie(&mut extended.problem, &new, &owners);
+    let kept = extended.point(&found.point);
+    let point = with_columns(kept.clone(), &new);
+    let fit = fit(&extended.problem, point, criterion, f64::INFINITY, observer)?;
+    let place = |column: usize| fit.point.support.iter().position(|j| *j == column);
+    let mut out = Step {
+        moves: vec![0.0; constants.len()],
+        standard_errors: vec![f64::INFINITY; constants.len()],
+        variances: kept
+            .support
+            .iter()
+            .filter_map(|j| Some(fit.variances[place(*j)?]))
+            .collect(),
+    };
+    for (column, (k, weight)) in new.iter().zip(&owners) {
+        let at = place(*column)?;
+        // ψ stands in the laws divided by its weight.
+        out.moves[*k] = fit.point.coefficients[at] / weight;
+        out.standard_errors[*k] = fit.variances[at].sqrt() / weight.abs();
+    }
+    Some(out)
+}
+
+/// One constant moves all laws that hold it by the same.
+fn tie(problem: &mut Problem, new: &[usize], owners: &[(usize, f64)]) {
+    let columns: Vec<(usize, usize, f64)> = new
+        .iter()
+        .zip(owners)
+        .map(|(j, (k, w))| (*j, *k, *w))
+        .collect();
+    for (place, (column, constant, weight)) in columns.iter().enumerate() {
+        let first = columns[..place].iter().find(|c| c.1 == *constant);
+        let Some((other, _, other_weight)) = first else {
+            continue;
+        };
+        let constraints = &mut problem.system.constraints;
+        constraints.rows.push(LinearConstraint {
+            entries: vec![(0, *column, 1.0 / weight), (0, *other, -1.0 / other_weight)],
+            sense: Sense::Equal,
+            right: 0.0,
+        });
+        constraints.stated.push(usize::MAX);
+    }
+}
+
+/// The point with these columns in its support, coefficients zero.
+fn with_columns(point: LinearizationPoint, new: &[usize]) -> LinearizationPoint {
+    let mut active = point.active();
+    active.extend(new.iter().map(|j| (*j, 0.0)));
+    active.sort_by_key(|(j, _)| *j);
+    let (support, coefficients) = active.into_iter().unzip();
+    LinearizationPoint {
+        support,
+        coefficients,
+        ..point
+    }
+}

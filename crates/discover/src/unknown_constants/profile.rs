@@ -1,0 +1,169 @@
+//! The criterion of the best terms at given values of the constants.
+//!
+//! In: a model, libraries, samples, values. Out: the criterion, summed over the equations that the constants stand in, and their terms.
+
+use super::set_values;
+use super::thresholds::UNKNOWNS;
+use crate::dictionary::{compile, subtract};
+use crate::known_terms::fixed_terms;
+use crate::options::Options;
+use crate::row_weights::Weights;
+use crate::selection::information_criterion::InformationCriterion;
+use crate::selection::term_selection::select_terms;
+use crate::statistics::product;
+use sidc_data::Samples;
+use sidc_lang::library::Library;
+use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::term::{Signal, Term};
+use sidc_progress::Observer;
+use sidc_solve::Problem;
+
+/// One equation that constants stand in, on the rows that are looked at.
+pub(super) struct ProfiledEquation<'a> {
+    pub target: Signal,
+    pub known: Vec<(f64, Term)>,
+    pub library: &'a Library,
+    /// Factors of the rows, length M.
+    pub row: Vec<f64>,
+    pub criterion: InformationCriterion,
+}
+
+/// The equations with their rows.
+pub(super) struct Profile<'a> {
+    pub unknowns: Vec<UnknownConstant>,
+    pub equations: Vec<ProfiledEquation<'a>>,
+    pub samples: Samples,
+    options: &'a Options,
+}
+
+/// A point of the profile.
+#[derive(Clone, Debug)]
+pub(super) struct ProfilePoint {
+    pub values: Vec<f64>,
+    pub criterion: f64,
+    /// The columns of each equation's library.
+    pub supports: Vec<Vec<usize>>,
+}
+
+impl<'a> Profile<'a> {
+    /// Of at most so many rows, evenly spread.
+    pub fn new(
+        model: &'a Model,
+        libraries: &'a [Option<Library>],
+        (samples, rows): (&Samples, usize),
+        options: &'a Options,
+    ) -> Profile<'a> {
+        let count = samples.len().min(rows);
+        let places: Vec<usize> = (0..count).map(|k| k * samples.len() / count).collect();
+        let samples = samples.select(&places);
+        let sought = |s: Signal| model.unknowns.iter().any(|u| u.var == s.var);
+        let mut equations = Vec::new();
+        for (equation, library) in model.equations.iter().zip(libraries) {
+            let Some(library) = library else { continue };
+            let known = fixed_terms(&equation.right);
+            let mut mentioned = library.signals().into_iter().any(sought);
+            for (_, t) in &known {
+                t.for_each_signal(&mut |s| mentioned |= sought(s));
+            }
+            let Some(column) = samples.column(equation.target).filter(|_| mentioned) else {
+                continue;
+            };
+            let weights = Weights::new(&samples, equation.target, library, &column.values);
+            equations.push(ProfiledEquation {
+                target: equation.target,
+                known,
+                library,
+                criterion: InformationCriterion::new(
+                    samples.len(),
+                    weights.correlation,
+                    library.len(),
+                    weights.floor,
+                ),
+                row: weights.row,
+            });
+        }
+        Profile {
+            unknowns: model.unknowns.clone(),
+            equations,
+            samples,
+            options,
+        }
+    }
+
+    /// The terms that a constant stands in.
+    pub fn terms(&self) -> Vec<Term> {
+        let sought = |s: Signal| self.unknowns.iter().any(|u| u.var == s.var);
+        let mut out = Vec::new();
+        for e in &self.equations {
+            for term in (0..e.library.len()).filter_map(|slot| e.library.term(slot)) {
+                let mut mentioned = false;
+                term.for_each_signal(&mut |s| mentioned |= sought(s));
+                if mentioned && out.len() < UNKNOWNS.most_points {
+                    out.push(term);
+                }
+            }
+            out.extend(e.known.iter().map(|(_, t)| t.clone()));
+        }
+        out
+    }
+
+    /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
+    pub fn at(&mut self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
+        set_values(&mut self.samples, &self.unknowns, values);
+        let (mut criterion, mut supports) = (0.0, Vec::new());
+        for e in &self.equations {
+            let y = e.target_values(&self.samples)?;
+            let phi = compile(e.library, &self.samples, Some(&e.row)).ok()?;
+            let proposed = match phi.cols()
+                > crate::selection::thresholds::TERM_SELECTION.exhaustive_columns
+            {
+                false => Vec::new(),
+                true => {
+                    let problem = Problem {
+                        dictionary: phi.as_ref(),
+                        target: &y,
+                        tolerance: (e.criterion.floor * e.criterion.rows).sqrt(),
+                    };
+                    self.options.solver.solve(&problem, observer).coefficients
+                }
+            };
+            let found = select_terms(phi.as_ref(), &y, &proposed, e.criterion, observer);
+            if found.cut {
+                return None;
+            }
+            criterion += found.value;
+            supports.push(found.support);
+        }
+        criterion.is_finite().then(|| ProfilePoint {
+            criterion: criterion + self.price(&supports),
+            values: values.to_vec(),
+            supports,
+        })
+    }
+
+    /// What the constants cost that some chosen term holds: each is one more number that is estimated.
+    fn price(&self, supports: &[Vec<usize>]) -> f64 {
+        let price = |u: &UnknownConstant| {
+            let signal = Signal::new(u.var);
+            let pairs = self.equations.iter().zip(supports);
+            let holding = pairs.filter(|(e, support)| {
+                let terms = support.iter().filter_map(|j| e.library.term(*j));
+                terms.into_iter().any(|t| t.mentions(signal))
+            });
+            holding
+                .map(|(e, _)| e.criterion.samples.ln())
+                .fold(0.0, f64::max)
+        };
+        self.unknowns.iter().map(price).sum()
+    }
+}
+
+impl ProfiledEquation<'_> {
+    /// The target without its known terms, rows weighted; `None` where it has no value.
+    pub fn target_values(&self, samples: &Samples) -> Option<Vec<f64>> {
+        let mut y = samples.column(self.target)?.values.clone();
+        subtract(&mut y, self.known.iter().map(|(c, t)| (*c, t)), samples);
+        let y = product(&y, &self.row);
+        y.iter().all(|y| y.is_finite()).then_some(y)
+    }
+}

@@ -1,0 +1,187 @@
+//! The search for unknown constants: points, terms, refinement.
+//!
+//! In: a model, libraries, samples. Out: values; their errors for given terms.
+
+use nalgebra::DMatrix;
+
+use super::profile::{Profile, ProfilePoint};
+use super::search_points::search_points;
+use super::thresholds::UNKNOWNS;
+use super::variable_projection::{Projected, project};
+use crate::options::Options;
+use sidc_data::Samples;
+use sidc_lang::library::Library;
+use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::term::Term;
+use sidc_progress::Observer;
+use sidc_system::discovery::Discovery;
+
+/// Values at which the criterion of the best terms has its least minima, as far as the search sees: the least first, at most `most`, at least
+/// one.
+pub fn settle(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (samples, most): (&Samples, usize),
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let start: Vec<f64> = model.unknowns.iter().map(UnknownConstant::start).collect();
+    let mut profile = Profile::new(model, libraries, (samples, UNKNOWNS.rows), options);
+    if profile.equations.is_empty() {
+        return vec![start];
+    }
+    let points = search_points(&profile.unknowns, &profile.terms(), &profile.samples);
+    let mut seen: Vec<ProfilePoint> = Vec::new();
+    for values in &points {
+        seen.extend(profile.at(values, observer));
+    }
+    seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let starts: Vec<ProfilePoint> = distinct(&seen).into_iter().cloned().collect();
+    let ends = starts.into_iter();
+    let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(&mut profile, s, observer)).collect();
+    ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let mut out: Vec<Vec<f64>> = Vec::new();
+    for end in ends.into_iter().take(most) {
+        if out.iter().all(|o| !alike(o, &end.values)) {
+            out.push(end.values);
+        }
+    }
+    if out.is_empty() {
+        out.push(start);
+    }
+    out
+}
+
+/// Whether two minima are one.
+fn alike(a: &[f64], b: &[f64]) -> bool {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= UNKNOWNS.same * a.abs().max(b.abs());
+    a.iter().zip(b).all(near)
+}
+
+/// The best points of each set of terms.
+fn distinct(seen: &[ProfilePoint]) -> Vec<&ProfilePoint> {
+    let mut out: Vec<&ProfilePoint> = Vec::new();
+    for p in seen {
+        if out.len() < UNKNOWNS.starts && out.iter().all(|o| o.supports != p.supports) {
+            out.push(p);
+        }
+    }
+    out
+}
+
+/// Terms and constants in turn, until the terms stay.
+fn downhill(
+    profile: &mut Profile,
+    mut here: ProfilePoint,
+    observer: &mut dyn Observer,
+) -> ProfilePoint {
+    for _ in 0..UNKNOWNS.rounds {
+        let Some(refined) = project(profile, &here.supports, &here.values) else {
+            break;
+        };
+        let Some(there) = profile.at(&refined.values, observer) else {
+            break;
+        };
+        let same = there.supports == here.supports;
+        if there.criterion <= here.criterion {
+            here = there;
+        }
+        if same {
+            break;
+        }
+    }
+    here
+}
+
+/// The values for the terms of a discovery, on all rows; `None` where no equation holds a constant.
+pub fn refine(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (samples, values): (&Samples, &[f64]),
+    found: &Discovery,
+    options: &Options,
+) -> Option<Vec<f64>> {
+    let (mut profile, supports) = fitted((model, libraries), samples, found, options)?;
+    Some(project(&mut profile, &supports, values)?.values)
+}
+
+/// The profile on all rows, with the columns of the terms that were found.
+fn fitted<'a>(
+    (model, libraries): (&'a Model, &'a [Option<Library>]),
+    samples: &Samples,
+    found: &Discovery,
+    options: &'a Options,
+) -> Option<(Profile<'a>, Vec<Vec<usize>>)> {
+    let mut profile = Profile::new(model, libraries, (samples, samples.len()), options);
+    let target = |t| found.equations.iter().find(|e| e.target == t);
+    profile.equations.retain(|e| target(e.target).is_some());
+    let supports = profile.equations.iter().map(|e| {
+        let terms = target(e.target).map_or(&[][..], |e| &e.terms);
+        let own: Vec<&Term> = terms.iter().filter(|t| !t.fixed).map(|t| &t.term).collect();
+        let slots = (0..e.library.len())
+            .filter(|slot| e.library.term(*slot).is_some_and(|t| own.contains(&&t)));
+        slots.collect::<Vec<usize>>()
+    });
+    let supports: Vec<Vec<usize>> = supports.collect();
+    (!profile.equations.is_empty()).then_some((profile, supports))
+}
+
+/// What is known of the constants.
+#[derive(Clone, Debug)]
+pub struct ConstantErrors {
+    /// Standard error of each; infinite where the data do not tell it.
+    pub standard_errors: Vec<f64>,
+    /// For each target what the error of the constants adds to the variance of its coefficients, by term.
+    pub added: Vec<(sidc_lang::term::Signal, Vec<(Term, f64)>)>,
+}
+
+/// The errors of the constants at these values, for the terms of a discovery.
+pub fn constant_errors(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (samples, values): (&Samples, &[f64]),
+    found: &Discovery,
+    options: &Options,
+) -> Option<ConstantErrors> {
+    let (mut profile, supports) = fitted((model, libraries), samples, found, options)?;
+    let Projected {
+        information,
+        slopes,
+        ..
+    } = project(&mut profile, &supports, values)?;
+    let covariance = covariance(&information);
+    let n = values.len();
+    let standard_errors = (0..n).map(|k| covariance[(k, k)].sqrt()).collect();
+    let added =
+        profile
+            .equations
+            .iter()
+            .zip(&supports)
+            .zip(&slopes)
+            .map(|((e, support), slopes)| {
+                let finite = covariance.map(|x| if x.is_finite() { x } else { 0.0 });
+                let moved = slopes * finite * slopes.transpose();
+                let terms = support.iter().enumerate();
+                let terms = terms.filter_map(|(i, j)| Some((e.library.term(*j)?, moved[(i, i)])));
+                (e.target, terms.collect())
+            });
+    Some(ConstantErrors {
+        added: added.collect(),
+        standard_errors,
+    })
+}
+
+/// The inverse; infinite for constants of which nothing is known.
+fn covariance(information: &DMatrix<f64>) -> DMatrix<f64> {
+    let n = information.nrows();
+    let known: Vec<usize> = (0..n).filter(|k| information[(*k, *k)] > 0.0).collect();
+    let mut out = DMatrix::from_diagonal_element(n, n, f64::INFINITY);
+    let part = DMatrix::from_fn(known.len(), known.len(), |i, j| {
+        information[(known[i], known[j])]
+    });
+    if let Some(inverse) = part.try_inverse() {
+        for (i, a) in known.iter().enumerate() {
+            for (j, b) in known.iter().enumerate() {
+                out[(*a, *b)] = inverse[(i, j)];
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,32 @@
+//! Numbers that decide how unknown constants are searched for.
+
+use sidc_thresholds::{Table, family};
+
+family! {
+    /// The search for unknown constants.
+    pub(crate) UNKNOWNS: Unknowns {
+        /// Rows on which values are compared before they are refined.
+        rows: usize = 400, unit "rows", source "ten rows for each term of a library of forty; the refinement sees all";
+        /// Values of a single constant that are compared at least.
+        least_values: usize = 24, unit "values", source "nine decades then have three values each";
+        /// Points that are compared at most, whatever the number of constants.
+        most_points: usize = 300, unit "points", source "a library of thirty terms takes some 2 ms at each";
+        /// Cosine between the columns of a term at neighbouring values, below which one between them is compared too.
+        likeness: f64 = 0.95, unit "", source "the best value then lies within 9° of a value that is compared: 0.975 of its column is seen";
+        /// Points from which the search goes downhill.
+        starts: usize = 6, unit "points", source "set by hand";
+        /// Difference up to which two minima are one.
+        same: f64 = 0.01, unit "of the constant", source "refined minima agree to rounding; of noisy data the likelihood of the trajectory moves them more";
+        /// Rounds of choosing terms and refining constants from each.
+        rounds: usize = 4, unit "rounds", source "set by hand";
+        /// Steps of a refinement.
+        steps: usize = 40, unit "steps", source "Gauss–Newton gains at least a digit in each once near; ten more pass a valley";
+        /// Step at which a refinement has settled.
+        settled: f64 = 1e-12, unit "of the constant", source "rounding of its column";
+    }
+}
+
+/// The families as tables.
+pub(crate) fn tables() -> Vec<Table> {
+    vec![Unknowns::table()]
+}

@@ -1,0 +1,206 @@
+//! The constants of the least residual for given terms, by variable projection.
+//!
+//! In: equations with their terms, samples, values to start from. Out: the values, and what is known of them. Chooses no terms.
+//!
+//! Kaufman's form of the Jacobian (1975): a constant moves the residual by −P⊥ Φ′ a, with P⊥ the projection off the columns.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::profile::Profile;
+use super::search_points::Coordinate;
+use super::set_values;
+use super::thresholds::UNKNOWNS;
+use crate::dictionary::evaluate;
+use sidc_data::Samples;
+use sidc_lang::model::UnknownConstant;
+use sidc_lang::term::{Expr, Signal, Term};
+
+/// Values, and what is known of them.
+pub(super) struct Projected {
+    pub values: Vec<f64>,
+    /// What the residuals say of the constants: Σ JᵀJ/σ², rows are independent only as the samples of the criterion say.
+    pub information: DMatrix<f64>,
+    /// How the coefficients of each equation move with the constants, terms × constants.
+    pub slopes: Vec<DMatrix<f64>>,
+}
+
+/// The linear problem of one equation at some values.
+struct Linearized {
+    criterion: f64,
+    variance: f64,
+    residual: DVector<f64>,
+    /// M × constants.
+    jacobian: DMatrix<f64>,
+    slopes: DMatrix<f64>,
+}
+
+/// Goes downhill from some values. `None` where a term has no value there.
+pub(super) fn project(
+    profile: &mut Profile,
+    supports: &[Vec<usize>],
+    start: &[f64],
+) -> Option<Projected> {
+    let terms: Vec<Vec<Term>> = profile
+        .equations
+        .iter()
+        .zip(supports)
+        .map(|(e, support)| support.iter().filter_map(|j| e.library.term(*j)).collect())
+        .collect();
+    let coordinates: Vec<Coordinate> = profile
+        .unknowns
+        .iter()
+        .zip(start)
+        .map(|(u, v)| Coordinate::new(range_of(u, *v)))
+        .collect();
+    let mut here = linearize(profile, &terms, start)?;
+    let mut values = start.to_vec();
+    let mut damping = 1e-3;
+    for _ in 0..UNKNOWNS.steps {
+        let (normal, right) = normal_equations(&here, &values, &coordinates);
+        let Some(step) = damped(&normal, &right, damping) else {
+            break;
+        };
+        let moved = values.iter().zip(&coordinates).zip(step.iter());
+        let trial: Vec<f64> = moved.map(|((v, c), s)| c.moved(*v, *s)).collect();
+        let there = linearize(profile, &terms, &trial).filter(|t| total(t) < total(&here));
+        let small = |(a, b): (&f64, &f64)| (a - b).abs() <= UNKNOWNS.settled * a.abs();
+        let settled = values.iter().zip(&trial).all(small);
+        match there {
+            Some(there) => {
+                (here, values) = (there, trial);
+                damping = (0.1 * damping).max(1e-12);
+            }
+            None => damping *= 10.0,
+        }
+        if settled || damping > 1e12 {
+            break;
+        }
+    }
+    let n = values.len();
+    let mut information = DMatrix::zeros(n, n);
+    for (equation, e) in here.iter().zip(&profile.equations) {
+        let independent = e.criterion.samples / e.criterion.rows;
+        information +=
+            equation.jacobian.transpose() * &equation.jacobian * (independent / equation.variance);
+    }
+    Some(Projected {
+        slopes: here.into_iter().map(|l| l.slopes).collect(),
+        values,
+        information,
+    })
+}
+
+/// The range that holds a value.
+fn range_of(unknown: &UnknownConstant, value: f64) -> (f64, f64) {
+    let ranges = unknown.ranges();
+    let own = ranges
+        .iter()
+        .find(|(from, to)| (*from..=*to).contains(&value));
+    own.or(ranges.first()).copied().unwrap_or((value, value))
+}
+
+fn total(all: &[Linearized]) -> f64 {
+    all.iter().map(|l| l.criterion).sum()
+}
+
+fn normal_equations(
+    here: &[Linearized],
+    values: &[f64],
+    coordinates: &[Coordinate],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let n = values.len();
+    let (mut normal, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for l in here {
+        let mut j = l.jacobian.clone();
+        for (k, (v, c)) in values.iter().zip(coordinates).enumerate() {
+            j.column_mut(k).scale_mut(c.slope(*v));
+        }
+        normal += j.transpose() * &j / l.variance;
+        right -= j.transpose() * &l.residual / l.variance;
+    }
+    (normal, right)
+}
+
+/// A Levenberg–Marquardt step; constants that move nothing stay.
+fn damped(normal: &DMatrix<f64>, right: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+    let mut normal = normal.clone();
+    let largest = normal.diagonal().amax();
+    if largest.is_nan() || largest <= 0.0 {
+        return None;
+    }
+    for i in 0..normal.nrows() {
+        normal[(i, i)] += damping * normal[(i, i)] + f64::EPSILON * largest;
+    }
+    normal.cholesky().map(|c| c.solve(right))
+}
+
+/// All equations at some values; `None` where a term has none, or its columns are dependent.
+fn linearize(
+    profile: &mut Profile,
+    terms: &[Vec<Term>],
+    values: &[f64],
+) -> Option<Vec<Linearized>> {
+    set_values(&mut profile.samples, &profile.unknowns, values);
+    let profile = &*profile;
+    let samples = &profile.samples;
+    let one = |(e, terms): (&super::profile::ProfiledEquation, &Vec<Term>)| {
+        let y = DVector::from_vec(e.target_values(samples)?);
+        let weighted = |mut column: Vec<f64>| {
+            column.iter_mut().zip(&e.row).for_each(|(x, w)| *x *= w);
+            column
+        };
+        let (m, n) = (samples.len(), terms.len());
+        let columns: Vec<f64> = terms
+            .iter()
+            .flat_map(|t| weighted(evaluate(t, samples)))
+            .collect();
+        let phi = DMatrix::from_vec(m, n, columns);
+        if !phi.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let qr = phi.qr();
+        let (q, r) = (qr.q(), qr.r());
+        let coefficients = r.solve_upper_triangular(&(q.transpose() * &y))?;
+        let off = |x: &DVector<f64>| x - &q * (q.transpose() * x);
+        let residual = off(&y);
+        let (mut jacobian, mut slopes) = (Vec::new(), Vec::new());
+        for unknown in &profile.unknowns {
+            let by = Signal::new(unknown.var);
+            let moved = terms.iter().zip(coefficients.iter());
+            let found: Expr = moved.map(|(t, c)| t.derivative(by).scale(*c)).sum();
+            let known: Expr = e
+                .known
+                .iter()
+                .map(|(c, t)| t.derivative(by).scale(*c))
+                .sum();
+            let slope = DVector::from_vec(weighted(values_of(&(found + known), samples)));
+            slopes.extend(
+                r.solve_upper_triangular(&-(q.transpose() * &slope))?
+                    .iter()
+                    .copied(),
+            );
+            jacobian.extend((-off(&slope)).iter().copied());
+        }
+        let variance = residual.norm_squared() / e.criterion.rows + e.criterion.floor;
+        let unknowns = profile.unknowns.len();
+        Some(Linearized {
+            criterion: e.criterion.samples * variance.ln(),
+            variance,
+            residual,
+            jacobian: DMatrix::from_vec(m, unknowns, jacobian),
+            slopes: DMatrix::from_vec(n, unknowns, slopes),
+        })
+    };
+    profile.equations.iter().zip(terms).map(one).collect()
+}
+
+/// An expression on every row; where it has no value (x log x at 0) its limit is taken to be 0.
+fn values_of(e: &Expr, samples: &Samples) -> Vec<f64> {
+    let mut sum = vec![0.0; samples.len()];
+    for (weight, term) in e.terms() {
+        for (s, v) in sum.iter_mut().zip(evaluate(term, samples)) {
+            *s += if v.is_finite() { weight * v } else { 0.0 };
+        }
+    }
+    sum
+}

@@ -1,0 +1,47 @@
+//! The unknown constants of the model that stand in the equations, with their values.
+//!
+//! In: nothing but this type. It is part of the result document.
+
+use serde::{Deserialize, Serialize};
+
+use super::equations::Discovery;
+use sidc_lang::term::{Signal, VarId};
+
+/// An unknown constant that was found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UnknownValue {
+    pub name: String,
+    pub value: f64,
+    /// Absent where the data do not tell it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub standard_error: Option<f64>,
+    /// 95 % confidence interval.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub interval: Option<(f64, f64)>,
+}
+
+/// Standard errors to each side of a 95 % interval.
+const NORMAL_97_5: f64 = 1.959_963_985;
+
+impl UnknownValue {
+    /// With the interval of a normal error.
+    pub fn new(name: String, value: f64, standard_error: Option<f64>) -> UnknownValue {
+        let interval = |e: f64| (value - NORMAL_97_5 * e, value + NORMAL_97_5 * e);
+        UnknownValue {
+            name,
+            value,
+            interval: standard_error.map(interval),
+            standard_error,
+        }
+    }
+}
+
+impl Discovery {
+    /// The value of a signal that is an unknown constant.
+    pub fn unknown_value(&self, signal: Signal) -> Option<f64> {
+        let VarId(place) = signal.var;
+        let name = &self.variables.get(usize::from(place))?.name;
+        let own = self.unknowns.iter().find(|u| u.name == *name)?;
+        Some(own.value)
+    }
+}

@@ -1,0 +1,158 @@
+//! Numbers inside terms that nobody knows: found with the terms, told with their errors, refused where they mean nothing.
+
+use std::fs;
+
+use serde_json::Value;
+use sidc_testing::integrate::{grid, integrate};
+use sidc_testing::program::{Run, sidc_in};
+use sidc_testing::random::Random;
+
+const STEP: f64 = 0.05;
+
+/// The course of a system from `start`, with the columns `t` and those of `row`.
+fn table<const N: usize>(
+    names: &str,
+    rows: usize,
+    start: [f64; N],
+    law: &dyn Fn(f64, &[f64; N]) -> [f64; N],
+    mut row: impl FnMut(f64, &[f64; N]) -> Vec<f64>,
+) -> String {
+    let (mut x, mut text) = (start, format!("t,{names}\n"));
+    for t in grid(rows, STEP) {
+        let cells: Vec<String> = row(t, &x).iter().map(f64::to_string).collect();
+        text.push_str(&format!("{t},{}\n", cells.join(",")));
+        x = integrate(&|t, x: &[f64; N]| law(t, x), t, t + STEP, x);
+    }
+    text
+}
+
+fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.sid"), model).unwrap();
+    fs::write(folder.path().join("d.csv"), data).unwrap();
+    let arguments = ["identify", "m.sid", "d.csv", "-o", "r.json"];
+    let run = sidc_in(folder.path(), &[&arguments[..], more].concat());
+    let found = fs::read_to_string(folder.path().join("r.json"));
+    let found = found.unwrap_or_else(|_| panic!("{}", run.stderr));
+    (run, serde_json::from_str(&found).unwrap())
+}
+
+fn terms(found: &Value) -> Vec<(&str, f64)> {
+    let terms = found["equations"][0]["terms"].as_array().unwrap();
+    let pair = |t: &Value| t["coefficient"].as_f64().unwrap();
+    terms
+        .iter()
+        .map(|t| (t["term"].as_str().unwrap(), pair(t)))
+        .collect()
+}
+
+fn unknown<'a>(found: &'a Value, name: &str) -> &'a Value {
+    let all = found["unknowns"].as_array().unwrap();
+    all.iter().find(|u| u["name"] == name).unwrap()
+}
+
+fn value(found: &Value, name: &str) -> f64 {
+    unknown(found, name)["value"].as_f64().unwrap()
+}
+
+fn feed(t: f64) -> f64 {
+    0.5 + 0.4 * (0.7 * t).sin() + 0.3 * (1.9 * t).sin()
+}
+
+/// Uptake at most 1.5, half of it at 0.8, read with this noise.
+fn uptake(noise: f64, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let law = |t: f64, x: &[f64; 1]| [feed(t) - 1.5 * x[0] / (0.8 + x[0])];
+    table("x,u", 800, [2.0], &law, |t, x| {
+        vec![x[0] + noise * random.normal(), feed(t)]
+    })
+}
+
+const UPTAKE: &str = "unknown K in 0.01 .. 10\nstate x\ninput u : linear\ndx ~ <1, x, x^2, u, u*x, x/(K + x), 1/(K + x)>\n";
+
+#[test]
+fn half_saturation_is_found_with_the_terms() {
+    let (run, found) = identify(UPTAKE, &uptake(0.0, 1), &[]);
+    let [("u", a), ("x/(K + x)", b)] = terms(&found)[..] else {
+        panic!("{}", run.stdout)
+    };
+    assert!(
+        (a - 1.0).abs() < 1e-3 && (b + 1.5).abs() < 1e-3,
+        "{}",
+        run.stdout
+    );
+    assert!((value(&found, "K") - 0.8).abs() < 1e-3);
+    assert!(run.stdout.contains("\nK = 0.8"), "{}", run.stdout);
+}
+
+#[test]
+fn noisy_readings_give_the_constant_within_its_error() {
+    for seed in 1..=3 {
+        let (run, found) = identify(UPTAKE, &uptake(0.02, seed), &[]);
+        let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+        assert_eq!(names, ["u", "x/(K + x)"], "{}", run.stdout);
+        let error = unknown(&found, "K")["standard_error"].as_f64().unwrap();
+        assert!(error > 0.002 && error < 0.1, "{error}");
+        assert!(
+            (value(&found, "K") - 0.8).abs() < 3.5 * error,
+            "{}",
+            run.stdout
+        );
+        let coefficient = &found["equations"][0]["terms"][1];
+        let own = coefficient["standard_error"].as_f64().unwrap();
+        let off = coefficient["coefficient"].as_f64().unwrap() + 1.5;
+        assert!(off.abs() < 3.5 * own, "{off} {own}");
+    }
+}
+
+#[test]
+fn an_exponent_may_be_unknown() {
+    let law = |t: f64, x: &[f64; 1]| {
+        let p = x[0].powf(3.2);
+        [feed(t) + 2.0 * p / (1.1_f64.powf(3.2) + p) - 1.2 * x[0]]
+    };
+    let data = table("x,u", 800, [0.3], &law, |t, x| vec![x[0], feed(t)]);
+    let model = "unknown K in 0.1 .. 10\nunknown n in 1 .. 6\nstate x\ninput u : linear\ndx ~ <1, x, x^2, u, x^n/(K^n + x^n)>\n";
+    let (run, found) = identify(model, &data, &[]);
+    assert_eq!(terms(&found).len(), 3, "{}", run.stdout);
+    assert!((value(&found, "K") - 1.1).abs() < 5e-3, "{}", run.stdout);
+    assert!((value(&found, "n") - 3.2).abs() < 2e-2, "{}", run.stdout);
+}
+
+#[test]
+fn a_frequency_of_a_forcing_is_found() {
+    let law = |t: f64, x: &[f64; 2]| {
+        let forced = 1.3 * (2.37 * t).cos() + 0.4 * (2.37 * t).sin();
+        [x[1], -4.0 * x[0] - 0.3 * x[1] + forced]
+    };
+    let data = table("x", 1200, [1.0, 0.0], &law, |_, x| vec![x[0]]);
+    let model =
+        "unknown w in 0.1 .. 10\nstate x : order 2\nddx ~ poly(x, dx; 2) + <sin(w*t), cos(w*t)>\n";
+    let (run, found) = identify(model, &data, &[]);
+    assert_eq!(terms(&found).len(), 4, "{}", run.stdout);
+    assert!((value(&found, "w") - 2.37).abs() < 1e-3, "{}", run.stdout);
+}
+
+#[test]
+fn results_are_run_and_exported_with_the_value() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.sid"), UPTAKE).unwrap();
+    fs::write(folder.path().join("d.csv"), uptake(0.0, 1)).unwrap();
+    let run = sidc_in(
+        folder.path(),
+        &["identify", "m.sid", "d.csv", "-o", "r.json", "-q"],
+    );
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    let run = sidc_in(folder.path(), &["simulate", "r.json", "d.csv"]);
+    assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    let code = sidc_in(folder.path(), &["export", "r.json", "--to", "python"]).stdout;
+    assert!(
+        code.contains("K = 0.8") && !code.contains("K + x"),
+        "{code}"
+    );
+    let report = sidc_in(
+        folder.path(),
+        &["report", "r.json", "d.csv", "-o", "r.html"],
+    );
+    assert_eq!(report.status, 0, "{}", report.stderr);
+}
