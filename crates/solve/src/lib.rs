@@ -36,5 +36,7 @@ pub use solvers::{
     Clarabel, Homotopy, Knot, Omp, SOLVERS, Stlsq, is_sparse, lasso, lasso_path, solver,
 };
 pub use sparsest::{Sparsest, SparsestLimits, fits, prove_sparsest};
-pub use statistics::{Autoregression, WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
+pub use statistics::{
+    Autoregression, WHITENESS_LAGS, WeightedSum, rms_autocorrelation, white_noise_bound,
+};
 pub use thresholds::{QUADRATIC_FORM, tables as thresholds};

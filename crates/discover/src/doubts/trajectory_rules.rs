@@ -62,6 +62,15 @@ pub(crate) fn unexplained(c: &Channel) -> bool {
     misfits(c) || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
 }
 
+/// How many times more a channel leaves than noise may: above 1 where it is unexplained.
+pub(crate) fn left_over_noise(c: &Channel) -> f64 {
+    let remembered = match told(c) {
+        true => c.memory.abs() / c.chance.max(DOUBTS.autocorrelation),
+        false => 0.0,
+    };
+    remembered.max(c.excess / TRAJECTORY_DOUBTS.misfit)
+}
+
 /// The doubt `input-delay`: inputs that were shifted in time, or that a lag would explain as well.
 pub(crate) fn late(model: &Model, late: &DelayedInputs, lag: Option<&InputLag>) -> Reason {
     let inputs: Vec<&str> = late.inputs.iter().map(|v| model.variable(*v)).collect();

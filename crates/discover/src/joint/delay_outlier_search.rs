@@ -173,6 +173,16 @@ impl SearchObserver for SearchGuide<'_, '_, '_> {
         }
         self.late.is_none()
     }
+
+    fn left_by(&mut self, problem: &Problem, fit: &Fit) -> f64 {
+        // Those of inputs are declared, whatever they leave.
+        if problem.has_noisy_inputs() {
+            return 0.0;
+        }
+        let channels = trajectory::channels(problem, fit);
+        let left = channels.iter().map(trajectory_rules::left_over_noise);
+        left.fold(0.0, f64::max)
+    }
 }
 
 impl DelayOutlierSearch<'_, '_> {

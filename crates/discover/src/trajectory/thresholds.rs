@@ -121,6 +121,8 @@ family! {
         first_size: f64 = 0.3, unit "spread of the target", source "any size is a start: the likelihood over noises has one maximum in all cases looked at";
         /// First memory of a disturbance.
         first_memory: f64 = 10.0, unit "samples", source "the same";
+        /// How much more than noise the first fits may leave, above which no support is looked for.
+        hopeless: f64 = 3.0, unit "of what noise may leave", source "204 searches of trust cases: of 94 whose first fits left more than noise 5 ended with noise alone; these left at most 1.7 first";
         /// Least and largest noise, a factor of what the states spread.
         range: [f64; 2] = [1e-6, 1e3], unit "spread of the state", source "beyond, a noise is none, or the readings say nothing";
     }

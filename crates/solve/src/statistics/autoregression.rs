@@ -66,38 +66,65 @@ impl Autoregression {
         }
     }
 
-    /// Variance of Σ w_k e_k over that of a single e, along one series: the innovations u enter with weights v, found backwards from
-    /// the last row. For white residuals Σ w².
+    /// Variance of Σ w_k e_k over that of a single e, along one series.
     pub fn variance(&self, weights: &[f64]) -> f64 {
-        let order = self.coefficients.len();
-        if order == 0 {
-            return weights.iter().map(|w| w * w).sum();
+        let mut sum = self.weighted_sum();
+        weights.iter().rev().for_each(|w| sum.add(*w));
+        sum.variance()
+    }
+
+    /// A sum of errors along one series that takes its weights one by one.
+    pub fn weighted_sum(&self) -> WeightedSum<'_> {
+        WeightedSum {
+            errors: self,
+            later: vec![0.0; self.coefficients.len()],
+            square: 0.0,
+            largest: 0.0,
+            rows: 0,
         }
-        // v_k = w_k + Σ a_i v_{k+i}, the newest in front.
-        let mut later = vec![0.0; order];
-        let (mut sum, mut largest) = (0.0, 0.0f64);
-        let before = std::iter::repeat_n(&0.0, weights.len().max(AUTOREGRESSION.rows_before));
-        for (k, w) in weights.iter().rev().chain(before).enumerate() {
-            let carried: f64 = self
-                .coefficients
-                .iter()
-                .zip(&later)
-                .map(|(a, v)| a * v)
-                .sum();
-            let v = w + carried;
-            later.rotate_right(1);
-            later[0] = v;
-            sum += v * v;
-            largest = largest.max(v.abs());
-            if k >= weights.len()
-                && later
-                    .iter()
-                    .all(|v| v.abs() <= AUTOREGRESSION.negligible_weight * largest)
-            {
+    }
+}
+
+/// Σ w_k e_k over correlated errors e. The innovations u enter it with weights v_k = w_k + Σ a_i v_{k+i}, found backwards from the last row;
+/// its variance is that of u times Σ v².
+#[derive(Clone, Debug)]
+pub struct WeightedSum<'a> {
+    errors: &'a Autoregression,
+    /// Weights v of the rows after the present one, the nearest in front.
+    later: Vec<f64>,
+    square: f64,
+    largest: f64,
+    rows: usize,
+}
+
+impl WeightedSum<'_> {
+    /// Takes the weight of the row before those taken so far; the last row of the series comes first.
+    pub fn add(&mut self, weight: f64) {
+        self.rows += 1;
+        self.step(weight);
+    }
+
+    fn step(&mut self, weight: f64) {
+        let later = self.errors.coefficients.iter().zip(&self.later);
+        let v = weight + later.map(|(a, v)| a * v).sum::<f64>();
+        if let Some(last) = self.later.last_mut() {
+            *last = v;
+            self.later.rotate_right(1);
+        }
+        self.square += v * v;
+        self.largest = self.largest.max(v.abs());
+    }
+
+    /// Variance over that of a single e; for white errors Σ w². Innovations before the first row count too.
+    pub fn variance(mut self) -> f64 {
+        for _ in 0..self.rows.max(AUTOREGRESSION.rows_before) {
+            self.step(0.0);
+            let negligible = AUTOREGRESSION.negligible_weight * self.largest;
+            if self.later.iter().all(|v| v.abs() <= negligible) {
                 break;
             }
         }
-        self.innovation * sum
+        self.errors.innovation * self.square
     }
 }
 

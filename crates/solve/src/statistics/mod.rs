@@ -3,5 +3,5 @@
 mod autoregression;
 mod whiteness;
 
-pub use autoregression::Autoregression;
+pub use autoregression::{Autoregression, WeightedSum};
 pub use whiteness::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};

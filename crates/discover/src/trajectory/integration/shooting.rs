@@ -74,6 +74,17 @@ pub(crate) struct Workspace {
     moved: Vec<f64>,
 }
 
+impl Workspace {
+    /// First guesses of the rates, which implicit laws are solved from: with the same ones a block comes out the same.
+    pub fn first_guess(&self) -> &[f64] {
+        &self.guess
+    }
+
+    pub fn set_first_guess(&mut self, guess: &[f64]) {
+        guess.clone_into(&mut self.guess);
+    }
+}
+
 impl ShootingIntegrator<'_> {
     /// Number P of columns of U.
     pub fn width(&self) -> usize {

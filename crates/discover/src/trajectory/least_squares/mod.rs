@@ -15,5 +15,5 @@ pub use count_sketch::SketchedProblem;
 pub(crate) use incremental_qr::IncrementalQr;
 pub(crate) use normal_equations::NormalEquations;
 pub(crate) use square_root_information_filter::{
-    EliminatedStates, InformationFilter, Measurement, ProcessEquation, RowSink,
+    EliminatedStates, FilterState, InformationFilter, Measurement, NoRows, ProcessEquation, RowSink,
 };

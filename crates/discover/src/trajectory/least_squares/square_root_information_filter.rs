@@ -35,8 +35,29 @@ pub(crate) struct Measurement {
 pub(crate) trait RowSink {
     /// Number P of coefficients.
     fn columns(&self) -> usize;
-    /// A buffer for so many more rows of length P + 1; its content is arbitrary, and the caller overwrites all of it.
+    /// A buffer for so many more rows of length P + 1; its content is arbitrary, and the caller overwrites all of it. Empty where rows
+    /// are not wanted.
     fn reserve_rows(&mut self, rows: usize) -> &mut [f64];
+}
+
+/// Takes no rows of so many columns: for filters without coefficients, and for rows that were taken before.
+pub(crate) struct NoRows(pub usize);
+
+impl RowSink for NoRows {
+    fn columns(&self) -> usize {
+        self.0
+    }
+
+    fn reserve_rows(&mut self, _rows: usize) -> &mut [f64] {
+        &mut []
+    }
+}
+
+/// Where a filter stands before a sample is read.
+pub(crate) struct FilterState {
+    informed: bool,
+    present: Vec<f64>,
+    x: Vec<f64>,
 }
 
 /// The filter along one record.
@@ -79,6 +100,22 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
         };
         filter.reset_multiplier();
         filter
+    }
+
+    /// Where the filter stands, from where another can go on.
+    pub fn state(&self) -> FilterState {
+        FilterState {
+            informed: self.informed,
+            present: self.present.clone(),
+            x: self.x.clone(),
+        }
+    }
+
+    /// Goes on from where another filter stood.
+    pub fn resume(&mut self, from: &FilterState) {
+        self.informed = from.informed;
+        self.present.clone_from(&from.present);
+        self.x.clone_from(&from.x);
     }
 
     /// Measurement update with readings in rising order of component. The rows left over measure the coefficients.
@@ -174,6 +211,15 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
         }
     }
 
+    /// The eliminated rows so far, all but those of the present state: the record goes on.
+    pub fn eliminated(self) -> EliminatedStates {
+        EliminatedStates {
+            n: self.n,
+            width: 2 * self.n + self.p + 1,
+            saved: self.saved.unwrap_or_default(),
+        }
+    }
+
     /// Ends the record. Directions of the last state without information get a correction of zero.
     pub fn end(mut self) -> EliminatedStates {
         let (n, p) = (self.n, self.p);
@@ -195,7 +241,7 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
     }
 }
 
-/// The eliminated rows, from which the smoother finds the states.
+/// The eliminated rows of some neighbouring samples, from which the smoother finds the states.
 pub(crate) struct EliminatedStates {
     n: usize,
     width: usize,
@@ -203,21 +249,23 @@ pub(crate) struct EliminatedStates {
 }
 
 impl EliminatedStates {
-    /// δz of every sample (samples × n) for coefficients moved by `coefficients`.
-    pub fn states(&self, coefficients: &[f64]) -> Vec<f64> {
-        self.back_substitute(coefficients, 1.0)
+    /// δz of every sample (samples × n) for coefficients moved by `coefficients`, where that of the next sample is `after`; at the end of
+    /// a record zeros.
+    pub fn states(&self, coefficients: &[f64], after: &[f64]) -> Vec<f64> {
+        self.back_substitute(coefficients, after, 1.0)
     }
 
-    /// ∂z/∂a · `coefficients`: [`EliminatedStates::states`] less its value at 0.
-    pub fn response(&self, coefficients: &[f64]) -> Vec<f64> {
-        self.back_substitute(coefficients, 0.0)
+    /// ∂z/∂a · `coefficients`, `after` that of the next sample: [`EliminatedStates::states`] less its value at 0.
+    pub fn response(&self, coefficients: &[f64], after: &[f64]) -> Vec<f64> {
+        self.back_substitute(coefficients, after, 0.0)
     }
 
     /// Back substitution with the right sides scaled by `share`.
-    fn back_substitute(&self, coefficients: &[f64], share: f64) -> Vec<f64> {
+    fn back_substitute(&self, coefficients: &[f64], after: &[f64], share: f64) -> Vec<f64> {
         let (n, width) = (self.n, self.width);
         let samples = self.saved.len() / (n * width).max(1);
-        let mut out = vec![0.0; (samples + 1) * n];
+        let mut out = vec![0.0; samples * n];
+        out.extend_from_slice(after);
         for k in (0..samples).rev() {
             let rows = &self.saved[k * n * width..(k + 1) * n * width];
             let (here, next) = out[k * n..].split_at_mut(n);

@@ -5,11 +5,11 @@
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
 use super::fitted_support::{Fit, best_judged, left_the_data};
-use super::kalman_filter::{Filtered, Innovation, NoRows};
+use super::kalman_filter::{Filtered, Innovation};
 use super::noise_estimation::estimate_noises;
 use super::step_halving::{StepHalving, Verdict};
-use crate::trajectory::integration::CompiledLaws;
-use crate::trajectory::least_squares::{IncrementalQr, constrained_step};
+use crate::trajectory::integration::{CompiledLaws, Diverged};
+use crate::trajectory::least_squares::{IncrementalQr, NoRows, constrained_step};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::{DISTURBANCES, GAUSS_NEWTON};
 use sidc_progress::Observer;
@@ -22,10 +22,8 @@ pub(crate) fn undisturbed_value(
     criterion: &PenalizedLikelihood,
     observer: &mut dyn Observer,
 ) -> Option<f64> {
-    let code = CompiledLaws::new(&problem.system, fit.support());
-    let intervals = problem.intervals(&code, &fit.point, observer).ok()?;
-    let filtered = problem.filter(&intervals, &fit.point, &mut NoRows, &mut |_| {});
-    Some(filtered.value - centre(problem) + criterion.cost(problem, fit.support()))
+    let value = filtered(problem, fit, &mut |_| {}, observer).ok()?;
+    Some(value - centre(problem) + criterion.cost(problem, fit.support()))
 }
 
 /// What the criterion of fits without process noise leaves out: χ² of as many readings.
@@ -35,13 +33,24 @@ fn centre(problem: &Problem) -> f64 {
 
 /// The innovations of a fit, reading by reading. Empty where the laws diverge.
 pub(crate) fn innovations(problem: &Problem, fit: &Fit) -> Vec<Innovation> {
-    let code = CompiledLaws::new(&problem.system, fit.support());
-    let observer = &mut sidc_progress::Unwatched;
     let mut all = Vec::new();
-    if let Ok(intervals) = problem.intervals(&code, &fit.point, observer) {
-        problem.filter(&intervals, &fit.point, &mut NoRows, &mut |i| all.push(i));
+    let listener = &mut |i| all.push(i);
+    match filtered(problem, fit, listener, &mut sidc_progress::Unwatched) {
+        Ok(_) => all,
+        Err(Diverged) => Vec::new(),
     }
-    all
+}
+
+/// Filters all records about a fit: the value.
+fn filtered(
+    problem: &Problem,
+    fit: &Fit,
+    listener: &mut dyn FnMut(Innovation),
+    observer: &mut dyn Observer,
+) -> Result<f64, Diverged> {
+    let code = CompiledLaws::new(&problem.system, fit.support());
+    let sinks = (&mut NoRows(0), listener);
+    problem.filter_parts((&code, None), &fit.point, &problem.whole(), sinks, observer)
 }
 
 /// Fits the support of `from`. Steps end early where the criterion will hardly come near `beat`. `None` where the laws diverge, the
@@ -78,7 +87,7 @@ pub(super) fn disturbed_fit(
         }
         known |= estimated;
         let mut qr = IncrementalQr::new(point.support.len());
-        let Filtered { value, paths } = problem.filter(&intervals, &point, &mut qr, &mut |_| {});
+        let Filtered { value, paths } = problem.filter(&intervals, &point, &mut qr);
         let constrained = constrained_step(&mut qr, &point.coefficients, &rows)?;
         let here = LinearizationPoint {
             paths,

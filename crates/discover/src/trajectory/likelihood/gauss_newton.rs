@@ -4,10 +4,11 @@
 //! solves for the coefficients under their constraints and substitutes back; the noise of each sensor is then taken from its residuals.
 
 use super::criterion::{PenalizedLikelihood, residual_squares};
+use super::eliminated_records::EliminatedRecords;
 use super::fitted_support::{Fit, best_judged, left_the_data};
 use super::step_halving::{StepHalving, Verdict};
 use crate::trajectory::integration::CompiledLaws;
-use crate::trajectory::least_squares::{EliminatedStates, IncrementalQr, constrained_step};
+use crate::trajectory::least_squares::{IncrementalQr, constrained_step};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 use sidc_progress::Observer;
@@ -33,7 +34,8 @@ pub(super) fn undisturbed_fit(
     while left > 0 {
         left -= 1;
         let mut qr = IncrementalQr::new(k);
-        let Ok(eliminated) = problem.eliminate_all(&code, &point, &mut qr, observer) else {
+        let Ok(eliminated) = EliminatedRecords::new((problem, &code), &point, &mut qr, observer)
+        else {
             match halving.halfway(point).filter(|_| observer.go_on()) {
                 Some(nearer) => point = nearer,
                 None => return best_judged(halving).filter(|_| observer.go_on()),
@@ -44,11 +46,9 @@ pub(super) fn undisturbed_fit(
         let solved = constrained.solution;
         if halving.is_careful() {
             left += usize::from(halving.may_add_step());
-            let here = (
-                &eliminated[..],
-                qr.square_without_step(),
-                &solved.variances[..],
-            );
+            let none = vec![0.0; k];
+            let moves = eliminated.states(&none, observer).ok()?;
+            let here = (moves, qr.square_without_step(), &solved.variances[..]);
             let here = fit_here(problem, criterion, &point, here);
             if left_the_data(problem, &here.point) {
                 match halving.halfway(point) {
@@ -67,9 +67,9 @@ pub(super) fn undisturbed_fit(
                 Verdict::End => break,
             }
         }
+        let moves = eliminated.states(&solved.coefficients, observer).ok()?;
         let start = halving.is_careful().then(|| point.clone());
-        let step = &solved.coefficients;
-        let farthest = move_states(problem, &mut point, &eliminated, step);
+        let farthest = move_states(problem, &mut point, &moves);
         point.coefficients = constrained.coefficients;
         halving.starts(start, farthest);
         if !farthest.is_finite() || left_the_data(problem, &point) {
@@ -124,19 +124,14 @@ pub(super) fn undisturbed_fit(
     })
 }
 
-/// Moves the trajectories with the coefficients; the largest move of a state that is read, in units of its sensor's noise.
-fn move_states(
-    problem: &Problem,
-    point: &mut LinearizationPoint,
-    eliminated: &[EliminatedStates],
-    step: &[f64],
-) -> f64 {
+/// Moves the trajectories; the largest move of a state that is read, in units of its sensor's noise.
+fn move_states(problem: &Problem, point: &mut LinearizationPoint, moves: &[Vec<f64>]) -> f64 {
     let n = problem.states();
     let mut farthest = 0.0f64;
-    for (r, (path, record)) in point.paths.iter_mut().zip(eliminated).enumerate() {
+    for (r, (path, moves)) in point.paths.iter_mut().zip(moves).enumerate() {
         let (own, readable) = (problem.sensors.of(r), &problem.records[r]);
         let (sigma, readings) = (&point.sigma[own.clone()], &problem.readings[own]);
-        for (at, (x, d)) in path.iter_mut().zip(record.states(step)).enumerate() {
+        for (at, (x, d)) in path.iter_mut().zip(moves).enumerate() {
             *x += d;
             let i = at % n;
             if readings[i] > 0 {
@@ -153,13 +148,11 @@ fn fit_here(
     problem: &Problem,
     criterion: &PenalizedLikelihood,
     at: &LinearizationPoint,
-    (eliminated, square, variances): (&[EliminatedStates], f64, &[f64]),
+    (moves, square, variances): (Vec<Vec<f64>>, f64, &[f64]),
 ) -> Fit {
     let mut point = at.clone();
-    let none = vec![0.0; point.coefficients.len()];
-    for (path, record) in point.paths.iter_mut().zip(eliminated) {
-        let moved = record.states(&none);
-        path.iter_mut().zip(moved).for_each(|(x, d)| *x += d);
+    for (path, moves) in point.paths.iter_mut().zip(moves) {
+        path.iter_mut().zip(moves).for_each(|(x, d)| *x += d);
     }
     let (residual_squares, law_misfit) = misfits(problem, &point, square);
     let value = criterion.deviance(problem, &residual_squares)

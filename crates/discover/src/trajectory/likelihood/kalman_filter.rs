@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-use super::linearization::AllColumns;
+use super::sweep::AllColumns;
 use crate::trajectory::integration::{
     CompiledLaws, Diverged, INTERVALS_AT_ONCE, IntervalBlock, ShootingIntegrator, Workspace,
 };
@@ -41,19 +41,6 @@ pub(crate) struct Innovation {
 
 /// Takes every innovation.
 pub(super) type Listener<'a> = &'a mut dyn FnMut(Innovation);
-
-/// Takes no rows: for filters without coefficients.
-pub(super) struct NoRows;
-
-impl RowSink for NoRows {
-    fn columns(&self) -> usize {
-        0
-    }
-
-    fn reserve_rows(&mut self, _rows: usize) -> &mut [f64] {
-        &mut []
-    }
-}
 
 /// The state of a filter.
 struct Filter {
@@ -221,7 +208,6 @@ impl Problem {
         intervals: &[IntervalBlock],
         at: &LinearizationPoint,
         sink: &mut impl RowSink,
-        listener: Listener,
     ) -> Filtered {
         let mut out = Filtered::default();
         for (r, block) in intervals.iter().enumerate() {
@@ -229,7 +215,7 @@ impl Problem {
             let last = self.records[r].len() - 1;
             let mut path = Vec::with_capacity(at.paths[r].len());
             for k in 0..=last {
-                out.value += self.read((&mut filter, r, k), at, sink, listener);
+                out.value += self.read((&mut filter, r, k), at, sink, &mut |_| {});
                 path.extend_from_slice(&filter.state);
                 if k < last {
                     self.advance((&mut filter, r, k), at, (block, k));
@@ -240,7 +226,7 @@ impl Problem {
         out
     }
 
-    /// Filters parts of records and integrates them as it goes; rows of all columns go to `sink`.
+    /// Filters parts of records and integrates them as it goes, so that nothing is kept of an interval; rows go to `sink`. Out comes the value.
     ///
     /// # Errors
     /// As above.
@@ -249,11 +235,12 @@ impl Problem {
         (code, all): (&CompiledLaws, Option<AllColumns>),
         at: &LinearizationPoint,
         parts: &[(usize, Range<usize>)],
-        sink: &mut impl RowSink,
+        (sink, listener): (&mut impl RowSink, Listener),
         observer: &mut dyn Observer,
-    ) -> Result<(), Diverged> {
+    ) -> Result<f64, Diverged> {
         let integrator: ShootingIntegrator = self.integrator((code, all), at);
         let (mut work, mut block) = (Workspace::default(), IntervalBlock::default());
+        let mut value = 0.0;
         for (r, samples) in parts {
             let (record, path) = (&self.records[*r], &at.paths[*r]);
             let mut filter = self.first_state(at, *r, samples.start, sink.columns());
@@ -263,13 +250,13 @@ impl Problem {
                 }
                 integrator.block(record, path, intervals.clone(), &mut work, &mut block)?;
                 for (b, k) in intervals.enumerate() {
-                    self.read((&mut filter, *r, k), at, sink, &mut |_| {});
+                    value += self.read((&mut filter, *r, k), at, sink, listener);
                     self.advance((&mut filter, *r, k), at, (&block, b));
                 }
             }
-            self.read((&mut filter, *r, samples.end - 1), at, sink, &mut |_| {});
+            value += self.read((&mut filter, *r, samples.end - 1), at, sink, listener);
         }
-        Ok(())
+        Ok(value)
     }
 
     /// A filter at a sample before that is read: hardly anything is known of the states, and of disturbances their deviation.

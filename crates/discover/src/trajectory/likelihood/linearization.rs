@@ -1,24 +1,15 @@
 //! The likelihood linearised about a point: states eliminated, rows in the coefficients left.
 //!
-//! In: a problem and a point. Out: the quadratic form of all columns, or the rows and eliminated states of the active ones. Chooses no
-//! terms.
+//! In: a problem and a point. Out: the quadratic form of all columns, or their rows. Chooses no terms.
 
 use sidc_progress::Observer;
 use std::ops::Range;
 
-use crate::trajectory::integration::{
-    CompiledLaws, Diverged, INTERVALS_AT_ONCE, IntervalBlock, ShootingIntegrator, Workspace,
-};
-use crate::trajectory::least_squares::{
-    EliminatedStates, InformationFilter, Measurement, NormalEquations, ProcessEquation, RowSink,
-};
+use super::sweep::Sweep;
+use crate::trajectory::integration::{CompiledLaws, Diverged, Workspace};
+use crate::trajectory::least_squares::{InformationFilter, NormalEquations, RowSink};
 use crate::trajectory::model::{LinearizationPoint, Problem, Record, segments};
-use crate::trajectory::thresholds::SHOOTING;
-use sidc_lang::term::Tape;
 use sidc_solve::QuadraticForm;
-
-/// All columns, and which of them each law has.
-pub(super) type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
 
 impl Problem {
     /// The quadratic form of all columns about a point, on all samples: on parts of them, what chance gives a term would be multiplied
@@ -67,7 +58,7 @@ impl Problem {
     }
 
     /// All samples of all records.
-    fn whole(&self) -> Vec<(usize, Range<usize>)> {
+    pub(super) fn whole(&self) -> Vec<(usize, Range<usize>)> {
         let whole = self.records.iter().map(|r| 0..r.len());
         whole.enumerate().collect()
     }
@@ -86,140 +77,17 @@ impl Problem {
         let code = CompiledLaws::new(&self.system, &at.support);
         let all = Some((&self.all, &self.ranges[..]));
         if at.process.is_some() {
-            return self.filter_parts((&code, all), at, parts, sink, observer);
+            self.filter_parts((&code, all), at, parts, (sink, &mut |_| {}), observer)?;
+            return Ok(());
         }
-        self.eliminate((&code, all), at, sink, (false, parts), observer)?;
+        let mut work = Workspace::default();
+        for (r, samples) in parts {
+            let sweep = Sweep::new(self, (&code, all), at, *r);
+            let mut filter = InformationFilter::new(sweep.stiffness(), sink, None);
+            let last = samples.end - 1;
+            sweep.advance(&mut filter, samples.start..last, &mut work, observer)?;
+            sweep.read(&mut filter, last);
+        }
         Ok(())
     }
-
-    /// Eliminates the states of all records about a point; rows of the active columns go to `sink`.
-    ///
-    /// # Errors
-    /// As above.
-    pub(crate) fn eliminate_all(
-        &self,
-        code: &CompiledLaws,
-        at: &LinearizationPoint,
-        sink: &mut impl RowSink,
-        observer: &mut dyn Observer,
-    ) -> Result<Vec<EliminatedStates>, Diverged> {
-        self.eliminate((code, None), at, sink, (true, &self.whole()), observer)
-    }
-
-    /// The same on parts of records, for all columns if `all` is given; `keep` the eliminated states or not.
-    fn eliminate(
-        &self,
-        (code, all): (&CompiledLaws, Option<AllColumns>),
-        at: &LinearizationPoint,
-        sink: &mut impl RowSink,
-        (keep, parts): (bool, &[(usize, Range<usize>)]),
-        observer: &mut dyn Observer,
-    ) -> Result<Vec<EliminatedStates>, Diverged> {
-        let integrator = self.integrator((code, all), at);
-        let mut work = Workspace::default();
-        let mut block = IntervalBlock::default();
-        let parts = parts.iter().map(|(r, samples)| {
-            let (record, path) = (&self.records[*r], &at.paths[*r]);
-            let sigma = &at.sigma[self.sensors.of(*r)];
-            let stiffness = stiffness(sigma, record);
-            let mut filter =
-                InformationFilter::new(&stiffness, sink, keep.then_some(samples.len()));
-            let last = samples.end - 1;
-            for from in (samples.start..last).step_by(INTERVALS_AT_ONCE) {
-                if !observer.go_on() {
-                    return Err(Diverged);
-                }
-                let intervals = from..(from + INTERVALS_AT_ONCE).min(last);
-                integrator.block(record, path, intervals.clone(), &mut work, &mut block)?;
-                for (b, k) in intervals.enumerate() {
-                    filter.measurement_update(&self.readings_at(record, path, sigma, k));
-                    self.time_update(&mut filter, &block, b, path, k, integrator.width());
-                }
-            }
-            filter.measurement_update(&self.readings_at(record, path, sigma, last));
-            Ok(filter.end())
-        });
-        parts.collect()
-    }
-
-    pub(super) fn integrator<'a>(
-        &'a self,
-        (laws, all): (&'a CompiledLaws, Option<AllColumns<'a>>),
-        at: &'a LinearizationPoint,
-    ) -> ShootingIntegrator<'a> {
-        ShootingIntegrator {
-            laws,
-            all,
-            coefficients: &at.coefficients,
-            spread: &self.spread,
-            accuracy: self.accuracy(&at.sigma),
-        }
-    }
-
-    fn time_update(
-        &self,
-        filter: &mut InformationFilter<impl RowSink>,
-        block: &IntervalBlock,
-        b: usize,
-        path: &[f64],
-        k: usize,
-        p: usize,
-    ) {
-        let n = self.states();
-        let next = &path[(k + 1) * n..(k + 2) * n];
-        let end = &block.end[b * n..(b + 1) * n];
-        let defect: Vec<f64> = end.iter().zip(next).map(|(e, x)| e - x).collect();
-        filter.time_update(&ProcessEquation {
-            transition: &block.transition[b * n * n..(b + 1) * n * n],
-            columns: &block.columns[b * n * p..(b + 1) * n * p],
-            defect: &defect,
-        });
-    }
-
-    /// Measurements at sample `k` relative to a trajectory; states without a reading are held loosely where they are.
-    pub(crate) fn readings_at(
-        &self,
-        record: &Record,
-        path: &[f64],
-        sigma: &[f64],
-        k: usize,
-    ) -> Vec<Measurement> {
-        let n = self.states();
-        (0..n)
-            .map(|i| {
-                let read = record.measured[i][k];
-                if read.is_finite() {
-                    return Measurement {
-                        component: i,
-                        weight: 1.0 / (sigma[i] * record.relative_noise_at(i, k)),
-                        value: read - path[k * n + i],
-                    };
-                }
-                Measurement {
-                    component: i,
-                    weight: 1.0 / (SHOOTING.unread_hold * self.spread[i]),
-                    value: 0.0,
-                }
-            })
-            .collect()
-    }
-
-    fn accuracy(&self, sigma: &[f64]) -> f64 {
-        let relative = sigma
-            .iter()
-            .zip(self.spread.iter().cycle())
-            .zip(self.least_relative_noise())
-            .map(|((s, d), least)| least * s / d);
-        (SHOOTING.accuracy * relative.fold(f64::INFINITY, f64::min)).max(SHOOTING.min_accuracy)
-    }
-}
-
-/// One over the slip that laws are allowed, a part of the least noise of each state's readings.
-fn stiffness(sigma: &[f64], record: &Record) -> Vec<f64> {
-    let slack = SHOOTING
-        .slack
-        .min(SHOOTING.slack_of_record / (record.len() as f64).sqrt());
-    let least = |i: usize| record.relative_noise_range(i).0;
-    let states = sigma.iter().enumerate();
-    states.map(|(i, s)| 1.0 / (slack * s * least(i))).collect()
 }

@@ -6,6 +6,7 @@
 mod block_products;
 mod criterion;
 mod disturbed_fit;
+mod eliminated_records;
 mod fitted_support;
 mod gauss_newton;
 mod integral_matching;
@@ -16,11 +17,14 @@ mod quasi_newton;
 mod sandwich_covariance;
 mod step_halving;
 mod support_fit;
+mod sweep;
 
 pub use block_products::{BlockProducts, block_products};
 pub use criterion::term_price;
 pub(crate) use criterion::{PenalizedLikelihood, final_floor};
 pub(crate) use disturbed_fit::{innovations, undisturbed_value};
+#[cfg(test)]
+pub(crate) use eliminated_records::EliminatedRecords;
 pub use fitted_support::Fit;
 pub(crate) use kalman_filter::Innovation;
 pub(crate) use sandwich_covariance::set_variances;

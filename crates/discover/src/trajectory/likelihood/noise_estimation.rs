@@ -2,9 +2,9 @@
 //!
 //! In: a problem, its laws linearised along a trajectory. Out: the noises under which the innovations are most likely. Moves no coefficients.
 
-use super::kalman_filter::NoRows;
 use super::quasi_newton::minimise;
 use crate::trajectory::integration::IntervalBlock;
+use crate::trajectory::least_squares::NoRows;
 use crate::trajectory::model::{Disturbance, LinearizationPoint, Problem, ProcessNoise};
 use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
 
@@ -19,9 +19,7 @@ pub(super) fn estimate_noises(
     let mut trial = point.clone();
     let mut value = |logs: &[f64]| {
         set_noises(problem, &mut trial, logs);
-        let value = problem
-            .filter(intervals, &trial, &mut NoRows, &mut |_| {})
-            .value;
+        let value = problem.filter(intervals, &trial, &mut NoRows(0)).value;
         if value.is_finite() {
             value
         } else {

@@ -5,13 +5,14 @@
 //! estimate by C A_rᵀ e, so its covariance is C A_rᵀ S A_r C. S, the covariance of the errors, is diagonal where residuals are white, else
 //! that of an autoregression. Under constraints C is the covariance of the coefficients that they leave free.
 
+use super::eliminated_records::EliminatedRecords;
 use super::fitted_support::Fit;
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::{IncrementalQr, constrained_covariances};
 use crate::trajectory::model::Problem;
 use crate::trajectory::thresholds::RESIDUALS;
 use sidc_progress::Observer;
-use sidc_solve::Autoregression;
+use sidc_solve::{Autoregression, WeightedSum};
 
 /// Sets the variances; they stay as they are if the laws diverge or the observer ends the work.
 pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, observer: &mut dyn Observer) {
@@ -27,36 +28,69 @@ pub(crate) fn set_variances(problem: &Problem, fit: &mut Fit, observer: &mut dyn
 fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Option<Vec<f64>> {
     let code = CompiledLaws::new(&problem.system, fit.support());
     let mut qr = IncrementalQr::new(fit.support().len());
-    let eliminated = problem
-        .eliminate_all(&code, &fit.point, &mut qr, observer)
-        .ok()?;
-    let n = problem.states();
-    let memories: Vec<Autoregression> = (0..n)
+    let eliminated =
+        EliminatedRecords::new((problem, &code), &fit.point, &mut qr, observer).ok()?;
+    let memories: Vec<Autoregression> = (0..problem.states())
         .map(|i| Autoregression::fit(&whitened_residuals(problem, fit, i)))
         .collect();
-    let variance = |covariances: &Vec<f64>| {
-        let mut sum = 0.0;
-        for (r, (record, eliminated)) in problem.records.iter().zip(&eliminated).enumerate() {
-            let response = eliminated.response(covariances);
-            let sensors = problem.sensors.of(r);
-            for ((i, memory), sensor) in memories.iter().enumerate().zip(sensors) {
-                let states = response.iter().skip(i).step_by(n);
-                let read = record.measured[i].iter().zip(states).enumerate();
-                let weight = residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
-                let weights = read.map(|(k, (y, z))| match y.is_finite() {
-                    true => z * weight / record.relative_noise_at(i, k),
-                    false => 0.0,
-                });
-                sum += memory.variance(&weights.collect::<Vec<_>>());
-            }
-        }
-        sum
-    };
-    let scarce = degrees_of_freedom_factor(problem, fit);
-    let of = |c: &Option<Vec<f64>>| c.as_ref().map_or(f64::INFINITY, |c| scarce * variance(c));
     let rows = problem.system.constraints.on(fit.support());
     let covariances = constrained_covariances(&mut qr, fit.coefficients(), &rows);
-    Some(covariances.iter().map(of).collect())
+    let known: Vec<&Vec<f64>> = covariances.iter().flatten().collect();
+    let mut sums = vec![0.0; known.len()];
+    for r in 0..problem.records.len() {
+        let of_record = variances_of_record(
+            (problem, fit),
+            &eliminated,
+            (r, &memories),
+            &known,
+            observer,
+        )?;
+        sums.iter_mut()
+            .zip(of_record)
+            .for_each(|(sum, x)| *sum += x);
+    }
+    let scarce = degrees_of_freedom_factor(problem, fit);
+    let mut sums = sums.into_iter();
+    let mut of = |c: &Option<Vec<f64>>| match c {
+        Some(_) => scarce * sums.next().unwrap_or(f64::INFINITY),
+        None => f64::INFINITY,
+    };
+    Some(covariances.iter().map(&mut of).collect())
+}
+
+/// What the errors of a record's readings add to the variance of each coefficient, of which these are the columns of C. All are found in
+/// one sweep back, so that no response is kept.
+fn variances_of_record(
+    (problem, fit): (&Problem, &Fit),
+    eliminated: &EliminatedRecords,
+    (r, memories): (usize, &[Autoregression]),
+    columns: &[&Vec<f64>],
+    observer: &mut dyn Observer,
+) -> Option<Vec<f64>> {
+    let (n, record) = (problem.states(), &problem.records[r]);
+    let rms = |sensor: usize| residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
+    let weights: Vec<f64> = problem.sensors.of(r).map(rms).collect();
+    let sums = || memories.iter().map(Autoregression::weighted_sum).collect();
+    let start = |c| (c, vec![0.0; n], sums());
+    let mut all: Vec<(&Vec<f64>, Vec<f64>, Vec<WeightedSum>)> =
+        columns.iter().copied().map(start).collect();
+    let back = eliminated.backward(r, observer, &mut |samples, rows| {
+        for (column, after, sums) in &mut all {
+            let response = rows.response(column, after);
+            after.copy_from_slice(&response[..n]);
+            for (k, states) in samples.clone().zip(response.chunks_exact(n)).rev() {
+                for (i, (z, sum)) in states.iter().zip(sums.iter_mut()).enumerate() {
+                    sum.add(match record.measured[i][k].is_finite() {
+                        true => z * weights[i] / record.relative_noise_at(i, k),
+                        false => 0.0,
+                    });
+                }
+            }
+        }
+    });
+    back.ok()?;
+    let variance = |sums: Vec<WeightedSum>| sums.into_iter().map(WeightedSum::variance).sum();
+    Some(all.into_iter().map(|(.., sums)| variance(sums)).collect())
 }
 
 /// Root mean square of a sensor's residuals, each over its relative noise. The noise in the fit is larger where a floor holds it, or where readings are little

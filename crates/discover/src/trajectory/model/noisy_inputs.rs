@@ -18,6 +18,11 @@ impl Problem {
         records.all(|o| o.is_some_and(|o| o.held))
     }
 
+    /// Whether inputs are estimated.
+    pub(crate) fn has_noisy_inputs(&self) -> bool {
+        self.input_noise.iter().any(Option::is_some)
+    }
+
     /// The values of an exogenous signal in all records; empty if the system has no such signal.
     pub(crate) fn values_of_input(&self, signal: Signal) -> Vec<f64> {
         let place = self.system.exogenous.iter().position(|s| *s == signal);

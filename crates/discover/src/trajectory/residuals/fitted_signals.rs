@@ -2,13 +2,18 @@
 //!
 //! In: a problem, a fit. Out: numbers by signal. Changes nothing.
 
+use std::ops::Range;
+
 use crate::target_copies::{Products, TargetCopy};
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{Law, Problem, Record};
 use sidc_lang::term::Term;
 
-/// Values along the smoothed trajectory of one record, row by row.
+/// Rows of which all columns are evaluated at once: with many columns those of whole records would take more memory than all else.
+const ROWS_AT_ONCE: usize = 1024;
+
+/// Values along a part of the smoothed trajectory of one record, row by row.
 struct SmoothedColumns {
     rows: usize,
     /// Of all columns.
@@ -78,22 +83,25 @@ impl Problem {
             .collect()
     }
 
-    /// All columns along the smoothed trajectory of each record.
+    /// All columns along the smoothed trajectories, part by part.
     fn along_smoothed(&self) -> impl Iterator<Item = SmoothedColumns> {
-        self.records
-            .iter()
-            .zip(&self.smoothed)
-            .map(|(record, curve)| {
-                let points = self.points(record, &curve.states, &curve.rates);
-                let rows = record.len();
-                let mut values = vec![0.0; self.all.outputs() * rows];
-                self.all.eval(&points, rows, &mut values, &mut Vec::new());
-                SmoothedColumns {
-                    rows,
-                    values,
-                    points,
-                }
-            })
+        let records = self.records.iter().zip(&self.smoothed);
+        let parts = records.flat_map(|(record, curve)| {
+            let starts = (0..record.len()).step_by(ROWS_AT_ONCE);
+            let part = |from: usize| from..(from + ROWS_AT_ONCE).min(record.len());
+            starts.map(move |from| (record, curve, part(from)))
+        });
+        parts.map(|(record, curve, samples)| {
+            let rows = samples.len();
+            let points = self.points(record, samples, (&curve.states, &curve.rates));
+            let mut values = vec![0.0; self.all.outputs() * rows];
+            self.all.eval(&points, rows, &mut values, &mut Vec::new());
+            SmoothedColumns {
+                rows,
+                values,
+                points,
+            }
+        })
     }
 
     /// Values of all signals along the trajectory of a fit, in the order of [`crate::trajectory::System::evaluation_signals`], all records in a row.
@@ -102,7 +110,7 @@ impl Problem {
         let mut out = vec![Vec::new(); signals];
         let code = CompiledLaws::new(&self.system, fit.support());
         for ((record, path), curve) in self.records.iter().zip(fit.paths()).zip(&self.smoothed) {
-            let mut points = self.points(record, path, &curve.rates);
+            let mut points = self.points(record, 0..record.len(), (path, &curve.rates));
             // Where the laws have no rates, those of the smoothed trajectory stay.
             let _ = code.rates(
                 fit.coefficients(),
@@ -117,18 +125,23 @@ impl Problem {
         out
     }
 
-    /// All signals at the samples of a record, signal after signal.
-    fn points(&self, record: &Record, states: &[f64], rates: &[f64]) -> Vec<f64> {
-        let (n, m, count) = (self.states(), self.system.laws.len(), record.len());
-        let mut out = Vec::with_capacity(self.system.evaluation_signals().len() * count);
+    /// All signals at some samples of a record, signal after signal.
+    fn points(
+        &self,
+        record: &Record,
+        samples: Range<usize>,
+        (states, rates): (&[f64], &[f64]),
+    ) -> Vec<f64> {
+        let (n, m) = (self.states(), self.system.laws.len());
+        let mut out = Vec::with_capacity(self.system.evaluation_signals().len() * samples.len());
         for i in 0..n {
-            out.extend((0..count).map(|k| states[k * n + i]));
+            out.extend(samples.clone().map(|k| states[k * n + i]));
         }
         for l in 0..m {
-            out.extend((0..count).map(|k| rates[k * m + l]));
+            out.extend(samples.clone().map(|k| rates[k * m + l]));
         }
         for o in &record.exogenous {
-            out.extend_from_slice(&o.values);
+            out.extend_from_slice(&o.values[samples.clone()]);
         }
         out
     }

@@ -26,54 +26,60 @@ pub fn search_disturbed(
     // Against inputs without noise nothing is to be weighed: it is declared.
     let comparable = free.filter(|_| problem.process.is_none());
     let without = comparable.and_then(value).unwrap_or(f64::INFINITY);
-    let mut best: Option<(f64, Problem, Found)> = None;
     // Noise of inputs is white as it is held.
     let kinds: &[Kind] = match problem.process {
         Some(_) => &[Kind::White],
         None => &[Kind::White, Kind::FirstOrder],
     };
+    let short = problem.on_segments();
+    let searched = short.as_ref().unwrap_or(problem);
+    let readings = searched.measurements() as f64;
+    let price = |kind: Kind| (kind.numbers() * problem.system.laws.len()) as f64;
+    let mut best: Option<(f64, Kind, Problem, Found)> = None;
     for kind in kinds.iter().copied() {
-        let Some((disturbed, found)) = search_kind(problem, kind, free, observer) else {
+        let (disturbed, point) = start(searched, kind, free);
+        let Some(found) = search_from(&disturbed, point, observer) else {
             continue;
         };
-        let numbers = kind.numbers() * problem.system.laws.len();
-        let price = numbers as f64 * (problem.measurements() as f64).ln();
-        let value = found.best.value + price;
-        if value < best.as_ref().map_or(without, |b| b.0) {
-            best = Some((value, disturbed, found));
+        let value = found.best.value + price(kind) * readings.ln();
+        if best.as_ref().is_none_or(|b| value < b.0) {
+            best = Some((value, kind, disturbed, found));
         }
     }
-    best.map(|(_, problem, found)| (problem, found))
+    let (_, kind, disturbed, found) = best?;
+    let (disturbed, found) = match short {
+        None => (disturbed, found),
+        // On all samples disturbances that leave more than noise on segments are no better.
+        Some(_) if observer.left_by(&disturbed, &found.best) > 1.0 => return None,
+        Some(_) => on_whole((problem, kind), found, free, observer)?,
+    };
+    let paid = price(kind) * (problem.measurements() as f64).ln();
+    (found.best.value + paid < without).then_some((disturbed, found))
 }
 
-/// The search under disturbances of one kind.
-fn search_kind(
-    problem: &Problem,
-    kind: Kind,
+/// A problem with disturbances of this kind, and where its search starts.
+fn start(problem: &Problem, kind: Kind, free: Option<&Fit>) -> (Problem, LinearizationPoint) {
+    let smooth = problem.initial_point(&problem.noise);
+    let (disturbed, point) = kind.of(problem, &smooth);
+    let (support, coefficients) = free
+        .map(|fit| (fit.support().to_vec(), fit.coefficients().to_vec()))
+        .unwrap_or_default();
+    let point = LinearizationPoint {
+        support,
+        coefficients,
+        ..point
+    };
+    (disturbed, point)
+}
+
+/// What was found on segments, fitted on all samples.
+fn on_whole(
+    (problem, kind): (&Problem, Kind),
+    found: Found,
     free: Option<&Fit>,
     observer: &mut dyn SearchObserver,
 ) -> Option<(Problem, Found)> {
-    let start = |problem: &Problem| {
-        let smooth = problem.initial_point(&problem.noise);
-        let (support, coefficients) = free
-            .map(|fit| (fit.support().to_vec(), fit.coefficients().to_vec()))
-            .unwrap_or_default();
-        let (disturbed, point) = kind.of(problem, &smooth);
-        let point = LinearizationPoint {
-            support,
-            coefficients,
-            ..point
-        };
-        (disturbed, point)
-    };
-    let Some(short) = problem.on_segments() else {
-        let (disturbed, point) = start(problem);
-        let found = search_from(&disturbed, point, observer)?;
-        return Some((disturbed, found));
-    };
-    let (disturbed, point) = start(&short);
-    let found = search_from(&disturbed, point, observer)?;
-    let (whole, point) = start(problem);
+    let (whole, point) = start(problem, kind, free);
     let point = LinearizationPoint {
         support: found.best.point.support.clone(),
         coefficients: found.best.point.coefficients.clone(),
@@ -81,22 +87,15 @@ fn search_kind(
         sigma: found.best.point.sigma.clone(),
         ..point
     };
-    let best = fit(
-        &whole,
-        point,
-        &final_criterion(&whole),
-        f64::INFINITY,
-        observer,
-    )?;
+    let criterion = final_criterion(&whole);
+    let best = fit(&whole, point, &criterion, f64::INFINITY, observer)?;
     let rivals = vec![(best.support().to_vec(), best.value)];
-    Some((
-        whole,
-        Found {
-            best,
-            rivals,
-            ..found
-        },
-    ))
+    let found = Found {
+        best,
+        rivals,
+        ..found
+    };
+    Some((whole, found))
 }
 
 #[derive(Clone, Copy)]
@@ -153,7 +152,14 @@ fn search_from(
     let mut starts = proposals(problem, &start, penalty, observer);
     starts.insert(0, start);
     level.fit(starts, observer);
-    level.improve((true, true), observer);
+    // Only disturbances that leave nothing else are an answer, and what they leave hardly changes from one support to the next. Supports
+    // that differ by little in the criterion leave the same, up to chance: they are compared only where there is an answer.
+    if left_by(problem, &level, observer) <= DISTURBANCES.hopeless {
+        level.improve((false, false), observer);
+        if left_by(problem, &level, observer) <= 1.0 {
+            level.improve((true, true), observer);
+        }
+    }
     let tried = level.tried.len();
     let fitted = level.tried.into_iter().filter(|(_, v)| v.is_finite());
     let mut rivals: Vec<(Vec<usize>, f64)> = fitted.collect();
@@ -165,6 +171,12 @@ fn search_from(
         penalty,
         inefficiency: 1.0,
     })
+}
+
+/// How many times more the best fit leaves than noise may.
+fn left_by(problem: &Problem, level: &SearchLevel, observer: &mut dyn SearchObserver) -> f64 {
+    let best = level.best.first();
+    best.map_or(f64::INFINITY, |fit| observer.left_by(problem, fit))
 }
 
 /// Supports on the likelihood about a fit of disturbances alone.

@@ -16,6 +16,11 @@ pub trait SearchObserver: Observer {
     fn first(&mut self, _problem: &Problem, _fit: &Fit) -> bool {
         true
     }
+
+    /// Shown a fit under disturbances: how many times more it leaves than noise may.
+    fn left_by(&mut self, _problem: &Problem, _fit: &Fit) -> f64 {
+        0.0
+    }
 }
 
 impl SearchObserver for Unwatched {}

@@ -1,0 +1,165 @@
+//! The sweep of an information filter along a record, its laws integrated as it goes.
+//!
+//! In: a problem, a point, some samples. Out: what the filter's sink is given. Keeps nothing of a sample behind.
+
+use sidc_progress::Observer;
+use std::ops::Range;
+
+use crate::trajectory::integration::{
+    CompiledLaws, Diverged, INTERVALS_AT_ONCE, IntervalBlock, ShootingIntegrator, Workspace,
+};
+use crate::trajectory::least_squares::{InformationFilter, Measurement, ProcessEquation, RowSink};
+use crate::trajectory::model::{LinearizationPoint, Problem, Record};
+use crate::trajectory::thresholds::SHOOTING;
+use sidc_lang::term::Tape;
+
+/// All columns, and which of them each law has.
+pub(super) type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
+
+/// The way along one record.
+pub(super) struct Sweep<'a> {
+    problem: &'a Problem,
+    integrator: ShootingIntegrator<'a>,
+    record: &'a Record,
+    path: &'a [f64],
+    sigma: &'a [f64],
+    stiffness: Vec<f64>,
+}
+
+impl<'a> Sweep<'a> {
+    /// For all columns if these are given, else for the active ones.
+    pub fn new(
+        problem: &'a Problem,
+        laws: (&'a CompiledLaws, Option<AllColumns<'a>>),
+        at: &'a LinearizationPoint,
+        record: usize,
+    ) -> Sweep<'a> {
+        let sigma = &at.sigma[problem.sensors.of(record)];
+        let own = &problem.records[record];
+        Sweep {
+            problem,
+            integrator: problem.integrator(laws, at),
+            record: own,
+            path: &at.paths[record],
+            sigma,
+            stiffness: stiffness(sigma, own),
+        }
+    }
+
+    /// One over the slip that laws are allowed, for each state.
+    pub fn stiffness(&self) -> &[f64] {
+        &self.stiffness
+    }
+
+    /// Reads every sample of `intervals` and moves on to the next one.
+    ///
+    /// # Errors
+    /// The laws diverge from there, or the work was cancelled.
+    pub fn advance(
+        &self,
+        filter: &mut InformationFilter<impl RowSink>,
+        intervals: Range<usize>,
+        work: &mut Workspace,
+        observer: &mut dyn Observer,
+    ) -> Result<(), Diverged> {
+        let mut block = IntervalBlock::default();
+        for from in intervals.clone().step_by(INTERVALS_AT_ONCE) {
+            if !observer.go_on() {
+                return Err(Diverged);
+            }
+            let part = from..(from + INTERVALS_AT_ONCE).min(intervals.end);
+            (self.integrator).block(self.record, self.path, part.clone(), work, &mut block)?;
+            for (b, k) in part.enumerate() {
+                self.read(filter, k);
+                self.time_update(filter, (&block, b), k);
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a sample.
+    pub fn read(&self, filter: &mut InformationFilter<impl RowSink>, k: usize) {
+        let (record, path) = (self.record, self.path);
+        filter.measurement_update(&self.problem.readings_at(record, path, self.sigma, k));
+    }
+
+    fn time_update(
+        &self,
+        filter: &mut InformationFilter<impl RowSink>,
+        (block, b): (&IntervalBlock, usize),
+        k: usize,
+    ) {
+        let (n, p) = (self.problem.states(), self.integrator.width());
+        let next = &self.path[(k + 1) * n..(k + 2) * n];
+        let end = &block.end[b * n..(b + 1) * n];
+        let defect: Vec<f64> = end.iter().zip(next).map(|(e, x)| e - x).collect();
+        filter.time_update(&ProcessEquation {
+            transition: &block.transition[b * n * n..(b + 1) * n * n],
+            columns: &block.columns[b * n * p..(b + 1) * n * p],
+            defect: &defect,
+        });
+    }
+}
+
+impl Problem {
+    pub(super) fn integrator<'a>(
+        &'a self,
+        (laws, all): (&'a CompiledLaws, Option<AllColumns<'a>>),
+        at: &'a LinearizationPoint,
+    ) -> ShootingIntegrator<'a> {
+        ShootingIntegrator {
+            laws,
+            all,
+            coefficients: &at.coefficients,
+            spread: &self.spread,
+            accuracy: self.accuracy(&at.sigma),
+        }
+    }
+
+    /// Measurements at sample `k` relative to a trajectory; states without a reading are held loosely where they are.
+    pub(crate) fn readings_at(
+        &self,
+        record: &Record,
+        path: &[f64],
+        sigma: &[f64],
+        k: usize,
+    ) -> Vec<Measurement> {
+        let n = self.states();
+        (0..n)
+            .map(|i| {
+                let read = record.measured[i][k];
+                if read.is_finite() {
+                    return Measurement {
+                        component: i,
+                        weight: 1.0 / (sigma[i] * record.relative_noise_at(i, k)),
+                        value: read - path[k * n + i],
+                    };
+                }
+                Measurement {
+                    component: i,
+                    weight: 1.0 / (SHOOTING.unread_hold * self.spread[i]),
+                    value: 0.0,
+                }
+            })
+            .collect()
+    }
+
+    fn accuracy(&self, sigma: &[f64]) -> f64 {
+        let relative = sigma
+            .iter()
+            .zip(self.spread.iter().cycle())
+            .zip(self.least_relative_noise())
+            .map(|((s, d), least)| least * s / d);
+        (SHOOTING.accuracy * relative.fold(f64::INFINITY, f64::min)).max(SHOOTING.min_accuracy)
+    }
+}
+
+/// One over the slip that laws are allowed, a part of the least noise of each state's readings.
+fn stiffness(sigma: &[f64], record: &Record) -> Vec<f64> {
+    let slack = SHOOTING
+        .slack
+        .min(SHOOTING.slack_of_record / (record.len() as f64).sqrt());
+    let least = |i: usize| record.relative_noise_range(i).0;
+    let states = sigma.iter().enumerate();
+    states.map(|(i, s)| 1.0 / (slack * s * least(i))).collect()
+}
