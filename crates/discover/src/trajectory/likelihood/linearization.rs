@@ -124,19 +124,24 @@ impl Problem {
             let stiffness = stiffness(sigma, record);
             let mut filter =
                 InformationFilter::new(&stiffness, sink, keep.then_some(samples.len()));
-            let last = samples.end - 1;
-            for from in (samples.start..last).step_by(INTERVALS_AT_ONCE) {
+            let (first, last) = (samples.start, samples.end - 1);
+            let readings = |k| self.readings_at((record, first), path, sigma, k);
+            filter.measurement_update(&readings(first));
+            for from in (first..last).step_by(INTERVALS_AT_ONCE) {
                 if !observer.go_on() {
                     return Err(Diverged);
                 }
                 let intervals = from..(from + INTERVALS_AT_ONCE).min(last);
                 integrator.block(record, path, intervals.clone(), &mut work, &mut block)?;
                 for (b, k) in intervals.enumerate() {
-                    filter.measurement_update(&self.readings_at(record, path, sigma, k));
-                    self.time_update(&mut filter, &block, b, path, k, integrator.width());
+                    let next = readings(k + 1);
+                    let (tied, own): (Vec<_>, Vec<_>) =
+                        next.into_iter().partition(Measurement::is_tied);
+                    let from = (&path[..], k, integrator.width());
+                    self.time_update(&mut filter, (&block, b), from, &tied);
+                    filter.measurement_update(&own);
                 }
             }
-            filter.measurement_update(&self.readings_at(record, path, sigma, last));
             Ok(filter.end())
         });
         parts.collect()
@@ -159,45 +164,62 @@ impl Problem {
     fn time_update(
         &self,
         filter: &mut InformationFilter<impl RowSink>,
-        block: &IntervalBlock,
-        b: usize,
-        path: &[f64],
-        k: usize,
-        p: usize,
+        (block, b): (&IntervalBlock, usize),
+        (path, k, p): (&[f64], usize, usize),
+        tied: &[Measurement],
     ) {
         let n = self.states();
         let next = &path[(k + 1) * n..(k + 2) * n];
         let end = &block.end[b * n..(b + 1) * n];
         let defect: Vec<f64> = end.iter().zip(next).map(|(e, x)| e - x).collect();
-        filter.time_update(&ProcessEquation {
+        let link = ProcessEquation {
             transition: &block.transition[b * n * n..(b + 1) * n * n],
             columns: &block.columns[b * n * p..(b + 1) * n * p],
             defect: &defect,
-        });
+        };
+        filter.time_update(&link, tied);
     }
 
-    /// Measurements at sample `k` relative to a trajectory; states without a reading are held loosely where they are.
+    /// Measurements at sample `k` relative to a trajectory, of a record that is used from sample `first` on; states without a reading are
+    /// held loosely where they are.
     pub(crate) fn readings_at(
         &self,
-        record: &Record,
+        (record, first): (&Record, usize),
         path: &[f64],
         sigma: &[f64],
         k: usize,
     ) -> Vec<Measurement> {
         let n = self.states();
+        let off = |i: usize, k: usize| record.measured[i][k] - path[k * n + i];
         (0..n)
             .map(|i| {
-                let read = record.measured[i][k];
-                if read.is_finite() {
+                if record.measured[i][k].is_finite() {
+                    let noise = sigma[i] * record.relative_noise_at(i, k);
+                    let lasting = if k > first {
+                        record.lasting_at(i, k)
+                    } else {
+                        0.0
+                    };
+                    if lasting == 0.0 {
+                        return Measurement {
+                            component: i,
+                            weight: 1.0 / noise,
+                            carried: 0.0,
+                            value: off(i, k),
+                        };
+                    }
+                    let carried = lasting * noise / (sigma[i] * record.relative_noise_at(i, k - 1));
                     return Measurement {
                         component: i,
-                        weight: 1.0 / (sigma[i] * record.relative_noise_at(i, k)),
-                        value: read - path[k * n + i],
+                        weight: 1.0 / (noise * (1.0 - lasting * lasting).sqrt()),
+                        carried,
+                        value: off(i, k) - carried * off(i, k - 1),
                     };
                 }
                 Measurement {
                     component: i,
                     weight: 1.0 / (SHOOTING.unread_hold * self.spread[i]),
+                    carried: 0.0,
                     value: 0.0,
                 }
             })

@@ -47,7 +47,8 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
                     true => z * weight / record.relative_noise_at(i, k),
                     false => 0.0,
                 });
-                sum += memory.variance(&weights.collect::<Vec<_>>());
+                let weights: Vec<f64> = weights.collect();
+                sum += memory.variance(&record.whitened(i, &weights));
             }
         }
         sum
@@ -77,8 +78,9 @@ fn degrees_of_freedom_factor(problem: &Problem, fit: &Fit) -> f64 {
 fn whitened_residuals(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<f64>> {
     let of = |r: usize| {
         let sigma = fit.sigma()[problem.sensors.of(r).start + state];
-        let left = fit.residuals(problem, r, state).map(|x| x / sigma);
-        left.map(|x| if x.is_finite() { x } else { 0.0 }).collect()
+        let left = fit.whitened(problem, r, state).into_iter();
+        left.map(|x| if x.is_finite() { x / sigma } else { 0.0 })
+            .collect()
     };
     (0..problem.records.len()).map(of).collect()
 }
