@@ -287,6 +287,8 @@ family! {
         least: f64 = 0.2, unit "steps", source "the next reading then shares less than 1 % of an error: white";
         /// Independent errors that a record holds at least, on average, under the longest time constant that is tried.
         errors: f64 = 10.0, unit "time constants a record", source "with fewer, noise is an offset or a drift, and laws that are wrong leave the same";
+        /// Largest share of an error that lasts from one sample to the next.
+        most_lasting: f64 = 0.999_999, unit "", source "1/sqrt(1 - share^2), by which what is new is weighed, then keeps all but three digits";
         /// Fewest readings of a state from which a time constant is estimated.
         min_readings: usize = 50, unit "readings", source "as for a noise level of their own: `records.min_readings_of_own_noise`";
         /// Change of the correlation of one sample's error with the next one's at which the fit is not repeated.

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::system::System;
-use crate::trajectory::thresholds::RECORDS;
+use crate::trajectory::thresholds::{NOISE_MEMORY, RECORDS};
 use sidc_data as data;
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Between;
@@ -86,8 +86,13 @@ impl Record {
             return 0.0;
         }
         let both = self.measured[state][k].is_finite() && self.measured[state][k - 1].is_finite();
-        let lasting = ((self.time[k - 1] - self.time[k]) / memory).exp();
-        if both { lasting } else { 0.0 }
+        if both { self.lasting(memory, k) } else { 0.0 }
+    }
+
+    /// The share of an error of noise with this time constant, s, that lasts from sample `k` − 1 to `k`.
+    pub(crate) fn lasting(&self, memory: f64, k: usize) -> f64 {
+        let share = ((self.time[k - 1] - self.time[k]) / memory).exp();
+        share.min(NOISE_MEMORY.most_lasting)
     }
 
     /// What is new in each value of a series over this record, each over the relative noise of a state's reading there: a first-order

@@ -104,7 +104,7 @@ impl<'a> Residuals<'a> {
                 for (k, x) in left.iter().enumerate().filter(|(_, x)| x.is_finite()) {
                     let before = k.checked_sub(1).map_or(f64::NAN, |k| left[k]);
                     let lasting = match before.is_finite() && memory > 0.0 {
-                        true => ((record.time[k - 1] - record.time[k]) / memory).exp(),
+                        true => record.lasting(memory, k),
                         false => 0.0,
                     };
                     let new = 1.0 - lasting * lasting;
