@@ -133,6 +133,12 @@ pub fn measure(
     if let Some(unused) = noisy.find(|s| !estimated(s)) {
         diagnostics.push(input_noise_unused(&model.name(unused)));
     }
+    let mut lasting = model.lasting_noise();
+    if (joint.is_err() || model.noisy_inputs().any(|(s, _)| estimated(&s)))
+        && let Some(name) = lasting.next()
+    {
+        diagnostics.push(memory_unused(&model.name(name)));
+    }
     let joint = joint.ok();
     diagnostics.extend(found);
     let acting = match &joint {
@@ -229,6 +235,16 @@ fn share_unused(name: &str) -> Diagnostic {
         format!("the weak form takes the noise of {name} to be the same at every value: its root mean square along the data"),
     )
     .help("leave --method to the program: the joint estimate weighs each reading by its own noise")
+}
+
+fn memory_unused(name: &str) -> Diagnostic {
+    Diagnostic::warning(
+        "memory-unused",
+        format!(
+            "the noise of {name} counts as white: only the joint estimate knows noise that lasts"
+        ),
+    )
+    .help("say `--method joint`")
 }
 
 fn input_noise_unused(name: &str) -> Diagnostic {

@@ -31,6 +31,7 @@ mod joint;
 mod known_parts;
 mod lang;
 mod lasso;
+mod lasting_noise;
 mod library;
 mod limits;
 mod linearize;

@@ -260,7 +260,9 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
 ];
 
 /// Every word that opens an attribute of a declaration.
-pub const ATTRIBUTES: [&str; 6] = ["order", "noise", "unit", "hold", "linear", "delay"];
+pub const ATTRIBUTES: [&str; 7] = [
+    "order", "noise", "memory", "unit", "hold", "linear", "delay",
+];
 
 impl Keyword {
     pub fn named(text: &str) -> Option<Keyword> {

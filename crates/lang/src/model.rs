@@ -68,6 +68,8 @@ pub struct Var {
     pub order: u8,
     /// Noise of the sensor by order of derivative.
     pub noise: BTreeMap<u8, SensorNoise>,
+    /// Time constant of the noise of a state's own sensor, if declared: 0 for white noise. Finite, not negative.
+    pub noise_memory: Option<f64>,
     /// Its unit. Time is in seconds in a model that declares any unit.
     pub unit: Option<Unit>,
     /// How an input moves between samples, if declared.
@@ -318,6 +320,18 @@ impl Model {
     /// Noise of a signal's sensor, if declared.
     pub fn noise(&self, s: Signal) -> Option<SensorNoise> {
         self.var(s.var)?.noise.get(&s.der).copied()
+    }
+
+    /// Time constant of the noise of a state's own sensor, if declared.
+    pub fn noise_memory(&self, s: Signal) -> Option<f64> {
+        self.var(s.var)?.noise_memory.filter(|_| s.der == 0)
+    }
+
+    /// States whose noise is declared to last from sample to sample, in order of declaration.
+    pub fn lasting_noise(&self) -> impl Iterator<Item = Signal> {
+        let states = self.vars_of(VarKind::State);
+        let lasting = states.filter(|(_, v)| v.noise_memory.is_some_and(|m| m > 0.0));
+        lasting.map(|(id, _)| Signal::new(id))
     }
 
     /// Inputs whose noise is declared, in order of declaration.

@@ -306,8 +306,8 @@ fn memory(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(
-                "the residuals of {} follow each other (autocorrelation {:.2}, chance allows {:.2}), which noise of a sensor \
-                 does not do",
+                "the residuals of {} follow each other (autocorrelation {:.2}, chance allows {:.2}), which neither white noise of \
+                 a sensor nor one that fades explains",
                 case.names.name(c.signal),
                 c.memory,
                 c.chance

@@ -5,7 +5,8 @@
 
 use std::borrow::Cow;
 
-use crate::joint::delay_outlier_search::{JointFit, search_from, search_system, unexplained};
+use crate::joint::delay_outlier_search::{search_from, search_system};
+use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::pooled_search::search_runs;
 use crate::options::Options;
 use crate::trajectory::{CoefficientConstraints, Left, Problem, StartingSupport};
@@ -114,6 +115,7 @@ fn owned<'a>(fit: JointFit, constraints: &CoefficientConstraints) -> JointFit<'a
         late: fit.late,
         lag: fit.lag,
         offset: fit.offset,
+        white: (fit.white).map(|white| Box::new(owned(*white, constraints))),
     }
 }
 

@@ -7,7 +7,7 @@ use crate::constrained::constraint_check::{coefficient_text, constraint_text, si
 use crate::constrained::thresholds::DATA_CONFLICT;
 use crate::doubts::trajectory_rules::unexplained;
 use crate::joint::constrained_search::{ConstrainedAnswer, same_readings};
-use crate::joint::delay_outlier_search::{self, JointFit};
+use crate::joint::joint_fit::{self, JointFit};
 use crate::known_terms::fixed_terms;
 use crate::refusal::Refusal;
 use crate::trajectory::{self, CoefficientConstraints, Fit, Problem, minimum};
@@ -155,7 +155,7 @@ pub(crate) fn refuse_contradiction(
     let Some(free) = &answer.free else {
         return Ok(());
     };
-    let explains = |f: &JointFit| !delay_outlier_search::unexplained(&f.problem, &f.found.best);
+    let explains = |f: &JointFit| !joint_fit::unexplained(&f.problem, &f.found.best);
     let lost = match same_readings(free, &answer.fit) {
         true => gain(free, &answer.fit).is_some_and(|g| g > DATA_CONFLICT.impossible),
         false => true,

@@ -2,64 +2,21 @@
 //!
 //! In: a problem, options. Out: the corrected problem and the best fit to it. Never writes messages.
 
+use crate::doubts::trajectory_rules;
+use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::thresholds::SENSOR_SEARCH;
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use crate::doubts::trajectory_rules;
 use crate::options::Options;
 use crate::trajectory;
 use crate::trajectory::{
-    DelayedInputs, Fit, Found, GrownNoise, InputLag, Law, Problem, SearchObserver, SensorOffset,
+    DelayedInputs, Fit, Found, GrownNoise, Law, Problem, SearchObserver, SensorOffset,
     StartingSupport,
 };
 use sidc_lang::model::{Model, Var, VarKind};
 use sidc_lang::term::VarId;
 use sidc_progress::{Activity, EquationObserver, Observer, Stage, Stop};
-
-/// The corrected problem and the answer to it.
-pub(crate) struct JointFit<'a> {
-    pub problem: Cow<'a, Problem>,
-    pub found: Found,
-    /// Inputs that act later than recorded; in `problem` they are shifted.
-    pub late: Option<DelayedInputs>,
-    /// A lag of inputs that explains as much as their delay.
-    pub lag: Option<InputLag>,
-    /// An offset of a sensor that would explain terms.
-    pub offset: Option<SensorOffset>,
-}
-
-impl<'a> JointFit<'a> {
-    /// The same with a problem of its own.
-    pub fn into_owned<'b>(self) -> JointFit<'b> {
-        JointFit {
-            problem: Cow::Owned(self.problem.into_owned()),
-            found: self.found,
-            late: self.late,
-            lag: self.lag,
-            offset: self.offset,
-        }
-    }
-
-    pub fn new(
-        problem: Cow<'a, Problem>,
-        found: Found,
-        late: Option<DelayedInputs>,
-    ) -> JointFit<'a> {
-        JointFit {
-            problem,
-            found,
-            late,
-            lag: None,
-            offset: None,
-        }
-    }
-
-    /// −2 log likelihood, without the price of its terms.
-    pub fn misfit(&self) -> f64 {
-        self.found.misfit(&self.problem)
-    }
-}
 
 /// Searches all equations, for faults of sensors too. `None` if no support could be fitted.
 pub(crate) fn search_system<'a>(
@@ -87,6 +44,7 @@ pub(crate) fn search_system<'a>(
     if search.with_growing_noise(&mut fit) && options.robust {
         search.without_outliers(&mut fit);
     }
+    search.with_lasting_noise(&mut fit);
     fit.offset = search.offset(&fit);
     Some(fit)
 }
@@ -107,10 +65,10 @@ pub(crate) fn search_from<'a>(
 /// Searches laws that are disturbed, from a fit that leaves more than noise, if there is one. `None` if disturbances explain no more.
 pub(crate) fn search_with_disturbances<'a>(
     problem: &Problem,
-    free: Option<&JointFit>,
+    (free, gained): (Option<&JointFit>, f64),
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    let best = free.map(|fit| &fit.found.best);
+    let best = (free.map(|fit| &fit.found.best), gained);
     let (problem, found) = watched(&problem.system.laws, watcher, |guide| {
         trajectory::search_disturbed(problem, best, guide)
     })?;
@@ -324,6 +282,44 @@ impl DelayOutlierSearch<'_, '_> {
         changed
     }
 
+    /// Takes noise of sensors to last from sample to sample where the residuals show it, and searches again until its time constants stay.
+    /// The answer has to leave nothing but that noise, and to be better than that to white noise: laws that are wrong leave more, too.
+    fn with_lasting_noise(&mut self, fit: &mut JointFit) {
+        let mut best: Option<JointFit> = None;
+        for _ in 0..SENSOR_SEARCH.memory_rounds {
+            if self.watcher.stop().is_some() {
+                break;
+            }
+            let from = best.as_ref().unwrap_or(fit);
+            let price = trajectory::term_price(from.problem.measurements() as f64);
+            let lasting = trajectory::lasting_noise(&from.problem, &from.found.best, price);
+            let Some(lasting) = lasting.filter(|l| l.estimated > 0) else {
+                break;
+            };
+            let start = Found {
+                inefficiency: 1.0,
+                ..from.found.clone()
+            };
+            let laws = &lasting.problem.system.laws;
+            let found = watched(laws, self.watcher, |guide| {
+                trajectory::search_from_free(&lasting.problem, &start, guide)
+            });
+            let Some(found) = found else { break };
+            let late = fit.late.clone();
+            let next = JointFit::new(Cow::Owned(lasting.problem), found, late);
+            best = Some(JointFit {
+                lag: fit.lag.clone(),
+                ..next
+            });
+        }
+        let Some(mut best) = best else { return };
+        let explains = !unexplained(&best.problem, &best.found.best);
+        if explains && best.gain_over(fit) > 0.0 {
+            std::mem::swap(fit, &mut best);
+            fit.white = Some(Box::new(best));
+        }
+    }
+
     /// A sensor offset that would replace terms. Looked for only if the laws explain the readings to their noise.
     fn offset(&mut self, fit: &JointFit) -> Option<SensorOffset> {
         let best = &fit.found.best;
@@ -396,12 +392,6 @@ fn together(before: Option<&DelayedInputs>, more: DelayedInputs) -> Option<Delay
         gain: before.gain + more.gain,
         ..more
     })
-}
-
-/// Whether a fit leaves more than the noise of a sensor.
-pub(crate) fn unexplained(problem: &Problem, fit: &Fit) -> bool {
-    let channels = trajectory::channels(problem, fit);
-    channels.iter().any(trajectory_rules::unexplained)
 }
 
 /// Inputs that the laws may contain, that are not constant and whose delay the model does not declare.

@@ -4,7 +4,8 @@
 
 use crate::doubts::trajectory_rules;
 use crate::joint::constrained_search::{ConstrainedAnswer, Settled};
-use crate::joint::delay_outlier_search::{JointFit, search_with_disturbances, unexplained};
+use crate::joint::delay_outlier_search::search_with_disturbances;
+use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::still;
 use crate::trajectory;
@@ -52,21 +53,28 @@ fn disturbed<'a>(
     let known = answer.map_or(problem, |a| &a.fit.problem);
     let inputs = noisy_inputs(model, known);
     if !inputs.is_empty() && answer.is_none_or(|a| a.free.is_none()) {
-        let noisy = known.with_noisy_inputs(&inputs);
-        let fit = search_with_disturbances(&noisy, answer.map(|a| &a.fit), watcher)?;
+        // The filter that estimates inputs knows white noise of sensors only.
+        let noisy = known.with_noise_memory(&[]).with_noisy_inputs(&inputs);
+        let fit = search_with_disturbances(&noisy, (answer.map(|a| &a.fit), 0.0), watcher)?;
         return watcher.stop().is_none().then_some(fit);
     }
-    let settled = |a: &ConstrainedAnswer| a.free.is_some() || explained(&a.fit);
+    let settled =
+        |a: &ConstrainedAnswer| a.free.is_some() || a.fit.white.is_none() && explained(&a.fit);
     if watcher.stop().is_some() || answer.is_some_and(settled) {
         return None;
     }
-    if answer.is_none() && !still(problem).is_empty() {
+    // Against noise that lasts nothing is to be weighed where the model declares it.
+    if problem.declares_memory() || answer.is_none() && !still(problem).is_empty() {
         return None;
     }
-    let fit = search_with_disturbances(known, answer.map(|a| &a.fit), watcher)?;
+    // Noise of sensors that lasts leaves the trajectory alone, disturbances move it: the likelihood tells which it is.
+    let before = answer.map(|a| a.fit.white.as_deref().unwrap_or(&a.fit));
+    let gained = answer.and_then(|a| Some(a.fit.gain_over(a.fit.white.as_deref()?)));
+    let known = before.map_or(problem, |b| &b.problem);
+    let fit = search_with_disturbances(known, (before, gained.unwrap_or(0.0)), watcher)?;
     let better = explained(&fit)
         && laws_prevail(problem, &fit)
-        && answer.is_none_or(|a| takes_the_place(&a.fit, &fit, watcher));
+        && before.is_none_or(|b| takes_the_place(b, &fit, watcher));
     (better && watcher.stop().is_none()).then_some(fit)
 }
 

@@ -11,6 +11,7 @@ mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
 mod disturbances;
+mod joint_fit;
 mod library_probe;
 pub(crate) mod no_fit;
 mod pooled_search;
@@ -30,8 +31,8 @@ use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
-use crate::joint::delay_outlier_search::JointFit;
 use crate::joint::disturbances::with_disturbances;
+use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
@@ -135,6 +136,7 @@ fn conclude(
         late,
         lag,
         offset,
+        white: _,
     } = &answer.fit;
     let mut found = found.clone();
     let problem = problem.as_ref();

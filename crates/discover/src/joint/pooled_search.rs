@@ -7,7 +7,8 @@
 use std::borrow::Cow;
 
 use crate::doubts::trajectory_rules;
-use crate::joint::delay_outlier_search::{JointFit, search_system, unexplained};
+use crate::joint::delay_outlier_search::search_system;
+use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::options::Options;
 use crate::trajectory;
 use crate::trajectory::{Found, Left, POOLING, Problem, StartingSupport};

@@ -164,6 +164,7 @@ impl Report<'_> {
                 share: noise.share,
             }),
             relative: c.left / c.spread,
+            lasting: c.lasting,
             memory: c.memory,
             chance: c.chance,
             files: files.filter_map(|f| Some((name(f)?, f.left))).collect(),

@@ -33,6 +33,8 @@ family! {
         early_delay_gain: f64 = 0.05, unit "of the criterion, each reading", source "set by hand";
         /// Searches until weights of readings whose noise grows with the signal no longer change.
         growth_rounds: usize = 3, unit "searches", source "weights that follow from the fit settle in two or three rounds (Carroll & Ruppert 1988, section 2.3)";
+        /// Searches until the time constants of noise that lasts no longer change.
+        memory_rounds: usize = 4, unit "searches", source "set by hand: a first answer with false terms shows too short a memory, which the next ones correct";
         /// Terms up to which offsets are looked for: each costs fits.
         offset_terms: usize = 24, unit "terms", source "set by hand";
     }

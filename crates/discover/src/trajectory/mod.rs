@@ -66,7 +66,8 @@ pub use model::{
 pub use pooling::{Differing, Left, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
 pub use residuals::{
-    Channel, File, GrownNoise, Outliers, channels, grow_noise, leave_out, log_error_ahead, own_time,
+    Channel, File, GrownNoise, LastingNoise, Outliers, channels, grow_noise, lasting_noise,
+    leave_out, log_error_ahead, own_time,
 };
 pub(crate) use search::minimum;
 pub use search::{

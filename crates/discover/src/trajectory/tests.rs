@@ -41,13 +41,18 @@ impl Chain {
             [transition, numbers.many(n * p), numbers.many(n)]
         };
         let intervals = (1..samples).map(|_| interval(numbers)).collect();
-        let mut reading = |component| Measurement {
+        let mut reading = |k: usize, component: usize| Measurement {
             component,
             weight: 2.0 + numbers.next(),
+            carried: if k > 0 && (k + component).is_multiple_of(3) {
+                0.7
+            } else {
+                0.0
+            },
             value: numbers.next(),
         };
         let mut readings: Vec<Vec<Measurement>> = (0..samples)
-            .map(|_| (0..n).map(&mut reading).collect())
+            .map(|k| (0..n).map(|i| reading(k, i)).collect())
             .collect();
         for r in &mut readings {
             r.retain(|_| numbers.next() > -0.4);
@@ -63,15 +68,17 @@ impl Chain {
 
     fn eliminate<G: RowSink>(&self, gather: &mut G, keep: bool) -> EliminatedStates {
         let mut filter = InformationFilter::new(&self.stiffness, gather, keep.then_some(100));
-        for (k, readings) in self.readings.iter().enumerate() {
-            filter.measurement_update(readings);
-            if let Some([transition, columns, defect]) = self.intervals.get(k) {
-                filter.time_update(&ProcessEquation {
-                    transition,
-                    columns,
-                    defect,
-                });
-            }
+        filter.measurement_update(&self.readings[0]);
+        for ([transition, columns, defect], next) in self.intervals.iter().zip(&self.readings[1..])
+        {
+            let link = ProcessEquation {
+                transition,
+                columns,
+                defect,
+            };
+            let (tied, own): (Vec<_>, Vec<_>) = next.iter().partition(|r| r.is_tied());
+            filter.time_update(&link, &tied);
+            filter.measurement_update(&own);
         }
         filter.end()
     }
@@ -84,6 +91,9 @@ impl Chain {
             for r in readings {
                 let mut row = vec![0.0; samples * n + p];
                 row[k * n + r.component] = r.weight;
+                if r.is_tied() {
+                    row[(k - 1) * n + r.component] = -r.weight * r.carried;
+                }
                 rows.push((row, r.weight * r.value));
             }
             let Some([transition, columns, defect]) = self.intervals.get(k) else {
@@ -242,6 +252,7 @@ fn flow(system: &System, active: &[usize], a: &[f64], states: &[f64]) -> Interva
         time: vec![0.0, 0.05, 0.12],
         measured: vec![vec![f64::NAN; 3]; n],
         relative_noise: Vec::new(),
+        noise_memory: Vec::new(),
         exogenous: vec![exogenous; system.exogenous.len()],
         curved: false,
     };

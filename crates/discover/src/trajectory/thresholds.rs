@@ -283,6 +283,22 @@ family! {
 }
 
 family! {
+    /// Noise of sensors that lasts from sample to sample.
+    pub(crate) NOISE_MEMORY: NoiseMemory {
+        /// Shortest time constant that is tried.
+        least: f64 = 0.2, unit "steps", source "the next reading then shares less than 1 % of an error: white";
+        /// Independent errors that a record holds at least, on average, under the longest time constant that is tried.
+        errors: f64 = 10.0, unit "time constants a record", source "with fewer, noise is an offset or a drift, and laws that are wrong leave the same";
+        /// Largest share of an error that lasts from one sample to the next.
+        most_lasting: f64 = 0.999_999, unit "", source "1/sqrt(1 - share^2), by which what is new is weighed, then keeps all but three digits";
+        /// Fewest readings of a state from which a time constant is estimated.
+        min_readings: usize = 50, unit "readings", source "as for a noise level of their own: `records.min_readings_of_own_noise`";
+        /// Change of the correlation of one sample's error with the next one's at which the fit is not repeated.
+        settled: f64 = 0.01, unit "", source "a fifth of what chance leaves in 400 readings";
+    }
+}
+
+family! {
     /// What several records of one plant say of each other.
     pub(crate) POOLING: Pooling {
         /// Residual up to which laws follow a record from which they were not found.
@@ -408,6 +424,7 @@ pub fn tables() -> Vec<Table> {
         Residuals::table(),
         Ahead::table(),
         NoiseGrowth::table(),
+        NoiseMemory::table(),
         Pooling::table(),
         Delays::table(),
         DeclaredDelays::table(),

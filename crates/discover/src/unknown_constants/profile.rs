@@ -16,7 +16,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::{Model, UnknownConstant};
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
-use sidc_solve::Problem;
+use sidc_solve::{Problem, minimum_norm_least_squares};
 
 /// One equation that constants stand in, on the rows that are looked at.
 pub(super) struct ProfiledEquation<'a> {
@@ -41,6 +41,8 @@ pub(super) struct Profile<'a> {
 pub(super) struct ProfilePoint {
     pub values: Vec<f64>,
     pub criterion: f64,
+    /// Σ samples · ln(variance that all terms together leave).
+    pub whole: f64,
     /// The columns of each equation's library.
     pub supports: Vec<Vec<usize>>,
 }
@@ -110,7 +112,7 @@ impl<'a> Profile<'a> {
     /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
     pub fn at(&mut self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
         set_values(&mut self.samples, &self.unknowns, values);
-        let (mut criterion, mut supports) = (0.0, Vec::new());
+        let (mut criterion, mut whole, mut supports) = (0.0, 0.0, Vec::new());
         for e in &self.equations {
             let y = e.target_values(&self.samples)?;
             let phi = compile(e.library, &self.samples, Some(&e.row)).ok()?;
@@ -132,11 +134,17 @@ impl<'a> Profile<'a> {
                 return None;
             }
             criterion += found.value;
+            if phi.cols() < phi.rows() {
+                let left = minimum_norm_least_squares(phi.as_ref(), &y).residual;
+                let variance = left * left / e.criterion.rows;
+                whole += e.criterion.samples * variance.max(f64::MIN_POSITIVE).ln();
+            }
             supports.push(found.support);
         }
         criterion.is_finite().then(|| ProfilePoint {
             criterion: criterion + self.price(&supports),
             values: values.to_vec(),
+            whole,
             supports,
         })
     }

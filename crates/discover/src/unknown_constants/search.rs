@@ -40,9 +40,10 @@ pub fn settle(
     let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(&mut profile, s, observer)).collect();
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let mut out: Vec<Vec<f64>> = Vec::new();
-    for end in ends.into_iter().take(most) {
-        if out.iter().all(|o| !alike(o, &end.values)) {
-            out.push(end.values);
+    let best = ends.into_iter().take(most.div_ceil(2)).map(|e| e.values);
+    for values in best.chain(minima_of_whole(&mut seen, most)) {
+        if out.len() < most && out.iter().all(|o| !alike(o, &values, UNKNOWNS.same)) {
+            out.push(values);
         }
     }
     if out.is_empty() {
@@ -51,9 +52,22 @@ pub fn settle(
     out
 }
 
-/// Whether two minima are one.
-fn alike(a: &[f64], b: &[f64]) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= UNKNOWNS.same * a.abs().max(b.abs());
+/// Points at which all terms together leave least, none near another. Where the noise of the rows hides the constants from a criterion that
+/// pays for terms, that still shows them.
+fn minima_of_whole(seen: &mut [ProfilePoint], most: usize) -> Vec<Vec<f64>> {
+    seen.sort_by(|a, b| a.whole.total_cmp(&b.whole));
+    let mut out: Vec<Vec<f64>> = Vec::new();
+    for p in seen.iter() {
+        if out.len() < most && out.iter().all(|o| !alike(o, &p.values, UNKNOWNS.apart)) {
+            out.push(p.values.clone());
+        }
+    }
+    out
+}
+
+/// Whether two points agree to this part of their constants.
+fn alike(a: &[f64], b: &[f64], part: f64) -> bool {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= part * a.abs().max(b.abs());
     a.iter().zip(b).all(near)
 }
 

@@ -17,6 +17,8 @@ family! {
         starts: usize = 6, unit "points", source "set by hand";
         /// Difference up to which two minima are one.
         same: f64 = 0.01, unit "of the constant", source "refined minima agree to rounding; of noisy data the likelihood of the trajectory moves them more";
+        /// Difference from which two points of the profile may lie in different basins.
+        apart: f64 = 0.2, unit "of the constant", source "set by hand";
         /// Rounds of choosing terms and refining constants from each.
         rounds: usize = 4, unit "rounds", source "set by hand";
         /// Steps of a refinement.

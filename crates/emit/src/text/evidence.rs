@@ -18,7 +18,7 @@ pub fn evidence(d: &Discovery) -> String {
     for e in &d.equations {
         out.push_str(&format!("{}:\n", d.name(e.target)));
         out.push_str(&coefficient_units::lines(d, e));
-        let mut lines = remarks(e);
+        let mut lines = remarks(d, e);
         lines.extend(e.reasons.iter().flat_map(|r| reason("doubt", r)));
         lines.extend(coefficient_inference::lines(d, e));
         let told = e.evidence.as_ref().and_then(|e| e.identifiability.as_ref());
@@ -60,12 +60,12 @@ fn reason(kind: &str, r: &Reason) -> [String; 2] {
 }
 
 /// Fit and proof of one equation, a sentence each.
-pub fn remarks(e: &Equation) -> Vec<String> {
+pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
     let mut lines = match &evidence.together {
-        Some(together) => jointly(evidence, together),
+        Some(together) => jointly(d, evidence, together),
         None => vec![
             format!("{}; {}", fit(evidence), scope(evidence)),
             proof(evidence),
@@ -93,9 +93,9 @@ fn independent(r: &Rearranged) -> Option<String> {
 }
 
 /// Residuals of the trajectory, gain of the terms, and errors of the coefficients.
-fn jointly(evidence: &Evidence, t: &Together) -> Vec<String> {
+fn jointly(d: &Discovery, evidence: &Evidence, t: &Together) -> Vec<String> {
     let mut lines: Vec<String> = match &t.disturbance {
-        None => t.channels.iter().flat_map(channel).collect(),
+        None => t.channels.iter().flat_map(|c| channel(d, c)).collect(),
         Some(_) => t.channels.iter().map(innovations).collect(),
     };
     let terms = match evidence.searched < evidence.candidates {
@@ -140,11 +140,12 @@ fn innovations(c: &ChannelFit) -> String {
     )
 }
 
-fn channel(c: &ChannelFit) -> Vec<String> {
+fn channel(d: &Discovery, c: &ChannelFit) -> Vec<String> {
     let white = whiteness(c);
-    let noise = match c.declared {
-        true => format!("declared noise {}", significant(c.noise, 2)),
-        false => format!("smoothing alone sees noise of {}", significant(c.noise, 2)),
+    let noise = match (c.declared, c.lasting) {
+        (true, _) => format!("declared noise {}", significant(c.noise, 2)),
+        (false, None) => format!("smoothing alone sees noise of {}", significant(c.noise, 2)),
+        (false, Some(_)) => "smoothing cannot see noise that lasts".into(),
     };
     let mut lines = vec![format!(
         "fit: {} to {} ({} of its spread), residuals {white}; {noise}",
@@ -161,6 +162,13 @@ fn channel(c: &ChannelFit) -> Vec<String> {
             "noise of {} grows with the signal: {floor}{} of the value",
             c.signal,
             percent(noise.share)
+        ));
+    }
+    if let Some(memory) = c.lasting {
+        lines.push(format!(
+            "noise of {} lasts: an error fades with a time constant of {}",
+            c.signal,
+            d.duration(memory)
         ));
     }
     if c.left_out > 0 {

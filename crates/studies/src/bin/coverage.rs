@@ -14,7 +14,7 @@ use clap::Parser;
 use sidc_studies::coverage::case::Case;
 use sidc_studies::coverage::figures::Row;
 use sidc_studies::coverage::{
-    accelerometer, driven, figures, odebench, pendulum, run, sampled_input,
+    accelerometer, driven, figures, filtered, odebench, pendulum, run, sampled_input,
 };
 
 /// Measures how often 95 % intervals hold the truth.
@@ -86,5 +86,6 @@ fn all() -> Vec<Case> {
     all.extend(accelerometer::cases());
     all.extend(sampled_input::cases());
     all.extend(driven::cases());
+    all.extend(filtered::cases());
     all
 }

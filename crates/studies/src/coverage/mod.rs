@@ -4,6 +4,7 @@ pub mod accelerometer;
 pub mod case;
 pub mod driven;
 pub mod figures;
+pub mod filtered;
 pub mod odebench;
 pub mod pendulum;
 pub mod run;

@@ -64,6 +64,10 @@ pub struct ChannelFit {
     /// The noise that the residuals show, where it grows with the signal.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growing: Option<GrowingNoise>,
+    /// Time constant of the noise, where it lasts from sample to sample. `left` is then the size of the noise, `memory` that of what is new in
+    /// each residual.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub lasting: Option<f64>,
     /// Autocorrelation of the residuals over the first lags, and its bound for white noise.
     pub memory: f64,
     pub chance: f64,

@@ -59,6 +59,7 @@ impl RunParameters {
                 kind: VarKind::Param,
                 order: 0,
                 noise: Default::default(),
+                noise_memory: None,
                 unit: None,
                 between: None,
                 delay: None,

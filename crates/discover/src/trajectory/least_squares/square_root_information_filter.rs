@@ -21,14 +21,23 @@ pub(crate) struct ProcessEquation<'a> {
     pub defect: &'a [f64],
 }
 
-/// A measurement of one state: δz_i / σ = value / σ.
+/// A measurement of one state: (δz_i − c δz_i before) / σ = value / σ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Measurement {
     pub component: usize,
     /// 1/σ
     pub weight: f64,
-    /// Reading less present state.
+    /// c, the part of the last sample's error that this one's contains: 0 for white noise.
+    pub carried: f64,
+    /// Reading less present state, less c times the same of the last sample.
     pub value: f64,
+}
+
+impl Measurement {
+    /// Whether it measures the last state too.
+    pub fn is_tied(&self) -> bool {
+        self.carried != 0.0
+    }
 }
 
 /// Takes rows [a | right].
@@ -73,8 +82,10 @@ pub(crate) struct InformationFilter<'a, G> {
     present: Vec<f64>,
     /// X, n × P.
     x: Vec<f64>,
-    /// 2n rows [δz | next δz | multiplier of U | multiplier of X | right].
+    /// 2n rows [δz | next δz | multiplier of U | multiplier of X | right], and one for each measurement of both states.
     step: Vec<f64>,
+    /// Those of its rows that are left: [next δz | multiplier of U | multiplier of X | right].
+    rest: Vec<f64>,
     /// The eliminated rows of every state, if states are wanted: [R | next δz | coefficients | right].
     saved: Option<Vec<f64>>,
     product: Vec<f64>,
@@ -93,7 +104,8 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
             informed: false,
             present: vec![0.0; n * (2 * n + 1)],
             x: vec![0.0; n * p],
-            step: vec![0.0; 2 * n * (4 * n + 1)],
+            step: vec![0.0; 3 * n * (4 * n + 1)],
+            rest: Vec::new(),
             saved: keep.map(|samples| Vec::with_capacity(samples * n * (2 * n + p + 1))),
             product: vec![0.0; 4 * n + 1],
             next: vec![0.0; n * p],
@@ -118,7 +130,7 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
         self.x.clone_from(&from.x);
     }
 
-    /// Measurement update with readings in rising order of component. The rows left over measure the coefficients.
+    /// Measurement update with readings of the present state alone, in rising order of component. The rows left over measure the coefficients.
     pub fn measurement_update(&mut self, readings: &[Measurement]) {
         wide(|| self.wide_measurement_update(readings));
     }
@@ -148,16 +160,18 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
         self.present.truncate(n * width);
     }
 
-    /// Time update: moves on to the next state.
-    pub fn time_update(&mut self, link: &ProcessEquation) {
-        wide(|| self.wide_time_update(link));
+    /// Time update: moves on to the next state. With `tied` readings, at most n, of both states (a sensor whose error lasts from sample to
+    /// sample): the rows left over measure the coefficients.
+    pub fn time_update(&mut self, link: &ProcessEquation, tied: &[Measurement]) {
+        wide(|| self.wide_time_update(link, tied));
     }
 
     #[inline(always)]
-    fn wide_time_update(&mut self, link: &ProcessEquation) {
+    fn wide_time_update(&mut self, link: &ProcessEquation, tied: &[Measurement]) {
         let (n, p, width) = (self.n, self.p, 4 * self.n + 1);
+        let end = (2 * n + tied.len()) * width;
         // The heavy rows stand on top: reflections then keep the digits of the light ones (Powell & Reid 1969).
-        let (stiff, known) = self.step.split_at_mut(n * width);
+        let (stiff, known) = self.step[..end].split_at_mut(n * width);
         for (i, row) in stiff.chunks_exact_mut(width).enumerate() {
             let s = self.stiffness[i];
             for (out, t) in row.iter_mut().zip(&link.transition[i * n..(i + 1) * n]) {
@@ -168,6 +182,13 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
             row[2 * n + i] = -s;
             row[width - 1] = s * link.defect[i];
         }
+        let (both, known) = known.split_at_mut(tied.len() * width);
+        for (row, reading) in both.chunks_exact_mut(width).zip(tied) {
+            row.fill(0.0);
+            row[reading.component] = -reading.weight * reading.carried;
+            row[n + reading.component] = reading.weight;
+            row[width - 1] = reading.weight * reading.value;
+        }
         let present = self.present.chunks_exact(2 * n + 1);
         for (row, present) in known.chunks_exact_mut(width).zip(present) {
             row[..n].copy_from_slice(&present[..n]);
@@ -175,27 +196,48 @@ impl<'a, G: RowSink> InformationFilter<'a, G> {
             row[3 * n..].copy_from_slice(&present[n..]);
         }
         // The information of the present state is triangular already.
-        let end = |j: usize| j + 1;
-        reduce(&mut self.step, width, n, end, &mut self.product);
-        let coefficients = |row: &[f64], out: &mut [f64], x: &[f64]| {
-            let parts = [(&row[2 * n..3 * n], link.columns), (&row[3 * n..4 * n], x)];
-            combine(out, parts, p);
-        };
-        let (done, known) = self.step.split_at(n * width);
+        let below = |j: usize| tied.len() + j + 1;
+        reduce(&mut self.step[..end], width, n, below, &mut self.product);
         if let Some(saved) = &mut self.saved {
-            for row in done.chunks_exact(width) {
+            for row in self.step[..n * width].chunks_exact(width) {
                 let start = saved.len();
                 saved.extend_from_slice(&row[..2 * n]);
                 saved.resize(start + 2 * n + p, 0.0);
-                coefficients(row, &mut saved[start + 2 * n..], &self.x);
+                let parts = [
+                    (&row[2 * n..3 * n], link.columns),
+                    (&row[3 * n..4 * n], &self.x[..]),
+                ];
+                combine(&mut saved[start + 2 * n..], parts, p);
                 saved.push(row[width - 1]);
             }
         }
-        for (i, row) in known.chunks_exact(width).enumerate() {
-            coefficients(row, &mut self.next[i * p..(i + 1) * p], &self.x);
+        let rows = 3 * n + 1;
+        self.rest.clear();
+        for row in self.step[n * width..end].chunks_exact(width) {
+            self.rest.extend_from_slice(&row[n..]);
+        }
+        if !tied.is_empty() {
+            let all = |_: usize| tied.len();
+            reduce(&mut self.rest, rows, n, all, &mut self.product);
+        }
+        let coefficients = |row: &[f64], out: &mut [f64]| {
+            let parts = [
+                (&row[n..2 * n], link.columns),
+                (&row[2 * n..3 * n], &self.x[..]),
+            ];
+            combine(out, parts, p);
+        };
+        let (known, left) = self.rest.split_at(n * rows);
+        let room = self.sink.reserve_rows(tied.len());
+        for (out, row) in room.chunks_exact_mut(p + 1).zip(left.chunks_exact(rows)) {
+            coefficients(row, &mut out[..p]);
+            out[p] = row[rows - 1];
+        }
+        for (i, row) in known.chunks_exact(rows).enumerate() {
+            coefficients(row, &mut self.next[i * p..(i + 1) * p]);
             let present = &mut self.present[i * (2 * n + 1)..(i + 1) * (2 * n + 1)];
-            present[..n].copy_from_slice(&row[n..2 * n]);
-            present[2 * n] = row[width - 1];
+            present[..n].copy_from_slice(&row[..n]);
+            present[2 * n] = row[rows - 1];
         }
         std::mem::swap(&mut self.x, &mut self.next);
         self.reset_multiplier();

@@ -60,6 +60,7 @@ impl PenalizedLikelihood {
             let mean = residual_squares[i] / m.max(1.0) + self.floor[i].powi(2);
             let m = m * problem.informative[i];
             m * (mean / problem.spread[i % problem.states()].powi(2)).ln()
+                + problem.informative[i] * problem.log_new_variance[i]
         };
         (0..residual_squares.len()).map(channel).sum()
     }
@@ -91,19 +92,18 @@ pub fn term_price(readings: f64) -> f64 {
     CRITERION.term_price * readings.max(CRITERION.min_readings).ln()
 }
 
-/// Sum of squared residuals of each sensor's readings, each over its relative noise.
+/// Sum of squared residuals of each sensor's readings, each over its relative noise and whitened.
 pub(crate) fn residual_squares(problem: &Problem, point: &LinearizationPoint) -> Vec<f64> {
     let n = problem.states();
     let mut out = vec![0.0; problem.sensors.count()];
     for (r, (record, path)) in problem.records.iter().zip(&point.paths).enumerate() {
         for (i, out) in out[problem.sensors.of(r)].iter_mut().enumerate() {
-            for (k, read) in record.measured[i]
-                .iter()
-                .enumerate()
-                .filter(|(_, x)| x.is_finite())
-            {
-                *out += ((read - path[k * n + i]) / record.relative_noise_at(i, k)).powi(2);
-            }
+            let read = record.measured[i].iter().enumerate();
+            let left =
+                |(k, y): (usize, &f64)| (y - path[k * n + i]) / record.relative_noise_at(i, k);
+            let left: Vec<f64> = read.map(left).collect();
+            let new = record.whitened(i, &left).into_iter();
+            new.filter(|x| x.is_finite()).for_each(|x| *out += x * x);
         }
     }
     out

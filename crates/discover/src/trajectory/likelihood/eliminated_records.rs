@@ -74,7 +74,7 @@ impl<'a> EliminatedRecords<'a> {
         let mut records = Vec::new();
         for (r, record) in problem.records.iter().enumerate() {
             let keep = window.is_none().then_some(record.len());
-            let sweep = Sweep::new(problem, (code, None), at, r);
+            let sweep = Sweep::new(problem, (code, None), at, (r, 0));
             let mut filter = InformationFilter::new(sweep.stiffness(), sink, keep);
             let mut windows = Vec::new();
             for samples in windows_of(record.len(), window) {
@@ -148,7 +148,7 @@ impl<'a> EliminatedRecords<'a> {
 
     /// The eliminated rows of a window, swept once more.
     fn rows_again(&self, record: usize, window: &Window) -> Result<EliminatedStates, Diverged> {
-        let sweep = Sweep::new(self.problem, (self.code, None), self.at, record);
+        let sweep = Sweep::new(self.problem, (self.code, None), self.at, (record, 0));
         let samples = &window.samples;
         let mut taken = NoRows(self.at.support.len());
         let mut filter = InformationFilter::new(sweep.stiffness(), &mut taken, Some(samples.len()));

@@ -14,7 +14,7 @@ pub struct Fit {
     pub variances: Vec<f64>,
     /// The criterion: smaller is better.
     pub value: f64,
-    /// Sum of squared residuals of each sensor's readings, each over its relative noise; groups × states.
+    /// Sum of squared residuals of each sensor's readings, each over its relative noise and whitened; groups × states.
     pub residual_squares: Vec<f64>,
     /// χ² of the slips between the laws and the trajectory, in units of the criterion.
     pub law_misfit: f64,
@@ -59,6 +59,12 @@ impl Fit {
         let read = record.measured[state].iter().enumerate();
         read.zip(estimated)
             .map(move |((k, y), z)| (y - z) / record.relative_noise_at(state, k))
+    }
+
+    /// What is new in each of these residuals: white where the noise is what the problem says.
+    pub(crate) fn whitened(&self, problem: &Problem, record: usize, state: usize) -> Vec<f64> {
+        let left: Vec<f64> = self.residuals(problem, record, state).collect();
+        problem.records[record].whitened(state, &left)
     }
 }
 

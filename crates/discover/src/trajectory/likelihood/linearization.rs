@@ -82,7 +82,7 @@ impl Problem {
         }
         let mut work = Workspace::default();
         for (r, samples) in parts {
-            let sweep = Sweep::new(self, (&code, all), at, *r);
+            let sweep = Sweep::new(self, (&code, all), at, (*r, samples.start));
             let mut filter = InformationFilter::new(sweep.stiffness(), sink, None);
             let last = samples.end - 1;
             sweep.advance(&mut filter, samples.start..last, &mut work, observer)?;

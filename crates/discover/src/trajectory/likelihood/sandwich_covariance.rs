@@ -71,26 +71,38 @@ fn variances_of_record(
     let rms = |sensor: usize| residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
     let weights: Vec<f64> = problem.sensors.of(r).map(rms).collect();
     let sums = || memories.iter().map(Autoregression::weighted_sum).collect();
-    let start = |c| (c, vec![0.0; n], sums());
-    let mut all: Vec<(&Vec<f64>, Vec<f64>, Vec<WeightedSum>)> =
+    // The weight of the sample behind, of each state: what is new there is known with this one's.
+    let start = |c| (c, vec![0.0; n], sums(), vec![None; n]);
+    let mut all: Vec<(&Vec<f64>, Vec<f64>, Vec<WeightedSum>, Vec<Option<f64>>)> =
         columns.iter().copied().map(start).collect();
     let back = eliminated.backward(r, observer, &mut |samples, rows| {
-        for (column, after, sums) in &mut all {
+        for (column, after, sums, behind) in &mut all {
             let response = rows.response(column, after);
             after.copy_from_slice(&response[..n]);
             for (k, states) in samples.clone().zip(response.chunks_exact(n)).rev() {
-                for (i, (z, sum)) in states.iter().zip(sums.iter_mut()).enumerate() {
-                    sum.add(match record.measured[i][k].is_finite() {
+                for (i, z) in states.iter().enumerate() {
+                    let here = match record.measured[i][k].is_finite() {
                         true => z * weights[i] / record.relative_noise_at(i, k),
                         false => 0.0,
-                    });
+                    };
+                    if let Some(next) = behind[i].replace(here) {
+                        sums[i].add(record.new_at(i, k + 1, (here, next)));
+                    }
                 }
             }
         }
     });
     back.ok()?;
+    for (.., sums, behind) in &mut all {
+        let first = sums.iter_mut().zip(behind);
+        first.for_each(|(sum, x)| sum.add(x.unwrap_or(0.0)));
+    }
     let variance = |sums: Vec<WeightedSum>| sums.into_iter().map(WeightedSum::variance).sum();
-    Some(all.into_iter().map(|(.., sums)| variance(sums)).collect())
+    Some(
+        all.into_iter()
+            .map(|(_, _, sums, _)| variance(sums))
+            .collect(),
+    )
 }
 
 /// Root mean square of a sensor's residuals, each over its relative noise. The noise in the fit is larger where a floor holds it, or where readings are little
@@ -111,8 +123,9 @@ fn degrees_of_freedom_factor(problem: &Problem, fit: &Fit) -> f64 {
 fn whitened_residuals(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<f64>> {
     let of = |r: usize| {
         let sigma = fit.sigma()[problem.sensors.of(r).start + state];
-        let left = fit.residuals(problem, r, state).map(|x| x / sigma);
-        left.map(|x| if x.is_finite() { x } else { 0.0 }).collect()
+        let left = fit.whitened(problem, r, state).into_iter();
+        left.map(|x| if x.is_finite() { x / sigma } else { 0.0 })
+            .collect()
     };
     (0..problem.records.len()).map(of).collect()
 }

@@ -24,15 +24,17 @@ pub(super) struct Sweep<'a> {
     path: &'a [f64],
     sigma: &'a [f64],
     stiffness: Vec<f64>,
+    /// The first sample that is used: nothing is known of errors before it.
+    first: usize,
 }
 
 impl<'a> Sweep<'a> {
-    /// For all columns if these are given, else for the active ones.
+    /// For all columns if these are given, else for the active ones; of the samples of a record from `first` on.
     pub fn new(
         problem: &'a Problem,
         laws: (&'a CompiledLaws, Option<AllColumns<'a>>),
         at: &'a LinearizationPoint,
-        record: usize,
+        (record, first): (usize, usize),
     ) -> Sweep<'a> {
         let sigma = &at.sigma[problem.sensors.of(record)];
         let own = &problem.records[record];
@@ -43,6 +45,7 @@ impl<'a> Sweep<'a> {
             path: &at.paths[record],
             sigma,
             stiffness: stiffness(sigma, own),
+            first,
         }
     }
 
@@ -77,10 +80,16 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Reads a sample.
+    /// Reads a sample, but for readings that measure the one before too: those belong to the way there.
     pub fn read(&self, filter: &mut InformationFilter<impl RowSink>, k: usize) {
-        let (record, path) = (self.record, self.path);
-        filter.measurement_update(&self.problem.readings_at(record, path, self.sigma, k));
+        let mut own = self.readings(k);
+        own.retain(|m| !m.is_tied());
+        filter.measurement_update(&own);
+    }
+
+    fn readings(&self, k: usize) -> Vec<Measurement> {
+        let of = (self.record, self.first);
+        self.problem.readings_at(of, self.path, self.sigma, k)
     }
 
     fn time_update(
@@ -93,11 +102,17 @@ impl<'a> Sweep<'a> {
         let next = &self.path[(k + 1) * n..(k + 2) * n];
         let end = &block.end[b * n..(b + 1) * n];
         let defect: Vec<f64> = end.iter().zip(next).map(|(e, x)| e - x).collect();
-        filter.time_update(&ProcessEquation {
+        let link = ProcessEquation {
             transition: &block.transition[b * n * n..(b + 1) * n * n],
             columns: &block.columns[b * n * p..(b + 1) * n * p],
             defect: &defect,
-        });
+        };
+        let mut tied = match self.record.noise_memory.is_empty() {
+            true => Vec::new(),
+            false => self.readings(k + 1),
+        };
+        tied.retain(Measurement::is_tied);
+        filter.time_update(&link, &tied);
     }
 }
 
@@ -116,28 +131,46 @@ impl Problem {
         }
     }
 
-    /// Measurements at sample `k` relative to a trajectory; states without a reading are held loosely where they are.
+    /// Measurements at sample `k` relative to a trajectory, of a record that is used from sample `first` on; states without a reading are
+    /// held loosely where they are.
     pub(crate) fn readings_at(
         &self,
-        record: &Record,
+        (record, first): (&Record, usize),
         path: &[f64],
         sigma: &[f64],
         k: usize,
     ) -> Vec<Measurement> {
         let n = self.states();
+        let off = |i: usize, k: usize| record.measured[i][k] - path[k * n + i];
         (0..n)
             .map(|i| {
-                let read = record.measured[i][k];
-                if read.is_finite() {
+                if record.measured[i][k].is_finite() {
+                    let noise = sigma[i] * record.relative_noise_at(i, k);
+                    let lasting = if k > first {
+                        record.lasting_at(i, k)
+                    } else {
+                        0.0
+                    };
+                    if lasting == 0.0 {
+                        return Measurement {
+                            component: i,
+                            weight: 1.0 / noise,
+                            carried: 0.0,
+                            value: off(i, k),
+                        };
+                    }
+                    let carried = lasting * noise / (sigma[i] * record.relative_noise_at(i, k - 1));
                     return Measurement {
                         component: i,
-                        weight: 1.0 / (sigma[i] * record.relative_noise_at(i, k)),
-                        value: read - path[k * n + i],
+                        weight: 1.0 / (noise * (1.0 - lasting * lasting).sqrt()),
+                        carried,
+                        value: off(i, k) - carried * off(i, k - 1),
                     };
                 }
                 Measurement {
                     component: i,
                     weight: 1.0 / (SHOOTING.unread_hold * self.spread[i]),
+                    carried: 0.0,
                     value: 0.0,
                 }
             })

@@ -221,6 +221,7 @@ impl Plan {
             trajectory: record.trajectory,
             measured,
             relative_noise,
+            noise_memory: record.noise_memory.clone(),
             exogenous: exogenous.collect(),
             curved: record.curved,
             time: nodes,

@@ -28,6 +28,7 @@ impl Problem {
             law.known = law.known.clone() + Expr::signal(signal);
             problem.spread.push(self.rate_spread(l));
             problem.declared.push(None);
+            problem.declared_memory.push(None);
             problem.input_noise.push(None);
         }
         for (record, curve) in problem.records.iter_mut().zip(&mut problem.smoothed) {

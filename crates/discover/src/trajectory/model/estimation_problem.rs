@@ -37,6 +37,8 @@ pub struct Problem {
     pub(crate) growth: Vec<Option<Growth>>,
     /// Number of readings of each sensor, groups × states.
     pub readings: Vec<usize>,
+    /// Σ ln of the share of the variance of each sensor's noise that is new in a reading, groups × states: 0 for white noise.
+    pub(crate) log_new_variance: Vec<f64>,
     /// Share of each sensor's readings that carries information, groups × states: 1 but for coarse encoders.
     pub(crate) informative: Vec<f64>,
     /// The grid of each state's readings, where those are quantized.
@@ -51,6 +53,8 @@ pub struct Problem {
     pub(crate) input_noise: Vec<Option<f64>>,
     /// Noise that the model declares for each state.
     pub(crate) declared: Vec<Option<SensorNoise>>,
+    /// Time constant of the noise of each state's sensors that the model declares, s; 0 for white noise.
+    pub(crate) declared_memory: Vec<Option<f64>>,
     /// Columns of each law.
     pub(crate) ranges: Vec<Range<usize>>,
     /// All columns, compiled.
@@ -113,6 +117,7 @@ impl Problem {
             records,
             smoothed,
             readings: Vec::new(),
+            log_new_variance: Vec::new(),
             informative: Vec::new(),
             quantization: Vec::new(),
             left_out,
@@ -120,6 +125,7 @@ impl Problem {
             process: None,
             input_noise: vec![None; n],
             declared,
+            declared_memory: vec![None; n],
         };
         problem.compile_columns();
         problem.update_noise();
@@ -187,9 +193,11 @@ impl Problem {
             noise: self.noise.clone(),
             growth: self.growth.clone(),
             declared: self.declared.clone(),
+            declared_memory: self.declared_memory.clone(),
             ranges: self.ranges.clone(),
             all: self.all.clone(),
             readings: Vec::new(),
+            log_new_variance: Vec::new(),
             informative: self.informative.clone(),
             quantization: self.quantization.clone(),
             left_out: Vec::new(),
@@ -213,8 +221,9 @@ impl Problem {
         problem
     }
 
-    /// Counts the readings of every sensor.
-    fn count(&mut self) {
+    /// Counts the readings of every sensor, and what is new in them.
+    pub(super) fn count(&mut self) {
+        self.log_new_variance = self.log_new_variances();
         self.readings = vec![0; self.sensors.count()];
         for (r, record) in self.records.iter().enumerate() {
             for (of, column) in self.readings[self.sensors.of(r)]

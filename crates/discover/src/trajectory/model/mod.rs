@@ -9,6 +9,7 @@ mod disturbance_states;
 mod estimation_problem;
 mod extra_columns;
 mod growth;
+mod lasting_noise;
 mod noise_growth;
 mod noisy_inputs;
 mod process_noise;

@@ -62,6 +62,7 @@ impl Problem {
             problem.spread.push(course.deviation);
             problem.input_noise.push(Some(*noise));
             problem.declared.push(None);
+            problem.declared_memory.push(None);
             process.inputs.push(NoisyInput { state: n, ..course });
         }
         problem.compile_columns();

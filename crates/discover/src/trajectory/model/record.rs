@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::system::System;
-use crate::trajectory::thresholds::RECORDS;
+use crate::trajectory::thresholds::{NOISE_MEMORY, RECORDS};
 use sidc_data as data;
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Between;
@@ -24,6 +24,8 @@ pub struct Record {
     pub measured: Vec<Vec<f64>>,
     /// Noise of each state's readings relative to the level of their sensor, each column of length M; empty where it is the same for all.
     pub relative_noise: Vec<Vec<f64>>,
+    /// Time constant (s) of the noise of each state's readings; 0 for white noise, empty where all are white.
+    pub noise_memory: Vec<f64>,
     /// The exogenous signals of the system, in its order.
     pub exogenous: Vec<Exogenous>,
     /// Whether exogenous signals that are not held run along cubics through four samples instead of straight.
@@ -64,6 +66,7 @@ impl Record {
                 .iter()
                 .map(|all| all.get(samples.clone()).unwrap_or(&[]).to_vec())
                 .collect(),
+            noise_memory: self.noise_memory.clone(),
             exogenous: exogenous.collect(),
             curved: self.curved,
         }
@@ -73,6 +76,39 @@ impl Record {
     pub(crate) fn relative_noise_at(&self, state: usize, k: usize) -> f64 {
         let own = self.relative_noise.get(state).and_then(|all| all.get(k));
         own.copied().unwrap_or(1.0)
+    }
+
+    /// The share of a reading's error, over its relative noise, that lasts from the sample before: 0 for white noise, and where that sample
+    /// has no reading.
+    pub(crate) fn lasting_at(&self, state: usize, k: usize) -> f64 {
+        let memory = self.noise_memory.get(state).copied().unwrap_or(0.0);
+        if memory <= 0.0 || k == 0 {
+            return 0.0;
+        }
+        let both = self.measured[state][k].is_finite() && self.measured[state][k - 1].is_finite();
+        if both { self.lasting(memory, k) } else { 0.0 }
+    }
+
+    /// The share of an error of noise with this time constant, s, that lasts from sample `k` − 1 to `k`.
+    pub(crate) fn lasting(&self, memory: f64, k: usize) -> f64 {
+        let share = ((self.time[k - 1] - self.time[k]) / memory).exp();
+        share.min(NOISE_MEMORY.most_lasting)
+    }
+
+    /// What is new in each value of a series over this record, each over the relative noise of a state's reading there: a first-order
+    /// autoregression of deviation σ becomes white noise of that deviation (Prais & Winsten 1954). NaN stays.
+    pub(crate) fn whitened(&self, state: usize, values: &[f64]) -> Vec<f64> {
+        let before = |k: usize| k.checked_sub(1).map_or(f64::NAN, |k| values[k]);
+        let new = |(k, x): (usize, &f64)| self.new_at(state, k, (before(k), *x));
+        values.iter().enumerate().map(new).collect()
+    }
+
+    /// What is new in the value `x` of such a series at sample `k`, after `before` at the one before.
+    pub(crate) fn new_at(&self, state: usize, k: usize, (before, x): (f64, f64)) -> f64 {
+        match self.lasting_at(state, k) {
+            0.0 => x,
+            lasting => (x - lasting * before) / (1.0 - lasting * lasting).sqrt(),
+        }
     }
 
     /// Smallest and largest relative noise of a state's readings.
@@ -186,6 +222,7 @@ fn record(
             .map(|s| cut(*s).unwrap_or_else(unmeasured))
             .collect(),
         relative_noise: Vec::new(),
+        noise_memory: Vec::new(),
         exogenous,
         curved: false,
     })

@@ -21,6 +21,8 @@ pub struct Channel {
     pub noise: f64,
     /// The noise that the residuals show, where it grows with the signal.
     pub growth: Option<SensorNoise>,
+    /// Time constant of the noise, s, where it lasts from sample to sample.
+    pub lasting: Option<f64>,
     /// Root mean square of residuals, each over the noise of its own record's sensor.
     pub excess: f64,
     /// How closely the fit was brought to its optimum; what it leaves below that says nothing.
@@ -28,7 +30,8 @@ pub struct Channel {
     /// Standard deviation of the state.
     pub spread: f64,
     pub readings: usize,
-    /// Root mean square of the autocorrelation over lags 1 … 8, signed by the first: 0 for white residuals, 1 at most.
+    /// Root mean square of the autocorrelation over lags 1 … 8, signed by the first: 0 for white residuals, 1 at most. Of noise that lasts, that
+    /// of what is new in each residual.
     pub memory: f64,
     /// Bound of `memory` for white residuals, plus what the rounding of an encoder adds.
     pub chance: f64,
@@ -74,6 +77,7 @@ impl Problem {
             left: noise(self, i),
             noise: noise(self, i),
             growth: None,
+            lasting: self.noise_memory(i),
             excess: 1.0,
             accuracy: accuracy(self, i),
             spread: self.spread[i],
@@ -114,26 +118,33 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let n = problem.states();
     let (mut sums, mut total) = ([0.0; WHITENESS_LAGS], 0.0);
     let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; WHITENESS_LAGS]);
+    // Smoothing takes noise that lasts for motion, and sees too little of it.
+    let own_scale = problem.noise_memory(state).is_some() && problem.declared[state].is_none();
     let coarse = problem.quantization[state].filter(|l| l.matters(noise(problem, state)));
     for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
         let sensor = problem.sensors.of(r).start + state;
-        let (sigma, noise) = (fit.sigma()[sensor], problem.noise[sensor]);
+        let sigma = fit.sigma()[sensor];
+        let noise = if own_scale {
+            sigma
+        } else {
+            problem.noise[sensor]
+        };
         let known = |x: f64| if x.is_finite() { x } else { 0.0 };
         // In units of the record's own noise, so that the noisiest record does not dominate.
-        let left = fit.residuals(problem, r, state).map(|x| known(x / sigma));
-        let left: Vec<f64> = left.collect();
-        let own: f64 = left.iter().map(|x| x * x).sum();
+        let new = fit.whitened(problem, r, state).into_iter();
+        let new: Vec<f64> = new.map(|x| known(x / sigma)).collect();
+        let own: f64 = new.iter().map(|x| x * x).sum();
         total += own;
         square += match problem.growth.get(sensor).copied().flatten() {
             None => own * sigma * sigma,
-            Some(_) => left
+            Some(_) => new
                 .iter()
                 .enumerate()
                 .map(|(k, x)| (x * sigma * record.relative_noise_at(state, k)).powi(2))
                 .sum(),
         };
         excess += own * (sigma / noise.max(f64::MIN_POSITIVE)).powi(2);
-        add_autocovariances(&left, &mut sums);
+        add_autocovariances(&new, &mut sums);
         if let Some(lattice) = coarse {
             let way = (0..record.len()).map(|k| path[k * n + state]);
             let error = way.enumerate().map(|(k, x)| {
@@ -151,8 +162,12 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     Channel {
         signal: problem.system.states[state],
         left: (square / m).sqrt(),
-        noise: noise(problem, state),
+        noise: match own_scale {
+            true => mean_noise(problem, fit.sigma(), state),
+            false => noise(problem, state),
+        },
         growth: growth(problem, fit, state),
+        lasting: problem.noise_memory(state),
         excess: (excess / m).sqrt(),
         accuracy: accuracy(problem, state),
         spread: problem.spread[state],
@@ -195,6 +210,7 @@ fn channel_of(problem: &Problem, fit: &Fit, state: usize, all: &[Innovation]) ->
         outliers: None,
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
         growth: growth(problem, fit, state),
+        lasting: None,
     }
 }
 

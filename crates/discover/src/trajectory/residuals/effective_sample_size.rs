@@ -34,7 +34,7 @@ fn inefficiency_of_channel(problem: &Problem, fit: &Fit, channel: &Channel) -> f
         return 1.0;
     };
     let of = |r: usize| -> Vec<f64> {
-        let left = fit.residuals(problem, r, state);
+        let left = fit.whitened(problem, r, state).into_iter();
         left.map(|x| if x.is_finite() { x } else { 0.0 }).collect()
     };
     let residuals: Vec<Vec<f64>> = (0..problem.records.len()).map(of).collect();

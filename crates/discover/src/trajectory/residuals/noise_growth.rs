@@ -5,6 +5,7 @@
 //! given the fit, with the level of each sensor profiled out: the pseudo-likelihood of Davidian & Carroll (J. Am. Stat. Assoc. 1987). Fits no
 //! laws.
 
+use super::golden_section::golden_section;
 use super::outliers::far_alone;
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::Problem;
@@ -138,23 +139,4 @@ impl Readings {
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(s, n), x| (s + x, n + 1.0));
     sum / f64::max(count, 1.0)
-}
-
-/// The minimum within a bracket, to a thousandth of it.
-fn golden_section(value: &dyn Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
-    let part = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut c, mut d) = (b - part * (b - a), a + part * (b - a));
-    let (mut at_c, mut at_d) = (value(c), value(d));
-    for _ in 0..15 {
-        if at_c < at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - part * (b - a);
-            at_c = value(c);
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + part * (b - a);
-            at_d = value(d);
-        }
-    }
-    0.5 * (a + b)
 }

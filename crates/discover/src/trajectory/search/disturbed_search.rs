@@ -11,21 +11,22 @@ use crate::trajectory::likelihood::{Fit, fit, undisturbed_value};
 use crate::trajectory::model::{LinearizationPoint, Problem, ProcessNoise};
 use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
 
-/// Searches from the support of the best fit without disturbances, if there is one. Out come
+/// Searches from the support of the best fit without disturbances, if there is one; what other explanations of what it leaves gain over it
+/// (criterion) disturbances have to gain too. Out come
 /// the problem whose states include disturbances that remember, and the fit to it; `None` if the other fit is as good, or nothing could be
 /// fitted.
 ///
 /// Long records are searched on segments first.
 pub fn search_disturbed(
     problem: &Problem,
-    free: Option<&Fit>,
+    (free, gained): (Option<&Fit>, f64),
     observer: &mut dyn SearchObserver,
 ) -> Option<(Problem, Found)> {
     let criterion = final_criterion(problem);
     let value = |fit| undisturbed_value(problem, fit, &criterion, observer);
     // Against inputs without noise nothing is to be weighed: it is declared.
     let comparable = free.filter(|_| problem.process.is_none());
-    let without = comparable.and_then(value).unwrap_or(f64::INFINITY);
+    let without = comparable.and_then(value).unwrap_or(f64::INFINITY) - gained;
     // Noise of inputs is white as it is held.
     let kinds: &[Kind] = match problem.process {
         Some(_) => &[Kind::White],

@@ -140,6 +140,11 @@ impl Found {
         let criterion = last_criterion(problem, self.inefficiency);
         self.best.value - criterion.cost(problem, self.best.support())
     }
+
+    /// The criterion if every reading counts, by which answers to other noises are compared.
+    pub fn value_of_all_readings(&self, problem: &Problem) -> f64 {
+        self.misfit(problem) + final_criterion(problem).cost(problem, self.best.support())
+    }
 }
 
 /// Which levels a search goes through, and what it may try there.

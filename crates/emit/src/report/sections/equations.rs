@@ -6,7 +6,7 @@ use crate::report::sections::verdict::badge;
 use crate::text::matrices::consequences;
 use crate::text::{disturbance, evidence, relations, unknown_constants};
 use crate::typeset::mathml::{MathMl, escape};
-use sidc_system::discovery::Equation;
+use sidc_system::discovery::{Discovery, Equation};
 
 pub(crate) fn html(s: &Subject) -> String {
     let d = s.discovery;
@@ -17,7 +17,7 @@ pub(crate) fn html(s: &Subject) -> String {
         body.push_str(&format!(
             "<div class=\"equation\">\n<div class=\"formula\">{pieces}</div>\n{} {}\n</div>\n",
             badge(e.status),
-            remarks(e)
+            remarks(d, e)
         ));
     }
     for f in &d.failed {
@@ -55,8 +55,8 @@ pub(crate) fn html(s: &Subject) -> String {
 }
 
 /// Fit and proof as the terminal prints them; reasons and marks have sections of their own.
-fn remarks(e: &Equation) -> String {
-    let lines = evidence::remarks(e);
+fn remarks(d: &Discovery, e: &Equation) -> String {
+    let lines = evidence::remarks(d, e);
     let lines: String = (lines.iter())
         .map(|l| format!("<li>{}</li>", escape(l)))
         .collect();

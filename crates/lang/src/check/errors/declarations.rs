@@ -132,7 +132,7 @@ pub fn unknown_attribute(at: Span, key: &str, known: &[&str]) -> Diagnostic {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
         None => d.at(at, "not known"),
     };
-    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09")
+    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09; for states memory 0.3")
 }
 
 pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
@@ -179,6 +179,26 @@ pub fn noise(at: Span, value: &str) -> Diagnostic {
         "a number above 0 in the unit of the signal, a share of the value, or both",
     )
     .help("leave `noise` out if it is not known")
+}
+
+/// `memory -0.3`
+pub fn negative_memory(at: Span, seconds: f64) -> Diagnostic {
+    Diagnostic::error(
+        "attribute-value",
+        format!("a memory of {seconds} s is no time"),
+    )
+    .at(at, "a number that is not negative")
+    .help("leave `memory` out if it is not known; `memory 0` says that the noise is white")
+}
+
+pub fn memory_in_discrete(at: Span, place: Span) -> Diagnostic {
+    Diagnostic::error(
+        "mixed-time",
+        "a model about samples knows no memory of noise in seconds",
+    )
+    .at(at, "has no meaning here")
+    .also(place, "makes it a model about samples")
+    .help("remove it")
 }
 
 /// `delay -0.1`

@@ -17,6 +17,7 @@ use crate::units::Unit;
 struct Attributes {
     order: u8,
     noise: Option<SensorNoise>,
+    memory: Option<f64>,
     unit: Option<Unit>,
     between: Option<Between>,
     delay: Option<Delay>,
@@ -29,6 +30,7 @@ impl Checker<'_> {
             kind: VarKind::Time,
             order: 0,
             noise: Default::default(),
+            noise_memory: None,
             unit: None,
             between: None,
             delay: None,
@@ -90,6 +92,7 @@ impl Checker<'_> {
                 kind,
                 order: a.order,
                 noise: a.noise.map(|noise| (0, noise)).into_iter().collect(),
+                noise_memory: a.memory,
                 unit: a.unit.clone(),
                 between: a.between,
                 delay: a.delay,
@@ -178,6 +181,7 @@ impl Checker<'_> {
         let mut out = Attributes {
             order: u8::from(keyword == Keyword::State && discrete.is_none()),
             noise: None,
+            memory: None,
             unit: None,
             between: None,
             delay: None,
@@ -199,6 +203,7 @@ impl Checker<'_> {
                     }
                 }
                 "noise" if keyword != Keyword::Param => out.noise = self.noise(a),
+                "memory" if keyword == Keyword::State => out.memory = self.memory(a),
                 "unit" => out.unit = self.unit(a),
                 "hold" | "linear" if keyword == Keyword::Input => self.between(a, &mut out.between),
                 "delay" if matches!(keyword, Keyword::State | Keyword::Input) => {
@@ -269,6 +274,19 @@ impl Checker<'_> {
         }
         let text = self.text(value.span).to_string();
         self.fail(errors::noise(value.span, &text))
+    }
+
+    /// `memory 0.3`
+    fn memory(&mut self, a: &Attribute) -> Option<f64> {
+        if let Some(place) = self.scope.discrete {
+            return self.fail(errors::memory_in_discrete(a.key.span, place));
+        }
+        let seconds = self.attribute_number(a, "memory 0.3")?;
+        if seconds >= 0.0 {
+            return Some(seconds);
+        }
+        let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
+        self.fail(errors::negative_memory(at, seconds))
     }
 
     /// `delay 0.09` or `delay in 0 .. 0.2`

@@ -26,6 +26,7 @@ impl Checker<'_> {
                 kind: VarKind::Unknown,
                 order: 0,
                 noise: Default::default(),
+                noise_memory: Default::default(),
                 unit: unit.clone(),
                 between: None,
                 delay: None,
