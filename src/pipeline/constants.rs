@@ -2,72 +2,87 @@
 //!
 //! In: a program, its measured signals. Out: the same with the constants' values as columns; their errors in a discovery. Judges nothing.
 
-use sidc_data::Samples;
+use sidc_data::{Dataset, Samples};
 use sidc_discover as discover;
 use sidc_discover::unknown_constants;
-use sidc_lang::term::{Signal, SignalNames};
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::model::{Model, RightSide};
+use sidc_lang::term::{Signal, SignalNames, VarId};
 use sidc_progress::Observer;
 use sidc_system::discovery::{Discovery, UnknownValue};
 
-use super::measure::Measured;
 use super::program::Program;
 use super::thresholds::BUDGET;
 use crate::options::Options;
 
-/// Settles the unknown constants of a program on its samples; the signals with their values.
+/// The likeliest values of the unknown constants on the rows of some data; `None` where there are none, of the one or the other.
 pub(super) fn settle(
     program: &Program,
-    measured: Measured,
+    (dataset, samples): (&Dataset, &Samples),
     options: &Options,
     observer: &mut dyn Observer,
-) -> Measured {
+) -> Option<Vec<f64>> {
     let model = &program.model;
-    if model.unknowns.is_empty() || measured.samples.is_empty() {
-        return measured;
+    if model.unknowns.is_empty() || samples.is_empty() {
+        return None;
     }
     let of = (model, &program.libraries[..]);
     let search = &options.search;
-    let minima = unknown_constants::settle(of, (&measured.samples, 1), search, observer);
-    let Some(mut values) = minima.into_iter().next() else {
-        return measured;
-    };
-    let mut at = measured.with_constants(program, &values);
+    let minima = unknown_constants::settle(of, (samples, 1), search, observer);
+    let mut values = minima.into_iter().next()?;
     for _ in 0..BUDGET.constant_rounds {
-        let data = (at.acting(), &at.samples);
+        let samples = unknown_constants::with_values(samples, &model.unknowns, &values);
+        let acting = dataset.with_constants(&signals_with(model, &values));
+        let data = (&acting, &samples);
         let found = discover::discover(model, &program.libraries, data, search, observer);
         let Ok(found) = found else { break };
-        let refined = unknown_constants::refine(of, (&at.samples, &values), &found, search);
+        let refined = unknown_constants::refine(of, (&samples, &values), &found, search);
         let Some(refined) = refined else { break };
-        let moved = values
-            .iter()
-            .zip(&refined)
-            .any(|(a, b)| (a - b).abs() > 1e-9 * a.abs());
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9 * a.abs();
+        let settled = values.iter().zip(&refined).all(near);
         values = refined;
-        at = at.with_constants(program, &values);
-        if !moved {
+        if settled {
             break;
         }
     }
-    at
+    Some(values)
 }
 
-impl Measured {
-    /// The same with these values of the unknown constants.
-    fn with_constants(mut self, program: &Program, values: &[f64]) -> Measured {
-        let unknowns = &program.model.unknowns;
-        self.samples = unknown_constants::with_values(&self.samples, unknowns, values);
-        let signals = unknowns.iter().map(|u| Signal::new(u.var));
-        let values: Vec<(Signal, f64)> = signals.zip(values.iter().copied()).collect();
-        let all = [
-            Some(&mut self.dataset),
-            self.acting.as_mut(),
-            Some(&mut self.held),
-        ];
-        for dataset in all.into_iter().flatten() {
-            *dataset = dataset.with_constants(&values);
+/// The unknown constants with their values.
+pub(super) fn signals_with(model: &Model, values: &[f64]) -> Vec<(Signal, f64)> {
+    let signals = model.unknowns.iter().map(|u| Signal::new(u.var));
+    signals.zip(values.iter().copied()).collect()
+}
+
+/// An unknown constant that stands in equations with `=` alone, where only the joint estimate sees it.
+pub(super) fn only_given(program: &Program) -> Option<VarId> {
+    let model = &program.model;
+    let (mut given, mut sought) = (Vec::new(), Vec::new());
+    for (equation, library) in model.equations.iter().zip(&program.libraries) {
+        sought.extend(library.iter().flat_map(|l| l.signals()).map(|s| s.var));
+        match &equation.right {
+            RightSide::Known(e) => e.for_each_signal(&mut |s| given.push(s.var)),
+            RightSide::Search { known, .. } => {
+                let known = known.iter().map(|(e, _)| e);
+                known.for_each(|e| e.for_each_signal(&mut |s| sought.push(s.var)));
+            }
         }
-        self
     }
+    let mut unknowns = model.unknowns.iter().map(|u| u.var);
+    unknowns.find(|u| given.contains(u) && !sought.contains(u))
+}
+
+pub(super) fn not_estimated(model: &Model, unknown: VarId) -> Diagnostic {
+    let name = model.variable(unknown);
+    let text = format!(
+        "{name} stands only in equations that are given, and regression estimates no constant of those"
+    );
+    let d = Diagnostic::error("unknown-not-estimated", text);
+    let d = match model.var(unknown).and_then(|v| v.span) {
+        Some(span) => d.at(span, "declared here"),
+        None => d,
+    };
+    d.help("leave --method to the program on noisy readings, or write the equation with `~` and the terms that it may have")
 }
 
 /// The values that the samples have, with their errors, in a discovery; the coefficients' errors grow by those of the constants.

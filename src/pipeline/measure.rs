@@ -7,6 +7,7 @@ use sidc_data as data;
 use sidc_data::{Dataset, HoldOut, InputValue, Provenance, Samples, Table};
 use sidc_discover as discover;
 use sidc_discover::trajectory::Problem;
+use sidc_discover::unknown_constants::with_values;
 use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
@@ -26,7 +27,7 @@ use crate::options::Options;
 pub struct Measured {
     pub dataset: Dataset,
     /// The same with stated delays taken out, for equations that are found one by one; `None` where it is no other.
-    pub(super) acting: Option<Dataset>,
+    acting: Option<Dataset>,
     /// What is held out: equations are not found from it, but run on it.
     pub held: Dataset,
     /// The same in words, for messages.
@@ -139,13 +140,18 @@ pub fn measure(
     {
         diagnostics.push(memory_unused(&model.name(name)));
     }
+    if joint.is_err()
+        && let Some(given) = constants::only_given(program)
+    {
+        diagnostics.push(constants::not_estimated(model, given));
+    }
     let joint = joint.ok();
     diagnostics.extend(found);
     let acting = match &joint {
         Some(_) => None,
         None => stated.without_delays(&dataset, InputValue::OverStep),
     };
-    let measured = Measured {
+    let mut measured = Measured {
         dataset,
         acting,
         held,
@@ -155,10 +161,23 @@ pub fn measure(
         report,
         narrowed,
     };
-    finish(
-        constants::settle(program, measured, options, observer),
-        diagnostics,
-    )
+    let data = (measured.acting(), &measured.samples);
+    if let Some(values) = constants::settle(program, data, options, observer) {
+        measured.set_constants(model, &values);
+    }
+    finish(measured, diagnostics)
+}
+
+impl Measured {
+    /// Gives the unknown constants these values.
+    fn set_constants(&mut self, model: &Model, values: &[f64]) {
+        self.samples = with_values(&self.samples, &model.unknowns, values);
+        let signals = constants::signals_with(model, values);
+        let acting = self.acting.iter_mut();
+        for dataset in acting.chain([&mut self.dataset, &mut self.held]) {
+            *dataset = dataset.with_constants(&signals);
+        }
+    }
 }
 
 fn copies_in_samples(program: &Program, samples: &Samples) -> Vec<TargetCopy> {

@@ -55,8 +55,6 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
                 diagnostics.push(d);
             }
         }
-        let scaled = library.iter();
-        diagnostics.extend(scaled.flat_map(|l| library::scaling_unknowns(&model, l)));
         libraries.push(library);
     }
     if !diagnostics.iter().any(Diagnostic::is_error) {

@@ -156,3 +156,30 @@ fn results_are_run_and_exported_with_the_value() {
     );
     assert_eq!(report.status, 0, "{}", report.stderr);
 }
+
+#[test]
+fn what_only_scales_a_term_or_is_never_estimated_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |model: &str| {
+        fs::write(folder.path().join("m.sid"), model).unwrap();
+        sidc_in(folder.path(), &["check", "m.sid"]).stderr
+    };
+    let said = check("unknown k in 0 .. 5\nstate x\ndx ~ <x, k*x^2, exp(k*x)>\n");
+    assert!(
+        said.contains("error[unknown-scales]: k only scales the term k*x^2"),
+        "{said}"
+    );
+    assert!(said.contains("write x^2 for k*x^2"), "{said}");
+    let said = check("unknown k : per run\nstate x\ndx ~ <x, exp(k*x)>\n");
+    assert!(said.contains("error[unknown-per-run]"), "{said}");
+    fs::write(folder.path().join("d.csv"), uptake(0.0, 1)).unwrap();
+    let model = "unknown K in 0.01 .. 10\nstate x\ninput u : linear\ndx = u - 1.5*x/(K + x)\n";
+    fs::write(folder.path().join("m.sid"), model).unwrap();
+    let run = sidc_in(folder.path(), &["identify", "m.sid", "d.csv"]);
+    assert!(
+        run.stderr.contains("unknown-not-estimated"),
+        "{}{}",
+        run.stdout,
+        run.stderr
+    );
+}

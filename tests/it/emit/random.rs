@@ -84,6 +84,7 @@ pub fn system(seed: u64) -> Discovery {
         runs_left: Vec::new(),
         relations: None,
         delays: Vec::new(),
+        unknowns: Vec::new(),
     }
 }
 

@@ -368,7 +368,7 @@ family! {
     /// Unknown constants for given terms.
     pub(crate) CONSTANTS: Constants {
         /// Minima of the criterion on rows from which terms are searched.
-        starts: usize = 4, unit "minima", source "set by hand: rows of differentiated noise may put the right one second, each costs a search";
+        starts: usize = 5, unit "minima", source "set by hand: rows of differentiated noise may put the right one second, each costs a search";
         /// Gauss–Newton steps.
         steps: usize = 12, unit "steps", source "the search on rows starts them within their basin; each step then gains a digit";
         /// Halvings of a step that makes the likelihood smaller.

@@ -10,6 +10,7 @@ use crate::options::Options;
 use crate::row_weights::Weights;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::select_terms;
+use crate::selection::thresholds::TERM_SELECTION;
 use crate::statistics::product;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
@@ -92,21 +93,32 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// The terms that a constant stands in.
+    /// Takes residuals at their word, however small beside the errors of the rows.
+    pub fn forget_errors(&mut self) {
+        let criteria = self.equations.iter_mut().map(|e| &mut e.criterion);
+        criteria.for_each(|c| c.floor = f64::MIN_POSITIVE);
+    }
+
+    /// The terms and factors of terms that a constant stands in, as many as tell how fast they change with it.
     pub fn terms(&self) -> Vec<Term> {
         let sought = |s: Signal| self.unknowns.iter().any(|u| u.var == s.var);
-        let mut out = Vec::new();
-        for e in &self.equations {
-            for term in (0..e.library.len()).filter_map(|slot| e.library.term(slot)) {
-                let mut mentioned = false;
-                term.for_each_signal(&mut |s| mentioned |= sought(s));
-                if mentioned && out.len() < UNKNOWNS.most_points {
-                    out.push(term);
-                }
-            }
-            out.extend(e.known.iter().map(|(_, t)| t.clone()));
-        }
-        out
+        let mentioned = |t: &&Term| {
+            let mut found = false;
+            t.for_each_signal(&mut |s| found |= sought(s));
+            found
+        };
+        let of = |e: &ProfiledEquation<'a>| -> Vec<Term> {
+            let known = e.known.iter().map(|(_, t)| t);
+            let all = e.library.factors().chain(known).filter(mentioned);
+            all.take(UNKNOWNS.compared_terms).cloned().collect()
+        };
+        self.equations.iter().flat_map(of).collect()
+    }
+
+    /// Whether some library is too large to be searched whole at every point.
+    pub fn is_large(&self) -> bool {
+        let mut all = self.equations.iter();
+        all.any(|e| e.library.slots() > TERM_SELECTION.exhaustive_columns)
     }
 
     /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
@@ -116,9 +128,7 @@ impl<'a> Profile<'a> {
         for e in &self.equations {
             let y = e.target_values(&self.samples)?;
             let phi = compile(e.library, &self.samples, Some(&e.row)).ok()?;
-            let proposed = match phi.cols()
-                > crate::selection::thresholds::TERM_SELECTION.exhaustive_columns
-            {
+            let proposed = match phi.cols() > TERM_SELECTION.exhaustive_columns {
                 false => Vec::new(),
                 true => {
                     let problem = Problem {
@@ -134,7 +144,7 @@ impl<'a> Profile<'a> {
                 return None;
             }
             criterion += found.value;
-            if phi.cols() < phi.rows() {
+            if phi.cols() < phi.rows() && phi.cols() <= TERM_SELECTION.exhaustive_columns {
                 let left = minimum_norm_least_squares(phi.as_ref(), &y).residual;
                 let variance = left * left / e.criterion.rows;
                 whole += e.criterion.samples * variance.max(f64::MIN_POSITIVE).ln();

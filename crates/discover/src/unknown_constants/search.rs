@@ -29,7 +29,16 @@ pub fn settle(
     if profile.equations.is_empty() {
         return vec![start];
     }
-    let points = search_points(&profile.unknowns, &profile.terms(), &profile.samples);
+    if most > 1 {
+        // What the noise of the rows leaves is for the likelihood of the trajectory to judge.
+        profile.forget_errors();
+    }
+    let points = match profile.is_large() {
+        true => UNKNOWNS.most_points_of_large,
+        false => UNKNOWNS.most_points,
+    };
+    let rows = (&profile.samples, points);
+    let points = search_points(&profile.unknowns, &profile.terms(), rows);
     let mut seen: Vec<ProfilePoint> = Vec::new();
     for values in &points {
         seen.extend(profile.at(values, observer));
@@ -71,11 +80,14 @@ fn alike(a: &[f64], b: &[f64], part: f64) -> bool {
     a.iter().zip(b).all(near)
 }
 
-/// The best points of each set of terms.
+/// The best points, of each set of terms those that are not near another.
 fn distinct(seen: &[ProfilePoint]) -> Vec<&ProfilePoint> {
     let mut out: Vec<&ProfilePoint> = Vec::new();
     for p in seen {
-        if out.len() < UNKNOWNS.starts && out.iter().all(|o| o.supports != p.supports) {
+        let new = |o: &&ProfilePoint| {
+            o.supports != p.supports || !alike(&o.values, &p.values, UNKNOWNS.apart)
+        };
+        if out.len() < UNKNOWNS.starts && out.iter().all(new) {
             out.push(p);
         }
     }
@@ -129,10 +141,10 @@ fn fitted<'a>(
     profile.equations.retain(|e| target(e.target).is_some());
     let supports = profile.equations.iter().map(|e| {
         let terms = target(e.target).map_or(&[][..], |e| &e.terms);
-        let own: Vec<&Term> = terms.iter().filter(|t| !t.fixed).map(|t| &t.term).collect();
-        let slots = (0..e.library.len())
-            .filter(|slot| e.library.term(*slot).is_some_and(|t| own.contains(&&t)));
-        slots.collect::<Vec<usize>>()
+        let own = terms.iter().filter(|t| !t.fixed);
+        let mut slots: Vec<usize> = own.filter_map(|t| e.library.contains(&t.term)).collect();
+        slots.sort_unstable();
+        slots
     });
     let supports: Vec<Vec<usize>> = supports.collect();
     (!profile.equations.is_empty()).then_some((profile, supports))

@@ -11,10 +11,14 @@ family! {
         least_values: usize = 24, unit "values", source "nine decades then have three values each";
         /// Points that are compared at most, whatever the number of constants.
         most_points: usize = 300, unit "points", source "a library of thirty terms takes some 2 ms at each";
+        /// The same for libraries that are not searched whole at every point.
+        most_points_of_large: usize = 24, unit "points", source "each takes a solution of the basis pursuit on `unknowns.rows` rows";
+        /// Terms of an equation by which values are spaced.
+        compared_terms: usize = 50, unit "terms", source "set by hand: those of one family change alike";
         /// Cosine between the columns of a term at neighbouring values, below which one between them is compared too.
         likeness: f64 = 0.95, unit "", source "the best value then lies within 9° of a value that is compared: 0.975 of its column is seen";
         /// Points from which the search goes downhill.
-        starts: usize = 6, unit "points", source "set by hand";
+        starts: usize = 24, unit "points", source "as `unknowns.least_values`: terms and constants in turn, from every part of a range";
         /// Difference up to which two minima are one.
         same: f64 = 0.01, unit "of the constant", source "refined minima agree to rounding; of noisy data the likelihood of the trajectory moves them more";
         /// Difference from which two points of the profile may lie in different basins.

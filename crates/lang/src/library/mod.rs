@@ -22,6 +22,7 @@ mod tests;
 use crate::diagnostic::Diagnostic;
 use crate::model::{LibExpr, Model};
 use crate::term::{Expr, Signal, Term};
+use scaling_unknowns::scaling_unknowns;
 
 pub use crate::thresholds::MEMORY;
 pub use block::Block;
@@ -30,7 +31,6 @@ pub use generators::generator::{Exponents, Generator, Misuse};
 pub use generators::{GENERATORS, generator};
 pub use grading::Grading;
 pub use readable::{readable, readable_bytes};
-pub use scaling_unknowns::scaling_unknowns;
 pub use sets::selection_rule::restrictions;
 
 /// Expands the library of one equation. The libraries of all equations share `memory` bytes equally.
@@ -52,6 +52,7 @@ pub fn expand(
         let library = pass.lay_out(written, &set, &rule)?;
         let found = pythagorean_identity::check(model, target, written, &set, &rule);
         pass.diagnostics.extend(found);
+        pass.diagnostics.extend(scaling_unknowns(model, &library));
         Some(library)
     });
     (library.unwrap_or_default(), pass.diagnostics)

@@ -239,7 +239,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::version => "sidc 1",
         Rule::system => "system pendulum",
         Rule::declare => "state x, y : order 2, noise 0.01",
-        Rule::unknown => "unknown k in 0.1 .. 10, unit \"1/s\"",
+        Rule::unknown => "unknown k in 0.1..10, unit \"1/s\"",
         Rule::constant => "let g = 9.81",
         Rule::constrain => "constrain coef(dx, x) < 0",
         Rule::per_run => "coef(dx, x) : per run",

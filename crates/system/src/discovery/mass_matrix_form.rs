@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::discovery::{Discovery, Equation};
 use sidc_lang::model::VarKind;
-use sidc_lang::term::{Expr, Signal, Term};
+use sidc_lang::term::{Expr, Signal, Term, VarId};
 
 /// A system in mass-matrix form, and the order of its arguments.
 #[derive(Clone, Debug, Default)]
@@ -63,6 +63,16 @@ impl Rate {
             Rate::State(i) => x[i],
             Rate::Unknown(i) => q[i],
         }
+    }
+}
+
+impl Discovery {
+    /// The value of a signal that is an unknown constant.
+    pub fn unknown_value(&self, signal: Signal) -> Option<f64> {
+        let VarId(place) = signal.var;
+        let name = &self.variables.get(usize::from(place))?.name;
+        let own = self.unknowns.iter().find(|u| u.name == *name)?;
+        Some(own.value)
     }
 }
 

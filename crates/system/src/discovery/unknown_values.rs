@@ -4,9 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::equations::Discovery;
-use sidc_lang::term::{Signal, VarId};
-
 /// An unknown constant that was found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct UnknownValue {
@@ -33,15 +30,5 @@ impl UnknownValue {
             interval: standard_error.map(interval),
             standard_error,
         }
-    }
-}
-
-impl Discovery {
-    /// The value of a signal that is an unknown constant.
-    pub fn unknown_value(&self, signal: Signal) -> Option<f64> {
-        let VarId(place) = signal.var;
-        let name = &self.variables.get(usize::from(place))?.name;
-        let own = self.unknowns.iter().find(|u| u.name == *name)?;
-        Some(own.value)
     }
 }

@@ -120,8 +120,9 @@ fn follow(half_width: f64, held: &[Compared]) -> BandHeldOut {
     let (mut fixed, mut following) = (0, 0);
     for p in held {
         let known = |o: &(Compared, f64)| o.0.record != p.record || o.0.time <= p.made;
-        while let Some((past, width)) = open.pop_front_if(|o| known(o)) {
-            followed = next_half_width(followed, past.error() <= width);
+        while let Some((past, width)) = open.front().filter(|o| known(o)) {
+            followed = next_half_width(followed, past.error() <= *width);
+            open.pop_front();
         }
         fixed += usize::from(p.error() <= half_width);
         following += usize::from(p.error() <= followed);

@@ -58,6 +58,18 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
     Some(covariances.iter().map(&mut of).collect())
 }
 
+/// How a coefficient responds to the readings, on the way back along a record.
+struct Response<'a> {
+    /// Its column of C.
+    column: &'a Vec<f64>,
+    /// The response of the states behind.
+    after: Vec<f64>,
+    /// For each state the sum over its readings.
+    sums: Vec<WeightedSum<'a>>,
+    /// For each state the weight of the reading behind: what is new there is known with the one before it.
+    behind: Vec<Option<f64>>,
+}
+
 /// What the errors of a record's readings add to the variance of each coefficient, of which these are the columns of C. All are found in
 /// one sweep back, so that no response is kept.
 fn variances_of_record(
@@ -71,38 +83,37 @@ fn variances_of_record(
     let rms = |sensor: usize| residual_rms(problem, fit, sensor) / fit.sigma()[sensor].powi(2);
     let weights: Vec<f64> = problem.sensors.of(r).map(rms).collect();
     let sums = || memories.iter().map(Autoregression::weighted_sum).collect();
-    // The weight of the sample behind, of each state: what is new there is known with this one's.
-    let start = |c| (c, vec![0.0; n], sums(), vec![None; n]);
-    let mut all: Vec<(&Vec<f64>, Vec<f64>, Vec<WeightedSum>, Vec<Option<f64>>)> =
-        columns.iter().copied().map(start).collect();
+    let start = |column| Response {
+        column,
+        after: vec![0.0; n],
+        sums: sums(),
+        behind: vec![None; n],
+    };
+    let mut all: Vec<Response> = columns.iter().copied().map(start).collect();
     let back = eliminated.backward(r, observer, &mut |samples, rows| {
-        for (column, after, sums, behind) in &mut all {
-            let response = rows.response(column, after);
-            after.copy_from_slice(&response[..n]);
+        for of in &mut all {
+            let response = rows.response(of.column, &of.after);
+            of.after.copy_from_slice(&response[..n]);
             for (k, states) in samples.clone().zip(response.chunks_exact(n)).rev() {
                 for (i, z) in states.iter().enumerate() {
                     let here = match record.measured[i][k].is_finite() {
                         true => z * weights[i] / record.relative_noise_at(i, k),
                         false => 0.0,
                     };
-                    if let Some(next) = behind[i].replace(here) {
-                        sums[i].add(record.new_at(i, k + 1, (here, next)));
+                    if let Some(next) = of.behind[i].replace(here) {
+                        of.sums[i].add(record.new_at(i, k + 1, (here, next)));
                     }
                 }
             }
         }
     });
     back.ok()?;
-    for (.., sums, behind) in &mut all {
-        let first = sums.iter_mut().zip(behind);
+    for of in &mut all {
+        let first = of.sums.iter_mut().zip(&of.behind);
         first.for_each(|(sum, x)| sum.add(x.unwrap_or(0.0)));
     }
     let variance = |sums: Vec<WeightedSum>| sums.into_iter().map(WeightedSum::variance).sum();
-    Some(
-        all.into_iter()
-            .map(|(_, _, sums, _)| variance(sums))
-            .collect(),
-    )
+    Some(all.into_iter().map(|of| variance(of.sums)).collect())
 }
 
 /// Root mean square of a sensor's residuals, each over its relative noise. The noise in the fit is larger where a floor holds it, or where readings are little

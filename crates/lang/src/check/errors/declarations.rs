@@ -370,7 +370,7 @@ pub fn unknown_function(
 pub fn empty_unknown_range(at: Span, from: f64, to: f64) -> Diagnostic {
     Diagnostic::error("empty-range", "the range of an unknown holds no number")
         .at(at, "the second end is to be above the first")
-        .help(format!("write `in {} .. {}`", to.min(from), from.max(to)))
+        .help(format!("write `in {}..{}`", to.min(from), from.max(to)))
 }
 
 pub fn unknown_attribute_of_unknown(at: Span, key: &str) -> Diagnostic {
@@ -379,5 +379,14 @@ pub fn unknown_attribute_of_unknown(at: Span, key: &str) -> Diagnostic {
         format!("an unknown constant has no attribute `{key}`"),
     )
     .at(at, "not `unit` and not `per run`")
-    .help("the forms are `unknown k in 0.1 .. 10, unit \"1/s\"` and `unknown L : per run`")
+    .help("the forms are `unknown k in 0.1..10, unit \"1/s\"` and `unknown L : per run`")
+}
+
+pub fn unknown_per_run(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "unknown-per-run",
+        "unknown constants that differ from run to run are not estimated",
+    )
+    .at(at, "asked for here")
+    .help("leave `per run` out to have one value for all runs, or identify each run alone")
 }
