@@ -11,7 +11,7 @@ use crate::joint::weak_start::weak_start;
 use crate::known_terms::fixed_terms;
 use crate::options::Options;
 use crate::trajectory::{
-    CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants,
+    CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants, fit_constants_from,
 };
 use crate::unknown_constants;
 use sidc_data::{Dataset, samples};
@@ -38,7 +38,8 @@ pub(crate) fn settle(
     }
     let (rows, _, _) = samples(model, dataset, &needed(model, libraries), watcher);
     let of = (model, libraries);
-    let minima = unknown_constants::settle(of, (&rows, CONSTANTS.starts), options, watcher);
+    let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
+    let minima = likeliest(of, (dataset, problem), minima, options, watcher);
     let mut constants = Constants { sought: Vec::new() };
     let mut best: Option<(f64, Option<FittedConstants>)> = None;
     for minimum in &minima {
@@ -70,6 +71,35 @@ pub(crate) fn settle(
         }
     }
     constants
+}
+
+/// Of many points those that are likeliest with the terms that the weak form finds there. Where it finds none, all as they come.
+fn likeliest(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    points: Vec<Vec<f64>>,
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> Vec<Vec<f64>> {
+    let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
+    for values in points {
+        let constants = Constants::new(model, &values);
+        let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
+        let start = weak_start((model, libraries), &acting, &at, options, watcher);
+        let fitted = start.and_then(|s| fit_constants_from(&at, &s, &constants.sought, watcher));
+        let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
+        let entry = fitted.as_ref().map_or((f64::INFINITY, values), new);
+        let near = |(_, v): &(f64, Vec<f64>)| unknown_constants::alike(v, &entry.1);
+        if !ranked.iter().any(near) {
+            ranked.push(entry);
+        }
+        if watcher.stop().is_some() {
+            break;
+        }
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let likeliest = ranked.into_iter().take(CONSTANTS.starts);
+    likeliest.map(|(_, values)| values).collect()
 }
 
 impl Constants {

@@ -72,7 +72,8 @@ pub use residuals::{
 pub(crate) use search::minimum;
 pub use search::{
     BetterLaws, FittedConstants, Found, LawChange, SearchObserver, SoughtConstant, StartingSupport,
-    fit_constants, search, search_beyond_libraries, search_disturbed, search_from_free,
+    fit_constants, fit_constants_from, search, search_beyond_libraries, search_disturbed,
+    search_from_free,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

@@ -12,6 +12,7 @@ mod search_points;
 pub(crate) mod thresholds;
 mod variable_projection;
 
+pub(crate) use search::alike;
 pub use search::{ConstantErrors, constant_errors, refine, settle};
 
 use sidc_data::Samples;

@@ -45,13 +45,15 @@ pub fn settle(
     }
     seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let starts: Vec<ProfilePoint> = distinct(&seen).into_iter().cloned().collect();
-    let ends = starts.into_iter();
+    let ends = starts.iter().cloned();
     let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(&mut profile, s, observer)).collect();
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let whole = minima_of_whole(&mut seen, UNKNOWNS.minima_of_whole);
+    let ends = ends.into_iter().map(|e| e.values);
+    let starts = starts.into_iter().map(|s| s.values);
     let mut out: Vec<Vec<f64>> = Vec::new();
-    let best = ends.into_iter().take(most.div_ceil(2)).map(|e| e.values);
-    for values in best.chain(minima_of_whole(&mut seen, most)) {
-        if out.len() < most && out.iter().all(|o| !alike(o, &values, UNKNOWNS.same)) {
+    for values in ends.chain(whole).chain(starts) {
+        if out.len() < most && out.iter().all(|o| !alike(o, &values)) {
             out.push(values);
         }
     }
@@ -67,15 +69,20 @@ fn minima_of_whole(seen: &mut [ProfilePoint], most: usize) -> Vec<Vec<f64>> {
     seen.sort_by(|a, b| a.whole.total_cmp(&b.whole));
     let mut out: Vec<Vec<f64>> = Vec::new();
     for p in seen.iter() {
-        if out.len() < most && out.iter().all(|o| !alike(o, &p.values, UNKNOWNS.apart)) {
+        if out.len() < most && out.iter().all(|o| !within(o, &p.values, UNKNOWNS.apart)) {
             out.push(p.values.clone());
         }
     }
     out
 }
 
+/// Whether two points are one minimum.
+pub(crate) fn alike(a: &[f64], b: &[f64]) -> bool {
+    within(a, b, UNKNOWNS.same)
+}
+
 /// Whether two points agree to this part of their constants.
-fn alike(a: &[f64], b: &[f64], part: f64) -> bool {
+fn within(a: &[f64], b: &[f64], part: f64) -> bool {
     let near = |(a, b): (&f64, &f64)| (a - b).abs() <= part * a.abs().max(b.abs());
     a.iter().zip(b).all(near)
 }
@@ -85,7 +92,7 @@ fn distinct(seen: &[ProfilePoint]) -> Vec<&ProfilePoint> {
     let mut out: Vec<&ProfilePoint> = Vec::new();
     for p in seen {
         let new = |o: &&ProfilePoint| {
-            o.supports != p.supports || !alike(&o.values, &p.values, UNKNOWNS.apart)
+            o.supports != p.supports || !within(&o.values, &p.values, UNKNOWNS.apart)
         };
         if out.len() < UNKNOWNS.starts && out.iter().all(new) {
             out.push(p);

@@ -21,6 +21,8 @@ family! {
         starts: usize = 24, unit "points", source "as `unknowns.least_values`: terms and constants in turn, from every part of a range";
         /// Difference up to which two minima are one.
         same: f64 = 0.01, unit "of the constant", source "refined minima agree to rounding; of noisy data the likelihood of the trajectory moves them more";
+        /// Points at which all terms together leave least that are looked at too.
+        minima_of_whole: usize = 5, unit "points", source "set by hand";
         /// Difference from which two points of the profile may lie in different basins.
         apart: f64 = 0.2, unit "of the constant", source "set by hand";
         /// Rounds of choosing terms and refining constants from each.

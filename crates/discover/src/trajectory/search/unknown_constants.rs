@@ -8,7 +8,7 @@
 
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
-use crate::trajectory::search::last_criterion;
+use crate::trajectory::search::{final_criterion, last_criterion};
 use crate::trajectory::thresholds::CONSTANTS;
 use sidc_lang::term::{Expr, Signal, Term};
 use sidc_progress::Observer;
@@ -32,6 +32,24 @@ pub struct FittedConstants {
     pub standard_errors: Vec<f64>,
     /// Variances of the fit's coefficients, the errors of the constants among their causes.
     pub variances: Vec<f64>,
+}
+
+/// As [`fit_constants`], from columns and coefficients that nothing was fitted to.
+pub fn fit_constants_from(
+    problem: &Problem,
+    start: &[(usize, f64)],
+    constants: &[SoughtConstant],
+    observer: &mut dyn Observer,
+) -> Option<FittedConstants> {
+    let (support, coefficients) = start.iter().copied().unzip();
+    let criterion = final_criterion(problem);
+    let point = LinearizationPoint {
+        support,
+        coefficients,
+        ..problem.initial_point(&problem.noise)
+    };
+    let found = fit(problem, point, &criterion, f64::INFINITY, observer)?;
+    fit_constants(problem, &found, constants, 1.0, observer)
 }
 
 /// One Gauss–Newton step.
