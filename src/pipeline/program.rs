@@ -119,20 +119,7 @@ impl Program {
 
 /// Every signal that some equation mentions, each once, sorted.
 pub fn needed(program: &Program) -> Vec<Signal> {
-    let mut all = Vec::new();
-    for (equation, library) in program.model.equations.iter().zip(&program.libraries) {
-        let Some(library) = library else { continue };
-        all.push(equation.target);
-        all.extend(library.signals());
-        if let RightSide::Search { known, .. } = &equation.right {
-            known
-                .iter()
-                .for_each(|(e, _)| e.for_each_signal(&mut |s| all.push(s)));
-        }
-    }
-    all.sort_unstable();
-    all.dedup();
-    all
+    discover::needed_signals(&program.model, &program.libraries)
 }
 
 /// A stage with an error among its diagnostics has no result.

@@ -20,13 +20,15 @@ fn csv(names: &str, columns: &[Vec<f64>]) -> String {
     text
 }
 
-fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
+/// The run and the document of a model on a table.
+pub fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("m.sid"), model).unwrap();
     fs::write(folder.path().join("d.csv"), data).unwrap();
     let arguments = ["identify", "m.sid", "d.csv", "-o", "r.json"];
     let run = sidc_in(folder.path(), &[&arguments[..], more].concat());
-    let found = fs::read_to_string(folder.path().join("r.json")).unwrap();
+    let found = fs::read_to_string(folder.path().join("r.json"));
+    let found = found.unwrap_or_else(|_| panic!("{}", run.stderr));
     (run, serde_json::from_str(&found).unwrap())
 }
 

@@ -2,9 +2,10 @@
 
 use std::fs;
 
+use crate::disturbed::identify;
 use serde_json::Value;
 use sidc_testing::integrate::{grid, integrate};
-use sidc_testing::program::{Run, sidc_in};
+use sidc_testing::program::sidc_in;
 use sidc_testing::random::Random;
 
 const STEP: f64 = 0.05;
@@ -24,17 +25,6 @@ fn table<const N: usize>(
         x = integrate(&|t, x: &[f64; N]| law(t, x), t, t + STEP, x);
     }
     text
-}
-
-fn identify(model: &str, data: &str, more: &[&str]) -> (Run, Value) {
-    let folder = tempfile::tempdir().unwrap();
-    fs::write(folder.path().join("m.sid"), model).unwrap();
-    fs::write(folder.path().join("d.csv"), data).unwrap();
-    let arguments = ["identify", "m.sid", "d.csv", "-o", "r.json"];
-    let run = sidc_in(folder.path(), &[&arguments[..], more].concat());
-    let found = fs::read_to_string(folder.path().join("r.json"));
-    let found = found.unwrap_or_else(|_| panic!("{}", run.stderr));
-    (run, serde_json::from_str(&found).unwrap())
 }
 
 fn terms(found: &Value) -> Vec<(&str, f64)> {

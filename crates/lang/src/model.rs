@@ -390,6 +390,19 @@ impl UnknownConstant {
             .map_or_else(|| vec![(least, most), (-most, -least)], |range| vec![range])
     }
 
+    /// That of its ranges which holds a value.
+    pub fn range_about(&self, value: f64) -> (f64, f64) {
+        let ranges = self.ranges();
+        let mut holding = ranges
+            .iter()
+            .filter(|(from, to)| (*from..=*to).contains(&value));
+        holding
+            .next()
+            .or(ranges.first())
+            .copied()
+            .unwrap_or((value, value))
+    }
+
     /// The middle of its range, between ends of one sign in the logarithm; 1 without a range.
     pub fn start(&self) -> f64 {
         match self.range {

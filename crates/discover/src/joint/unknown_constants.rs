@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use crate::joint::constrained_search::{Settled, search_under_constraints};
 use crate::joint::weak_start::weak_start;
-use crate::known_terms::fixed_terms;
+use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
     CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants, fit_constants_from,
@@ -16,7 +16,7 @@ use crate::trajectory::{
 use crate::unknown_constants;
 use sidc_data::{Dataset, samples};
 use sidc_lang::library::Library;
-use sidc_lang::model::Model;
+use sidc_lang::model::{Model, UnknownConstant};
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, UnknownValue};
@@ -36,7 +36,7 @@ pub(crate) fn settle(
     if model.unknowns.is_empty() {
         return Constants { sought: Vec::new() };
     }
-    let (rows, _, _) = samples(model, dataset, &needed(model, libraries), watcher);
+    let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
     let of = (model, libraries);
     let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
     let minima = likeliest(of, (dataset, problem), minima, options, watcher);
@@ -125,32 +125,12 @@ impl Constants {
     }
 }
 
-/// Every signal that some equation mentions.
-fn needed(model: &Model, libraries: &[Option<Library>]) -> Vec<Signal> {
-    let mut all = Vec::new();
-    for (equation, library) in model.equations.iter().zip(libraries) {
-        let Some(library) = library else { continue };
-        all.push(equation.target);
-        all.extend(library.signals());
-        for (_, term) in fixed_terms(&equation.right) {
-            term.for_each_signal(&mut |s| all.push(s));
-        }
-    }
-    all
-}
-
 impl Constants {
     fn new(model: &Model, values: &[f64]) -> Constants {
-        let one = |(u, value): (&sidc_lang::model::UnknownConstant, &f64)| {
-            let ranges = u.ranges();
-            let own = ranges
-                .iter()
-                .find(|(from, to)| (*from..=*to).contains(value));
-            SoughtConstant {
-                signal: Signal::new(u.var),
-                value: *value,
-                range: own.or(ranges.first()).copied().unwrap_or((*value, *value)),
-            }
+        let one = |(u, value): (&UnknownConstant, &f64)| SoughtConstant {
+            signal: Signal::new(u.var),
+            value: *value,
+            range: u.range_about(*value),
         };
         Constants {
             sought: model.unknowns.iter().zip(values).map(one).collect(),

@@ -12,7 +12,6 @@ use super::set_values;
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;
-use sidc_lang::model::UnknownConstant;
 use sidc_lang::term::{Expr, Signal, Term};
 
 /// Values, and what is known of them.
@@ -50,7 +49,7 @@ pub(super) fn project(
         .unknowns
         .iter()
         .zip(start)
-        .map(|(u, v)| Coordinate::new(range_of(u, *v)))
+        .map(|(u, v)| Coordinate::new(u.range_about(*v)))
         .collect();
     let mut here = linearize(profile, &terms, start)?;
     let mut values = start.to_vec();
@@ -88,15 +87,6 @@ pub(super) fn project(
         values,
         information,
     })
-}
-
-/// The range that holds a value.
-fn range_of(unknown: &UnknownConstant, value: f64) -> (f64, f64) {
-    let ranges = unknown.ranges();
-    let own = ranges
-        .iter()
-        .find(|(from, to)| (*from..=*to).contains(&value));
-    own.or(ranges.first()).copied().unwrap_or((value, value))
 }
 
 fn total(all: &[Linearized]) -> f64 {
