@@ -88,9 +88,26 @@ impl Weights {
         self.median_error / self.row[row]
     }
 
-    /// Raises the correlation to that of the residual of the whole library.
-    pub fn raise_correlation(&mut self, residual: &[f64]) {
-        self.correlation = self.correlation.max(autocorrelation_time(residual));
+    /// Raises the correlation to that of the residual of the whole library, at most to that of the target. Where the residual lasts
+    /// longer, its variance comes back, to be added to the floor by `add_drift`.
+    ///
+    /// A residual of variance s, of which E lasts τₑ rows and the rest as the target, τ, has s M / (τ s + (τₑ − τ) E) independent samples.
+    /// Summed up over ln s that is (M/τ) ln(s + E (τₑ/τ − 1)): the samples of the target above a floor.
+    pub fn raise_correlation(&mut self, residual: &[f64], target: &[f64]) -> f64 {
+        let lasting = autocorrelation_time(residual);
+        if lasting <= self.correlation {
+            return 0.0;
+        }
+        let mean = target.iter().sum::<f64>() / target.len() as f64;
+        let moved: Vec<f64> = target.iter().map(|y| y - mean).collect();
+        let own = autocorrelation_time(&moved).max(self.correlation);
+        self.correlation = lasting.min(own);
+        rms(residual).powi(2) * (lasting / self.correlation - 1.0)
+    }
+
+    /// Raises the floor by a variance.
+    pub fn add_drift(&mut self, variance: f64) {
+        self.floor += variance;
     }
 
     /// Raises the floor to the rounding error of terms that cancel: `largest` is the root mean square of the largest contribution.

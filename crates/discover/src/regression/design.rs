@@ -45,10 +45,12 @@ impl Design {
     ) -> Design {
         let whitened = matches!(basis, RowKind::Integrals { .. });
         let correlation = weights.correlation;
-        let tolerance = tolerance(phi.as_ref(), &target, &mut weights);
+        let (tolerance, drift) = tolerance(phi.as_ref(), &target, &mut weights);
         if whitened {
             // Whitened errors are independent; correlation left in the residual comes from missing terms.
             weights.correlation = correlation;
+        } else {
+            weights.add_drift(drift);
         }
         Design {
             basis,
@@ -69,26 +71,22 @@ impl Design {
 }
 
 /// ε: the estimated error of the data, or the noise that the fit of the whole library shows, if rows outnumber terms and that is
-/// larger.
-fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> f64 {
+/// larger; and the variance of errors that last longer than the target.
+fn tolerance(phi: &dyn Dictionary, y: &[f64], weights: &mut Weights) -> (f64, f64) {
     let (m, n) = (phi.rows(), phi.cols());
     if m <= n {
-        return weights.tolerance;
+        return (weights.tolerance, 0.0);
     }
     let fit = solve::minimum_norm_least_squares(phi, y);
     let size = norm(y);
-    let exact = Problem {
-        dictionary: phi,
-        target: y,
-        tolerance: 0.0,
-    };
-    weights.raise_correlation(&exact.residual(&fit.coefficients));
+    let drift = weights.raise_correlation(&fit.rest, y);
     let free = (m - fit.rank.min(m - 1)) as f64;
     let noise = fit.residual * (m as f64 / free).sqrt();
     if noise > TOLERANCE.visible_noise * size {
         weights.lower_floor(noise / (m as f64).sqrt());
     }
-    (TOLERANCE.room * noise)
+    let tolerance = (TOLERANCE.room * noise)
         .max(weights.tolerance)
-        .max(TOLERANCE.relative_floor * size)
+        .max(TOLERANCE.relative_floor * size);
+    (tolerance, drift)
 }

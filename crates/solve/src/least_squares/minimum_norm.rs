@@ -12,6 +12,8 @@ pub struct LeastSquares {
     pub coefficients: Vec<(usize, f64)>,
     /// ‖Φ a − y‖₂, in the units of y.
     pub residual: f64,
+    /// The part of y off the columns, length M. Where columns are nearly dependent, Φ a has lost it to rounding.
+    pub rest: Vec<f64>,
     /// Numerical rank of Φ with unit columns.
     pub rank: usize,
     /// Largest over smallest singular value that counts into the rank.
@@ -32,6 +34,7 @@ pub fn minimum_norm_least_squares(dictionary: &dyn Dictionary, target: &[f64]) -
     let mut fit = LeastSquares {
         coefficients: Vec::new(),
         residual: size,
+        rest: target.to_vec(),
         rank: 0,
         condition: 1.0,
     };
@@ -49,7 +52,8 @@ pub fn minimum_norm_least_squares(dictionary: &dyn Dictionary, target: &[f64]) -
     if x.iter().all(|x| x.is_finite()) {
         let raw = kept.iter().zip(&lengths).zip(&x);
         fit.coefficients = raw.map(|((&j, &n), x)| (j, x * size / n)).collect();
-        fit.residual = size * norm(&range.outside(&y));
+        fit.rest = range.outside(&y).iter().map(|r| size * r).collect();
+        fit.residual = norm(&fit.rest);
         fit.rank = range.values.len();
         fit.condition = first / last;
     }
