@@ -6,14 +6,15 @@
 //! gives the criterion of the best terms as a function of the constants alone, `search_points` says where it is looked at, and
 //! `variable_projection` goes downhill from the best of these with the terms kept.
 
+mod all_terms;
 mod profile;
 mod search;
 mod search_points;
 pub(crate) mod thresholds;
 mod variable_projection;
 
-pub(crate) use search::alike;
 pub use search::{ConstantErrors, constant_errors, refine, settle};
+pub(crate) use search_points::alike;
 
 use sidc_data::Samples;
 use sidc_lang::model::UnknownConstant;

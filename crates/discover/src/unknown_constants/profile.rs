@@ -11,13 +11,13 @@ use crate::row_weights::Weights;
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::select_terms;
 use crate::selection::thresholds::TERM_SELECTION;
-use crate::statistics::product;
+use crate::statistics::{product, rms};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, UnknownConstant};
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
-use sidc_solve::{Problem, minimum_norm_least_squares};
+use sidc_solve::Problem;
 
 /// One equation that constants stand in, on the rows that are looked at.
 pub(super) struct ProfiledEquation<'a> {
@@ -42,8 +42,6 @@ pub(super) struct Profile<'a> {
 pub(super) struct ProfilePoint {
     pub values: Vec<f64>,
     pub criterion: f64,
-    /// Σ samples · ln(variance that all terms together leave).
-    pub whole: f64,
     /// The columns of each equation's library.
     pub supports: Vec<Vec<usize>>,
 }
@@ -93,6 +91,32 @@ impl<'a> Profile<'a> {
         }
     }
 
+    /// Lowers the errors of each equation's rows to what all its terms leave: the estimates were pessimistic.
+    pub fn lower_floors(&mut self, variances: &[f64]) {
+        for (e, variance) in self.equations.iter_mut().zip(variances) {
+            e.criterion.floor = e.criterion.floor.min(*variance);
+        }
+    }
+
+    /// Raises the errors of the rows to a share of the target's size at least; what they were comes back.
+    pub fn raise_floors(&mut self, share: f64) -> Vec<f64> {
+        let floors = self.equations.iter().map(|e| e.criterion.floor).collect();
+        for e in &mut self.equations {
+            let y = self
+                .samples
+                .column(e.target)
+                .map_or(0.0, |c| rms(&c.values));
+            e.criterion.floor = e.criterion.floor.max((share * y).powi(2));
+        }
+        floors
+    }
+
+    pub fn set_floors(&mut self, floors: &[f64]) {
+        for (e, floor) in self.equations.iter_mut().zip(floors) {
+            e.criterion.floor = *floor;
+        }
+    }
+
     /// Takes residuals at their word, however small beside the errors of the rows.
     pub fn forget_errors(&mut self) {
         let criteria = self.equations.iter_mut().map(|e| &mut e.criterion);
@@ -124,7 +148,7 @@ impl<'a> Profile<'a> {
     /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
     pub fn at(&mut self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
         set_values(&mut self.samples, &self.unknowns, values);
-        let (mut criterion, mut whole, mut supports) = (0.0, 0.0, Vec::new());
+        let (mut criterion, mut supports) = (0.0, Vec::new());
         for e in &self.equations {
             let y = e.target_values(&self.samples)?;
             let phi = compile(e.library, &self.samples, Some(&e.row)).ok()?;
@@ -144,17 +168,11 @@ impl<'a> Profile<'a> {
                 return None;
             }
             criterion += found.value;
-            if phi.cols() < phi.rows() && phi.cols() <= TERM_SELECTION.exhaustive_columns {
-                let left = minimum_norm_least_squares(phi.as_ref(), &y).residual;
-                let variance = left * left / e.criterion.rows;
-                whole += e.criterion.samples * variance.max(f64::MIN_POSITIVE).ln();
-            }
             supports.push(found.support);
         }
         criterion.is_finite().then(|| ProfilePoint {
             criterion: criterion + self.price(&supports),
             values: values.to_vec(),
-            whole,
             supports,
         })
     }
@@ -162,17 +180,37 @@ impl<'a> Profile<'a> {
     /// What the constants cost that some chosen term holds: each is one more number that is estimated.
     fn price(&self, supports: &[Vec<usize>]) -> f64 {
         let price = |u: &UnknownConstant| {
-            let signal = Signal::new(u.var);
-            let pairs = self.equations.iter().zip(supports);
-            let holding = pairs.filter(|(e, support)| {
-                let terms = support.iter().filter_map(|j| e.library.term(*j));
-                terms.into_iter().any(|t| t.mentions(signal))
-            });
+            let holding = self.holding(u, supports);
             holding
-                .map(|(e, _)| e.criterion.samples.ln())
+                .map(|e| e.criterion.samples.ln())
                 .fold(0.0, f64::max)
         };
         self.unknowns.iter().map(price).sum()
+    }
+
+    /// Whether a chosen term, or a known one, holds a constant.
+    pub fn holds_constant(&self, supports: &[Vec<usize>]) -> bool {
+        let held = |u: &UnknownConstant| {
+            let signal = Signal::new(u.var);
+            let mut known = self.equations.iter().flat_map(|e| &e.known);
+            known.any(|(_, t)| t.mentions(signal)) || self.holding(u, supports).next().is_some()
+        };
+        self.unknowns.iter().any(held)
+    }
+
+    /// The equations with a chosen term that holds a constant.
+    fn holding(
+        &self,
+        unknown: &UnknownConstant,
+        supports: &[Vec<usize>],
+    ) -> impl Iterator<Item = &ProfiledEquation<'a>> {
+        let signal = Signal::new(unknown.var);
+        let pairs = self.equations.iter().zip(supports);
+        let holding = pairs.filter(move |(e, support)| {
+            let mut terms = support.iter().filter_map(|j| e.library.term(*j));
+            terms.any(|t| t.mentions(signal))
+        });
+        holding.map(|(e, _)| e)
     }
 }
 

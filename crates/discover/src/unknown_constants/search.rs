@@ -4,8 +4,9 @@
 
 use nalgebra::DMatrix;
 
+use super::all_terms;
 use super::profile::{Profile, ProfilePoint};
-use super::search_points::search_points;
+use super::search_points::{alike, apart, search_points};
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::{Projected, project};
 use crate::options::Options;
@@ -39,20 +40,16 @@ pub fn settle(
     };
     let rows = (&profile.samples, points);
     let points = search_points(&profile.unknowns, &profile.terms(), rows);
-    let mut seen: Vec<ProfilePoint> = Vec::new();
-    for values in &points {
-        seen.extend(profile.at(values, observer));
-    }
-    seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    let starts: Vec<ProfilePoint> = distinct(&seen).into_iter().cloned().collect();
-    let ends = starts.iter().cloned();
-    let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(&mut profile, s, observer)).collect();
-    ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    let whole = minima_of_whole(&mut seen, UNKNOWNS.minima_of_whole);
-    let ends = ends.into_iter().map(|e| e.values);
-    let starts = starts.into_iter().map(|s| s.values);
+    let whole = all_terms::minima(&mut profile, &points, observer);
+    // One constant is looked at densely.
+    let rough = match profile.is_large() || profile.unknowns.len() < 2 {
+        true => Vec::new(),
+        false => rough_minima(&mut profile, &points, observer),
+    };
+    let points: Vec<Vec<f64>> = [points, whole.clone(), rough].concat();
+    let (starts, ends) = descents(&mut profile, &points, observer);
     let mut out: Vec<Vec<f64>> = Vec::new();
-    for values in ends.chain(whole).chain(starts) {
+    for values in [ends, whole, starts].concat() {
         if out.len() < most && out.iter().all(|o| !alike(o, &values)) {
             out.push(values);
         }
@@ -63,37 +60,47 @@ pub fn settle(
     out
 }
 
-/// Points at which all terms together leave least, none near another. Where the noise of the rows hides the constants from a criterion that
-/// pays for terms, that still shows them.
-fn minima_of_whole(seen: &mut [ProfilePoint], most: usize) -> Vec<Vec<f64>> {
-    seen.sort_by(|a, b| a.whole.total_cmp(&b.whole));
-    let mut out: Vec<Vec<f64>> = Vec::new();
-    for p in seen.iter() {
-        if out.len() < most && out.iter().all(|o| !within(o, &p.values, UNKNOWNS.apart)) {
-            out.push(p.values.clone());
-        }
+/// The minima that few terms have where the data are taken to be rough: many terms fit small differences at wrong constants as few do at the
+/// right ones.
+fn rough_minima(
+    profile: &mut Profile,
+    points: &[Vec<f64>],
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let mut out = Vec::new();
+    for share in UNKNOWNS.rough {
+        let floors = profile.raise_floors(share);
+        out.extend(descents(profile, points, observer).1);
+        profile.set_floors(&floors);
     }
     out
 }
 
-/// Whether two points are one minimum.
-pub(crate) fn alike(a: &[f64], b: &[f64]) -> bool {
-    within(a, b, UNKNOWNS.same)
+/// The best of some points, and where each leads downhill, the best first.
+fn descents(
+    profile: &mut Profile,
+    points: &[Vec<f64>],
+    observer: &mut dyn Observer,
+) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+    let mut seen: Vec<ProfilePoint> = Vec::new();
+    for values in points {
+        seen.extend(profile.at(values, observer));
+    }
+    seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let starts: Vec<ProfilePoint> = distinct(profile, &seen).into_iter().cloned().collect();
+    let ends = starts.iter().cloned();
+    let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(profile, s, observer)).collect();
+    ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    let values = |points: Vec<ProfilePoint>| points.into_iter().map(|p| p.values).collect();
+    (values(starts), values(ends))
 }
 
-/// Whether two points agree to this part of their constants.
-fn within(a: &[f64], b: &[f64], part: f64) -> bool {
-    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= part * a.abs().max(b.abs());
-    a.iter().zip(b).all(near)
-}
-
-/// The best points, of each set of terms those that are not near another.
-fn distinct(seen: &[ProfilePoint]) -> Vec<&ProfilePoint> {
+/// The best points, of each set of terms those that are not near another. Without a constant in its terms a point leads nowhere.
+fn distinct<'a>(profile: &Profile, seen: &'a [ProfilePoint]) -> Vec<&'a ProfilePoint> {
     let mut out: Vec<&ProfilePoint> = Vec::new();
-    for p in seen {
-        let new = |o: &&ProfilePoint| {
-            o.supports != p.supports || !within(&o.values, &p.values, UNKNOWNS.apart)
-        };
+    let free = |p: &&ProfilePoint| profile.holds_constant(&p.supports);
+    for p in seen.iter().filter(free) {
+        let new = |o: &&ProfilePoint| o.supports != p.supports || apart(&o.values, &p.values);
         if out.len() < UNKNOWNS.starts && out.iter().all(new) {
             out.push(p);
         }

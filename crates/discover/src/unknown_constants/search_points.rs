@@ -47,6 +47,22 @@ pub(super) fn search_points(
     })
 }
 
+/// Whether two points are one minimum.
+pub(crate) fn alike(a: &[f64], b: &[f64]) -> bool {
+    within(a, b, UNKNOWNS.same)
+}
+
+/// Whether two points of the profile may lie in different basins.
+pub(super) fn apart(a: &[f64], b: &[f64]) -> bool {
+    !within(a, b, UNKNOWNS.apart)
+}
+
+/// Whether two points agree to this part of their constants.
+fn within(a: &[f64], b: &[f64], part: f64) -> bool {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= part * a.abs().max(b.abs());
+    a.iter().zip(b).all(near)
+}
+
 /// A coordinate along a range: the logarithm between ends of one sign, the value itself otherwise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coordinate {
@@ -90,14 +106,15 @@ impl Coordinate {
     }
 }
 
-/// Values of a range, most `most`: evenly spaced, and more where the columns change.
+/// At most `most` values of a range: evenly spaced, and more where the columns change. Few of them are those between which the columns
+/// change alike.
 fn dense_values(
     range: (f64, f64),
     most: usize,
     columns: &mut impl FnMut(f64) -> Vec<Vec<f64>>,
 ) -> Vec<f64> {
     let coordinate = Coordinate::new(range);
-    let first = UNKNOWNS.least_values.min(most);
+    let first = UNKNOWNS.least_values;
     let share = |k: usize| k as f64 / (first - 1).max(1) as f64;
     let mut all: Vec<(f64, Vec<Vec<f64>>)> = (0..first)
         .map(|k| (share(k), columns(coordinate.at(share(k)))))
@@ -115,7 +132,34 @@ fn dense_values(
         let halves = [place, place + 1].map(|k| unlike(&all[k].1, &all[k + 1].1));
         apart.splice(place..place + 1, halves);
     }
-    all.iter().map(|(share, _)| coordinate.at(*share)).collect()
+    let values = all.iter().map(|(share, _)| coordinate.at(*share));
+    let values: Vec<f64> = values.collect();
+    match values.len() > most {
+        true => evenly_changing(&values, &apart, most),
+        false => values,
+    }
+}
+
+/// So many of the values that as much change lies before each: the middles of equal parts of all change.
+fn evenly_changing(values: &[f64], apart: &[f64], most: usize) -> Vec<f64> {
+    // 1 − cosine is the square of half the distance between unit columns, which is what adds up.
+    let lengths = apart.iter().map(|a| a.sqrt());
+    let sums: Vec<f64> = std::iter::once(0.0)
+        .chain(lengths.scan(0.0, |sum, l| {
+            *sum += l;
+            Some(*sum)
+        }))
+        .collect();
+    let whole = sums.last().copied().unwrap_or(0.0);
+    let place = |k: usize| {
+        let at = whole * (k as f64 + 0.5) / most as f64;
+        let after = sums.partition_point(|s| *s < at).clamp(1, sums.len() - 1);
+        let nearer = at - sums[after - 1] < sums[after] - at;
+        after - usize::from(nearer)
+    };
+    let mut places: Vec<usize> = (0..most).map(place).collect();
+    places.dedup();
+    places.into_iter().map(|k| values[k]).collect()
 }
 
 /// 1 − |cosine| of the columns that change most; 0 where they have no direction.
@@ -146,5 +190,15 @@ mod tests {
             assert!(pair[1] - pair[0] < 0.2, "{pair:?}");
         }
         assert_eq!((values[0], *values.last().unwrap()), (0.1, 10.0));
+    }
+
+    #[test]
+    fn few_values_lie_where_the_columns_change() {
+        let x: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
+        // Below 0.1 a line, above 1000 a constant 1, whatever k.
+        let mut columns = |k: f64| vec![x.iter().map(|x| (k * x).tanh()).collect()];
+        let values = dense_values((1e-5, 1e4), 4, &mut columns);
+        assert_eq!(values.len(), 4);
+        assert!(values[0] > 0.1 && values[3] < 1000.0, "{values:?}");
     }
 }

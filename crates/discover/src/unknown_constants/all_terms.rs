@@ -1,0 +1,101 @@
+//! What all terms together leave at given values of the constants.
+//!
+//! In: the equations with their rows. Out: the values at which the least is left, none near another. Chooses no terms.
+//!
+//! That needs one fit a point, and is smooth in the constants. With several constants few values of each are looked at, and terms chosen away
+//! from the minimum are the wrong ones; all terms together still lead there. Where the noise of the rows hides the constants from a criterion
+//! that pays for terms, they show them too.
+
+use super::profile::Profile;
+use super::search_points::{alike, apart};
+use super::set_values;
+use super::thresholds::UNKNOWNS;
+use super::variable_projection::project;
+use crate::dictionary::compile;
+use sidc_progress::Observer;
+use sidc_solve::minimum_norm_least_squares;
+
+/// What is left at some values.
+struct Left {
+    values: Vec<f64>,
+    /// Of the rows of each equation.
+    variances: Vec<f64>,
+    /// Σ samples · ln(variance).
+    deviance: f64,
+}
+
+/// The minima that are seen from these points, refined, the least first; at most `unknowns.minima_of_whole`. None where the terms are too many
+/// for the rows or to be fitted at every point.
+pub(super) fn minima(
+    profile: &mut Profile,
+    points: &[Vec<f64>],
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let Some(all) = columns(profile) else {
+        return Vec::new();
+    };
+    let mut seen: Vec<Left> = Vec::new();
+    for values in points {
+        if !observer.go_on() {
+            break;
+        }
+        seen.extend(left(profile, values));
+    }
+    seen.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    let mut out: Vec<Left> = Vec::new();
+    for point in seen {
+        let new = out.iter().all(|o| apart(&o.values, &point.values));
+        if out.len() < UNKNOWNS.minima_of_whole && new {
+            out.push(point);
+        }
+    }
+    for point in &mut out {
+        let refined = project(profile, &all, &point.values);
+        let there = refined.and_then(|r| left(profile, &r.values));
+        if let Some(there) = there.filter(|t| t.deviance < point.deviance) {
+            *point = there;
+        }
+    }
+    out.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
+    let mut ends: Vec<Left> = Vec::new();
+    for end in out {
+        if ends.iter().all(|e| !alike(&e.values, &end.values)) {
+            ends.push(end);
+        }
+    }
+    let out = ends;
+    if let Some(least) = out.first() {
+        profile.lower_floors(&least.variances);
+    }
+    out.into_iter().map(|l| l.values).collect()
+}
+
+/// The columns of all terms, if they are few beside the rows.
+fn columns(profile: &Profile) -> Option<Vec<Vec<usize>>> {
+    let sizes: Vec<usize> = (profile.equations.iter())
+        .map(|e| e.library.slots())
+        .collect();
+    let few = sizes.iter().all(|n| 2 * n <= profile.samples.len());
+    (few && !profile.is_large()).then(|| sizes.iter().map(|n| (0..*n).collect()).collect())
+}
+
+/// `None` where a term has no value.
+fn left(profile: &mut Profile, values: &[f64]) -> Option<Left> {
+    set_values(&mut profile.samples, &profile.unknowns, values);
+    let mut variances = Vec::new();
+    let mut deviance = 0.0;
+    for e in &profile.equations {
+        let y = e.target_values(&profile.samples)?;
+        let phi = compile(e.library, &profile.samples, Some(&e.row)).ok()?;
+        let fit = minimum_norm_least_squares(phi.as_ref(), &y);
+        let free = (phi.rows() - fit.rank.min(phi.rows() - 1)) as f64;
+        let variance = (fit.residual * fit.residual / free).max(f64::MIN_POSITIVE);
+        deviance += e.criterion.samples * variance.ln();
+        variances.push(variance);
+    }
+    deviance.is_finite().then(|| Left {
+        values: values.to_vec(),
+        variances,
+        deviance,
+    })
+}
