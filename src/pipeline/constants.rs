@@ -117,3 +117,14 @@ pub(super) fn tell(program: &Program, samples: &Samples, found: &mut Discovery, 
     });
     found.unknowns = told.collect();
 }
+
+/// Doubts about the constants of a discovery, from rows of all signals.
+pub(super) fn doubt(
+    program: &Program,
+    samples: &Samples,
+    found: &mut Discovery,
+    options: &Options,
+) {
+    let of = (&program.model, &program.libraries[..]);
+    discover::doubt_constants(of, samples, found, &options.search);
+}

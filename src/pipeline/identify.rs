@@ -50,6 +50,7 @@ pub fn identify(
     );
     let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
     constants::tell(program, &measured.samples, &mut discovery, options);
+    constants::doubt(program, &measured.samples, &mut discovery, options);
     rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {
         program,

@@ -13,6 +13,7 @@ use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
+use super::constants;
 use super::evidence::{self, Weighing};
 use super::program::Program;
 use super::rates;
@@ -41,6 +42,7 @@ pub(super) fn jointly(
         (nothing, Fitted::default())
     });
     rates::doubt(&mut discovery, &dataset.rate_faults);
+    constants::doubt(program, &fitted.samples, &mut discovery, options);
     let unknowns = program.model.unknowns.iter().map(|u| Signal::new(u.var));
     let constants: Vec<(Signal, f64)> = unknowns
         .filter_map(|s| Some((s, discovery.unknown_value(s)?)))

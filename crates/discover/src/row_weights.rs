@@ -88,21 +88,12 @@ impl Weights {
         self.median_error / self.row[row]
     }
 
-    /// Raises the correlation to that of the residual of the whole library, at most to that of the target. Where the residual lasts
-    /// longer, its variance comes back, to be added to the floor by `add_drift`.
-    ///
-    /// A residual of variance s, of which E lasts τₑ rows and the rest as the target, τ, has s M / (τ s + (τₑ − τ) E) independent samples.
-    /// Summed up over ln s that is (M/τ) ln(s + E (τₑ/τ − 1)): the samples of the target above a floor.
+    /// Raises the correlation to that of the residual of the whole library, as [`lasting_errors`] says; its variance comes back, to be
+    /// added to the floor by `add_drift`.
     pub fn raise_correlation(&mut self, residual: &[f64], target: &[f64]) -> f64 {
-        let lasting = autocorrelation_time(residual);
-        if lasting <= self.correlation {
-            return 0.0;
-        }
-        let mean = target.iter().sum::<f64>() / target.len() as f64;
-        let moved: Vec<f64> = target.iter().map(|y| y - mean).collect();
-        let own = autocorrelation_time(&moved).max(self.correlation);
-        self.correlation = lasting.min(own);
-        rms(residual).powi(2) * (lasting / self.correlation - 1.0)
+        let (correlation, drift) = lasting_errors(self.correlation, residual, target);
+        self.correlation = correlation;
+        drift
     }
 
     /// Raises the floor by a variance.
@@ -119,6 +110,25 @@ impl Weights {
     pub fn lower_floor(&mut self, noise: f64) {
         self.floor = self.floor.min((noise * noise).max(f64::MIN_POSITIVE));
     }
+}
+
+/// The autocorrelation time of rows whose whole library leaves this residual, at most that of the target if that is not below `least`; and the
+/// variance of a residual that lasts longer, by which the floor rises.
+///
+/// A residual of variance s, of which E lasts τₑ rows and the rest as the target, τ, has s M / (τ s + (τₑ − τ) E) independent samples.
+/// Summed up over ln s that is (M/τ) ln(s + E (τₑ/τ − 1)): the samples of the target above a floor.
+pub(crate) fn lasting_errors(least: f64, residual: &[f64], target: &[f64]) -> (f64, f64) {
+    let lasting = autocorrelation_time(residual);
+    if lasting <= least {
+        return (least, 0.0);
+    }
+    let mean = target.iter().sum::<f64>() / target.len() as f64;
+    let moved: Vec<f64> = target.iter().map(|y| y - mean).collect();
+    let correlation = lasting.min(autocorrelation_time(&moved).max(least));
+    (
+        correlation,
+        rms(residual).powi(2) * (lasting / correlation - 1.0),
+    )
 }
 
 /// The standard error of every value: estimated, or as declared for the sensor.

@@ -31,6 +31,7 @@ followed! {
     BetterWithout: library::better_without, "leave x^5 out of the library";
     BeyondLibrary: library::beyond_library, "add sin(x) to the library";
     ColouredResiduals: sensors::coloured_residuals, "or use a quieter sensor";
+    ConstantRange: records::constant_range, "widen the range: `unknown k in ";
     ConstraintBroken: library::constraint_broken, "or leave it out";
     ConstraintStrained: library::constraint_strained, "or leave it out";
     DelayRange: sensors::delay_range, "widen the range: `delay in 0..0.2`";
@@ -65,6 +66,7 @@ followed! {
     SolverRefused: search::solver_refused, "leave --solver out";
     Tie: records::tie, "reach |x| > ";
     UncertainCoefficient: records::uncertain_coefficient, "s more of such data";
+    UncertainConstant: records::uncertain_constant, "record where tanh(x/k) bends";
 }
 
 /// Codes whose advice no case can follow, with the reason. What they advise is tested where they are made.

@@ -170,3 +170,28 @@ pub fn runs_differ() -> Scenario {
     let case = Case::new("state x : order 2\nddx ~ poly(x, dx; 2)\n", String::new());
     Scenario::change(case.recorded(vec![sprung(4.0, 1), sprung(4.4, 2)]))
 }
+
+/// A friction that saturates, where it does and where it does not.
+fn slowed(start: f64) -> String {
+    let rate = |_: f64, z: &[f64; 1]| [-2.4 * (z[0] / 0.8).tanh()];
+    let [x] = motion(rate, [start], 0.02, 200);
+    record(0.02, &[("x", &read(&x, 0.01 * start, 3))])
+}
+
+pub fn uncertain_constant() -> Scenario {
+    let model = "unknown k in 0.05..50\nstate x\ndx ~ <tanh(x/k)>\n";
+    let case = Case::new(model, slowed(0.1));
+    Scenario::words(case, |case, _| case.recorded(vec![slowed(3.0)]))
+}
+
+pub fn constant_range() -> Scenario {
+    let model = "unknown k in 2..20\nstate x\ndx ~ <tanh(x/k)>\n";
+    let case = Case::new(model, slowed(3.0));
+    Scenario::words(case, |case, reason| {
+        assert!(
+            reason.advice().contains("unknown k in 0.2..20"),
+            "{reason:?}"
+        );
+        case.rewritten("2..20", "0.2..20")
+    })
+}

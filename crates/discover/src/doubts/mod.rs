@@ -3,6 +3,7 @@
 //! In: evidence, residuals, states. Out: reasons. Never changes an equation.
 
 pub(crate) mod badly_fitted_rows;
+pub(crate) mod constant_rules;
 pub(crate) mod dependent_states;
 pub(crate) mod pooling_rules;
 pub(crate) mod regression_rules;

@@ -5,6 +5,18 @@
 use sidc_thresholds::{Table, family};
 
 family! {
+    /// Doubts about unknown constants.
+    pub(crate) CONSTANT_DOUBTS: ConstantDoubts {
+        /// Change of a term within the standard error of its constant above which the data hardly tell the constant.
+        change: f64 = 0.5, unit "of the term", source "a 95 % interval is two standard errors to each side: the term may then be absent, or twice as large";
+        /// Distance from a whole number below which a power is that number.
+        whole_power: f64 = 0.1, unit "", source "set by hand: powers are computed along a curved valley";
+        /// Distance from an end of its range at which a constant lies there.
+        at_end: f64 = 1e-6, unit "of the constant", source "steps are cut off at the end exactly; printing rounds";
+    }
+}
+
+family! {
     /// Doubts of an equation from rows, and those that both methods share.
     pub(crate) DOUBTS: Doubts {
         /// Residual above which too much of the target is left unexplained.
@@ -85,6 +97,7 @@ family! {
 /// The families as tables.
 pub(crate) fn tables() -> Vec<Table> {
     vec![
+        ConstantDoubts::table(),
         Doubts::table(),
         BadlyFitted::table(),
         DependentStates::table(),

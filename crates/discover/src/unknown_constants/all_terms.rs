@@ -18,8 +18,8 @@ use sidc_solve::minimum_norm_least_squares;
 /// What is left at some values.
 struct Left {
     values: Vec<f64>,
-    /// Of the rows of each equation.
-    variances: Vec<f64>,
+    /// Of each equation the residuals of its rows, and their variance.
+    rests: Vec<(Vec<f64>, f64)>,
     /// Σ samples · ln(variance).
     deviance: f64,
 }
@@ -65,7 +65,7 @@ pub(super) fn minima(
     }
     let out = ends;
     if let Some(least) = out.first() {
-        profile.lower_floors(&least.variances);
+        profile.learn_errors(&least.rests);
     }
     out.into_iter().map(|l| l.values).collect()
 }
@@ -82,7 +82,7 @@ fn columns(profile: &Profile) -> Option<Vec<Vec<usize>>> {
 /// `None` where a term has no value.
 fn left(profile: &mut Profile, values: &[f64]) -> Option<Left> {
     set_values(&mut profile.samples, &profile.unknowns, values);
-    let mut variances = Vec::new();
+    let mut rests = Vec::new();
     let mut deviance = 0.0;
     for e in &profile.equations {
         let y = e.target_values(&profile.samples)?;
@@ -91,11 +91,11 @@ fn left(profile: &mut Profile, values: &[f64]) -> Option<Left> {
         let free = (phi.rows() - fit.rank.min(phi.rows() - 1)) as f64;
         let variance = (fit.residual * fit.residual / free).max(f64::MIN_POSITIVE);
         deviance += e.criterion.samples * variance.ln();
-        variances.push(variance);
+        rests.push((fit.rest, variance));
     }
     deviance.is_finite().then(|| Left {
         values: values.to_vec(),
-        variances,
+        rests,
         deviance,
     })
 }

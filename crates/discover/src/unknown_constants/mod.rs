@@ -7,12 +7,14 @@
 //! `variable_projection` goes downhill from the best of these with the terms kept.
 
 mod all_terms;
+mod effects;
 mod profile;
 mod search;
 mod search_points;
 pub(crate) mod thresholds;
 mod variable_projection;
 
+pub(crate) use effects::{ConstantEffect, constant_effects};
 pub use search::{ConstantErrors, constant_errors, refine, settle};
 pub(crate) use search_points::alike;
 

@@ -7,7 +7,7 @@ use super::thresholds::UNKNOWNS;
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
 use crate::options::Options;
-use crate::row_weights::Weights;
+use crate::row_weights::{Weights, lasting_errors};
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::select_terms;
 use crate::selection::thresholds::TERM_SELECTION;
@@ -91,10 +91,21 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Lowers the errors of each equation's rows to what all its terms leave: the estimates were pessimistic.
-    pub fn lower_floors(&mut self, variances: &[f64]) {
-        for (e, variance) in self.equations.iter_mut().zip(variances) {
-            e.criterion.floor = e.criterion.floor.min(*variance);
+    /// Sets the errors of each equation's rows by what all its terms leave at some values, M numbers with their variance: lower than estimated,
+    /// and of fewer independent samples where they last.
+    pub fn learn_errors(&mut self, left: &[(Vec<f64>, f64)]) {
+        for (e, (rest, variance)) in self.equations.iter_mut().zip(left) {
+            let Some(y) = e.target_values(&self.samples) else {
+                continue;
+            };
+            let before = e.criterion.rows / e.criterion.samples;
+            let (correlation, drift) = lasting_errors(before, rest, &y);
+            e.criterion = InformationCriterion::new(
+                rest.len(),
+                correlation,
+                e.library.len(),
+                e.criterion.floor.min(*variance) + drift,
+            );
         }
     }
 

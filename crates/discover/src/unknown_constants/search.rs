@@ -144,7 +144,7 @@ pub fn refine(
 }
 
 /// The profile on all rows, with the columns of the terms that were found.
-fn fitted<'a>(
+pub(super) fn fitted<'a>(
     (model, libraries): (&'a Model, &'a [Option<Library>]),
     samples: &Samples,
     found: &Discovery,

@@ -187,6 +187,9 @@ codes! {
     /// The residuals of a channel are correlated in time.
     ColouredResiduals = "coloured-residuals": Law,
         "look for a term, a state or a delay that the model lacks, or use a quieter sensor";
+    /// An unknown constant lies at an end of the range that it was sought in.
+    ConstantRange = "constant-range": Law,
+        "widen the range of the constant";
     /// A constraint does not hold for the coefficients found.
     ConstraintBroken = "constraint-broken": Law,
         "check the constraint, or leave it out and see what the data say";
@@ -298,6 +301,9 @@ codes! {
     /// A standard error is large against its coefficient.
     UncertainCoefficient = "uncertain-coefficient": Coefficients,
         "record more";
+    /// The data hardly tell an unknown constant.
+    UncertainConstant = "uncertain-constant": Coefficients,
+        "state the constant, or record where its terms bend";
 }
 
 impl From<ReasonCode> for String {

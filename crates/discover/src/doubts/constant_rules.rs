@@ -1,0 +1,144 @@
+//! Doubts about unknown constants: what the data do not tell of them, and ends of their ranges.
+//!
+//! In: a model, a discovery with its constants, rows. Out: reasons at the equations that hold them.
+
+use crate::doubts::thresholds::CONSTANT_DOUBTS;
+use crate::options::Options;
+use crate::unknown_constants::{ConstantEffect, constant_effects};
+use sidc_data::Samples;
+use sidc_lang::library::Library;
+use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::number::significant;
+use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_system::discovery::{Discovery, Reason, ReasonCode, UnknownValue};
+
+/// Adds the doubts about the unknown constants of a discovery to its equations.
+pub fn doubt_constants(
+    (model, libraries): (&Model, &[Option<Library>]),
+    samples: &Samples,
+    found: &mut Discovery,
+    options: &Options,
+) {
+    if found.unknowns.is_empty() {
+        return;
+    }
+    let effects = constant_effects((model, libraries), samples, found, options);
+    let effects = effects.unwrap_or_else(|| vec![None; model.unknowns.len()]);
+    for (unknown, effect) in model.unknowns.iter().zip(&effects) {
+        let name = model.variable(unknown.var);
+        let Some(value) = found.unknowns.iter().find(|u| u.name == name).cloned() else {
+            continue;
+        };
+        let uncertain = effect.as_ref().and_then(|e| uncertain(found, &value, e));
+        let reasons: Vec<Reason> = [uncertain, at_end(unknown, &value)]
+            .into_iter()
+            .flatten()
+            .collect();
+        let signal = Signal::new(unknown.var);
+        let holding = found.equations.iter_mut();
+        let holding = holding.filter(|e| e.terms.iter().any(|t| t.term.mentions(signal)));
+        holding.for_each(|e| e.reasons.extend(reasons.iter().cloned()));
+    }
+}
+
+/// Whether the error of a constant lets its term change by so much that it could as well be another.
+fn uncertain(found: &Discovery, value: &UnknownValue, effect: &ConstantEffect) -> Option<Reason> {
+    let UnknownValue { name, .. } = value;
+    let term = Language(found).term(&effect.term);
+    let Some(error) = value.standard_error else {
+        let text = format!("the data do not tell {name}: any value fits as well");
+        return Some(Reason::new(ReasonCode::UncertainConstant, text));
+    };
+    let share = error * effect.change;
+    if share <= CONSTANT_DOUBTS.change {
+        return None;
+    }
+    let told = match combination(name, value.value, effect) {
+        Some((what, size)) => format!(
+            "; what the data tell is {what} = {}, with c its coefficient",
+            significant(size, 3)
+        ),
+        None => String::new(),
+    };
+    let text = format!(
+        "{name} = {} ± {}: within its standard error {term} changes by {} %{told}",
+        significant(value.value, 3),
+        significant(error, 2),
+        significant(100.0 * share, 2),
+    );
+    let remedy = format!("state {name}, or record where {term} bends");
+    Some(Reason::new(ReasonCode::UncertainConstant, text).remedy(remedy))
+}
+
+/// The product c·kᵖ of coefficient and constant that stays as the constant moves along its valley: p = −(k/c) dc/dk. Powers near a small
+/// whole number are that number, as at the limits of most laws (`c*tanh(x/k)` ≈ (c/k)*x).
+fn combination(name: &str, value: f64, effect: &ConstantEffect) -> Option<(String, f64)> {
+    let exact = -value * effect.slope / effect.coefficient;
+    let near = exact.round();
+    let whole = (exact - near).abs() <= CONSTANT_DOUBTS.whole_power;
+    let power = if whole { near } else { exact };
+    let size = effect.coefficient * value.abs().powf(power);
+    if power == 0.0 || !size.is_finite() {
+        return None;
+    }
+    let raised = match significant(power.abs(), 2).as_str() {
+        "1" => name.to_string(),
+        p => format!("{name}^{p}"),
+    };
+    let sign = if power > 0.0 { '*' } else { '/' };
+    Some((format!("c{sign}{raised}"), size))
+}
+
+/// Whether a constant would leave its range.
+fn at_end(unknown: &UnknownConstant, value: &UnknownValue) -> Option<Reason> {
+    let (name, v) = (&value.name, value.value);
+    let ranges = unknown.ranges();
+    let near = |end: &f64| (v - end).abs() <= CONSTANT_DOUBTS.at_end * v.abs();
+    let (from, to) = *ranges.iter().find(|(a, b)| near(a) || near(b))?;
+    let end = if near(&from) { from } else { to };
+    let Some((low, high)) = unknown.range else {
+        let text = format!(
+            "{name} runs to {}, the end of what is searched: the terms want its limit",
+            significant(end, 3)
+        );
+        let remedy = format!("replace the terms with {name} by what they come to at that limit");
+        return Some(Reason::new(ReasonCode::ConstantRange, text).remedy(remedy));
+    };
+    let (low, high) = widened((low, high), end);
+    let text = format!(
+        "{name} lies at an end of its range, {}: the terms want it beyond",
+        significant(end, 3)
+    );
+    let line = format!("unknown {name} in {low}..{high}");
+    let remedy = format!("widen the range: `{line}`");
+    Some(Reason::new(ReasonCode::ConstantRange, text).remedy(remedy))
+}
+
+/// A decade further at that end of a range of one sign, otherwise twice as far.
+fn widened((low, high): (f64, f64), end: f64) -> (f64, f64) {
+    let one_sign = low * high > 0.0;
+    let outwards = |x: f64, by: f64| match one_sign {
+        true if (by > 0.0) == (x > 0.0) => 10.0 * x,
+        true => x / 10.0,
+        false => x + by,
+    };
+    let width = high - low;
+    match end == low {
+        true => (outwards(low, -width), high),
+        false => (low, outwards(high, width)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_grow_at_the_end_that_was_met() {
+        assert_eq!(widened((0.5, 2.0), 0.5), (0.05, 2.0));
+        assert_eq!(widened((0.5, 2.0), 2.0), (0.5, 20.0));
+        assert_eq!(widened((-2.0, -0.5), -0.5), (-2.0, -0.05));
+        assert_eq!(widened((-2.0, -0.5), -2.0), (-20.0, -0.5));
+        assert_eq!(widened((-1.0, 1.0), 1.0), (-1.0, 3.0));
+    }
+}

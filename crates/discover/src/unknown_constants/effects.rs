@@ -1,0 +1,85 @@
+//! How unknown constants act in the terms that were found.
+//!
+//! In: a discovery with its constants, rows. Out: for each constant how far its term changes with it, and how the coefficient of that term
+//! goes with it. Judges nothing.
+
+use super::search::fitted;
+use super::variable_projection::project;
+use super::with_values;
+use crate::dictionary::evaluate;
+use crate::options::Options;
+use crate::statistics::norm;
+use sidc_data::Samples;
+use sidc_lang::library::Library;
+use sidc_lang::model::Model;
+use sidc_lang::term::{Expr, Signal, Term};
+use sidc_system::discovery::Discovery;
+
+/// A constant in the term that changes most with it.
+#[derive(Clone, Debug)]
+pub(crate) struct ConstantEffect {
+    pub term: Term,
+    pub coefficient: f64,
+    /// ‖∂φ/∂k‖ / ‖φ‖ over the rows, per unit of the constant.
+    pub change: f64,
+    /// Change of the coefficient with the constant that keeps the fit closest.
+    pub slope: f64,
+}
+
+/// In order of declaration; `None` for a constant that no term found holds.
+pub(crate) fn constant_effects(
+    (model, libraries): (&Model, &[Option<Library>]),
+    samples: &Samples,
+    found: &Discovery,
+    options: &Options,
+) -> Option<Vec<Option<ConstantEffect>>> {
+    let value = |s: Signal| found.unknown_value(s);
+    let values = model.unknowns.iter().map(|u| value(Signal::new(u.var)));
+    let values: Vec<f64> = values.map(|v| v.unwrap_or(f64::NAN)).collect();
+    let start = model.unknowns.iter().zip(&values);
+    let values: Vec<f64> = start
+        .map(|(u, v)| if v.is_nan() { u.start() } else { *v })
+        .collect();
+    let samples = with_values(samples, &model.unknowns, &values);
+    let (mut profile, supports) = fitted((model, libraries), &samples, found, options)?;
+    let slopes = project(&mut profile, &supports, &values)?.slopes;
+    let mut out: Vec<Option<ConstantEffect>> = vec![None; values.len()];
+    for ((e, support), slopes) in profile.equations.iter().zip(&supports).zip(&slopes) {
+        for (row, term) in support.iter().enumerate() {
+            let Some(term) = e.library.term(*term) else {
+                continue;
+            };
+            let own = found.equations.iter().find(|f| f.target == e.target);
+            let own = own.and_then(|f| f.terms.iter().find(|t| t.term == term));
+            let Some(coefficient) = own.map(|t| t.coefficient) else {
+                continue;
+            };
+            for (k, best) in out.iter_mut().enumerate() {
+                let change = change(&term, Signal::new(model.unknowns[k].var), &samples);
+                if change > best.as_ref().map_or(0.0, |b| b.change) {
+                    *best = Some(ConstantEffect {
+                        term: term.clone(),
+                        coefficient,
+                        change,
+                        slope: slopes[(row, k)],
+                    });
+                }
+            }
+        }
+    }
+    Some(out)
+}
+
+fn change(term: &Term, by: Signal, samples: &Samples) -> f64 {
+    if !term.mentions(by) {
+        return 0.0;
+    }
+    let slope: Expr = term.derivative(by);
+    let (weight, slope) = slope.into_term();
+    let finite = |t: &Term| -> Vec<f64> {
+        let zero = |v: f64| if v.is_finite() { v } else { 0.0 };
+        evaluate(t, samples).into_iter().map(zero).collect()
+    };
+    let ratio = weight.abs() * norm(&finite(&slope)) / norm(&finite(term));
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
