@@ -137,7 +137,7 @@ fn results_are_run_and_exported_with_the_value() {
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
     let code = sidc_in(folder.path(), &["export", "r.json", "--to", "python"]).stdout;
     assert!(
-        code.contains("K = 0.8") && !code.contains("K + x"),
+        code.contains("# K = 0.8") && code.contains("x / (K + x)"),
         "{code}"
     );
     let report = sidc_in(

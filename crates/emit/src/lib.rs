@@ -14,6 +14,7 @@ mod targets;
 mod text;
 mod thresholds;
 mod typeset;
+mod unknown_constants;
 
 pub use caveats::doubted;
 pub use target::Target;
