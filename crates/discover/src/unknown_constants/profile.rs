@@ -2,7 +2,7 @@
 //!
 //! In: a model, libraries, samples, values. Out: the criterion, summed over the equations that the constants stand in, and their terms.
 
-use super::set_values;
+use super::sought::{Sought, set_values, shared};
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
@@ -14,7 +14,7 @@ use crate::selection::thresholds::TERM_SELECTION;
 use crate::statistics::product;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
-use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
 use sidc_solve::{Problem, minimum_norm_least_squares};
@@ -31,7 +31,8 @@ pub(super) struct ProfiledEquation<'a> {
 
 /// The equations with their rows.
 pub(super) struct Profile<'a> {
-    pub unknowns: Vec<UnknownConstant>,
+    /// The numbers whose profile it is; at first one for each constant.
+    pub sought: Vec<Sought>,
     pub equations: Vec<ProfiledEquation<'a>>,
     pub samples: Samples,
     options: &'a Options,
@@ -86,7 +87,7 @@ impl<'a> Profile<'a> {
             });
         }
         Profile {
-            unknowns: model.unknowns.clone(),
+            sought: shared(model),
             equations,
             samples,
             options,
@@ -101,7 +102,7 @@ impl<'a> Profile<'a> {
 
     /// The terms and factors of terms that a constant stands in, as many as tell how fast they change with it.
     pub fn terms(&self) -> Vec<Term> {
-        let sought = |s: Signal| self.unknowns.iter().any(|u| u.var == s.var);
+        let sought = |s: Signal| self.sought.iter().any(|u| u.signal() == s);
         let mentioned = |t: &&Term| {
             let mut found = false;
             t.for_each_signal(&mut |s| found |= sought(s));
@@ -123,7 +124,7 @@ impl<'a> Profile<'a> {
 
     /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
     pub fn at(&mut self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
-        set_values(&mut self.samples, &self.unknowns, values);
+        set_values(&mut self.samples, &self.sought, values);
         let (mut criterion, mut whole, mut supports) = (0.0, 0.0, Vec::new());
         for e in &self.equations {
             let y = e.target_values(&self.samples)?;
@@ -161,8 +162,8 @@ impl<'a> Profile<'a> {
 
     /// What the constants cost that some chosen term holds: each is one more number that is estimated.
     fn price(&self, supports: &[Vec<usize>]) -> f64 {
-        let price = |u: &UnknownConstant| {
-            let signal = Signal::new(u.var);
+        let price = |s: &Sought| {
+            let signal = s.signal();
             let pairs = self.equations.iter().zip(supports);
             let holding = pairs.filter(|(e, support)| {
                 let terms = support.iter().filter_map(|j| e.library.term(*j));
@@ -172,7 +173,7 @@ impl<'a> Profile<'a> {
                 .map(|(e, _)| e.criterion.samples.ln())
                 .fold(0.0, f64::max)
         };
-        self.unknowns.iter().map(price).sum()
+        self.sought.iter().map(price).sum()
     }
 }
 

@@ -6,12 +6,13 @@ use nalgebra::DMatrix;
 
 use super::profile::{Profile, ProfilePoint};
 use super::search_points::search_points;
+use super::sought::{Sought, sought};
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::{Projected, project};
 use crate::options::Options;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
-use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::model::Model;
 use sidc_lang::term::Term;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
@@ -24,7 +25,8 @@ pub fn settle(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Vec<Vec<f64>> {
-    let start: Vec<f64> = model.unknowns.iter().map(UnknownConstant::start).collect();
+    let all = sought(model, samples);
+    let start: Vec<f64> = all.iter().map(|s| s.unknown.start()).collect();
     let mut profile = Profile::new(model, libraries, (samples, UNKNOWNS.rows), options);
     if profile.equations.is_empty() {
         return vec![start];
@@ -38,17 +40,28 @@ pub fn settle(
         false => UNKNOWNS.most_points,
     };
     let rows = (&profile.samples, points);
-    let points = search_points(&profile.unknowns, &profile.terms(), rows);
+    let points = search_points(&profile.sought, &profile.terms(), rows);
     let mut seen: Vec<ProfilePoint> = Vec::new();
     for values in &points {
         seen.extend(profile.at(values, observer));
     }
     seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    let starts: Vec<ProfilePoint> = distinct(&seen).into_iter().cloned().collect();
+    let mut starts: Vec<ProfilePoint> = distinct(&seen).into_iter().cloned().collect();
+    let by_run = |shared: &[f64]| -> Vec<f64> {
+        let value = |s: &Sought| shared.get(s.place).copied();
+        all.iter().filter_map(value).collect()
+    };
+    if all.iter().any(|s| s.run.is_some()) {
+        // From the values that all runs share best, each run goes downhill with its own.
+        profile.sought.clone_from(&all);
+        let with_own = |s: &ProfilePoint| profile.at(&by_run(&s.values), observer);
+        starts = starts.iter().filter_map(with_own).collect();
+    }
     let ends = starts.iter().cloned();
     let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(&mut profile, s, observer)).collect();
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let whole = minima_of_whole(&mut seen, UNKNOWNS.minima_of_whole);
+    let whole = whole.iter().map(|shared| by_run(shared));
     let ends = ends.into_iter().map(|e| e.values);
     let starts = starts.into_iter().map(|s| s.values);
     let mut out: Vec<Vec<f64>> = Vec::new();
@@ -143,7 +156,10 @@ fn fitted<'a>(
     found: &Discovery,
     options: &'a Options,
 ) -> Option<(Profile<'a>, Vec<Vec<usize>>)> {
-    let mut profile = Profile::new(model, libraries, (samples, samples.len()), options);
+    let all = sought(model, samples);
+    let rows = samples.len().min(UNKNOWNS.room / all.len().max(1));
+    let mut profile = Profile::new(model, libraries, (samples, rows), options);
+    profile.sought = all;
     let target = |t| found.equations.iter().find(|e| e.target == t);
     profile.equations.retain(|e| target(e.target).is_some());
     let supports = profile.equations.iter().map(|e| {

@@ -2,27 +2,20 @@
 //!
 //! In: a discovery. Out: numbers. Estimates nothing.
 
-use sidc_lang::term::{Signal, SignalNames};
+use sidc_data::ConstantValue;
+use sidc_lang::term::{Signal, SignalNames, VarId};
 
 use super::equations::Discovery;
 use super::unknown_values::UnknownValue;
 
 impl Discovery {
-    /// The value of an unknown constant of that name: where it differs from run to run the mean of the runs, each weighing as much as it is
-    /// known, or all the same where some are not.
+    /// The value of an unknown constant of that name; the mean of the runs where it differs from run to run.
     pub fn constant(&self, name: &str) -> Option<f64> {
         let own = || self.unknowns.iter().filter(|u| u.name == name);
-        let known = |u: &UnknownValue| u.standard_error.filter(|e| *e > 0.0);
-        let weight = |u: &UnknownValue| match own().all(|u| known(u).is_some()) {
-            true => known(u).map_or(0.0, |e| e.powi(-2)),
-            false => 1.0,
-        };
-        let weights: f64 = own().map(weight).sum();
-        let sum: f64 = own().map(|u| weight(u) * u.value).sum();
-        let mean = sum / weights;
         match own().count() {
+            0 => None,
             1 => own().map(|u| u.value).next(),
-            _ => Some(mean).filter(|m| m.is_finite()),
+            n => Some(own().map(|u| u.value).sum::<f64>() / n as f64),
         }
     }
 
@@ -32,5 +25,18 @@ impl Discovery {
             true => None,
             false => self.constant(self.variable(signal.var)),
         }
+    }
+
+    /// The values of all unknown constants of the equations, with their runs.
+    pub fn constant_values(&self) -> Vec<ConstantValue> {
+        let value = |u: &UnknownValue| {
+            let place = self.variables.iter().position(|v| v.name == u.name)?;
+            Some(ConstantValue {
+                signal: Signal::new(VarId(u16::try_from(place).ok()?)),
+                run: u.run.clone(),
+                value: u.value,
+            })
+        };
+        self.unknowns.iter().filter_map(value).collect()
     }
 }

@@ -24,6 +24,13 @@ pub struct UnknownValue {
 const NORMAL_97_5: f64 = 1.959_963_985;
 
 impl UnknownValue {
+    /// The same as that of one run.
+    #[must_use]
+    pub fn of_run(mut self, run: Option<String>) -> UnknownValue {
+        self.run = run;
+        self
+    }
+
     /// With the interval of a normal error.
     pub fn new(name: String, value: f64, standard_error: Option<f64>) -> UnknownValue {
         let interval = |e: f64| (value - NORMAL_97_5 * e, value + NORMAL_97_5 * e);
