@@ -83,8 +83,9 @@ fn every_output_takes_the_value_of_the_run() {
     let runs = truth.map(|half| uptake(half, half, 0.0, &mut random));
     let (run, _) = identify(folder.path(), UPTAKE, &runs);
     assert!(run.stdout.contains(" in 0.csv, "), "{}", run.stdout);
-    for name in ["0.csv", "2.csv"] {
+    for (name, own) in [("0.csv", "    K = 0.3"), ("2.csv", "    K = 2.5")] {
         let run = sidc_in(folder.path(), &["simulate", "r.json", name]);
+        assert!(run.stdout.contains(own), "{}{}", run.stdout, run.stderr);
         assert!(
             run.stdout.contains("1.0000"),
             "{}{}",

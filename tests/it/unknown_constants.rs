@@ -135,6 +135,9 @@ fn results_are_run_and_exported_with_the_value() {
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
     let run = sidc_in(folder.path(), &["simulate", "r.json", "d.csv"]);
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("\n    K = 0.8"), "{}", run.stdout);
+    let run = sidc_in(folder.path(), &["linearize", "r.json"]);
+    assert_eq!(run.stdout.matches("K = 0.8").count(), 1, "{}", run.stdout);
     let code = sidc_in(folder.path(), &["export", "r.json", "--to", "python"]).stdout;
     assert!(
         code.contains("# K = 0.8") && code.contains("x / (K + x)"),

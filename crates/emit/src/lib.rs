@@ -30,3 +30,4 @@ pub use text::matrices::consequences;
 pub use text::verdict::verdict;
 pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};
+pub use unknown_constants::constants_in;

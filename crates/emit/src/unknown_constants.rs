@@ -23,6 +23,22 @@ pub(crate) fn line(d: &Discovery, name: &str) -> String {
     format!("{name} = {}", told(d, name).unwrap_or_default())
 }
 
+/// The same as they act in one run, a line each: its own value, or the mean of the others where it has none.
+pub fn constants_in(d: &Discovery, run: &str) -> Vec<String> {
+    let mut there = d.clone();
+    let by_run = |u: &UnknownValue| u.run.as_deref() == Some(run);
+    let known: Vec<String> = d
+        .unknowns
+        .iter()
+        .filter(|u| by_run(u))
+        .map(|u| u.name.clone())
+        .collect();
+    there
+        .unknowns
+        .retain(|u| by_run(u) || !known.contains(&u.name));
+    lines(&there).collect()
+}
+
 /// The value of one constant with its unit and interval: for one that differs from run to run the mean, then those of the runs. `None`
 /// for what is no unknown constant of the equations.
 pub(crate) fn told(d: &Discovery, name: &str) -> Option<String> {
@@ -30,12 +46,17 @@ pub(crate) fn told(d: &Discovery, name: &str) -> Option<String> {
     let unit = declared.and_then(|v| v.unit.as_ref());
     let unit = unit.map_or_else(String::new, |u| format!(" {u}"));
     let own: Vec<&UnknownValue> = d.unknowns.iter().filter(|u| u.name == name).collect();
-    if let [UnknownValue { run: None, .. }] = own[..] {
-        let interval = own[0].interval.map_or_else(String::new, |ends| {
-            let [from, to] = interval(own[0].standard_error, ends);
+    if let [one] = own[..] {
+        let interval = one.interval.map_or_else(String::new, |ends| {
+            let [from, to] = interval(one.standard_error, ends);
             format!(" (95 % interval {from} to {to})")
         });
-        return Some(format!("{}{unit}{interval}", figure(own[0])));
+        let run = one.run.as_ref().map(|run| format!(" in {run}"));
+        let figure = figure(one);
+        return Some(format!(
+            "{figure}{unit}{}{interval}",
+            run.unwrap_or_default()
+        ));
     }
     let by_run = own.iter().filter_map(|u| {
         let run = u.run.as_ref()?;
