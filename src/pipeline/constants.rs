@@ -30,9 +30,11 @@ pub(super) fn settle(
     let search = &options.search;
     let minima = unknown_constants::settle(of, (samples, 1), search, observer);
     let mut values = minima.into_iter().next()?;
+    let sought = unknown_constants::sought(model, samples);
     for _ in 0..BUDGET.constant_rounds {
-        let samples = unknown_constants::with_values(samples, &model.unknowns, &values);
-        let acting = dataset.with_constants(&signals_with(model, &values));
+        let samples = unknown_constants::with_values(samples, &sought, &values);
+        let named = unknown_constants::named_values(dataset, &sought, &values);
+        let acting = dataset.with_constants(&named);
         let data = (&acting, &samples);
         let found = discover::discover(model, &program.libraries, data, search, observer);
         let Ok(found) = found else { break };
@@ -46,12 +48,6 @@ pub(super) fn settle(
         }
     }
     Some(values)
-}
-
-/// The unknown constants with their values.
-pub(super) fn signals_with(model: &Model, values: &[f64]) -> Vec<(Signal, f64)> {
-    let signals = model.unknowns.iter().map(|u| Signal::new(u.var));
-    signals.zip(values.iter().copied()).collect()
 }
 
 /// An unknown constant that stands in equations with `=` alone, where only the joint estimate sees it.
@@ -86,12 +82,18 @@ pub(super) fn not_estimated(model: &Model, unknown: VarId) -> Diagnostic {
 }
 
 /// The values that the samples have, with their errors, in a discovery; the coefficients' errors grow by those of the constants.
-pub(super) fn tell(program: &Program, samples: &Samples, found: &mut Discovery, options: &Options) {
+pub(super) fn tell(
+    program: &Program,
+    (dataset, samples): (&Dataset, &Samples),
+    found: &mut Discovery,
+    options: &Options,
+) {
     let model = &program.model;
-    let value = |signal: Signal| samples.column(signal)?.values.first().copied();
-    let signals: Vec<Signal> = model.unknowns.iter().map(|u| Signal::new(u.var)).collect();
-    let values: Option<Vec<f64>> = signals.iter().map(|s| value(*s)).collect();
-    let Some(values) = values else { return };
+    let sought = unknown_constants::sought(model, samples);
+    let Some(values) = unknown_constants::values_of(samples, &sought) else {
+        return;
+    };
+    let named = unknown_constants::named_values(dataset, &sought, &values);
     let of = (model, &program.libraries[..]);
     let errors = unknown_constants::constant_errors(of, (samples, &values), found, &options.search);
     for (target, added) in errors.iter().flat_map(|e| &e.added) {
@@ -107,13 +109,14 @@ pub(super) fn tell(program: &Program, samples: &Samples, found: &mut Discovery, 
         let mut terms = found.equations.iter().flat_map(|e| &e.terms);
         terms.any(|t| t.term.mentions(*s))
     };
-    let told = signals.iter().zip(&values).enumerate();
-    let told = told.filter(|(_, (s, _))| used(s)).map(|(k, (s, value))| {
+    let told = named.iter().enumerate();
+    let told = told.filter(|(_, v)| used(&v.signal)).map(|(k, v)| {
         let error = errors
             .as_ref()
             .and_then(|e| e.standard_errors.get(k))
             .copied();
-        UnknownValue::new(model.name(*s), *value, error.filter(|e| e.is_finite()))
+        let error = error.filter(|e| e.is_finite());
+        UnknownValue::new(model.name(v.signal), v.value, error).of_run(v.run.clone())
     });
     found.unknowns = told.collect();
 }

@@ -60,7 +60,9 @@ pub fn warnings<'a>(diagnostics: impl IntoIterator<Item = &'a Diagnostic>) -> Ve
 
 /// What was measured and what was estimated, and how.
 pub fn signal_entries(program: &Program, measured: &Measured) -> Vec<SignalEntry> {
-    let entries = measured.report.iter().map(|r| SignalEntry {
+    let model = &program.model;
+    let recorded = (measured.report.iter()).filter(|r| !model.is_constant(r.signal.var));
+    let entries = recorded.map(|r| SignalEntry {
         signal: program.model.name(r.signal),
         origin: r.method.clone(),
         error: r.error.map(|e| e / r.rms.max(f64::MIN_POSITIVE)),

@@ -49,7 +49,8 @@ pub fn identify(
         observer,
     );
     let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
-    constants::tell(program, &measured.samples, &mut discovery, options);
+    let data = (&measured.dataset, &measured.samples);
+    constants::tell(program, data, &mut discovery, options);
     constants::doubt(program, &measured.samples, &mut discovery, options);
     rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {

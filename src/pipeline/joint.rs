@@ -9,7 +9,6 @@ use sidc_discover as discover;
 use sidc_discover::identifiability::Rows;
 use sidc_discover::trajectory::Problem;
 use sidc_discover::{Fitted, Refusal};
-use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
@@ -43,10 +42,7 @@ pub(super) fn jointly(
     });
     rates::doubt(&mut discovery, &dataset.rate_faults);
     constants::doubt(program, &fitted.samples, &mut discovery, options);
-    let unknowns = program.model.unknowns.iter().map(|u| Signal::new(u.var));
-    let constants: Vec<(Signal, f64)> = unknowns
-        .filter_map(|s| Some((s, discovery.unknown_value(s)?)))
-        .collect();
+    let constants = discovery.constant_values();
     let dataset = &match constants.is_empty() {
         true => Cow::Borrowed(dataset),
         false => Cow::Owned(dataset.with_constants(&constants)),

@@ -7,7 +7,7 @@ use sidc_data as data;
 use sidc_data::{Dataset, HoldOut, InputValue, Provenance, Samples, Table};
 use sidc_discover as discover;
 use sidc_discover::trajectory::Problem;
-use sidc_discover::unknown_constants::with_values;
+use sidc_discover::unknown_constants;
 use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
@@ -171,8 +171,9 @@ pub fn measure(
 impl Measured {
     /// Gives the unknown constants these values.
     fn set_constants(&mut self, model: &Model, values: &[f64]) {
-        self.samples = with_values(&self.samples, &model.unknowns, values);
-        let signals = constants::signals_with(model, values);
+        let sought = unknown_constants::sought(model, &self.samples);
+        self.samples = unknown_constants::with_values(&self.samples, &sought, values);
+        let signals = unknown_constants::named_values(&self.dataset, &sought, values);
         let acting = self.acting.iter_mut();
         for dataset in acting.chain([&mut self.dataset, &mut self.held]) {
             *dataset = dataset.with_constants(&signals);

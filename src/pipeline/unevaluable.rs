@@ -6,7 +6,7 @@ use sidc_discover::dictionary::BadValue;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::RightSide;
 use sidc_lang::number::significant;
-use sidc_lang::term::{Atom, Language, Term};
+use sidc_lang::term::{Atom, Language, SignalNames, Term};
 
 pub(super) fn explain(
     program: &Program,
@@ -17,7 +17,24 @@ pub(super) fn explain(
     let language = Language(&program.model);
     let place = place(measured, bad.row);
     let name = language.term(&bad.term);
-    let d = match &bad.atom {
+    let power = |atom: &Atom| {
+        let (base, exponent) = atom.as_power(&|s| program.model.is_constant(s.var))?;
+        let samples = &measured.samples;
+        let at = |s| samples.column(s).map_or(f64::NAN, |c| c.values[bad.row]);
+        let power = language.term(&Term::atom(atom.clone()));
+        let text = format!(
+            "`{power}` has no finite value {place}: {} = {}",
+            language.expr(base),
+            significant(base.eval(&at), 6)
+        );
+        let exponent = language.expr(&exponent);
+        let d = Diagnostic::error("undefined-term", text);
+        Some(d.fact(format!(
+            "to the power of {exponent}, which may be no whole number, only positive numbers are raised"
+        )))
+    };
+    let of_power = bad.atom.as_ref().and_then(power);
+    let d = of_power.unwrap_or_else(|| match &bad.atom {
         Some(atom @ Atom::Call(f, args)) => {
             let argument = args.first().map_or_else(String::new, |a| language.expr(a));
             let call = language.term(&Term::atom(atom.clone()));
@@ -42,7 +59,7 @@ pub(super) fn explain(
             ),
         ),
         None => Diagnostic::error("undefined-term", format!("`{name}` overflows {place}")),
-    };
+    });
     let d = d.help("take the term out, or keep to rows where it is defined with --window=A..B");
     match program.model.equations.get(equation).map(|e| &e.right) {
         Some(RightSide::Search {

@@ -56,6 +56,7 @@ mod stiff;
 mod symbolic;
 mod thresholds;
 mod units;
+mod unknown_by_run;
 mod unknown_constants;
 mod verdicts;
 mod verify;

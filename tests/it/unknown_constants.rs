@@ -11,7 +11,7 @@ use sidc_testing::random::Random;
 const STEP: f64 = 0.05;
 
 /// The course of a system from `start`, with the columns `t` and those of `row`.
-fn table<const N: usize>(
+pub fn table<const N: usize>(
     names: &str,
     rows: usize,
     start: [f64; N],
@@ -27,7 +27,7 @@ fn table<const N: usize>(
     text
 }
 
-fn terms(found: &Value) -> Vec<(&str, f64)> {
+pub fn terms(found: &Value) -> Vec<(&str, f64)> {
     let terms = found["equations"][0]["terms"].as_array().unwrap();
     let pair = |t: &Value| t["coefficient"].as_f64().unwrap();
     terms
@@ -135,9 +135,12 @@ fn results_are_run_and_exported_with_the_value() {
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
     let run = sidc_in(folder.path(), &["simulate", "r.json", "d.csv"]);
     assert_eq!(run.status, 0, "{}{}", run.stdout, run.stderr);
+    assert!(run.stdout.contains("\n    K = 0.8"), "{}", run.stdout);
+    let run = sidc_in(folder.path(), &["linearize", "r.json"]);
+    assert_eq!(run.stdout.matches("K = 0.8").count(), 1, "{}", run.stdout);
     let code = sidc_in(folder.path(), &["export", "r.json", "--to", "python"]).stdout;
     assert!(
-        code.contains("K = 0.8") && !code.contains("K + x"),
+        code.contains("# K = 0.8") && code.contains("x / (K + x)"),
         "{code}"
     );
     let report = sidc_in(
@@ -160,8 +163,14 @@ fn what_only_scales_a_term_or_is_never_estimated_is_refused() {
         "{said}"
     );
     assert!(said.contains("write x^2 for k*x^2"), "{said}");
-    let said = check("unknown k : per run\nstate x\ndx ~ <x, exp(k*x)>\n");
-    assert!(said.contains("error[unknown-per-run]"), "{said}");
+    let said = check("unknown L in 0.1..10 : per run\nstate x : order 2\nddx ~ <dx, sin(x)/L>\n");
+    assert!(said.contains("error[unknown-scales]"), "{said}");
+    assert!(
+        said.contains("or state the coefficient: known(sin(x)/L)"),
+        "{said}"
+    );
+    let said = check("unknown L : per run\nstate x : order 2\nddx ~ <dx, sin(x)/L, exp(L*x)>\n");
+    assert!(said.is_empty(), "{said}");
     fs::write(folder.path().join("d.csv"), uptake(0.0, 1)).unwrap();
     let model = "unknown K in 0.01 .. 10\nstate x\ninput u : linear\ndx = u - 1.5*x/(K + x)\n";
     fs::write(folder.path().join("m.sid"), model).unwrap();
@@ -172,4 +181,26 @@ fn what_only_scales_a_term_or_is_never_estimated_is_refused() {
         run.stdout,
         run.stderr
     );
+}
+
+#[test]
+fn what_is_sought_is_not_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let with_column = uptake(0.0, 1).replace('\n', ",7\n").replacen(",7", ",K", 1);
+    fs::write(path("k.csv"), with_column).unwrap();
+    fs::write(path("m.sid"), UPTAKE).unwrap();
+    let run = sidc_in(folder.path(), &["identify", "m.sid", "k.csv"]);
+    assert_eq!(run.status, 1, "{}{}", run.stdout, run.stderr);
+    let column =
+        "error[unknown-in-data]: K is an unknown constant, and k.csv has a column of that name";
+    assert!(run.stderr.contains(column), "{}", run.stderr);
+    let other = "data {\n  x = \"x\" + 0*\"K\"\n}\n";
+    fs::write(path("m.sid"), format!("{UPTAKE}{other}")).unwrap();
+    let run = sidc_in(folder.path(), &["check", "m.sid", "k.csv"]);
+    assert!(!run.stderr.contains("error"), "{}", run.stderr);
+    fs::write(path("m.sid"), format!("{UPTAKE}data {{ K = 3 }}\n")).unwrap();
+    let said = sidc_in(folder.path(), &["check", "m.sid"]).stderr;
+    assert!(said.contains("error[unknown-in-data]"), "{said}");
+    assert!(said.contains("write `param K` for `unknown K`"), "{said}");
 }

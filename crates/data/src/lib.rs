@@ -28,8 +28,8 @@ mod time_axis;
 pub use binding::bind;
 pub use csv::{ArrayFault, Limits, Table, bad_cells, io_error_text, read, too_large};
 pub use dataset::{
-    Column, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples, Trajectory, Window,
-    hold_out, keep_window,
+    Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples,
+    Trajectory, Window, hold_out, keep_window,
 };
 pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
 pub use derivatives::is_smooth;

@@ -3,9 +3,9 @@
 //! In: a discovery. Out: lines for a comment, a text for a constant, a delay for each input. Safe in every language: the texts hold
 //! no quotes, no backslashes, no ends of comments.
 
-use crate::code::identifiers::plain;
+use crate::code::identifiers::{harmless, plain};
+use crate::text::disturbance;
 use crate::text::layout::wrapped;
-use crate::text::{disturbance, unknown_constants};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 use sidc_system::discovery::{Discovery, RunCoefficient};
@@ -46,9 +46,6 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
     for (target, reason) in verdict::reasons(d) {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
         lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
-    }
-    for line in unknown_constants::lines(d) {
-        lines.push(harmless(&line));
     }
     for sentence in disturbance::sentences(d) {
         let text = format!("{sentence}; runs of these equations leave it out");
@@ -125,28 +122,4 @@ pub(crate) fn python_constants(d: &Discovery, inputs: &[Signal]) -> String {
         out.push_str(&format!("SIDC_INPUT_DELAYS = ({})\n", delays.trim_end()));
     }
     out
-}
-
-/// Text that ends no comment and no string.
-fn harmless(text: &str) -> String {
-    let piece = |c: char| match c {
-        '"' | '`' => '\'',
-        '\\' => '/',
-        c if c.is_control() => ' ',
-        c => c,
-    };
-    let text: String = text.chars().map(piece).collect();
-    text.replace("*/", "* /")
-        .replace("/*", "/ *")
-        .replace("??", "? ?")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_text_ends_a_comment_or_a_string() {
-        assert_eq!(harmless("a*/b \"c\"\\\n/* ??/"), "a* /b 'c'/ / * ? ?/");
-    }
 }

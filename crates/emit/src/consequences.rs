@@ -37,15 +37,16 @@ pub(crate) enum Solved {
 
 impl Consequences {
     pub fn of(d: &Discovery) -> Consequences {
-        let form = Form::new(d);
-        let states = match algebra::affine(&form) {
-            true => Linear::without_matrices(&form).states.len(),
+        let valued = Form::new(d);
+        let states = match algebra::affine(&valued) {
+            true => Linear::without_matrices(&valued).states.len(),
             false => 0,
         };
         let linear = match (2..=PRINTED.printed_states).contains(&states) {
-            true => algebra::linear(&form, &Point::default()).ok(),
+            true => algebra::linear(&valued, &Point::default()).ok(),
             false => None,
         };
+        let form = Form::symbolic(d);
         let coupled = algebra::blocks(&form).into_iter();
         let coupled = coupled
             .filter(|b| b.linear || b.rows.len() > 1)

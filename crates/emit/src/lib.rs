@@ -14,6 +14,7 @@ mod targets;
 mod text;
 mod thresholds;
 mod typeset;
+mod unknown_constants;
 
 pub use caveats::doubted;
 pub use target::Target;
@@ -29,3 +30,4 @@ pub use text::matrices::consequences;
 pub use text::verdict::verdict;
 pub use thresholds::tables as thresholds;
 pub use typeset::mathml::{MathMl, escape};
+pub use unknown_constants::constants_in;

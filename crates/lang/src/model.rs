@@ -374,6 +374,10 @@ impl Model {
 }
 
 impl SignalNames for Model {
+    fn is_constant(&self, var: VarId) -> bool {
+        self.var(var).is_some_and(|v| v.kind == VarKind::Unknown)
+    }
+
     fn variable(&self, var: VarId) -> &str {
         self.var(var).map_or("?", |v| &v.name)
     }

@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use super::random;
 use super::reference::{Case, check, compare, number};
-use super::systems;
+use super::{constants, systems};
 use crate::hostile::corpus;
 use sidc_emit as emit;
 use sidc_testing::runtimes;
@@ -18,7 +18,8 @@ const POINTS: usize = 4;
 fn cases() -> Vec<Case> {
     let written = systems().into_iter().map(|(_, d)| d);
     let drawn = (0..SYSTEMS).map(random::system);
-    let all = written.chain([corpus::system()]).chain(drawn).enumerate();
+    let all = written.chain([corpus::system()]).chain(drawn);
+    let all = all.chain([constants()]).enumerate();
     all.map(|(i, d)| Case::new(d, POINTS, i as u64)).collect()
 }
 
@@ -107,6 +108,7 @@ fn c_agrees_with_the_evaluator() {
     for (k, case) in cases.iter().enumerate() {
         // All systems in one file: each needs names of its own.
         let code = emitted("c", case).replace("sidc_", &format!("m{k}_"));
+        let code = code.replace("SIDC_CONSTANTS", &format!("M{k}_CONSTANTS"));
         let declared: String = code
             .lines()
             .filter(|l| l.starts_with("void "))
@@ -166,10 +168,10 @@ fn python_agrees_with_the_evaluator() {
         )
         .unwrap();
         calls.push_str(&format!("import m{k}\n"));
-        for point in &case.points {
+        for (i, point) in case.points.iter().enumerate() {
             for f in case.functions() {
                 let args = case
-                    .arguments(point)
+                    .without_defaults(point, i)
                     .into_iter()
                     .map(|g| format!(", [{}]", list(g)));
                 let args: String = args.collect();
@@ -200,9 +202,9 @@ fn octave_agrees_with_the_evaluator() {
         let arguments = right.split_once('(').unwrap().1;
         let code = format!("{left} = m{k}({arguments}\n{rest}");
         fs::write(folder.path().join(format!("m{k}.m")), code).unwrap();
-        for point in &case.points {
+        for (i, point) in case.points.iter().enumerate() {
             let args = case
-                .arguments(point)
+                .without_defaults(point, i)
                 .into_iter()
                 .map(|g| format!(", [{}]", list(g)));
             let args: String = args.collect();
@@ -302,7 +304,7 @@ from math import nan
 np.seterr(all='ignore')
 
 def show(m, points):
-    groups = [getattr(m, g, []) for g in ('state', 'input', 'parameter', 'history', 'unknown')]
+    groups = [getattr(m, g, []) for g in ('state', 'input', 'parameter', 'history', 'constant', 'unknown')]
     symbols = [m.t] + [s for g in groups for s in g]
     sides = [m.mass, m.force, m.right] if hasattr(m, 'mass') else [[], [], []]
     sides += [m.rates()] if hasattr(m, 'rates') else []

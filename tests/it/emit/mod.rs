@@ -7,7 +7,7 @@ mod random;
 mod reference;
 
 use sidc_emit as emit;
-use sidc_system::discovery::Discovery;
+use sidc_system::discovery::{Discovery, UnknownValue};
 use sidc_system::result;
 use sidc_testing::program::{file, root, sidc};
 
@@ -139,6 +139,42 @@ fn the_code_that_is_timed_is_the_code_that_is_emitted() {
         std::fs::write(root().join(path), &run.stdout).unwrap();
     }
     assert_eq!(file(path), run.stdout);
+}
+
+/// A system with unknown constants that were found.
+fn constants() -> Discovery {
+    let mut constants = document(
+        &[
+            ("x", "state", 1),
+            ("u", "input", 0),
+            ("K", "unknown", 0),
+            ("n", "unknown", 0),
+            ("constant", "unknown", 0),
+        ],
+        "continuous",
+        &[(
+            "dx",
+            &[
+                ("(x^2)^n/(K^n + (x^2)^n)", 2.0),
+                ("abs(x/K)^(-2*n)", -0.5),
+                ("u*tanh(x/K)", 1.5),
+                ("exp(-constant*x^2)", 0.3),
+            ],
+        )],
+    );
+    let found = [("K", 0.8), ("n", 2.3), ("constant", 1.7)];
+    let found = found.map(|(name, value)| UnknownValue::new(name.into(), value, Some(0.01)));
+    constants.unknowns = found.to_vec();
+    constants
+}
+
+#[test]
+fn constants_are_arguments_with_the_values_found() {
+    let constants = constants();
+    for target in ["c", "python", "sympy", "matlab", "rust", "text"] {
+        let code = emit::target(target).unwrap().emit(&constants).unwrap();
+        insta::assert_snapshot!(format!("constants_{target}"), code);
+    }
 }
 
 #[test]

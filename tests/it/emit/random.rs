@@ -2,7 +2,7 @@
 
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Expr, FUNCTIONS, Func, Signal, VarId};
-use sidc_system::discovery::{Discovery, Equation, FoundTerm, Status, Variable};
+use sidc_system::discovery::{Discovery, Equation, FoundTerm, Status, UnknownValue, Variable};
 
 /// A linear congruential generator, so that every machine draws the same systems.
 pub struct Random(u64);
@@ -70,10 +70,13 @@ pub fn system(seed: u64) -> Discovery {
     let mut draw = Draw {
         random: Random::new(seed),
         leaves: vec![Signal::TIME],
+        constants: Vec::new(),
         variables: Vec::new(),
         laws: LAWS[seed as usize % LAWS.len()],
     };
-    let targets = draw.declare();
+    // One system in four has unknown constants.
+    let constants = [2, 0, 0, 1, 0, 0, 0, 0][seed as usize % 8];
+    let targets = draw.declare(constants);
     let equations = draw.equations(&targets);
     Discovery {
         system: Some(draw.random.pick(NAMES).to_string()),
@@ -84,7 +87,7 @@ pub fn system(seed: u64) -> Discovery {
         runs_left: Vec::new(),
         relations: None,
         delays: Vec::new(),
-        unknowns: Vec::new(),
+        unknowns: draw.constants,
     }
 }
 
@@ -92,6 +95,7 @@ struct Draw {
     random: Random,
     /// Signals that right sides may mention.
     leaves: Vec<Signal>,
+    constants: Vec<UnknownValue>,
     variables: Vec<Variable>,
     laws: Laws,
 }
@@ -114,7 +118,7 @@ impl Draw {
     }
 
     /// The variables; the targets of the states.
-    fn declare(&mut self) -> Vec<Signal> {
+    fn declare(&mut self, constants: usize) -> Vec<Signal> {
         self.variables.push(Variable {
             name: "t".into(),
             kind: VarKind::Input,
@@ -152,6 +156,14 @@ impl Draw {
         for _ in 0..self.random.below(2) {
             let id = self.variable(VarKind::Param, 0);
             self.leaves.push(Signal::new(id));
+        }
+        for _ in 0..constants {
+            let id = self.variable(VarKind::Unknown, 0);
+            self.leaves.push(Signal::new(id));
+            let name = self.variables.last().map(|v| v.name.clone());
+            let value = self.random.between(0.5, 2.5);
+            self.constants
+                .extend(name.map(|n| UnknownValue::new(n, value, Some(0.1))));
         }
         targets
     }
@@ -214,6 +226,9 @@ impl Draw {
             };
         }
         let a = self.expr(depth - 1);
+        if !self.constants.is_empty() && self.random.below(6) == 0 {
+            return self.raised(a);
+        }
         match self.random.below(9) {
             0 => a + self.expr(depth - 1),
             1 | 2 => a * self.expr(depth - 1),
@@ -224,6 +239,17 @@ impl Draw {
                 (Expr::number(0.5) + call("abs", a)).pow(p)
             }
             _ => self.function(a, depth - 1),
+        }
+    }
+
+    /// To the power of an unknown constant, if there is one.
+    fn raised(&mut self, a: Expr) -> Expr {
+        let unknown = |s: &&Signal| self.variables[usize::from(s.var.0)].kind == VarKind::Unknown;
+        let exponent = self.leaves.iter().find(unknown).copied();
+        let base = Expr::number(0.5) + call("abs", a);
+        match exponent {
+            Some(n) => base.raised_to(Expr::signal(n)).unwrap_or_default(),
+            None => base,
         }
     }
 

@@ -15,8 +15,8 @@ pub struct Case {
 
 pub struct Point {
     pub t: f64,
-    /// State, inputs, parameters, history.
-    pub groups: [Vec<f64>; 4],
+    /// State, inputs, parameters, history, constants.
+    pub groups: [Vec<f64>; 5],
     /// Highest derivatives, or next samples.
     pub unknown: Vec<f64>,
     /// NaN for unknowns that do not exist here.
@@ -31,7 +31,11 @@ impl Case {
     pub fn new(discovery: Discovery, count: usize, seed: u64) -> Case {
         let form = Form::new(&discovery);
         let mut random = Random::new(seed);
-        let points = (0..count).map(|_| Point::new(&form, &mut random)).collect();
+        let mentioned = Form::symbolic(&discovery).constants;
+        let value = |s: &Signal| discovery.unknown_value(*s).unwrap();
+        let constants: Vec<f64> = mentioned.iter().map(value).collect();
+        let points = (0..count).map(|_| Point::new(&form, &constants, &mut random));
+        let points = points.collect();
         Case {
             discovery,
             form,
@@ -47,6 +51,15 @@ impl Case {
             .collect()
     }
 
+    /// The same; at every second point without the constants, whose values are the default ones.
+    pub fn without_defaults<'a>(&self, point: &'a Point, place: usize) -> Vec<&'a Vec<f64>> {
+        let mut all = self.arguments(point);
+        if place % 2 == 1 && !point.groups[4].is_empty() {
+            all.pop();
+        }
+        all
+    }
+
     /// Mass matrix, force, right sides, rates if they are a formula, outputs: what SymPy is given.
     pub fn sides(&self, point: &Point) -> Vec<Vec<f64>> {
         let form = &self.form;
@@ -55,6 +68,7 @@ impl Case {
             &form.inputs,
             &form.params,
             &form.history,
+            &form.constants,
             &form.unknowns,
         ];
         let values = point.groups.iter().chain([&point.unknown]);
@@ -117,7 +131,7 @@ impl Case {
 }
 
 impl Point {
-    fn new(form: &Form, random: &mut Random) -> Point {
+    fn new(form: &Form, constants: &[f64], random: &mut Random) -> Point {
         let groups = [&form.state, &form.inputs, &form.params, &form.history];
         let mut groups = groups.map(|g| {
             g.iter()
@@ -157,7 +171,10 @@ impl Point {
             rates,
             slopes: [&form.state, &form.inputs].map(|by| slopes(form, by, &with_q)),
             outputs: form.outputs.iter().map(|(_, e)| e.eval(&with_q)).collect(),
-            groups,
+            groups: {
+                let [x, u, p, h] = groups;
+                [x, u, p, h, constants.to_vec()]
+            },
             unknown: q,
         }
     }

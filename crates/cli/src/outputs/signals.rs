@@ -19,6 +19,7 @@ pub fn describe(program: &Program, measured: &Measured) -> String {
     let columns: Vec<String> = columns
         .into_iter()
         .flatten()
+        .filter(|(signal, _)| !program.model.is_constant(signal.var))
         .map(|(signal, _)| program.model.name(*signal))
         .collect();
     let mut text = format!("measured: {}\n", columns.join(", "));

@@ -2,11 +2,13 @@
 
 use sidc_lang::diagnostic::{Diagnostic, did_you_mean};
 use sidc_lang::model::{Model, RightSide, Var, VarKind};
-use sidc_lang::source::Span;
+use sidc_lang::source::{Sources, Span};
 use sidc_lang::term::{Expr, Signal, SignalNames};
 
 use crate::csv::Table;
 use crate::dataset::BoundTrajectory;
+
+use super::column_sources::{self, Source};
 
 /// A data block entry names a column that the file lacks.
 pub(super) fn column(
@@ -66,6 +68,42 @@ pub(super) fn signal(model: &Model, table: &Table, signal: Signal, var: &Var) ->
         VarKind::Param => format!("--param {name}=VALUE, one for each trajectory or one for all"),
         _ => format!("data {{ {name} = \"HEADER\" }} with the header of its column"),
     })
+}
+
+/// Unknown constants that a column of the table is named after, which nothing would read.
+pub(super) fn unknown_columns(
+    model: &Model,
+    table: &Table,
+    found: &[(Signal, Source)],
+    sources: &mut Sources,
+) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    for var in model.unknowns.iter().filter_map(|u| model.var(u.var)) {
+        let Some(column) = table.position(&var.name) else {
+            continue;
+        };
+        let known = |s: &Signal| model.var(s.var).is_some_and(|v| v.kind != VarKind::Unknown);
+        let mut others = found.iter().filter(|(s, _)| known(s));
+        if others.any(|(_, source)| column_sources::used(*source, table).contains(&column)) {
+            continue;
+        }
+        let name = &var.name;
+        let text = format!(
+            "{name} is an unknown constant, and {} has a column of that name",
+            table.name
+        );
+        let d = Diagnostic::error("unknown-in-data", text);
+        let header = table.header_span(sources, column);
+        let d = d.at(header, "would not be read");
+        let d = match var.span {
+            Some(span) => d.also(span, "declared here"),
+            None => d,
+        };
+        out.push(d.help(format!(
+            "write `param {name}` for `unknown {name}` if the column has its values; give the constant another name if it has not"
+        )));
+    }
+    out
 }
 
 /// The signal whose rate this one is, by an equation of the model: x for v in `dx = v`.

@@ -93,6 +93,7 @@ fn bind_table<'a>(
             out.push(missing_data::signal(model, table, signal, var));
         }
     }
+    out.extend(missing_data::unknown_columns(model, table, &found, sources));
     let run = run_column(model, table, out);
     let has_time = found.iter().any(|(s, _)| *s == Signal::TIME);
     if !has_time && !model.discrete && model.data.step.is_none() {

@@ -14,4 +14,4 @@ pub use hold_out::{HoldOut, HoldOutRange, hold_out};
 pub use rate_fault::RateFault;
 pub use samples::{Column, Origin, Samples};
 pub use time_window::{Window, keep_window};
-pub use trajectories::{Dataset, Input, Trajectory};
+pub use trajectories::{ConstantValue, Dataset, Input, Trajectory};

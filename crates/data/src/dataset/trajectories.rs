@@ -23,14 +23,33 @@ pub struct Input {
     pub declared: bool,
 }
 
+/// The value of a constant, in all runs or in one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstantValue {
+    pub signal: Signal,
+    /// The name of the run whose value it is.
+    pub run: Option<String>,
+    pub value: f64,
+}
+
 impl Dataset {
-    /// The records with these values of constants, for those that have a column.
-    pub fn with_constants(&self, values: &[(Signal, f64)]) -> Dataset {
+    /// The records with these values of constants, for those that have a column. A run without a value of its own takes the mean of the
+    /// others. Runs of one name, files of several folders, are told apart by their order.
+    pub fn with_constants(&self, values: &[ConstantValue]) -> Dataset {
         let mut data = self.clone();
-        let columns = data.trajectories.iter_mut().flat_map(|t| &mut t.columns);
-        for (signal, column) in columns {
-            let own = values.iter().find(|(s, _)| s == signal);
-            own.into_iter().for_each(|(_, value)| column.fill(*value));
+        let mut seen: Vec<String> = Vec::new();
+        for trajectory in &mut data.trajectories {
+            let place = seen.iter().filter(|n| **n == trajectory.name).count();
+            seen.push(trajectory.name.clone());
+            for (signal, column) in &mut trajectory.columns {
+                let all = || values.iter().filter(|v| v.signal == *signal);
+                let named = || all().filter(|v| v.run.as_ref() == Some(&trajectory.name));
+                let own = named().nth(place).or_else(|| named().next());
+                let mean = all().map(|v| v.value).sum::<f64>() / all().count().max(1) as f64;
+                if all().next().is_some() {
+                    column.fill(own.map_or(mean, |v| v.value));
+                }
+            }
         }
         data
     }

@@ -4,12 +4,12 @@
 
 use crate::doubts::thresholds::CONSTANT_DOUBTS;
 use crate::options::Options;
-use crate::unknown_constants::{ConstantEffect, constant_effects};
+use crate::unknown_constants::{ConstantEffect, constant_effects, sought};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, UnknownConstant};
 use sidc_lang::number::significant;
-use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::{Discovery, Reason, ReasonCode, UnknownValue};
 
 /// Adds the doubts about the unknown constants of a discovery to its equations.
@@ -22,22 +22,32 @@ pub fn doubt_constants(
     if found.unknowns.is_empty() {
         return;
     }
+    let all = sought(model, samples);
     let effects = constant_effects((model, libraries), samples, found, options);
-    let effects = effects.unwrap_or_else(|| vec![None; model.unknowns.len()]);
-    for (unknown, effect) in model.unknowns.iter().zip(&effects) {
-        let name = model.variable(unknown.var);
-        let Some(value) = found.unknowns.iter().find(|u| u.name == name).cloned() else {
+    let effects = effects.unwrap_or_else(|| vec![None; all.len()]);
+    let mut told = found.unknowns.clone().into_iter().peekable();
+    // Values stand in the order of `all`, those that no term holds left out.
+    for (number, effect) in all.iter().zip(&effects) {
+        let name = model.variable(number.unknown.var);
+        let Some(value) = told.next_if(|u| u.name == name) else {
             continue;
         };
         let uncertain = effect.as_ref().and_then(|e| uncertain(found, &value, e));
-        let reasons: Vec<Reason> = [uncertain, at_end(unknown, &value)]
+        let reasons: Vec<Reason> = [uncertain, at_end(&number.unknown, &value)]
             .into_iter()
             .flatten()
             .collect();
-        let signal = Signal::new(unknown.var);
         let holding = found.equations.iter_mut();
-        let holding = holding.filter(|e| e.terms.iter().any(|t| t.term.mentions(signal)));
+        let holding = holding.filter(|e| e.terms.iter().any(|t| t.term.mentions(number.signal())));
         holding.for_each(|e| e.reasons.extend(reasons.iter().cloned()));
+    }
+}
+
+/// The constant as a sentence names it.
+fn named(value: &UnknownValue) -> String {
+    match &value.run {
+        Some(run) => format!("{} of {run}", value.name),
+        None => value.name.clone(),
     }
 }
 
@@ -46,7 +56,10 @@ fn uncertain(found: &Discovery, value: &UnknownValue, effect: &ConstantEffect) -
     let UnknownValue { name, .. } = value;
     let term = Language(found).term(&effect.term);
     let Some(error) = value.standard_error else {
-        let text = format!("the data do not tell {name}: any value fits as well");
+        let text = format!(
+            "the data do not tell {}: any value fits as well",
+            named(value)
+        );
         return Some(Reason::new(ReasonCode::UncertainConstant, text));
     };
     let share = error * effect.change;
@@ -61,7 +74,8 @@ fn uncertain(found: &Discovery, value: &UnknownValue, effect: &ConstantEffect) -
         None => String::new(),
     };
     let text = format!(
-        "{name} = {} ± {}: within its standard error {term} changes by {} %{told}",
+        "{} = {} ± {}: within its standard error {term} changes by {} %{told}",
+        named(value),
         significant(value.value, 3),
         significant(error, 2),
         significant(100.0 * share, 2),
@@ -98,7 +112,8 @@ fn at_end(unknown: &UnknownConstant, value: &UnknownValue) -> Option<Reason> {
     let end = if near(&from) { from } else { to };
     let Some((low, high)) = unknown.range else {
         let text = format!(
-            "{name} runs to {}, the end of what is searched: the terms want its limit",
+            "{} runs to {}, the end of what is searched: the terms want its limit",
+            named(value),
             significant(end, 3)
         );
         let remedy = format!("replace the terms with {name} by what they come to at that limit");
@@ -106,10 +121,12 @@ fn at_end(unknown: &UnknownConstant, value: &UnknownValue) -> Option<Reason> {
     };
     let (low, high) = widened((low, high), end);
     let text = format!(
-        "{name} lies at an end of its range, {}: the terms want it beyond",
+        "{} lies at an end of its range, {}: the terms want it beyond",
+        named(value),
         significant(end, 3)
     );
-    let line = format!("unknown {name} in {low}..{high}");
+    let by_run = if unknown.per_run { ", per run" } else { "" };
+    let line = format!("unknown {name} in {low}..{high}{by_run}");
     let remedy = format!("widen the range: `{line}`");
     Some(Reason::new(ReasonCode::ConstantRange, text).remedy(remedy))
 }

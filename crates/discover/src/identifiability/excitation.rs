@@ -39,7 +39,7 @@ fn values(e: &Expr, samples: &Samples) -> Vec<f64> {
     evaluate(&term, samples).iter().map(|v| k * v).collect()
 }
 
-/// Every signal of the library and the target, in order.
+/// Every signal of the library and the target, in order; what is sought is no part of the record.
 pub fn excitation(design: &ScaledDesign, library: &Library) -> Vec<Excitation> {
     let mut signals = library.signals();
     signals.push(design.equation.target);
@@ -66,7 +66,8 @@ pub fn excitation(design: &ScaledDesign, library: &Library) -> Vec<Excitation> {
             band: spectrum.map(|(s, rate)| s.bandwidth * rate),
         })
     };
-    let measured = signals.iter().filter(|s| **s != Signal::TIME);
+    let moves = |s: &&Signal| **s != Signal::TIME && !design.model.is_constant(s.var);
+    let measured = signals.iter().filter(moves);
     measured.filter_map(of).collect()
 }
 

@@ -12,11 +12,12 @@ use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
     CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants, fit_constants_from,
+    with_constant_values, without_weak_terms,
 };
-use crate::unknown_constants;
-use sidc_data::{Dataset, samples};
+use crate::unknown_constants::{self, Sought};
+use sidc_data::{ConstantValue, Dataset, samples};
 use sidc_lang::library::Library;
-use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, UnknownValue};
@@ -39,11 +40,12 @@ pub(crate) fn settle(
     let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
     let of = (model, libraries);
     let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
-    let minima = likeliest(of, (dataset, problem), minima, options, watcher);
+    let all = &unknown_constants::sought(model, &rows)[..];
+    let minima = likeliest(of, (dataset, problem), (all, minima), options, watcher);
     let mut constants = Constants { sought: Vec::new() };
     let mut best: Option<(f64, Option<FittedConstants>)> = None;
     for minimum in &minima {
-        let start = Constants::new(model, minimum);
+        let start = Constants::new(all, minimum);
         let searched = start.searched(of, (dataset, problem), options, watcher);
         let better = match (&searched, &best) {
             (Some(new), Some(old)) => new.0 < old.0,
@@ -77,16 +79,17 @@ pub(crate) fn settle(
 fn likeliest(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
-    points: Vec<Vec<f64>>,
+    (all, points): (&[Sought], Vec<Vec<f64>>),
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> Vec<Vec<f64>> {
     let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
     for values in points {
-        let constants = Constants::new(model, &values);
+        let constants = Constants::new(all, &values);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let start = weak_start((model, libraries), &acting, &at, options, watcher);
-        let fitted = start.and_then(|s| fit_constants_from(&at, &s, &constants.sought, watcher));
+        let fitted =
+            start.and_then(|s| fit_constants_from(&at, &s, &constants.sought, 1.0, watcher));
         let new = |f: &FittedConstants| (f.value, f.constants.iter().map(|c| c.value).collect());
         let entry = fitted.as_ref().map_or((f64::INFINITY, values), new);
         let near = |(_, v): &(f64, Vec<f64>)| unknown_constants::alike(v, &entry.1);
@@ -120,32 +123,39 @@ impl Constants {
         };
         let (of, found) = (&answer.fit.problem, &answer.fit.found);
         let fitted = fit_constants(of, &found.best, &self.sought, found.inefficiency, watcher);
+        let fitted = fitted.map(|f| without_weak_terms(of, f, found.inefficiency, watcher));
         let value = fitted.as_ref().map_or(found.best.value, |f| f.value);
         watcher.stop().is_none().then_some((value, fitted))
     }
 }
 
 impl Constants {
-    fn new(model: &Model, values: &[f64]) -> Constants {
-        let one = |(u, value): (&UnknownConstant, &f64)| SoughtConstant {
-            signal: Signal::new(u.var),
+    fn new(all: &[Sought], values: &[f64]) -> Constants {
+        let one = |(s, value): (&Sought, &f64)| SoughtConstant {
+            signal: s.signal(),
+            run: s.run.map(|run| run as usize),
             value: *value,
-            range: u.range_about(*value),
+            range: s.unknown.range_about(*value),
         };
         Constants {
-            sought: model.unknowns.iter().zip(values).map(one).collect(),
+            sought: all.iter().zip(values).map(one).collect(),
         }
     }
 
-    fn values(&self) -> Vec<(Signal, f64)> {
-        self.sought.iter().map(|c| (c.signal, c.value)).collect()
+    fn values(&self, names: &dyn Fn(usize) -> Option<String>) -> Vec<ConstantValue> {
+        let one = |c: &SoughtConstant| ConstantValue {
+            signal: c.signal,
+            run: c.run.and_then(names),
+            value: c.value,
+        };
+        self.sought.iter().map(one).collect()
     }
 
     /// The problem with the values.
     pub fn problem<'a>(&self, problem: &'a Problem) -> Cow<'a, Problem> {
         match self.sought.is_empty() {
             true => Cow::Borrowed(problem),
-            false => Cow::Owned(problem.with_constant_values(&self.values())),
+            false => Cow::Owned(with_constant_values(problem, &self.sought)),
         }
     }
 
@@ -153,7 +163,10 @@ impl Constants {
     pub fn dataset<'a>(&self, dataset: &'a Dataset) -> Cow<'a, Dataset> {
         match self.sought.is_empty() {
             true => Cow::Borrowed(dataset),
-            false => Cow::Owned(dataset.with_constants(&self.values())),
+            false => {
+                let name = |run: usize| dataset.trajectories.get(run).map(|t| t.name.clone());
+                Cow::Owned(dataset.with_constants(&self.values(&name)))
+            }
         }
     }
 
@@ -203,11 +216,9 @@ impl Constants {
                 .as_ref()
                 .and_then(|f| f.standard_errors.get(k))
                 .copied();
-            UnknownValue::new(
-                model.name(c.signal),
-                c.value,
-                error.filter(|e| e.is_finite()),
-            )
+            let error = error.filter(|e| e.is_finite());
+            let run = c.run.and_then(|run| problem.names.get(run).cloned());
+            UnknownValue::new(model.name(c.signal), c.value, error).of_run(run)
         });
         discovery.unknowns = told.collect();
     }

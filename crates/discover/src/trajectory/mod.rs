@@ -73,7 +73,7 @@ pub(crate) use search::minimum;
 pub use search::{
     BetterLaws, FittedConstants, Found, LawChange, SearchObserver, SoughtConstant, StartingSupport,
     fit_constants, fit_constants_from, search, search_beyond_libraries, search_disturbed,
-    search_from_free,
+    search_from_free, with_constant_values, without_weak_terms,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

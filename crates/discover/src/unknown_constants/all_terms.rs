@@ -8,7 +8,7 @@
 
 use super::profile::Profile;
 use super::search_points::{alike, apart};
-use super::set_values;
+use super::sought::set_values;
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::project;
 use crate::dictionary::compile;
@@ -64,7 +64,9 @@ pub(super) fn minima(
         }
     }
     let out = ends;
-    if let Some(least) = out.first() {
+    // One value for all runs leaves what differs between them.
+    let shared = !profile.sought.iter().any(|s| s.unknown.per_run);
+    if let Some(least) = out.first().filter(|_| shared) {
         profile.learn_errors(&least.rests);
     }
     out.into_iter().map(|l| l.values).collect()
@@ -81,7 +83,7 @@ fn columns(profile: &Profile) -> Option<Vec<Vec<usize>>> {
 
 /// `None` where a term has no value.
 fn left(profile: &mut Profile, values: &[f64]) -> Option<Left> {
-    set_values(&mut profile.samples, &profile.unknowns, values);
+    set_values(&mut profile.samples, &profile.sought, values);
     let mut rests = Vec::new();
     let mut deviance = 0.0;
     for e in &profile.equations {

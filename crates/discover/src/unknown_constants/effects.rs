@@ -4,8 +4,8 @@
 //! goes with it. Judges nothing.
 
 use super::search::fitted;
+use super::sought::{sought, values_of};
 use super::variable_projection::project;
-use super::with_values;
 use crate::dictionary::evaluate;
 use crate::options::Options;
 use crate::statistics::norm;
@@ -26,22 +26,16 @@ pub(crate) struct ConstantEffect {
     pub slope: f64,
 }
 
-/// In order of declaration; `None` for a constant that no term found holds.
+/// Of each number that is sought on these samples, which hold its value; `None` for a constant that no term found holds.
 pub(crate) fn constant_effects(
     (model, libraries): (&Model, &[Option<Library>]),
     samples: &Samples,
     found: &Discovery,
     options: &Options,
 ) -> Option<Vec<Option<ConstantEffect>>> {
-    let value = |s: Signal| found.unknown_value(s);
-    let values = model.unknowns.iter().map(|u| value(Signal::new(u.var)));
-    let values: Vec<f64> = values.map(|v| v.unwrap_or(f64::NAN)).collect();
-    let start = model.unknowns.iter().zip(&values);
-    let values: Vec<f64> = start
-        .map(|(u, v)| if v.is_nan() { u.start() } else { *v })
-        .collect();
-    let samples = with_values(samples, &model.unknowns, &values);
-    let (mut profile, supports) = fitted((model, libraries), &samples, found, options)?;
+    let all = sought(model, samples);
+    let values = values_of(samples, &all)?;
+    let (mut profile, supports) = fitted((model, libraries), samples, found, options)?;
     let slopes = project(&mut profile, &supports, &values)?.slopes;
     let mut out: Vec<Option<ConstantEffect>> = vec![None; values.len()];
     for ((e, support), slopes) in profile.equations.iter().zip(&supports).zip(&slopes) {
@@ -55,7 +49,7 @@ pub(crate) fn constant_effects(
                 continue;
             };
             for (k, best) in out.iter_mut().enumerate() {
-                let change = change(&term, Signal::new(model.unknowns[k].var), &samples);
+                let change = change(&term, all[k].signal(), samples);
                 if change > best.as_ref().map_or(0.0, |b| b.change) {
                     *best = Some(ConstantEffect {
                         term: term.clone(),

@@ -11,28 +11,11 @@ mod effects;
 mod profile;
 mod search;
 mod search_points;
+mod sought;
 pub(crate) mod thresholds;
 mod variable_projection;
 
 pub(crate) use effects::{ConstantEffect, constant_effects};
 pub use search::{ConstantErrors, constant_errors, refine, settle};
 pub(crate) use search_points::alike;
-
-use sidc_data::Samples;
-use sidc_lang::model::UnknownConstant;
-use sidc_lang::term::Signal;
-
-/// The samples with these values of the constants.
-pub fn with_values(samples: &Samples, unknowns: &[UnknownConstant], values: &[f64]) -> Samples {
-    let mut samples = samples.clone();
-    set_values(&mut samples, unknowns, values);
-    samples
-}
-
-fn set_values(samples: &mut Samples, unknowns: &[UnknownConstant], values: &[f64]) {
-    for (unknown, value) in unknowns.iter().zip(values) {
-        let signal = Signal::new(unknown.var);
-        let own = samples.columns.iter_mut().find(|c| c.signal == signal);
-        own.into_iter().for_each(|c| c.values.fill(*value));
-    }
-}
+pub use sought::{Sought, named_values, sought, values_of, with_values};

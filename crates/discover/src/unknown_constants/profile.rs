@@ -2,7 +2,7 @@
 //!
 //! In: a model, libraries, samples, values. Out: the criterion, summed over the equations that the constants stand in, and their terms.
 
-use super::set_values;
+use super::sought::{Sought, set_values, shared};
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
@@ -14,7 +14,7 @@ use crate::selection::thresholds::TERM_SELECTION;
 use crate::statistics::{product, rms};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
-use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
 use sidc_solve::Problem;
@@ -31,7 +31,8 @@ pub(super) struct ProfiledEquation<'a> {
 
 /// The equations with their rows.
 pub(super) struct Profile<'a> {
-    pub unknowns: Vec<UnknownConstant>,
+    /// The numbers whose profile it is; at first one for each constant.
+    pub sought: Vec<Sought>,
     pub equations: Vec<ProfiledEquation<'a>>,
     pub samples: Samples,
     options: &'a Options,
@@ -84,7 +85,7 @@ impl<'a> Profile<'a> {
             });
         }
         Profile {
-            unknowns: model.unknowns.clone(),
+            sought: shared(model),
             equations,
             samples,
             options,
@@ -136,7 +137,7 @@ impl<'a> Profile<'a> {
 
     /// The terms and factors of terms that a constant stands in, as many as tell how fast they change with it.
     pub fn terms(&self) -> Vec<Term> {
-        let sought = |s: Signal| self.unknowns.iter().any(|u| u.var == s.var);
+        let sought = |s: Signal| self.sought.iter().any(|u| u.signal() == s);
         let mentioned = |t: &&Term| {
             let mut found = false;
             t.for_each_signal(&mut |s| found |= sought(s));
@@ -158,7 +159,7 @@ impl<'a> Profile<'a> {
 
     /// The best terms at these values; `None` where a term has no value, or the observer ends the work.
     pub fn at(&mut self, values: &[f64], observer: &mut dyn Observer) -> Option<ProfilePoint> {
-        set_values(&mut self.samples, &self.unknowns, values);
+        set_values(&mut self.samples, &self.sought, values);
         let (mut criterion, mut supports) = (0.0, Vec::new());
         for e in &self.equations {
             let y = e.target_values(&self.samples)?;
@@ -190,32 +191,32 @@ impl<'a> Profile<'a> {
 
     /// What the constants cost that some chosen term holds: each is one more number that is estimated.
     fn price(&self, supports: &[Vec<usize>]) -> f64 {
-        let price = |u: &UnknownConstant| {
-            let holding = self.holding(u, supports);
+        let price = |s: &Sought| {
+            let holding = self.holding(s.signal(), supports);
             holding
                 .map(|e| e.criterion.samples.ln())
                 .fold(0.0, f64::max)
         };
-        self.unknowns.iter().map(price).sum()
+        self.sought.iter().map(price).sum()
     }
 
     /// Whether a chosen term, or a known one, holds a constant.
     pub fn holds_constant(&self, supports: &[Vec<usize>]) -> bool {
-        let held = |u: &UnknownConstant| {
-            let signal = Signal::new(u.var);
+        let held = |s: &Sought| {
+            let signal = s.signal();
             let mut known = self.equations.iter().flat_map(|e| &e.known);
-            known.any(|(_, t)| t.mentions(signal)) || self.holding(u, supports).next().is_some()
+            known.any(|(_, t)| t.mentions(signal))
+                || self.holding(signal, supports).next().is_some()
         };
-        self.unknowns.iter().any(held)
+        self.sought.iter().any(held)
     }
 
     /// The equations with a chosen term that holds a constant.
     fn holding(
         &self,
-        unknown: &UnknownConstant,
+        signal: Signal,
         supports: &[Vec<usize>],
     ) -> impl Iterator<Item = &ProfiledEquation<'a>> {
-        let signal = Signal::new(unknown.var);
         let pairs = self.equations.iter().zip(supports);
         let holding = pairs.filter(move |(e, support)| {
             let mut terms = support.iter().filter_map(|j| e.library.term(*j));

@@ -7,12 +7,13 @@ use nalgebra::DMatrix;
 use super::all_terms;
 use super::profile::{Profile, ProfilePoint};
 use super::search_points::{alike, apart, search_points};
+use super::sought::{Sought, sought};
 use super::thresholds::UNKNOWNS;
 use super::variable_projection::{Projected, project};
 use crate::options::Options;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
-use sidc_lang::model::{Model, UnknownConstant};
+use sidc_lang::model::Model;
 use sidc_lang::term::Term;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
@@ -25,7 +26,8 @@ pub fn settle(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Vec<Vec<f64>> {
-    let start: Vec<f64> = model.unknowns.iter().map(UnknownConstant::start).collect();
+    let all = sought(model, samples);
+    let start: Vec<f64> = all.iter().map(|s| s.unknown.start()).collect();
     let mut profile = Profile::new(model, libraries, (samples, UNKNOWNS.rows), options);
     if profile.equations.is_empty() {
         return vec![start];
@@ -39,15 +41,28 @@ pub fn settle(
         false => UNKNOWNS.most_points,
     };
     let rows = (&profile.samples, points);
-    let points = search_points(&profile.unknowns, &profile.terms(), rows);
+    let points = search_points(&profile.sought, &profile.terms(), rows);
     let whole = all_terms::minima(&mut profile, &points, observer);
     // One constant is looked at densely.
-    let rough = match profile.is_large() || profile.unknowns.len() < 2 {
+    let rough = match profile.is_large() || profile.sought.len() < 2 {
         true => Vec::new(),
         false => rough_minima(&mut profile, &points, observer),
     };
     let points: Vec<Vec<f64>> = [points, whole.clone(), rough].concat();
-    let (starts, ends) = descents(&mut profile, &points, observer);
+    let mut starts = best_points(&mut profile, &points, observer);
+    let by_run = |shared: &[f64]| -> Vec<f64> {
+        let value = |s: &Sought| shared.get(s.place).copied();
+        all.iter().filter_map(value).collect()
+    };
+    if all.iter().any(|s| s.run.is_some()) {
+        // From the values that all runs share best, each run goes downhill with its own.
+        profile.sought.clone_from(&all);
+        let with_own = |s: &ProfilePoint| profile.at(&by_run(&s.values), observer);
+        starts = starts.iter().filter_map(with_own).collect();
+    }
+    let ends = ends(&mut profile, &starts, observer);
+    let whole = whole.iter().map(|shared| by_run(shared)).collect();
+    let starts = starts.into_iter().map(|s| s.values).collect();
     let mut out: Vec<Vec<f64>> = Vec::new();
     for values in [ends, whole, starts].concat() {
         if out.len() < most && out.iter().all(|o| !alike(o, &values)) {
@@ -70,29 +85,37 @@ fn rough_minima(
     let mut out = Vec::new();
     for share in UNKNOWNS.rough {
         let floors = profile.raise_floors(share);
-        out.extend(descents(profile, points, observer).1);
+        let starts = best_points(profile, points, observer);
+        out.extend(ends(profile, &starts, observer));
         profile.set_floors(&floors);
     }
     out
 }
 
-/// The best of some points, and where each leads downhill, the best first.
-fn descents(
+/// The best of some points, in different basins as far as is seen.
+fn best_points(
     profile: &mut Profile,
     points: &[Vec<f64>],
     observer: &mut dyn Observer,
-) -> (Vec<Vec<f64>>, Vec<Vec<f64>>) {
+) -> Vec<ProfilePoint> {
     let mut seen: Vec<ProfilePoint> = Vec::new();
     for values in points {
         seen.extend(profile.at(values, observer));
     }
     seen.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    let starts: Vec<ProfilePoint> = distinct(profile, &seen).into_iter().cloned().collect();
+    distinct(profile, &seen).into_iter().cloned().collect()
+}
+
+/// Where each leads downhill, the best first.
+fn ends(
+    profile: &mut Profile,
+    starts: &[ProfilePoint],
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
     let ends = starts.iter().cloned();
     let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(profile, s, observer)).collect();
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    let values = |points: Vec<ProfilePoint>| points.into_iter().map(|p| p.values).collect();
-    (values(starts), values(ends))
+    ends.into_iter().map(|p| p.values).collect()
 }
 
 /// The best points, of each set of terms those that are not near another. Without a constant in its terms a point leads nowhere.
@@ -150,7 +173,10 @@ pub(super) fn fitted<'a>(
     found: &Discovery,
     options: &'a Options,
 ) -> Option<(Profile<'a>, Vec<Vec<usize>>)> {
-    let mut profile = Profile::new(model, libraries, (samples, samples.len()), options);
+    let all = sought(model, samples);
+    let rows = samples.len().min(UNKNOWNS.room / all.len().max(1));
+    let mut profile = Profile::new(model, libraries, (samples, rows), options);
+    profile.sought = all;
     let target = |t| found.equations.iter().find(|e| e.target == t);
     profile.equations.retain(|e| target(e.target).is_some());
     let supports = profile.equations.iter().map(|e| {

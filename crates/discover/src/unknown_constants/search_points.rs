@@ -2,37 +2,34 @@
 //!
 //! In: the ranges of the constants, the terms that they stand in, samples. Out: points, a value for each constant.
 
-use super::set_values;
+use super::sought::{Sought, set_values};
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;
-use sidc_lang::model::UnknownConstant;
-use sidc_lang::term::{Signal, Term};
+use sidc_lang::term::Term;
 
 /// At most `most` points: for one constant values so dense that its columns change little from one to the next, for several the products of such lists,
 /// thinned to a bounded number.
 pub(super) fn search_points(
-    unknowns: &[UnknownConstant],
+    sought: &[Sought],
     terms: &[Term],
     (samples, most): (&Samples, usize),
 ) -> Vec<Vec<f64>> {
-    let most = (most as f64)
-        .powf(1.0 / unknowns.len().max(1) as f64)
-        .floor() as usize;
-    let start: Vec<f64> = unknowns.iter().map(UnknownConstant::start).collect();
+    let most = (most as f64).powf(1.0 / sought.len().max(1) as f64).floor() as usize;
+    let start: Vec<f64> = sought.iter().map(|s| s.unknown.start()).collect();
     let mut trial = samples.clone();
     let mut lists = Vec::new();
-    for (place, unknown) in unknowns.iter().enumerate() {
+    for (place, one) in sought.iter().enumerate() {
         let own: Vec<&Term> = (terms.iter())
-            .filter(|t| t.mentions(Signal::new(unknown.var)))
+            .filter(|t| t.mentions(one.signal()))
             .collect();
         let mut columns = |value: f64| -> Vec<Vec<f64>> {
             let mut at = start.clone();
             at[place] = value;
-            set_values(&mut trial, unknowns, &at);
+            set_values(&mut trial, sought, &at);
             own.iter().map(|t| evaluate(t, &trial)).collect()
         };
-        let ranges = unknown.ranges();
+        let ranges = one.unknown.ranges();
         let share = (most / ranges.len()).max(2);
         let values = ranges.iter();
         let values = values.flat_map(|range| dense_values(*range, share, &mut columns));

@@ -29,6 +29,8 @@ family! {
         apart: f64 = 0.2, unit "of the constant", source "set by hand";
         /// Rounds of choosing terms and refining constants from each.
         rounds: usize = 4, unit "rounds", source "set by hand";
+        /// Rows times constants of a refinement at most: beyond, rows are left out evenly.
+        room: usize = 20_000_000, unit "values", source "160 MB; two hundred runs with a value each then have 500 rows each";
         /// Steps of a refinement.
         steps: usize = 40, unit "steps", source "Gauss–Newton gains at least a digit in each once near; ten more pass a valley";
         /// Step at which a refinement has settled.

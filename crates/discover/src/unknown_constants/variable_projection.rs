@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::profile::Profile;
 use super::search_points::Coordinate;
-use super::set_values;
+use super::sought::set_values;
 use super::thresholds::UNKNOWNS;
 use crate::dictionary::evaluate;
 use sidc_data::Samples;
@@ -46,10 +46,10 @@ pub(super) fn project(
         .map(|(e, support)| support.iter().filter_map(|j| e.library.term(*j)).collect())
         .collect();
     let coordinates: Vec<Coordinate> = profile
-        .unknowns
+        .sought
         .iter()
         .zip(start)
-        .map(|(u, v)| Coordinate::new(u.range_about(*v)))
+        .map(|(s, v)| Coordinate::new(s.unknown.range_about(*v)))
         .collect();
     let mut here = linearize(profile, &terms, start)?;
     let mut values = start.to_vec();
@@ -130,7 +130,7 @@ fn linearize(
     terms: &[Vec<Term>],
     values: &[f64],
 ) -> Option<Vec<Linearized>> {
-    set_values(&mut profile.samples, &profile.unknowns, values);
+    set_values(&mut profile.samples, &profile.sought, values);
     let profile = &*profile;
     let samples = &profile.samples;
     let one = |(e, terms): (&super::profile::ProfiledEquation, &Vec<Term>)| {
@@ -154,16 +154,21 @@ fn linearize(
         let off = |x: &DVector<f64>| x - &q * (q.transpose() * x);
         let residual = off(&y);
         let (mut jacobian, mut slopes) = (Vec::new(), Vec::new());
-        for unknown in &profile.unknowns {
-            let by = Signal::new(unknown.var);
-            let moved = terms.iter().zip(coefficients.iter());
-            let found: Expr = moved.map(|(t, c)| t.derivative(by).scale(*c)).sum();
-            let known: Expr = e
-                .known
-                .iter()
-                .map(|(c, t)| t.derivative(by).scale(*c))
-                .sum();
-            let slope = DVector::from_vec(weighted(values_of(&(found + known), samples)));
+        let mut slope_of: Option<(Signal, Vec<f64>)> = None;
+        for sought in &profile.sought {
+            let by = sought.signal();
+            // Of a constant with a value for each run the slope is one, each value moving its own rows.
+            if slope_of.as_ref().is_none_or(|(of, _)| *of != by) {
+                let moved = terms.iter().zip(coefficients.iter());
+                let found: Expr = moved.map(|(t, c)| t.derivative(by).scale(*c)).sum();
+                let known = e.known.iter();
+                let known: Expr = known.map(|(c, t)| t.derivative(by).scale(*c)).sum();
+                slope_of = Some((by, weighted(values_of(&(found + known), samples))));
+            }
+            let whole = slope_of.iter().flat_map(|(_, slope)| slope);
+            let own = whole.zip(&samples.trajectory);
+            let own = own.map(|(s, run)| if sought.holds_in(*run) { *s } else { 0.0 });
+            let slope = DVector::from_iterator(m, own);
             slopes.extend(
                 r.solve_upper_triangular(&-(q.transpose() * &slope))?
                     .iter()
@@ -172,7 +177,7 @@ fn linearize(
             jacobian.extend((-off(&slope)).iter().copied());
         }
         let variance = residual.norm_squared() / e.criterion.rows + e.criterion.floor;
-        let unknowns = profile.unknowns.len();
+        let unknowns = profile.sought.len();
         Some(Linearized {
             criterion: e.criterion.samples * variance.ln(),
             variance,

@@ -86,6 +86,22 @@ pub(crate) fn plain(name: &str) -> String {
     name.chars().map(piece).collect()
 }
 
+/// Text that ends no comment and no string.
+pub(crate) fn harmless(text: &str) -> String {
+    let piece = |c: char| match c {
+        '"' | '`' => '\'',
+        '\\' => '/',
+        // What reverses the direction of text hides what is code.
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => ' ',
+        c if c.is_control() => ' ',
+        c => c,
+    };
+    let text: String = text.chars().map(piece).collect();
+    text.replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("??", "? ?")
+}
+
 /// The name of a system after a blank, for comments; empty if it has none.
 pub(crate) fn titled(system: Option<&str>) -> String {
     system.map_or_else(String::new, |s| format!(" {}", plain(s)))
@@ -116,5 +132,10 @@ mod tests {
         let given: BTreeSet<&String> = names.by_signal.values().collect();
         assert_eq!(given.len(), all.len());
         assert!(!given.contains(&"x".to_string()));
+    }
+
+    #[test]
+    fn no_text_ends_a_comment_or_a_string() {
+        assert_eq!(harmless("a*/b \"c\"\\\n/* ??/"), "a* /b 'c'/ / * ? ?/");
     }
 }

@@ -21,7 +21,7 @@ pub(crate) trait Syntax {
     fn function(&self, f: Func) -> String;
     /// x^½: +0 for −0, NaN for negative x.
     fn root(&self, x: &str) -> String;
-    /// x^p, where p is not whole or very large.
+    /// x^p, where p is a symbol, not whole or very large.
     fn power(&self, x: &str, p: &str) -> String;
 }
 
@@ -129,6 +129,10 @@ impl<'a, S: Syntax> Infix<'a, S> {
             Some(Node::Power(a, p)) => {
                 let p = self.literal(f64::from_bits(*p));
                 (self.syntax.power(&self.text(*a), &p), Precedence::Atom)
+            }
+            Some(Node::Raised(a, p)) => {
+                let power = self.syntax.power(&self.text(*a), &self.text(*p));
+                (power, Precedence::Atom)
             }
             Some(Node::Call(f, args)) => (self.call(*f, args), Precedence::Atom),
             Some(Node::Sum(start, parts)) => self.sum(f64::from_bits(*start), parts),

@@ -60,6 +60,14 @@ impl Language for C {
                 delays.join(", ")
             ));
         }
+        if !program.constants.is_empty() {
+            out.push_str("/* The constants as they were found, as an initialiser of an array:\n");
+            out.push_str(&commented(" * ", program.constant_lines()));
+            out.push_str(&format!(
+                " */\n#define SIDC_CONSTANTS {{{}}}\n",
+                program.constant_values()
+            ));
+        }
         out
     }
 
@@ -344,9 +352,10 @@ const RESERVED: &[&str] = &[
     "FP_ILOGB0", "FP_ILOGBNAN", "FP_FAST_FMA", "MATH_ERRNO", "MATH_ERREXCEPT", "math_errhandling", "MAXFLOAT", "SNAN", "DOMAIN",
     "SING", "OVERFLOW", "UNDERFLOW", "TLOSS", "PLOSS", "X_TLOSS", "M_E", "M_LOG2E", "M_LOG10E", "M_LN2", "M_LN10", "M_PI", "M_PI_2",
     "M_PI_4", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2", "linux", "unix", "i386", "near", "far", "NULL", "signgam",
-    "t", "state", "input", "parameter", "history", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
+    "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
     "i", "sidc_solve", "sidc_solve_1", "sidc_solve_2", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
     "sidc_jacobian_input", "sidc_outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
+    "SIDC_CONSTANTS",
 ];
 
 #[cfg(test)]

@@ -6,7 +6,8 @@ use crate::code::printer::commented;
 use crate::target::Target;
 use crate::typeset::latex_matrices;
 use crate::typeset::latex_notation::LatexNotation;
-use sidc_lang::term::{Notation, Precedence, write_term};
+use crate::unknown_constants;
+use sidc_lang::term::{Notation, Precedence, Signal, SignalNames, VarId, write_term};
 use sidc_system::discovery::{Discovery, Equation};
 
 pub(crate) struct Latex;
@@ -46,8 +47,27 @@ impl Target for Latex {
         Ok(format!(
             "% Written by sidc: the identified system{system}.\n{caveats}\\newcommand{{\\sidcverdict}}{{{verdict}}}\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n\
              {equations}{}\\end{{document}}\n",
-            latex_matrices::matrices(d, &notation)
+            constants(d, &notation) + &latex_matrices::matrices(d, &notation)
         ))
+    }
+}
+
+/// The unknown constants with their values and intervals; empty without them.
+fn constants(d: &Discovery, notation: &LatexNotation) -> String {
+    let signals = (0..d.variables.len()).map(|i| Signal::new(VarId(i as u16)));
+    let lines: Vec<String> = signals
+        .filter_map(|s| {
+            let told = unknown_constants::told(d, &d.name(s))?;
+            let said = notation.text(&told);
+            Some(format!("  {} &= {said}", notation.signal(s)))
+        })
+        .collect();
+    match lines.is_empty() {
+        true => String::new(),
+        false => format!(
+            "\\begin{{align*}}\n{}\n\\end{{align*}}\n",
+            lines.join(" \\\\\n")
+        ),
     }
 }
 

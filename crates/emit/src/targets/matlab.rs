@@ -87,7 +87,8 @@ impl Language for Matlab {
 
     fn helpers(&self, program: &Program) -> String {
         let solves = program.solves(|_| true);
-        let powers = program.computes(|n| matches!(n, Node::Root(_) | Node::Power(..)));
+        let powers =
+            program.computes(|n| matches!(n, Node::Root(_) | Node::Power(..) | Node::Raised(..)));
         let mut out = String::new();
         if solves {
             out.push_str(SOLVE);
@@ -162,6 +163,10 @@ fn main(d: &Discovery, program: &Program) -> String {
     out.push_str(&commented("% ", caveats(d).into_iter()));
     out.push_str("% Without arguments, rate is a struct with the verdict and the delays of the inputs in seconds.\n%\n");
     out.push_str(&commented("% ", program.legend()));
+    if !program.constants.is_empty() {
+        out.push_str("% Without them constant is:\n");
+        out.push_str(&commented("%   ", program.constant_lines()));
+    }
     for kind in KINDS {
         if program.get(kind).is_some() {
             out.push_str(&format!(
@@ -181,11 +186,22 @@ fn main(d: &Discovery, program: &Program) -> String {
     let delays: Vec<String> = (delays(d, &program.form.inputs).iter())
         .map(|t| format!("{t:?}"))
         .collect();
+    let values = program.constant_values();
+    let constants = match program.constants.is_empty() {
+        true => String::new(),
+        false => format!(", 'sidc_constants', [{values}]"),
+    };
     out.push_str(&format!(
-        "  if nargin == 0\n    rate = struct('sidc_verdict', '{}', 'sidc_input_delays', [{}]);\n    return\n  end\n",
+        "  if nargin == 0\n    rate = struct('sidc_verdict', '{}', 'sidc_input_delays', [{}]{constants});\n    return\n  end\n",
         verdict_summary(d),
         delays.join(", ")
     ));
+    if !program.constants.is_empty() {
+        let given = 1 + program.given().count();
+        out.push_str(&format!(
+            "  if nargin <= {given}\n    constant = [{values}];\n  end\n"
+        ));
+    }
     for (i, kind) in KINDS.into_iter().enumerate() {
         let (result, called) = (result(kind), kind.name(program.discrete));
         let value = match program.get(kind) {
@@ -273,7 +289,7 @@ const RESERVED: &[&str] = &[
     "endspmd", "endarguments", "static", "nargin", "nargout", "varargin", "varargout", "ans", "isargout", "nthargout", "inputname",
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "sign", "min", "max", "zeros",
     "NaN", "Inf", "size", "isreal", "real_asin", "real_acos", "real_log", "real_sqrt", "real_power", "small_solve",
-    "t", "state", "input", "parameter", "history", "rate", "slope", "slope_input", "output", "solved", "unknown", "settled", "step",
+    "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "slope_input", "output", "solved", "unknown", "settled", "step",
     "derivatives", "next", "jacobian", "jacobian_input", "outputs",
 ];
 

@@ -37,7 +37,7 @@ impl Language for Python {
         let mut out =
             format!("\"\"\"Written by sidc: the identified system{system} as code, for numpy.\n");
         if let (Some(_), false) = (program.get(Kind::Rates), program.discrete) {
-            let others: Vec<&str> = program.arguments.iter().skip(1).map(|a| a.name).collect();
+            let others: Vec<&str> = program.given().skip(1).map(|a| a.name).collect();
             let args = match others.as_slice() {
                 [] => String::new(),
                 [one] => format!(", args=({one},)"),
@@ -57,6 +57,7 @@ impl Language for Python {
         out.push_str(&commented("", caveats(d).into_iter()));
         out.push_str("\"\"\"\nimport numpy as np\n\n");
         out.push_str(&python_constants(d, &program.form.inputs));
+        out.push_str(&program.python_constants());
         for a in &program.arguments {
             out.push_str(&tuple(a.name, &a.names));
         }
@@ -68,7 +69,9 @@ impl Language for Python {
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
-        let arguments = program.arguments.iter().map(|a| format!(", {}", a.name));
+        let given = program.given().map(|a| format!(", {}", a.name));
+        let constants = Some(", constant=SIDC_CONSTANTS".to_string());
+        let arguments = given.chain(constants.filter(|_| !program.constants.is_empty()));
         let mut out = format!(
             "\n\n@np.errstate(all=\"ignore\")\ndef {}(t{}):\n    \"\"\"{}\"\"\"\n",
             f.kind.name(program.discrete),
@@ -219,6 +222,6 @@ const RESERVED: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
     "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
     "return", "try", "while", "with", "yield",
-    "np", "t", "state", "input", "parameter", "history", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
-    "outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
+    "np", "t", "state", "input", "parameter", "history", "constant", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
+    "outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
 ];

@@ -53,6 +53,15 @@ impl Language for Rust {
                 delays.len()
             ));
         }
+        if !program.constants.is_empty() {
+            out.push_str("\n/// The constants as they were found:\n");
+            out.push_str(&commented("/// - ", program.constant_lines()));
+            out.push_str(&format!(
+                "#[allow(dead_code)]\npub const SIDC_CONSTANTS: [f64; {}] = [{}];\n",
+                program.constants.len(),
+                program.constant_values()
+            ));
+        }
         out
     }
 
@@ -254,9 +263,9 @@ const RESERVED: &[&str] = &[
     "as", "async", "await", "break", "const", "continue", "crate", "dyn", "else", "enum", "extern", "false", "fn", "for", "gen",
     "if", "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "self", "Self", "static", "struct",
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
-    "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history",
+    "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history", "constant",
     "slope", "solve", "solve_2", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
-    "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
+    "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
 ];
 
 #[cfg(test)]

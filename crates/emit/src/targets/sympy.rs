@@ -54,10 +54,16 @@ fn header(d: &Discovery, program: &Program) -> String {
             false => "mass and force depend on them: there is no closed form, and no rates().\n",
         });
     }
+    if !program.constants.is_empty() {
+        out.push_str(
+            "subs(dict(zip(constant, SIDC_CONSTANTS))) puts the constants that were found in place.\n",
+        );
+    }
     out.push('\n');
     out.push_str(&commented("", caveats(d).into_iter()));
     out.push_str("\"\"\"\nimport sympy as sp\n\n");
     out.push_str(&python_constants(d, &program.form.inputs));
+    out.push_str(&program.python_constants());
     out.push('\n');
     out
 }
@@ -198,8 +204,8 @@ const RESERVED: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
     "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
     "return", "try", "while", "with", "yield",
-    "sp", "t", "state", "input", "parameter", "history", "unknown", "mass", "force", "right", "outputs", "rates", "solved",
+    "sp", "t", "state", "input", "parameter", "history", "constant", "unknown", "mass", "force", "right", "outputs", "rates", "solved",
     "sin", "cos", "tan", "asin", "acos", "atan", "arcsin", "arccos", "arctan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs",
     "sign", "min", "max", "amin", "amax", "minimum", "maximum", "select", "power", "nan", "inf", "pi", "math", "numpy", "array",
-    "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
+    "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
 ];

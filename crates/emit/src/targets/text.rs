@@ -5,6 +5,7 @@ use crate::code::printer::commented;
 use crate::target::Target;
 use crate::text::equations::equations;
 use crate::text::matrices::consequences;
+use crate::unknown_constants;
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Text;
@@ -20,6 +21,7 @@ impl Target for Text {
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
         let caveats = commented("# ", caveats(d).into_iter());
-        Ok(caveats + &equations(d).concat() + &consequences(d))
+        let constants = commented("", unknown_constants::lines(d));
+        Ok(caveats + &equations(d).concat() + &constants + &consequences(d))
     }
 }

@@ -4,6 +4,7 @@
 
 use crate::text::layout::column_widths;
 use crate::text::matrices::{law, state_space};
+use crate::unknown_constants;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Atom, Expr, Language, Signal, SignalNames};
 use sidc_system::algebra::{
@@ -69,6 +70,9 @@ fn place(d: &Discovery, l: &Linear, point: &Point, named: &[Signal]) -> String {
     if !driven.is_empty() {
         let text = names(d, &driven);
         out.push_str(&format!("without an equation, so inputs: {text}\n"));
+    }
+    for line in unknown_constants::lines(d) {
+        out.push_str(&format!("{line}\n"));
     }
     out
 }

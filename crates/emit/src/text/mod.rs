@@ -14,6 +14,5 @@ pub(crate) mod matrices;
 pub(crate) mod relations;
 mod solution_path;
 mod sparsest;
-pub(crate) mod unknown_constants;
 pub(crate) mod verdict;
 mod verification;

@@ -39,11 +39,12 @@ impl Notation for LatexNotation<'_> {
         }
     }
 
-    fn power(&self, base: &str, p: f64) -> (String, Precedence) {
-        (
-            format!("{{{base}}}^{{{}}}", significant(p, 6)),
-            Precedence::Power,
-        )
+    fn power(&self, base: &str, exponent: &str) -> (String, Precedence) {
+        (format!("{{{base}}}^{{{exponent}}}"), Precedence::Power)
+    }
+
+    fn is_constant(&self, s: Signal) -> bool {
+        self.0.is_constant(s.var)
     }
 
     fn product(&self, factors: &[String]) -> String {
@@ -56,6 +57,20 @@ impl Notation for LatexNotation<'_> {
 
     fn parenthesise(&self, inner: &str) -> String {
         format!(r"\left({inner}\right)")
+    }
+}
+
+impl LatexNotation<'_> {
+    /// Words and figures as upright text in math mode.
+    pub fn text(&self, words: &str) -> String {
+        let piece = |c: char| match c {
+            '_' | '%' | '$' | '&' | '#' | '{' | '}' => format!(r"\{c}"),
+            '^' => r"\textasciicircum{}".into(),
+            c if c.is_ascii_graphic() && c != '\\' && c != '~' || c == ' ' => c.to_string(),
+            c => format!("U+{:X}", c as u32),
+        };
+        let words: String = words.chars().map(piece).collect();
+        format!(r"\text{{{words}}}")
     }
 }
 

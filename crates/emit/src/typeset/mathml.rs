@@ -122,9 +122,17 @@ impl Notation for MathMl<'_> {
         }
     }
 
-    fn power(&self, base: &str, p: f64) -> (String, Precedence) {
-        let text = format!("<msup>{}{}</msup>", row(base), self.number(p));
+    fn power(&self, base: &str, exponent: &str) -> (String, Precedence) {
+        let text = format!("<msup>{}{}</msup>", row(base), exponent);
         (text, Precedence::Power)
+    }
+
+    fn exponent(&self, text: String, _: Precedence) -> String {
+        row(&text)
+    }
+
+    fn is_constant(&self, s: Signal) -> bool {
+        self.0.is_constant(s.var)
     }
 
     fn product(&self, factors: &[String]) -> String {

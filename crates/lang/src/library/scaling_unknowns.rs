@@ -4,12 +4,16 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::library::Library;
-use crate::model::Model;
+use crate::model::{Model, RightSide, UnknownConstant};
 use crate::term::{Atom, Language, Signal, Term};
 
 /// At most one for each constant.
 pub fn scaling_unknowns(model: &Model, library: &Library) -> Vec<Diagnostic> {
-    let one = |signal: Signal| {
+    let one = |unknown: &UnknownConstant| {
+        let signal = Signal::new(unknown.var);
+        if unknown.per_run && is_fixed_elsewhere(model, library, signal) {
+            return None;
+        }
         let scales = |t: &&Term| t.factors().any(|(a, _)| *a == Atom::Signal(signal));
         let blocks = library.blocks().iter();
         let mut terms = blocks.flat_map(|b| b.left.iter().chain(&b.right));
@@ -30,8 +34,31 @@ pub fn scaling_unknowns(model: &Model, library: &Library) -> Vec<Diagnostic> {
             language.term(&rest),
             language.term(term)
         );
-        Some(d.help(help))
+        let by_run = format!(
+            ", and say `coef(TARGET, {}) : per run`; or state the coefficient: known({})",
+            language.term(&rest),
+            language.term(term)
+        );
+        let by_run = if unknown.per_run {
+            by_run
+        } else {
+            String::new()
+        };
+        Some(d.help(help + &by_run))
     };
-    let signals = model.unknowns.iter().map(|u| Signal::new(u.var));
-    signals.filter_map(one).collect()
+    model.unknowns.iter().filter_map(one).collect()
+}
+
+/// Whether a constant that differs from run to run stands in a known part, or in a term that it does more than scale: its values are then more
+/// than coefficients by run.
+fn is_fixed_elsewhere(model: &Model, library: &Library, signal: Signal) -> bool {
+    let known = model.equations.iter().any(|e| match &e.right {
+        RightSide::Known(e) => e.mentions(signal),
+        RightSide::Search { known, .. } => known.iter().any(|(e, _)| e.mentions(signal)),
+    });
+    let inside = |t: &Term| {
+        let mut atoms = t.factors().map(|(a, _)| a);
+        atoms.any(|a| *a != Atom::Signal(signal) && Term::atom(a.clone()).mentions(signal))
+    };
+    known || library.factors().any(inside)
 }

@@ -12,6 +12,7 @@ mod parity;
 mod pretty_print;
 mod signal;
 mod substitute;
+mod symbolic_power;
 mod total_order;
 
 pub use evaluate::{Graph, Node, PointTape, Tape};

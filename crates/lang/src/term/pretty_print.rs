@@ -19,8 +19,14 @@ pub trait Notation {
     fn signal(&self, s: Signal) -> String;
     fn number(&self, x: f64) -> String;
     fn call(&self, f: Func, args: &[String]) -> String;
-    /// `base` is text that binds at least as tightly as an atom.
-    fn power(&self, base: &str, p: f64) -> (String, Precedence);
+    /// `base` is text that binds at least as tightly as an atom, the exponent one that [`Notation::exponent`] made.
+    fn power(&self, base: &str, exponent: &str) -> (String, Precedence);
+    /// An exponent from its text, and how tightly that binds.
+    fn exponent(&self, text: String, _: Precedence) -> String {
+        text
+    }
+    /// Whether the signal is an unknown constant.
+    fn is_constant(&self, s: Signal) -> bool;
     /// Factors that bind at least as tightly as a product; never empty.
     fn product(&self, factors: &[String]) -> String;
     fn quotient(&self, above: &str, below: &[String]) -> String;
@@ -75,6 +81,9 @@ pub fn write_term(n: &impl Notation, term: &Term) -> (String, Precedence) {
 
 /// An expression in the given notation, and how tightly its text binds.
 pub fn write_expr(n: &impl Notation, e: &Expr) -> (String, Precedence) {
+    if let (1, Some((1.0, term))) = (e.terms().len(), e.terms().next()) {
+        return write_term(n, term);
+    }
     let mut out = String::new();
     let mut single = Precedence::Atom;
     for (i, (w, t)) in positive_first(e).into_iter().enumerate() {
@@ -116,16 +125,25 @@ fn write_weighted(n: &impl Notation, w: f64, t: &Term) -> (String, Precedence) {
 fn write_factor(n: &impl Notation, atom: &Atom, p: f64) -> (String, Precedence) {
     let (base, binds) = match atom {
         Atom::Signal(s) => (n.signal(*s), Precedence::Atom),
-        Atom::Call(f, args) => {
-            let args: Vec<String> = args.iter().map(|a| write_expr(n, a).0).collect();
-            (n.call(*f, &args), Precedence::Atom)
-        }
+        Atom::Call(f, args) => match atom.as_power(&|s| n.is_constant(s)) {
+            Some((base, exponent)) => write_power(n, base, &exponent),
+            None => {
+                let args: Vec<String> = args.iter().map(|a| write_expr(n, a).0).collect();
+                (n.call(*f, &args), Precedence::Atom)
+            }
+        },
         Atom::Sum(e) => write_expr(n, e),
     };
     if p == 1.0 {
         return (base, binds);
     }
-    n.power(&guard(n, base, binds, Precedence::Atom), p)
+    n.power(&guard(n, base, binds, Precedence::Atom), &n.number(p))
+}
+
+fn write_power(n: &impl Notation, base: &Expr, exponent: &Expr) -> (String, Precedence) {
+    let ((base, binds), (exponent, loose)) = (write_expr(n, base), write_expr(n, exponent));
+    let base = guard(n, base, binds, Precedence::Atom);
+    n.power(&base, &n.exponent(exponent, loose))
 }
 
 fn guard(n: &impl Notation, text: String, has: Precedence, needs: Precedence) -> String {
@@ -162,8 +180,16 @@ impl<N: SignalNames + ?Sized> Notation for Language<'_, N> {
         format!("{}({})", f.name, args.join(", "))
     }
 
-    fn power(&self, base: &str, p: f64) -> (String, Precedence) {
-        (format!("{base}^{p}"), Precedence::Power)
+    fn power(&self, base: &str, exponent: &str) -> (String, Precedence) {
+        (format!("{base}^{exponent}"), Precedence::Power)
+    }
+
+    fn exponent(&self, text: String, binds: Precedence) -> String {
+        guard(self, text, binds, Precedence::Atom)
+    }
+
+    fn is_constant(&self, s: Signal) -> bool {
+        self.0.is_constant(s.var)
     }
 
     fn product(&self, factors: &[String]) -> String {

@@ -73,6 +73,11 @@ pub trait SignalNames {
     /// The name of the declared variable.
     fn variable(&self, var: VarId) -> &str;
 
+    /// True for unknown constants, which alone may stand in exponents.
+    fn is_constant(&self, _: VarId) -> bool {
+        false
+    }
+
     fn name(&self, s: Signal) -> String {
         let base = self.variable(s.var);
         match (s.der, s.shift) {

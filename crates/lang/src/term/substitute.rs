@@ -27,6 +27,11 @@ impl Atom {
         match self {
             Atom::Signal(s) => value(*s).map_or_else(|| Expr::signal(*s), Expr::number),
             Atom::Call(f, args) => {
+                if let Some((base, exponent)) = self.as_power(&|s| value(s).is_some())
+                    && let Some(p) = exponent.with_values(value).as_number()
+                {
+                    return base.with_values(value).pow(p);
+                }
                 let args = args.iter().map(|a| a.with_values(value));
                 Expr::call(*f, args.collect())
             }
@@ -54,5 +59,13 @@ mod tests {
         assert!((numeric.eval(&at) - e.eval(&at)).abs() < 1e-15);
         let all = e.with_values(&|s| Some(at(s)));
         assert!((all.as_number().unwrap() - e.eval(&at)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_power_becomes_one_of_a_number() {
+        let [x, n] = [1, 2].map(|v| Signal::new(VarId(v)));
+        let power = Expr::signal(x).raised_to(Expr::signal(n)).unwrap();
+        let cube = power.with_values(&|s| (s == n).then_some(3.0));
+        assert_eq!(cube, Expr::signal(x).pow(3.0));
     }
 }

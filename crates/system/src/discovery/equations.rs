@@ -368,6 +368,11 @@ fn is_stop(reason: &Reason) -> bool {
 }
 
 impl SignalNames for Discovery {
+    fn is_constant(&self, var: VarId) -> bool {
+        self.variable_of(var)
+            .is_some_and(|v| v.kind == VarKind::Unknown)
+    }
+
     fn variable(&self, var: VarId) -> &str {
         self.variable_of(var).map_or("?", |v| &v.name)
     }

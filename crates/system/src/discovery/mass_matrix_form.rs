@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::discovery::{Discovery, Equation};
 use sidc_lang::model::VarKind;
-use sidc_lang::term::{Expr, Signal, Term, VarId};
+use sidc_lang::term::{Expr, Signal, Term};
 
 /// A system in mass-matrix form, and the order of its arguments.
 #[derive(Clone, Debug, Default)]
@@ -21,8 +21,10 @@ pub struct Form {
     pub state: Vec<Signal>,
     /// u: inputs, their derivatives, and states without an equation, if the equations mention them.
     pub inputs: Vec<Signal>,
-    /// p: parameters, if the equations mention them.
+    /// p: parameters, and unknown constants that have no value, if the equations mention them.
     pub params: Vec<Signal>,
+    /// Unknown constants that have a value, if the equations mention them; empty where that value stands in their place.
+    pub constants: Vec<Signal>,
     /// h: lagged samples, if the equations mention them.
     pub history: Vec<Signal>,
     /// q, one for each row.
@@ -66,19 +68,24 @@ impl Rate {
     }
 }
 
-impl Discovery {
-    /// The value of a signal that is an unknown constant.
-    pub fn unknown_value(&self, signal: Signal) -> Option<f64> {
-        let VarId(place) = signal.var;
-        let name = &self.variables.get(usize::from(place))?.name;
-        let own = self.unknowns.iter().find(|u| u.name == *name)?;
-        Some(own.value)
-    }
-}
-
 impl Form {
-    /// Sorts the signals of the equations into state, inputs and unknowns.
+    /// Sorts the signals of the equations into state, inputs and unknowns. Unknown constants are the numbers that were found.
     pub fn new(d: &Discovery) -> Form {
+        let mut form = Form::of(d, &|e| match d.unknowns.is_empty() {
+            true => e,
+            false => e.with_values(&|s| d.unknown_value(s)),
+        });
+        form.constants.clear();
+        form
+    }
+
+    /// The same with unknown constants by name.
+    pub fn symbolic(d: &Discovery) -> Form {
+        Form::of(d, &|e| e)
+    }
+
+    fn of(d: &Discovery, valued: &impl Fn(Expr) -> Expr) -> Form {
+        let right = |e: &Equation| valued(right(e));
         let mut form = Form::default();
         let (maps, dynamics): (Vec<_>, Vec<_>) =
             d.equations.iter().partition(|e| is_output(d, e.target));
@@ -87,10 +94,10 @@ impl Form {
         form.other_signals(d);
         form.rows = dynamics
             .iter()
-            .map(|e| form.row(right(d, e), e.target))
+            .map(|e| form.row(right(e), e.target))
             .collect();
         form.linear = form.rows.iter().all(|r| form.free(r));
-        form.outputs = maps.iter().map(|e| (e.target, right(d, e))).collect();
+        form.outputs = maps.iter().map(|e| (e.target, right(e))).collect();
         form
     }
 
@@ -200,7 +207,8 @@ impl Form {
                 _ if taken => {}
                 _ if s.shift < 0 => self.history.push(s),
                 Some(VarKind::Param) => self.params.push(s),
-                Some(VarKind::Unknown) => {}
+                Some(VarKind::Unknown) if d.unknown_value(s).is_some() => self.constants.push(s),
+                Some(VarKind::Unknown) => self.params.push(s),
                 _ => self.inputs.push(s),
             }
         }
@@ -240,13 +248,9 @@ fn is_output(d: &Discovery, s: Signal) -> bool {
         .is_some_and(|v| v.kind == VarKind::Output)
 }
 
-fn right(d: &Discovery, e: &Equation) -> Expr {
+fn right(e: &Equation) -> Expr {
     let parts = e.terms.iter();
-    let symbolic: Expr = parts
+    parts
         .map(|t| Expr::from((t.coefficient, t.term.clone())))
-        .sum();
-    match d.unknowns.is_empty() {
-        true => symbolic,
-        false => symbolic.with_values(&|s| d.unknown_value(s)),
-    }
+        .sum()
 }

@@ -1,6 +1,7 @@
 //! Equations with evidence, statuses and doubts: plain data that all other modules may read.
 
 mod coefficient_inference;
+mod constants;
 mod delays_taken_out;
 mod equations;
 mod identifiability;

@@ -1,4 +1,4 @@
-//! Coefficients that differ between runs, as parameters of the runs.
+//! Coefficients and unknown constants that differ between runs, as parameters of the runs.
 //!
 //! In: a discovery, with the model and the records that it is asked about. Out: the same equations with a parameter of the run in place of
 //! each such coefficient, so that simulations and predictions take every run with its own value. A run that is not known takes
@@ -31,7 +31,8 @@ impl RunParameters {
     /// `None` where no coefficient differs between runs.
     pub fn of(found: &Discovery, model: &Model) -> Option<RunParameters> {
         let by_run = |t: &FoundTerm| !t.runs.is_empty();
-        if !found.equations.iter().any(|e| e.terms.iter().any(by_run)) {
+        let coefficients = found.equations.iter().any(|e| e.terms.iter().any(by_run));
+        if !coefficients && found.unknowns.iter().all(|u| u.run.is_none()) {
             return None;
         }
         let mut out = RunParameters {
@@ -74,6 +75,9 @@ impl RunParameters {
             term.term = term.term.mul(&Term::signal(signal));
             term.coefficient = 1.0;
         }
+        parameters.extend(constants(found));
+        // What has no value is a parameter of the equations.
+        discovery.unknowns.retain(|u| u.run.is_none());
         Some(out)
     }
 
@@ -89,6 +93,7 @@ impl RunParameters {
                 let named = || p.runs.iter().filter(|r| r.run == trajectory.name);
                 let known = named().nth(place).or_else(|| named().next());
                 let value = known.map_or(p.mean, |r| r.coefficient);
+                trajectory.columns.retain(|(s, _)| *s != p.signal);
                 trajectory
                     .columns
                     .push((p.signal, vec![value; trajectory.time.len()]));
@@ -97,6 +102,29 @@ impl RunParameters {
         }
         data
     }
+}
+
+/// The unknown constants that have a value in each run.
+fn constants(found: &Discovery) -> Vec<Parameter> {
+    let mut out: Vec<Parameter> = Vec::new();
+    for value in found.constant_values() {
+        let Some(run) = value.run else { continue };
+        let mean = found.unknown_value(value.signal).unwrap_or(value.value);
+        let coefficient = RunCoefficient {
+            run,
+            coefficient: value.value,
+            standard_error: None,
+        };
+        match out.iter_mut().find(|p| p.signal == value.signal) {
+            Some(own) => own.runs.push(coefficient),
+            None => out.push(Parameter {
+                signal: value.signal,
+                mean,
+                runs: vec![coefficient],
+            }),
+        }
+    }
+    out
 }
 
 /// `coef1`, or the next like it that is free.

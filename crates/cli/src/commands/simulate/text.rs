@@ -1,6 +1,7 @@
 //! Free runs as text for people.
 
 use crate::thresholds::LISTS;
+use sidc_emit as emit;
 use sidc_lang::number::significant;
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::Discovery;
@@ -42,7 +43,12 @@ fn heading(d: &Discovery, run: &Run, options: &Options) -> String {
         }),
     };
     let name = &run.name;
-    format!("{system}: free run along {name}, {rows} rows{how}\n")
+    let constants = emit::constants_in(d, name).into_iter();
+    let constants: String = constants
+        .flat_map(|line| emit::wrapped(&line, emit::TEXT_WIDTH, "    ", "        "))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    format!("{system}: free run along {name}, {rows} rows{how}\n{constants}")
 }
 
 fn start(d: &Discovery, run: &Run, leg: &Leg) -> String {

@@ -12,7 +12,7 @@ use super::run_columns::{RunColumn, RunColumns};
 use sidc_lang::term::{Signal, Term, VarId};
 
 /// The signal that is 1 in one run and 0 in all others. No model declares so many variables.
-fn indicator(trajectory: usize) -> Signal {
+pub(crate) fn indicator(trajectory: usize) -> Signal {
     let last = usize::from(u16::MAX);
     Signal::new(VarId(last.saturating_sub(trajectory) as u16))
 }
@@ -87,6 +87,17 @@ impl Problem {
         problem.run_columns = RunColumns::new(own);
         problem.compile_columns();
         (problem, origin)
+    }
+
+    /// The problem with the signals that mark these runs.
+    pub(crate) fn with_indicators(&self, runs: impl Iterator<Item = usize>) -> Problem {
+        let runs: Vec<usize> = runs.collect();
+        let mut problem = self.clone();
+        problem.add_indicators(&runs);
+        if !runs.is_empty() {
+            problem.compile_columns();
+        }
+        problem
     }
 
     fn add_indicators(&mut self, runs: &[usize]) {

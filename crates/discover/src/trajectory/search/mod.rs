@@ -22,4 +22,7 @@ pub use search_from_free::search_from_free;
 pub use search_observer::SearchObserver;
 pub use support_search::{Found, StartingSupport, search};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
-pub use unknown_constants::{FittedConstants, SoughtConstant, fit_constants, fit_constants_from};
+pub use unknown_constants::{
+    FittedConstants, SoughtConstant, fit_constants, fit_constants_from, with_constant_values,
+    without_weak_terms,
+};

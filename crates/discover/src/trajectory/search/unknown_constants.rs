@@ -6,8 +6,8 @@
 //! likelihood of (a, δ) that of (a, k + δ) to first order: Gauss–Newton in all of them. The variance of δ is that of k, and those of the
 //! coefficients beside it hold the error of k.
 
-use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
-use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit, term_price};
+use crate::trajectory::model::{LinearizationPoint, Problem, indicator};
 use crate::trajectory::search::{final_criterion, last_criterion};
 use crate::trajectory::thresholds::CONSTANTS;
 use sidc_lang::term::{Expr, Signal, Term};
@@ -18,6 +18,8 @@ use sidc_solve::{LinearConstraint, Sense};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoughtConstant {
     pub signal: Signal,
+    /// The trajectory whose value it is; `None` where all share it.
+    pub run: Option<usize>,
     pub value: f64,
     pub range: (f64, f64),
 }
@@ -30,7 +32,9 @@ pub struct FittedConstants {
     pub value: f64,
     /// Of each constant; infinite where no law of the fit holds it.
     pub standard_errors: Vec<f64>,
-    /// Variances of the fit's coefficients, the errors of the constants among their causes.
+    /// Columns of the fit with their coefficients.
+    pub terms: Vec<(usize, f64)>,
+    /// Variances of these coefficients, the errors of the constants among their causes.
     pub variances: Vec<f64>,
 }
 
@@ -39,6 +43,7 @@ pub fn fit_constants_from(
     problem: &Problem,
     start: &[(usize, f64)],
     constants: &[SoughtConstant],
+    inefficiency: f64,
     observer: &mut dyn Observer,
 ) -> Option<FittedConstants> {
     let (support, coefficients) = start.iter().copied().unzip();
@@ -49,7 +54,34 @@ pub fn fit_constants_from(
         ..problem.initial_point(&problem.noise)
     };
     let found = fit(problem, point, &criterion, f64::INFINITY, observer)?;
-    fit_constants(problem, &found, constants, 1.0, observer)
+    fit_constants(problem, &found, constants, inefficiency, observer)
+}
+
+/// The same without the terms that cost more than they explain once the constants may move. At fixed constants such a term makes up for their
+/// error, and no search of terms there lets it go.
+pub fn without_weak_terms(
+    problem: &Problem,
+    mut fitted: FittedConstants,
+    inefficiency: f64,
+    observer: &mut dyn Observer,
+) -> FittedConstants {
+    let price = term_price(problem.measurements() as f64 / inefficiency);
+    while fitted.terms.len() > 1 {
+        let ratios = fitted.terms.iter().zip(&fitted.variances);
+        let ratios = ratios.map(|((_, a), v)| a * a / v).enumerate();
+        let weakest = ratios.min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((place, _)) = weakest.filter(|(_, ratio)| *ratio < price) else {
+            break;
+        };
+        let mut rest = fitted.terms.clone();
+        rest.remove(place);
+        let next = fit_constants_from(problem, &rest, &fitted.constants, inefficiency, observer);
+        match next.filter(|n| n.value < fitted.value) {
+            Some(next) => fitted = next,
+            None => break,
+        }
+    }
+    fitted
 }
 
 /// One Gauss–Newton step.
@@ -69,7 +101,9 @@ pub fn fit_constants(
 ) -> Option<FittedConstants> {
     let criterion = last_criterion(problem, inefficiency);
     let mut here = constants.to_vec();
-    let at = |constants: &[SoughtConstant]| problem.with_constant_values(&values(constants));
+    let runs = constants.iter().filter_map(|c| c.run);
+    let problem = &problem.with_indicators(runs);
+    let at = |constants: &[SoughtConstant]| with_constant_values(problem, constants);
     let mut best = fit(
         &at(&here),
         found.point.clone(),
@@ -121,14 +155,17 @@ pub fn fit_constants(
     let wider = inefficiency.sqrt();
     Some(FittedConstants {
         value: best.value,
+        terms: best.point.active(),
         constants: here,
         standard_errors: step.standard_errors.iter().map(|e| e * wider).collect(),
         variances: step.variances.iter().map(|v| v * inefficiency).collect(),
     })
 }
 
-pub(crate) fn values(constants: &[SoughtConstant]) -> Vec<(Signal, f64)> {
-    constants.iter().map(|c| (c.signal, c.value)).collect()
+/// The problem with these values; signals that no law mentions are left aside.
+pub fn with_constant_values(problem: &Problem, constants: &[SoughtConstant]) -> Problem {
+    let values = constants.iter().map(|c| (c.signal, c.run, c.value));
+    problem.with_constant_values(values)
 }
 
 impl SoughtConstant {
@@ -180,7 +217,10 @@ fn step(
             }
             let (weight, term) = slope.into_term();
             held[l].push((k, weight));
-            extra[l].push(term);
+            extra[l].push(match constant.run {
+                Some(run) => term.mul(&Term::signal(indicator(run))),
+                None => term,
+            });
         }
     }
     let mut extended = problem.with_extra_columns(&extra);

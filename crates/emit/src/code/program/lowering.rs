@@ -15,6 +15,8 @@ pub(crate) struct Scope<'a> {
     pub arguments: &'a [Argument],
     /// Every signal that an argument or an equation gives, with its name.
     pub names: &'a [(Signal, String)],
+    /// Unknown constants, which alone stand in exponents.
+    pub constants: &'a [Signal],
 }
 
 impl Scope<'_> {
@@ -24,7 +26,8 @@ impl Scope<'_> {
         let mut inputs = vec![Signal::TIME];
         inputs.extend(self.names.iter().map(|(s, _)| *s));
         inputs.extend(definitions.derivatives.iter().map(|(s, ..)| *s));
-        let mut body = schedule(definitions.in_order, &results, inputs)?;
+        let given = (inputs, self.constants);
+        let mut body = schedule(definitions.in_order, &results, given)?;
         body.reads = self.reads(&body);
         body.preferred_names = self.preferred_names(&body, &definitions.derivatives);
         Ok(body)

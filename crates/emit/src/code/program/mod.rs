@@ -15,7 +15,8 @@ pub(crate) use statements::{Argument, Body, Name, Newton, Solve, Step};
 use definitions::Definitions;
 use lowering::Scope;
 
-use crate::code::identifiers::plain;
+use crate::code::identifiers::{harmless, plain};
+use crate::unknown_constants;
 use sidc_lang::term::{Expr, Func, Node, Signal, SignalNames};
 use sidc_system::discovery::{Discovery, Form, Rate};
 
@@ -30,11 +31,20 @@ pub(crate) struct Program {
     /// True if some input acts later than it is commanded.
     pub is_delayed: bool,
     pub form: Form,
-    /// State, inputs, parameters, history; those that are not empty, and always the state.
+    /// State, inputs, parameters, history, constants; those that are not empty, and always the state.
     pub arguments: Vec<Argument>,
     pub functions: Vec<Function>,
+    /// The unknown constants that stand in the equations.
+    pub constants: Vec<Constant>,
     /// Every signal with the user's name.
     pub names: Vec<(Signal, String)>,
+}
+
+/// An unknown constant that was found.
+pub(crate) struct Constant {
+    pub value: f64,
+    /// Its name, value, unit and interval, for comments.
+    pub about: String,
 }
 
 /// One thing to compute.
@@ -109,13 +119,19 @@ impl Program {
     /// # Errors
     /// An equation mentions a signal that is no argument.
     pub fn new(d: &Discovery) -> Result<Program, String> {
-        let form = Form::new(d);
+        let form = Form::symbolic(d);
         let named = |s: &Signal| (*s, d.name(*s));
         let groups = [
             ("state", "the state", &form.state, true),
             ("input", "the inputs", &form.inputs, false),
             ("parameter", "the parameters", &form.params, false),
             ("history", "earlier samples", &form.history, false),
+            (
+                CONSTANTS,
+                "the constants that were found",
+                &form.constants,
+                false,
+            ),
         ];
         let arguments: Vec<Argument> = groups
             .into_iter()
@@ -133,6 +149,7 @@ impl Program {
             system: d.system.clone(),
             discrete: d.discrete,
             is_delayed: form.inputs.iter().any(|s| d.input_delay(s.var) != 0.0),
+            constants: form.constants.iter().map(|s| constant(d, *s)).collect(),
             arguments,
             functions: Vec::new(),
             names,
@@ -200,6 +217,7 @@ impl Program {
         Scope {
             arguments: &self.arguments,
             names: &self.names,
+            constants: &self.form.constants,
         }
     }
 
@@ -207,6 +225,32 @@ impl Program {
     pub fn legend(&self) -> impl Iterator<Item = String> {
         let filled = self.arguments.iter().filter(|a| !a.signals.is_empty());
         filled.map(|a| format!("{} is {}: {}", a.name, a.about, plain(&a.names.join(", "))))
+    }
+
+    /// The arguments without default values.
+    pub fn given(&self) -> impl Iterator<Item = &Argument> {
+        self.arguments.iter().filter(|a| a.name != CONSTANTS)
+    }
+
+    /// A line for each constant, for comments.
+    pub fn constant_lines(&self) -> impl Iterator<Item = String> {
+        self.constants.iter().map(|c| c.about.clone())
+    }
+
+    /// The values of the constants, `a, b`, so that they read back.
+    pub fn constant_values(&self) -> String {
+        let all = self.constants.iter().map(|c| format!("{:?}", c.value));
+        all.collect::<Vec<String>>().join(", ")
+    }
+
+    /// The values of the constants as a tuple of Python, each with its comment; empty without constants.
+    pub fn python_constants(&self) -> String {
+        let line = |c: &Constant| format!("    {:?},  # {}\n", c.value, c.about);
+        let lines: String = self.constants.iter().map(line).collect();
+        match lines.is_empty() {
+            true => lines,
+            false => format!("SIDC_CONSTANTS = (\n{lines})\n"),
+        }
     }
 
     /// Names of the outputs.
@@ -265,6 +309,18 @@ impl Program {
             Some(f) => Err(format!("{language} has no function for `{}`", f.name)),
             None => Ok(()),
         }
+    }
+}
+
+/// The name of the argument that holds the constants.
+const CONSTANTS: &str = "constant";
+
+fn constant(d: &Discovery, signal: Signal) -> Constant {
+    let name = d.name(signal);
+    let told = unknown_constants::told(d, &name).unwrap_or_default();
+    Constant {
+        value: d.unknown_value(signal).unwrap_or(f64::NAN),
+        about: format!("{} = {}", plain(&name), harmless(&told)),
     }
 }
 

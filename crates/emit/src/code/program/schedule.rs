@@ -9,17 +9,17 @@ use crate::code::program::definitions::{Definition, System};
 use crate::code::program::statements::{Body, Name, Newton, Solve, Step};
 use sidc_lang::term::{Expr, Graph, Node, Signal};
 
-/// The steps that compute `results` (rows × columns) from `inputs`. Reads and names are left empty.
+/// The steps that compute `results` (rows × columns) from `inputs`, some of which are constants. Reads and names are left empty.
 ///
 /// # Errors
 /// A signal that is not among the inputs.
 pub(crate) fn schedule(
     definitions: Vec<Definition>,
     results: &[Vec<Expr>],
-    inputs: Vec<Signal>,
+    (inputs, constants): (Vec<Signal>, &[Signal]),
 ) -> Result<Body, Signal> {
     let definitions = used(definitions, results);
-    let mut graph = Graph::new(&inputs);
+    let mut graph = Graph::new(&inputs).with_constants(constants);
     let planned: Result<Vec<Planned>, Signal> = definitions
         .iter()
         .map(|d| Planned::new(d, &mut graph))

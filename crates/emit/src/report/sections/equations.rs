@@ -4,8 +4,9 @@ use crate::report::markup::{lead, section};
 use crate::report::report_contents::Subject;
 use crate::report::sections::verdict::badge;
 use crate::text::matrices::consequences;
-use crate::text::{disturbance, evidence, relations, unknown_constants};
+use crate::text::{disturbance, evidence, relations};
 use crate::typeset::mathml::{MathMl, escape};
+use crate::unknown_constants;
 use sidc_system::discovery::{Discovery, Equation};
 
 pub(crate) fn html(s: &Subject) -> String {

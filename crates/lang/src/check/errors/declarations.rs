@@ -382,11 +382,17 @@ pub fn unknown_attribute_of_unknown(at: Span, key: &str) -> Diagnostic {
     .help("the forms are `unknown k in 0.1..10, unit \"1/s\"` and `unknown L : per run`")
 }
 
-pub fn unknown_per_run(at: Span) -> Diagnostic {
-    Diagnostic::error(
-        "unknown-per-run",
-        "unknown constants that differ from run to run are not estimated",
+pub fn data_for_unknown(at: Span, name: &str, declared: Option<Span>) -> Diagnostic {
+    let d = Diagnostic::error(
+        "unknown-in-data",
+        format!("{name} is an unknown constant, and the data block says where its values are"),
     )
-    .at(at, "asked for here")
-    .help("leave `per run` out to have one value for all runs, or identify each run alone")
+    .at(at, "what is found is not measured");
+    let d = match declared {
+        Some(span) => d.also(span, "declared here"),
+        None => d,
+    };
+    d.help(format!(
+        "leave the entry out; or write `param {name}` for `unknown {name}` if its values are known"
+    ))
 }

@@ -27,7 +27,7 @@ impl Checker<'_> {
                 let (b, p) = (b?, p?);
                 match p.as_number() {
                     Some(p) => self.powered(e, b, p),
-                    None => power_of_unknown(b, p),
+                    None => b.raised_to(p),
                 }
             }
             ExprKind::List(_) => self.fail(errors::library_inside(e.span, "a list")),
@@ -207,10 +207,4 @@ impl Checker<'_> {
             None => self.unknown_name(inner.span, text),
         }
     }
-}
-
-/// bᵖ = exp(p·log b), for a p that is known only with the data.
-fn power_of_unknown(base: Expr, power: Expr) -> Option<Expr> {
-    let log = Expr::call(Func::named("log")?, vec![base]);
-    Some(Expr::call(Func::named("exp")?, vec![power * log]))
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crate::ast::{Call, Entry, EntryKind, Expr as Ast, ExprKind, Ident, Side, Sign};
 use crate::check::checker::{Checker, every};
 use crate::check::errors;
-use crate::model::{ColumnExpr, ColumnKind, DataBlock, DataEntry};
+use crate::model::{ColumnExpr, ColumnKind, DataBlock, DataEntry, VarKind};
 use crate::source::Span;
 use crate::term::{Func, Signal};
 use crate::thresholds::MODEL;
@@ -107,6 +107,12 @@ impl Checker<'_> {
             }
             return self.unknown_name(name.span, &name.text);
         };
+        if let Some(var) = self.scope.var(signal.var)
+            && var.kind == VarKind::Unknown
+        {
+            let d = errors::data_for_unknown(name.span, &name.text, var.span);
+            return self.fail(d);
+        }
         if let Some(first) = seen.insert(signal, name.span) {
             return self.fail(errors::twice(
                 name.span,

@@ -68,10 +68,7 @@ impl Checker<'_> {
             }
             match (a.key.text.as_str(), &a.value) {
                 ("unit", _) => unit = self.unit(a),
-                ("per", Some(run)) if run.as_name() == Some("run") => {
-                    self.say(errors::unknown_per_run(a.key.span));
-                    per_run = true;
-                }
+                ("per", Some(run)) if run.as_name() == Some("run") => per_run = true,
                 _ => self.say(errors::unknown_attribute_of_unknown(
                     a.key.span,
                     &a.key.text,

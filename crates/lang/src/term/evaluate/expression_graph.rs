@@ -18,6 +18,8 @@ pub enum Node {
     /// Square root.
     Root(usize),
     Power(usize, u64),
+    /// A power whose exponent is a node too.
+    Raised(usize, usize),
     Call(Func, Vec<usize>),
     /// start + Σ weight·node, from left to right.
     Sum(u64, Vec<(u64, usize)>),
@@ -28,7 +30,7 @@ impl Node {
     pub fn for_each_use(&self, mut visit: impl FnMut(usize)) {
         match self {
             Node::Input(_) | Node::Number(_) => {}
-            Node::Product(a, b) => {
+            Node::Product(a, b) | Node::Raised(a, b) => {
                 visit(*a);
                 visit(*b);
             }
@@ -45,6 +47,8 @@ pub struct Graph {
     nodes: Vec<Node>,
     known: HashMap<Node, usize>,
     inputs: HashMap<Signal, usize>,
+    /// Signals that may stand in exponents.
+    constants: Vec<Signal>,
 }
 
 impl Graph {
@@ -55,6 +59,13 @@ impl Graph {
             graph.inputs.entry(*s).or_insert(row);
         }
         graph
+    }
+
+    /// With these signals in exponents, b^e is one operation.
+    #[must_use]
+    pub fn with_constants(mut self, constants: &[Signal]) -> Graph {
+        self.constants = constants.to_vec();
+        self
     }
 
     /// All nodes, each after those that it uses. Some may be used by nothing.
@@ -113,6 +124,10 @@ impl Graph {
                 None => Err(*s),
             },
             Atom::Call(f, args) => {
+                if let Some((base, exponent)) = atom.as_power(&|s| self.constants.contains(&s)) {
+                    let (base, exponent) = (self.expr(base)?, self.expr(&exponent)?);
+                    return Ok(self.add(Node::Raised(base, exponent)));
+                }
                 let args: Result<Vec<usize>, Signal> = args.iter().map(|a| self.expr(a)).collect();
                 Ok(self.add(Node::Call(*f, args?)))
             }
