@@ -6,6 +6,7 @@
 //! gives the criterion of the best terms as a function of the constants alone, `search_points` says where it is looked at, and
 //! `variable_projection` goes downhill from the best of these with the terms kept.
 
+mod fewer_terms;
 mod profile;
 mod search;
 mod search_points;

@@ -4,6 +4,7 @@
 
 use nalgebra::DMatrix;
 
+use super::fewer_terms::with_fewer_terms;
 use super::profile::{Profile, ProfilePoint};
 use super::search_points::search_points;
 use super::thresholds::UNKNOWNS;
@@ -48,6 +49,11 @@ pub fn settle(
     let ends = starts.iter().cloned();
     let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(&mut profile, s, observer)).collect();
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    if let Some(best) = ends.first() {
+        let fewer = with_fewer_terms(&mut profile, best, observer);
+        ends.extend(fewer);
+        ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    }
     let whole = minima_of_whole(&mut seen, UNKNOWNS.minima_of_whole);
     let ends = ends.into_iter().map(|e| e.values);
     let starts = starts.into_iter().map(|s| s.values);

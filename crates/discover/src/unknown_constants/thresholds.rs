@@ -25,6 +25,8 @@ family! {
         minima_of_whole: usize = 5, unit "points", source "set by hand";
         /// Difference from which two points of the profile may lie in different basins.
         apart: f64 = 0.2, unit "of the constant", source "set by hand";
+        /// Terms of an equation up to which constants are sought for each part of them.
+        part_terms: usize = 6, unit "terms", source "62 parts, each some milliseconds: as long as the points of the profile take";
         /// Rounds of choosing terms and refining constants from each.
         rounds: usize = 4, unit "rounds", source "set by hand";
         /// Steps of a refinement.
