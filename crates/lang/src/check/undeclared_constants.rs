@@ -8,6 +8,7 @@ use crate::ast::{Expr as Ast, ExprKind, Side, StatementKind};
 use crate::check::checker::Checker;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
+use crate::thresholds::MESSAGES;
 
 /// What an undeclared name stands for, as its place tells.
 pub enum Undeclared {
@@ -106,8 +107,8 @@ impl Checker<'_> {
         self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi"
     }
 
-    /// The undeclared factors and summands of a sum of terms, and the terms without them; `None` where libraries stand in it or no term has
-    /// such a factor beside something declared.
+    /// The undeclared factors and summands of a sum of terms, and the terms without them; `None` where libraries stand in it, no term has such
+    /// a factor beside something declared, or there are more of them than a message can show.
     fn coefficients(&self, right: &Ast) -> Option<(Vec<PlacedName>, Vec<String>)> {
         if self.is_library(right) {
             return None;
@@ -117,6 +118,9 @@ impl Checker<'_> {
             ExprKind::Sum(parts) => parts.iter().map(|(_, x)| x).collect(),
             _ => one.to_vec(),
         };
+        if summands.len() > MESSAGES.scope_names {
+            return None;
+        }
         let (mut found, mut terms, mut scaled) = (Vec::new(), Vec::<String>::new(), false);
         for summand in summands {
             let (names, term) = self.without_coefficients(summand);
@@ -126,7 +130,7 @@ impl Checker<'_> {
                 terms.push(term);
             }
         }
-        scaled.then_some((found, terms))
+        (scaled && found.len() <= MESSAGES.scope_names).then_some((found, terms))
     }
 
     /// A summand's undeclared factors, and its text without them.
