@@ -124,6 +124,10 @@ impl Checker<'_> {
         let (mut found, mut terms, mut scaled) = (Vec::new(), Vec::<String>::new(), false);
         for summand in summands {
             let (names, term) = self.without_coefficients(summand);
+            if names.len() > 1 && term == "1" {
+                // Of `b*y` either may be a forgotten signal.
+                return None;
+            }
             scaled |= !names.is_empty() && term != "1";
             found.extend(names);
             if !terms.contains(&term) {
