@@ -1,7 +1,7 @@
 //! The gallery keeps its word: every model in models/ is laid out, checks, and gives the equations of its header.
 //!
-//! The header's lines: `# Data:` the tables; `# Expected:` an equation a line; `# Within:` the relative error allowed if it is
-//! not 0.1 %; `# Doubts:` the codes of the reasons to be expected, for models that do not pass.
+//! The header's lines: `# Data:` the tables; `# Expected:` an equation a line; `# Unknown:` values of unknown constants; `# Within:` the
+//! relative error allowed if it is not 0.1 %; `# Doubts:` the codes of the reasons to be expected, for models that do not pass.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,6 +27,8 @@ pub struct Header {
     pub data: Vec<String>,
     /// Target and right side.
     pub expected: Vec<(String, String)>,
+    /// The true values of unknown constants.
+    pub unknowns: BTreeMap<String, f64>,
     within: f64,
     doubts: BTreeSet<String>,
 }
@@ -59,6 +61,7 @@ impl Header {
             expected: comments
                 .iter()
                 .skip_while(|l| !l.starts_with("# Expected:"))
+                .take_while(|l| !l.starts_with("# Unknown:"))
                 .map(|l| {
                     l.trim_start_matches("# Expected:")
                         .trim_start_matches('#')
@@ -66,6 +69,12 @@ impl Header {
                 })
                 .filter_map(|l| l.split_once(" = "))
                 .map(|(target, right)| (target.trim().into(), right.into()))
+                .collect(),
+            unknowns: entry("# Unknown:")
+                .unwrap_or_default()
+                .split(", ")
+                .filter_map(|l| l.split_once(" = "))
+                .map(|(name, value)| (name.into(), value.parse().unwrap()))
                 .collect(),
             within: entry("# Within:").map_or(USUAL, |w| {
                 let figure = w.split('%').next().unwrap_or_default().trim();
@@ -167,6 +176,30 @@ fn compare(found: &Equations, expected: &Equations, within: f64) -> Vec<String> 
     out
 }
 
+/// The constants found that are not those of the header, in words: off by more than is allowed, or, where that is more than usual (noisy
+/// data), with the truth outside their intervals.
+fn compare_unknowns(document: &Value, header: &Header) -> Vec<String> {
+    let mut out = Vec::new();
+    let empty = Vec::new();
+    let told = document["unknowns"].as_array().unwrap_or(&empty);
+    let mut missing = header.unknowns.clone();
+    for u in told {
+        let (name, value) = (u["name"].as_str().unwrap(), u["value"].as_f64().unwrap());
+        let Some(truth) = missing.remove(name) else {
+            out.push(format!("{name} = {value} is not expected"));
+            continue;
+        };
+        let near = (value - truth).abs() <= header.within * truth.abs();
+        let [low, high] = [0, 1].map(|k| u["interval"][k].as_f64());
+        let inside = low.is_some_and(|l| l <= truth) && high.is_some_and(|h| truth <= h);
+        if !near || (header.within > USUAL && !inside) {
+            out.push(format!("{name} = {value}, expected {truth}: {u}"));
+        }
+    }
+    out.extend(missing.keys().map(|name| format!("{name} is missing")));
+    out
+}
+
 fn doubts(document: &Value) -> BTreeSet<String> {
     let all = ["equations", "failed"].map(|k| document[k].as_array().unwrap());
     all.into_iter()
@@ -217,6 +250,7 @@ fn judge(name: &str, text: &str) -> (Vec<String>, String) {
         &normal(&header.expected, &document),
         header.within,
     ));
+    faults.extend(compare_unknowns(&document, &header));
     let doubts = doubts(&document);
     if doubts != header.doubts {
         faults.push(format!("doubts {doubts:?}, expected {:?}", header.doubts));

@@ -280,6 +280,9 @@ fn truth(text: &str) -> (Header, Value) {
         })
         .collect();
     document["equations"] = equations.into();
+    let unknowns = header.unknowns.iter();
+    let unknowns = unknowns.map(|(name, value)| json!({ "name": name, "value": value }));
+    document["unknowns"] = unknowns.collect();
     document["settings"] = json!({ "reading": result::Reading::of(&model) });
     (header, document)
 }

@@ -5,7 +5,7 @@ use std::fs;
 use crate::disturbed::identify;
 use serde_json::Value;
 use sidc_testing::integrate::{grid, integrate};
-use sidc_testing::program::sidc_in;
+use sidc_testing::program::{root, sidc_in};
 use sidc_testing::random::Random;
 
 const STEP: f64 = 0.05;
@@ -203,4 +203,34 @@ fn what_is_sought_is_not_measured() {
     let said = sidc_in(folder.path(), &["check", "m.sid"]).stderr;
     assert!(said.contains("error[unknown-in-data]"), "{said}");
     assert!(said.contains("write `param K` for `unknown K`"), "{said}");
+}
+
+#[test]
+fn a_constant_is_no_signal_that_an_experiment_could_move() {
+    // x^2/(M + x) = x - M x/(M + x): one of the three is too many, whatever is recorded.
+    let data = fs::read_to_string(root().join("models/data/allee.csv")).unwrap();
+    let model = "unknown M in 0.01 .. 100\nstate x\ndata {\n  run = \"run\"\n}\n\
+                 dx ~ poly(x; 3) + <x/(M + x), x^2/(M + x)>\n";
+    let (run, found) = identify(model, &data, &[]);
+    let reasons = found["equations"][0]["reasons"].as_array().unwrap();
+    let tie = reasons.iter().find(|r| r["code"] == "tie");
+    let tie = tie.unwrap_or_else(|| panic!("{}", run.stdout));
+    let advice = tie["remedy"]["text"].as_str().unwrap();
+    assert!(!advice.contains("step M"), "{advice}");
+}
+
+#[test]
+fn terms_that_stand_for_each_other_are_not_both_kept() {
+    // r = 5 takes two terms; any other r takes u and x as well.
+    let law = |t: f64, x: &[f64; 1]| {
+        let softness = 1.0 / (1.0 + 5.0 / (1.0 + (x[0] / 1.5).powi(2)));
+        [(10.0 * (feed(t) - 0.4) - 2.0 * x[0]) * softness]
+    };
+    let data = table("x,u", 800, [1.0], &law, |t, x| vec![x[0], feed(t) - 0.4]);
+    let model = "unknown r in 0.1 .. 100\nunknown s in 0.1 .. 10\nstate x\ninput u : linear\n\
+                 dx ~ <1, x, x^2, u, u*x> + <u, x> * <1/(1 + r/(1 + (x/s)^2))>\n";
+    let (run, found) = identify(model, &data, &[]);
+    assert_eq!(terms(&found).len(), 2, "{}", run.stdout);
+    assert!((value(&found, "r") - 5.0).abs() < 0.05, "{}", run.stdout);
+    assert!((value(&found, "s") - 1.5).abs() < 0.01, "{}", run.stdout);
 }

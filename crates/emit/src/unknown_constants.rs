@@ -49,7 +49,11 @@ pub(crate) fn told(d: &Discovery, name: &str) -> Option<String> {
     if let [one] = own[..] {
         let interval = one.interval.map_or_else(String::new, |ends| {
             let [from, to] = interval(one.standard_error, ends);
-            format!(" (95 % interval {from} to {to})")
+            // Ends that print alike say nothing.
+            match from == to {
+                true => String::new(),
+                false => format!(" (95 % interval {from} to {to})"),
+            }
         });
         let run = one.run.as_ref().map(|run| format!(" in {run}"));
         let figure = figure(one);

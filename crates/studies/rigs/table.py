@@ -25,6 +25,7 @@ RIGS = [
     ("emps", "emps_train.csv", "25%", "2"),
     ("cartpole", "cartpole_swingup_A.csv", "cartpole_swingup_B.csv", "0.26"),
     ("rlc", "rlc_nonlinear_train.csv", "25%", "2e-5"),
+    ("rlc_saturating", "rlc_nonlinear_train.csv", "25%", "2e-5"),
     ("tclab", "tclab_train.csv", "25%", "60"),
     ("tclab_order2", "tclab_train.csv", "25%", "60"),
     ("floatshield", "floatshield.csv", "25%", "0.5"),
@@ -57,6 +58,7 @@ def row(program, folder, model, data, held, horizon):
     column = lambda key: ", ".join(number((s.get(key) or {}).get("quantile_90")) for s in shown)
     terms = lambda e: ", ".join(f"{t['coefficient']:.4g} {t['term']}" for t in e["terms"])
     laws = "; ".join(f"{e['target']}: {terms(e)}" for e in equations)
+    laws += "".join(f"; {u['name']} = {u['value']:.4g}" for u in found.get("unknowns", []))
     codes = list(dict.fromkeys(r["code"] for e in equations + found["failed"] for r in e["reasons"]))
     step = " ".join(w for w in run.stdout.rsplit("next: ", 1)[-1].split() if w != "\\")
     for part in (f"-o {result} ", "-q ", f"{folder}/", f"{HERE}/"):

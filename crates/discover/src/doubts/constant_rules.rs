@@ -39,7 +39,9 @@ pub fn doubt_constants(
             .collect();
         let holding = found.equations.iter_mut();
         let holding = holding.filter(|e| e.terms.iter().any(|t| t.term.mentions(number.signal())));
-        holding.for_each(|e| e.reasons.extend(reasons.iter().cloned()));
+        for equation in holding {
+            reasons.iter().cloned().for_each(|r| equation.doubt(r));
+        }
     }
 }
 

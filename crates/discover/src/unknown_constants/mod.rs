@@ -8,6 +8,7 @@
 
 mod all_terms;
 mod effects;
+mod fewer_terms;
 mod profile;
 mod search;
 mod search_points;

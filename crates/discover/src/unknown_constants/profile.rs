@@ -218,15 +218,18 @@ impl<'a> Profile<'a> {
         supports: &[Vec<usize>],
     ) -> impl Iterator<Item = &ProfiledEquation<'a>> {
         let pairs = self.equations.iter().zip(supports);
-        let holding = pairs.filter(move |(e, support)| {
-            let mut terms = support.iter().filter_map(|j| e.library.term(*j));
-            terms.any(|t| t.mentions(signal))
-        });
+        let holding = pairs.filter(move |(e, support)| e.holds(support, signal));
         holding.map(|(e, _)| e)
     }
 }
 
 impl ProfiledEquation<'_> {
+    /// Whether one of these terms holds a constant.
+    pub fn holds(&self, support: &[usize], constant: Signal) -> bool {
+        let mut terms = support.iter().filter_map(|j| self.library.term(*j));
+        terms.any(|t| t.mentions(constant))
+    }
+
     /// The target without its known terms, rows weighted; `None` where it has no value.
     pub fn target_values(&self, samples: &Samples) -> Option<Vec<f64>> {
         let mut y = samples.column(self.target)?.values.clone();

@@ -5,6 +5,7 @@
 use nalgebra::DMatrix;
 
 use super::all_terms;
+use super::fewer_terms::with_fewer_terms;
 use super::profile::{Profile, ProfilePoint};
 use super::search_points::{alike, apart, search_points};
 use super::sought::{Sought, sought};
@@ -60,11 +61,17 @@ pub fn settle(
         let with_own = |s: &ProfilePoint| profile.at(&by_run(&s.values), observer);
         starts = starts.iter().filter_map(with_own).collect();
     }
-    let ends = ends(&mut profile, &starts, observer);
-    let whole = whole.iter().map(|shared| by_run(shared)).collect();
-    let starts = starts.into_iter().map(|s| s.values).collect();
+    let mut ends = ends(&mut profile, &starts, observer);
+    if let Some(best) = ends.first() {
+        let fewer = with_fewer_terms(&mut profile, best, observer);
+        ends.extend(fewer);
+        ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
+    }
+    let ends = ends.into_iter().map(|e| e.values);
+    let whole = whole.iter().map(|shared| by_run(shared));
+    let starts = starts.into_iter().map(|s| s.values);
     let mut out: Vec<Vec<f64>> = Vec::new();
-    for values in [ends, whole, starts].concat() {
+    for values in ends.chain(whole).chain(starts) {
         if out.len() < most && out.iter().all(|o| !alike(o, &values)) {
             out.push(values);
         }
@@ -86,7 +93,8 @@ fn rough_minima(
     for share in UNKNOWNS.rough {
         let floors = profile.raise_floors(share);
         let starts = best_points(profile, points, observer);
-        out.extend(ends(profile, &starts, observer));
+        let ends = ends(profile, &starts, observer);
+        out.extend(ends.into_iter().map(|e| e.values));
         profile.set_floors(&floors);
     }
     out
@@ -111,11 +119,11 @@ fn ends(
     profile: &mut Profile,
     starts: &[ProfilePoint],
     observer: &mut dyn Observer,
-) -> Vec<Vec<f64>> {
+) -> Vec<ProfilePoint> {
     let ends = starts.iter().cloned();
     let mut ends: Vec<ProfilePoint> = ends.map(|s| downhill(profile, s, observer)).collect();
     ends.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    ends.into_iter().map(|p| p.values).collect()
+    ends
 }
 
 /// The best points, of each set of terms those that are not near another. Without a constant in its terms a point leads nowhere.

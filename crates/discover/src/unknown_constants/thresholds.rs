@@ -27,6 +27,8 @@ family! {
         rough: [f64; 3] = [1e-2, 1e-3, 1e-4], unit "of the target", source "exact data of ODEBench 62 lead to wrong minima, data with 1 % noise do not";
         /// Difference from which two points of the profile may lie in different basins.
         apart: f64 = 0.2, unit "of the constant", source "set by hand";
+        /// Terms of an equation up to which constants are sought for each part of them.
+        part_terms: usize = 6, unit "terms", source "62 parts, each some milliseconds: as long as the points of the profile take";
         /// Rounds of choosing terms and refining constants from each.
         rounds: usize = 4, unit "rounds", source "set by hand";
         /// Rows times constants of a refinement at most: beyond, rows are left out evenly.

@@ -9,6 +9,7 @@ mod expressions;
 mod scope;
 mod statements;
 mod time_domain;
+mod undeclared_constants;
 mod unknown_names;
 mod vocabulary;
 

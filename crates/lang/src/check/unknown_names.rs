@@ -5,6 +5,7 @@
 use crate::ast::{Call, Expr as Ast, Keyword, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
+use crate::check::undeclared_constants::Undeclared;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::parse::confusables;
 use crate::source::Span;
@@ -45,6 +46,12 @@ impl Checker<'_> {
         if self.derivative_in_discrete(at, text) {
             return None;
         }
+        if self.meant(text).is_none()
+            && let Undeclared::Coefficients(found) = self.undeclared(at)
+        {
+            let d = self.undeclared_coefficients(at, &found);
+            return self.fail(d);
+        }
         let d = self.describe_unknown(at, text);
         self.fail(d)
     }
@@ -78,9 +85,13 @@ impl Checker<'_> {
                 "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`; as a name declare it: \
                  `state {text}`"
             )),
-            None => d.help(format!(
-                "declare it: `state {text}`, `input {text}` or `let {text} = …`"
-            )),
+            None => d.help(match self.undeclared(at) {
+                Undeclared::InsideTerm => format!(
+                    "a number that is not known is sought with the terms: add the line `unknown {text}`; a signal or a known number is \
+                     declared by `state {text}`, `input {text}` or `let {text} = …`"
+                ),
+                _ => format!("declare it: `state {text}`, `input {text}` or `let {text} = …`"),
+            }),
         }
     }
 

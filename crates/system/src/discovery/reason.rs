@@ -302,7 +302,7 @@ codes! {
     UncertainCoefficient = "uncertain-coefficient": Coefficients,
         "record more";
     /// The data hardly tell an unknown constant.
-    UncertainConstant = "uncertain-constant": Coefficients,
+    UncertainConstant = "uncertain-constant": Terms,
         "state the constant, or record where its terms bend";
 }
 

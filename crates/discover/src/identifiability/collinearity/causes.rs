@@ -23,7 +23,10 @@ pub fn cause(design: &ScaledDesign, reduced: &ReducedRelation) -> RelationCause 
         cause: Cause::OneSign,
         about: signal_of_one_sign(design, &signals_in_functions_first(reduced, signals)),
     };
-    let signals = reduced.signals();
+    let mut signals = reduced.signals();
+    // A constant that is estimated is no signal that an experiment could move: for it the relation holds at the value found.
+    let unknowns = &design.model.unknowns;
+    signals.retain(|s| unknowns.iter().all(|u| u.var != s.var));
     if let Some(constant) = signals.iter().find_map(|s| constant_signal(design, *s)) {
         return because(Cause::ConstantSignal, constant);
     }

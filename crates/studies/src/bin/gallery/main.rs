@@ -8,12 +8,18 @@
 //!
 //! The cart-pendulum's tables come from the example `plant`. A new system is one file and one line in SYSTEMS.
 
+mod allee;
 mod brusselator;
+mod coil;
 mod dc_motor;
+mod diode;
 mod duffing;
 mod falling_ball;
 mod fitzhugh_nagumo;
 mod forced_pendulum;
+mod gene;
+mod glycolysis;
+mod inhibition;
 mod logistic_map;
 mod lorenz;
 mod lorenz96;
@@ -21,8 +27,10 @@ mod lotka_volterra;
 mod michaelis_menten;
 mod narx;
 mod pendulum_lengths;
+mod reactor;
 mod rlc;
 mod sir;
+mod stribeck;
 mod two_carts;
 mod two_mass;
 mod van_der_pol;
@@ -38,13 +46,19 @@ type Tables = fn() -> Vec<(&'static str, Table)>;
 
 #[rustfmt::skip]
 const SYSTEMS: &[(&str, Tables)] = &[
+    ("allee",            allee::tables),
     ("brusselator",      brusselator::tables),
+    ("coil",             coil::tables),
     ("dc_motor",         dc_motor::tables),
+    ("diode",            diode::tables),
     ("double_pendulum",  double_pendulum::tables),
     ("duffing",          duffing::tables),
     ("falling_ball",     falling_ball::tables),
     ("fitzhugh_nagumo",  fitzhugh_nagumo::tables),
     ("forced_pendulum",  forced_pendulum::tables),
+    ("gene",             gene::tables),
+    ("glycolysis",       glycolysis::tables),
+    ("inhibition",       inhibition::tables),
     ("logistic_map",     logistic_map::tables),
     ("lorenz",           lorenz::tables),
     ("lorenz96",         lorenz96::tables),
@@ -52,8 +66,10 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("michaelis_menten", michaelis_menten::tables),
     ("narx",             narx::tables),
     ("pendulum_lengths", pendulum_lengths::tables),
+    ("reactor",          reactor::tables),
     ("rlc",              rlc::tables),
     ("sir",              sir::tables),
+    ("stribeck",         stribeck::tables),
     ("two_carts",        two_carts::tables),
     ("two_mass",         two_mass::tables),
     ("van_der_pol",      van_der_pol::tables),

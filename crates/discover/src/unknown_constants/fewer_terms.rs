@@ -1,0 +1,54 @@
+//! Constants that need fewer terms than those at which the search came out.
+//!
+//! In: the profile and its best point. Out: points with fewer terms.
+//!
+//! Terms of a family can stand for each other: `x` and `x/(1 + r/(1 + x^2/s^2))` together are the same curve for every r, with an s that
+//! follows, and for one r a single term is enough. The profile has a valley there, along which its criterion shows that point only where it
+//! is met, so the constants are sought for each part of the terms.
+
+use super::profile::{Profile, ProfilePoint};
+use super::sought::Sought;
+use super::thresholds::UNKNOWNS;
+use super::variable_projection::project;
+use sidc_progress::Observer;
+
+/// The points at which the constants come out for a part of the best point's terms.
+pub(super) fn with_fewer_terms(
+    profile: &mut Profile,
+    best: &ProfilePoint,
+    observer: &mut dyn Observer,
+) -> Vec<ProfilePoint> {
+    let mut out = Vec::new();
+    if profile.is_large() {
+        // Each point takes a solution of the basis pursuit.
+        return out;
+    }
+    for (place, support) in best.supports.iter().enumerate() {
+        for part in parts(support) {
+            let mut supports = best.supports.clone();
+            supports[place] = part;
+            let equation = &profile.equations[place];
+            let mut signals = profile.sought.iter().map(Sought::signal);
+            if !signals.any(|s| equation.holds(&supports[place], s)) {
+                continue;
+            }
+            let refined = project(profile, &supports, &best.values);
+            out.extend(refined.and_then(|r| profile.at(&r.values, observer)));
+        }
+    }
+    out
+}
+
+/// The proper parts of a support that is not too large, none empty.
+fn parts(support: &[usize]) -> Vec<Vec<usize>> {
+    if support.len() > UNKNOWNS.part_terms {
+        return Vec::new();
+    }
+    let all = 1..(1_usize << support.len()).saturating_sub(1);
+    let part = |mask: usize| {
+        let kept = support.iter().enumerate();
+        let kept = kept.filter(|(k, _)| mask >> k & 1 == 1);
+        kept.map(|(_, slot)| *slot).collect()
+    };
+    all.map(part).collect()
+}

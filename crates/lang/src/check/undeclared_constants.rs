@@ -1,0 +1,191 @@
+//! Names that nothing declares, where a constant would stand: inside a term, or before one.
+//!
+//! In: the place of such a name. Out: the line that declares it as sought, or the library that needs no name for its coefficients.
+
+use std::collections::BTreeSet;
+
+use crate::ast::{Expr as Ast, ExprKind, Side, StatementKind};
+use crate::check::checker::Checker;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::thresholds::MESSAGES;
+
+/// What an undeclared name stands for, as its place tells.
+pub enum Undeclared {
+    /// A number that bends a term: the a of `exp(-a*x)`, the K of `x/(K + x)`, the n of `x^n`.
+    InsideTerm,
+    /// Numbers before terms: the a and b of `dx ~ a*x + b`.
+    Coefficients(Coefficients),
+    Other,
+}
+
+/// Undeclared numbers before the terms of an equation.
+pub struct Coefficients {
+    names: Vec<PlacedName>,
+    /// The equation as a library: `dx ~ <x, 1>`.
+    library: String,
+}
+
+type PlacedName = (String, Span);
+
+impl Checker<'_> {
+    /// What the undeclared name at this place stands for.
+    pub fn undeclared(&self, at: Span) -> Undeclared {
+        let holds = |s: Span| s.start <= at.start && at.end <= s.end;
+        let statement = self.statements().find(|s| holds(s.span));
+        let (right, targets) = match statement.map(|s| &s.kind) {
+            Some(StatementKind::Equation { right, targets, .. }) if holds(right.span) => {
+                (right, &targets[..])
+            }
+            Some(StatementKind::Let { body, .. }) if holds(body.span) => (body, &[][..]),
+            _ => return Undeclared::Other,
+        };
+        if self.bends(right, at) {
+            return Undeclared::InsideTerm;
+        }
+        let (Some(first), Some(last)) = (targets.first(), targets.last()) else {
+            return Undeclared::Other;
+        };
+        match self.coefficients(right) {
+            Some((names, terms)) if names.iter().any(|(_, place)| *place == at) => {
+                let targets = self.text(first.span.to(last.span));
+                let library = format!("{targets} ~ <{}>", terms.join(", "));
+                Undeclared::Coefficients(Coefficients { names, library })
+            }
+            _ => Undeclared::Other,
+        }
+    }
+
+    /// The message about names before terms; they are not reported again.
+    pub fn undeclared_coefficients(&mut self, at: Span, coefficients: &Coefficients) -> Diagnostic {
+        let Coefficients { names, library } = coefficients;
+        let mut said: BTreeSet<&str> = BTreeSet::new();
+        let mut d = Diagnostic::error(
+            "unknown-signal",
+            "coefficients are found with the equation and need no names",
+        );
+        for (name, place) in names {
+            if !said.insert(name) {
+                continue;
+            }
+            self.reported.insert(name.clone());
+            d = match *place == at {
+                true => d.at(*place, "not declared"),
+                false => d.also(*place, "nor is this"),
+            };
+        }
+        let name = self.text(at);
+        d.help(format!(
+            "list the terms alone: `{library}`; if `{name}` is a signal, declare it: `state {name}` or `input {name}`"
+        ))
+    }
+
+    /// Whether the name at this place is inside an argument, a divisor or a power, together with something that is declared: a number there
+    /// is no coefficient.
+    fn bends(&self, e: &Ast, at: Span) -> bool {
+        let Some(inner) = child_with(e, at) else {
+            return false;
+        };
+        let around = match &e.kind {
+            ExprKind::Call(_) => Some(inner),
+            ExprKind::Power(..) => Some(e),
+            ExprKind::Product(parts) => {
+                let below = |(side, x): &&(Side, Ast)| *side == Side::Below && x.span == inner.span;
+                parts.iter().find(below).map(|(_, x)| x)
+            }
+            _ => None,
+        };
+        around.is_some_and(|a| self.mentions_declared(a)) || self.bends(inner, at)
+    }
+
+    fn mentions_declared(&self, e: &Ast) -> bool {
+        let own = e.as_name().is_some_and(|name| self.is_declared(name));
+        own || e.children().into_iter().any(|x| self.mentions_declared(x))
+    }
+
+    fn is_declared(&self, name: &str) -> bool {
+        self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi"
+    }
+
+    /// The undeclared factors and summands of a sum of terms, and the terms without them; `None` where libraries stand in it, no term has such
+    /// a factor beside something declared, or there are more of them than a message can show.
+    fn coefficients(&self, right: &Ast) -> Option<(Vec<PlacedName>, Vec<String>)> {
+        if self.is_library(right) {
+            return None;
+        }
+        let one = [right];
+        let summands: Vec<&Ast> = match &right.ungrouped().kind {
+            ExprKind::Sum(parts) => parts.iter().map(|(_, x)| x).collect(),
+            _ => one.to_vec(),
+        };
+        if summands.len() > MESSAGES.scope_names {
+            return None;
+        }
+        let (mut found, mut terms, mut scaled) = (Vec::new(), Vec::<String>::new(), false);
+        for summand in summands {
+            let (names, term) = self.without_coefficients(summand);
+            if names.len() > 1 && term == "1" {
+                // Of `b*y` either may be a forgotten signal.
+                return None;
+            }
+            scaled |= !names.is_empty() && term != "1";
+            found.extend(names);
+            if !terms.contains(&term) {
+                terms.push(term);
+            }
+        }
+        (scaled && found.len() <= MESSAGES.scope_names).then_some((found, terms))
+    }
+
+    /// A summand's undeclared factors, and its text without them.
+    fn without_coefficients(&self, summand: &Ast) -> (Vec<PlacedName>, String) {
+        let undeclared = |e: &Ast| {
+            let mut names = Vec::new();
+            names_in(e, &mut names);
+            let none = names.iter().all(|(name, _)| !self.is_declared(name));
+            (none && !names.is_empty()).then_some(names)
+        };
+        let mut e = summand.ungrouped();
+        while let ExprKind::Negate(inner) = &e.kind {
+            e = inner.ungrouped();
+        }
+        let ExprKind::Product(parts) = &e.kind else {
+            return match undeclared(e) {
+                Some(found) => (found, "1".into()),
+                None => (Vec::new(), self.text(e.span).into()),
+            };
+        };
+        let (mut names, mut text) = (Vec::new(), String::new());
+        for (side, part) in parts {
+            if let Some(found) = undeclared(part) {
+                names.extend(found);
+                continue;
+            }
+            text = match (text.is_empty(), side) {
+                (true, Side::Above) => self.text(part.span).into(),
+                (true, Side::Below) => format!("1/{}", self.text(part.span)),
+                (false, Side::Above) => format!("{text}*{}", self.text(part.span)),
+                (false, Side::Below) => format!("{text}/{}", self.text(part.span)),
+            };
+        }
+        if text.is_empty() {
+            text.push('1');
+        }
+        (names, text)
+    }
+}
+
+fn child_with(e: &Ast, at: Span) -> Option<&Ast> {
+    let children = e.children().into_iter();
+    let mut holding = children.filter(|x| x.span.start <= at.start && at.end <= x.span.end);
+    holding.next()
+}
+
+/// The names of sums, products and powers, with their places; those of calls are not sought.
+fn names_in(e: &Ast, out: &mut Vec<PlacedName>) {
+    match &e.kind {
+        ExprKind::Name(name) => out.push((name.clone(), e.span)),
+        ExprKind::Call(_) => {}
+        _ => e.children().into_iter().for_each(|x| names_in(x, out)),
+    }
+}
