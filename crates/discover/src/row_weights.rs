@@ -88,7 +88,7 @@ impl Weights {
         self.median_error / self.row[row]
     }
 
-    /// Raises the correlation to that of the residual of the whole library, as [`lasting_errors`] says; its variance comes back, to be
+    /// Raises the correlation to that of the residual of the whole library, as `lasting_errors` says; its variance comes back, to be
     /// added to the floor by `add_drift`.
     pub fn raise_correlation(&mut self, residual: &[f64], target: &[f64]) -> f64 {
         let (correlation, drift) = lasting_errors(self.correlation, residual, target);
