@@ -5,14 +5,14 @@
 
 use super::search::fitted;
 use super::sought::{sought, values_of};
-use super::variable_projection::project;
+use super::variable_projection::{expression_values, project};
 use crate::dictionary::evaluate;
 use crate::options::Options;
 use crate::statistics::norm;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
-use sidc_lang::term::{Expr, Signal, Term};
+use sidc_lang::term::{Signal, Term};
 use sidc_system::discovery::Discovery;
 
 /// A constant in the term that changes most with it.
@@ -68,12 +68,7 @@ fn change(term: &Term, by: Signal, samples: &Samples) -> f64 {
     if !term.mentions(by) {
         return 0.0;
     }
-    let slope: Expr = term.derivative(by);
-    let (weight, slope) = slope.into_term();
-    let finite = |t: &Term| -> Vec<f64> {
-        let zero = |v: f64| if v.is_finite() { v } else { 0.0 };
-        evaluate(t, samples).into_iter().map(zero).collect()
-    };
-    let ratio = weight.abs() * norm(&finite(&slope)) / norm(&finite(term));
+    let slope = expression_values(&term.derivative(by), samples);
+    let ratio = norm(&slope) / norm(&evaluate(term, samples));
     if ratio.is_finite() { ratio } else { 0.0 }
 }

@@ -163,7 +163,7 @@ fn linearize(
                 let found: Expr = moved.map(|(t, c)| t.derivative(by).scale(*c)).sum();
                 let known = e.known.iter();
                 let known: Expr = known.map(|(c, t)| t.derivative(by).scale(*c)).sum();
-                slope_of = Some((by, weighted(values_of(&(found + known), samples))));
+                slope_of = Some((by, weighted(expression_values(&(found + known), samples))));
             }
             let whole = slope_of.iter().flat_map(|(_, slope)| slope);
             let own = whole.zip(&samples.trajectory);
@@ -190,7 +190,7 @@ fn linearize(
 }
 
 /// An expression on every row; where it has no value (x log x at 0) its limit is taken to be 0.
-fn values_of(e: &Expr, samples: &Samples) -> Vec<f64> {
+pub(super) fn expression_values(e: &Expr, samples: &Samples) -> Vec<f64> {
     let mut sum = vec![0.0; samples.len()];
     for (weight, term) in e.terms() {
         for (s, v) in sum.iter_mut().zip(evaluate(term, samples)) {
