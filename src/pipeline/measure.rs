@@ -10,7 +10,7 @@ use sidc_discover::trajectory::Problem;
 use sidc_discover::unknown_constants;
 use sidc_discover::{Method, TargetCopy};
 use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::model::Model;
+use sidc_lang::model::{Model, Var};
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
 use sidc_progress::{Activity, Observer};
@@ -89,6 +89,8 @@ pub fn measure(
     let mut joint = together(program, search, observer);
     let (samples, mut found, report) = match &joint {
         Ok(_) => Default::default(),
+        // Nothing can be differentiated that nothing measures.
+        Err(_) if model.hidden_states().next().is_some() => Default::default(),
         Err(_) => {
             let acting = at_instants.as_ref().unwrap_or(&dataset);
             data::samples(model, acting, &needed(program), observer)
@@ -112,7 +114,9 @@ pub fn measure(
     }
     diagnostics.extend(copies.iter().map(|c| left_out(program, c)));
     if let Err(why) = &joint {
-        if !model.per_run.is_empty() {
+        if let Some((_, hidden)) = model.hidden_states().next() {
+            diagnostics.push(not_hidden(hidden, &why.because));
+        } else if !model.per_run.is_empty() {
             diagnostics.push(not_per_run(model, &why.because));
         } else if let Some(sought) = delays::not_sought(model, &why.because) {
             diagnostics.push(sought);
@@ -231,6 +235,19 @@ fn not_per_run(model: &Model, why: &str) -> Diagnostic {
         None => d,
     };
     d.help("leave --method, --samples and --path out; in discrete time and with constraints, identify each run alone")
+}
+
+fn not_hidden(hidden: &Var, why: &str) -> Diagnostic {
+    let message = format!(
+        "{} is hidden, so the equations are estimated together with the trajectory, and here they are not: {why}",
+        hidden.name
+    );
+    let d = Diagnostic::error("hidden-not-estimated", message);
+    let d = match hidden.span {
+        Some(span) => d.at(span, "declared here"),
+        None => d,
+    };
+    d.help("leave --method, --samples and --path out")
 }
 
 fn not_robust(why: &str) -> Diagnostic {

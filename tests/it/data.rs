@@ -36,6 +36,7 @@ fn model(sources: &mut Sources, vars: &[(&str, VarKind, u8)]) -> Model {
         unit: None,
         between: None,
         delay: None,
+        hidden: false,
         span,
     };
     model.vars.push(var("t", VarKind::Time, 0, None));

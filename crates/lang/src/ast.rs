@@ -260,8 +260,8 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
 ];
 
 /// Every word that opens an attribute of a declaration.
-pub const ATTRIBUTES: [&str; 7] = [
-    "order", "noise", "memory", "unit", "hold", "linear", "delay",
+pub const ATTRIBUTES: [&str; 8] = [
+    "order", "noise", "memory", "unit", "hold", "linear", "delay", "hidden",
 ];
 
 impl Keyword {

@@ -76,6 +76,8 @@ pub struct Var {
     pub between: Option<Between>,
     /// How late an input acts, or the sensor of a state reads, if declared.
     pub delay: Option<Delay>,
+    /// Whether it is a state that nothing measures.
+    pub hidden: bool,
     /// Where it was declared; `None` for time.
     pub span: Option<Span>,
 }
@@ -344,6 +346,16 @@ impl Model {
     pub fn delays(&self) -> impl Iterator<Item = (VarId, Delay)> {
         let all = (0..).map(VarId).zip(&self.vars);
         all.filter_map(|(id, v)| Some((id, v.delay?)))
+    }
+
+    /// States that nothing measures, in order of declaration.
+    pub fn hidden_states(&self) -> impl Iterator<Item = (VarId, &Var)> {
+        self.vars_of(VarKind::State).filter(|(_, v)| v.hidden)
+    }
+
+    /// Whether a variable is a state that nothing measures.
+    pub fn is_hidden(&self, id: VarId) -> bool {
+        self.var(id).is_some_and(|v| v.hidden)
     }
 
     /// True if some delay is to be sought.

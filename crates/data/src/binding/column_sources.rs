@@ -27,7 +27,7 @@ pub(super) fn sources_of<'a>(
     run: usize,
 ) -> Vec<(Signal, Source<'a>)> {
     let mut out = Vec::new();
-    let read = |var: &(usize, &Var)| var.1.kind != VarKind::Unknown;
+    let read = |var: &(usize, &Var)| var.1.kind != VarKind::Unknown && !var.1.hidden;
     for (i, var) in model.vars.iter().enumerate().filter(read) {
         let id = sidc_lang::term::VarId(i as u16);
         for der in 0..=var.order {
@@ -97,7 +97,7 @@ pub(super) fn required(model: &Model) -> Vec<Signal> {
     let mut out: Vec<Signal> = Vec::new();
     for s in mentioned(model) {
         let kind = model.var(s.var).map(|v| v.kind);
-        let read = !matches!(kind, None | Some(VarKind::Time | VarKind::Unknown));
+        let read = !matches!(kind, None | Some(VarKind::Time | VarKind::Unknown)) && !model.is_hidden(s.var);
         if read && out.last().is_none_or(|last| last.var != s.var) {
             out.push(Signal::derivative(s.var, s.der));
         }

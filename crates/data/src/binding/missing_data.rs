@@ -106,6 +106,22 @@ pub(super) fn unknown_columns(
     out
 }
 
+/// Columns named after hidden states: they may be there, for comparison, and are not read.
+pub(super) fn hidden_columns(model: &Model, table: &Table, sources: &mut Sources) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    for (_, var) in model.hidden_states() {
+        let Some(column) = table.position(&var.name) else {
+            continue;
+        };
+        let name = &var.name;
+        let text = format!("{name} is hidden: its column in {} is not read", table.name);
+        let d = Diagnostic::note("hidden-in-data", text);
+        let header = table.header_span(sources, column);
+        out.push(d.at(header, "not read").help(format!("remove `hidden` if it is a measurement of {name}")));
+    }
+    out
+}
+
 /// The signal whose rate this one is, by an equation of the model: x for v in `dx = v`.
 fn rate_of(model: &Model, signal: Signal) -> Option<Signal> {
     let says = |right: &RightSide| match right {

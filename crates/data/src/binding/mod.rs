@@ -94,6 +94,7 @@ fn bind_table<'a>(
         }
     }
     out.extend(missing_data::unknown_columns(model, table, &found, sources));
+    out.extend(missing_data::hidden_columns(model, table, sources));
     let run = run_column(model, table, out);
     let has_time = found.iter().any(|(s, _)| *s == Signal::TIME);
     if !has_time && !model.discrete && model.data.step.is_none() {

@@ -47,7 +47,8 @@ pub fn joint(
     observer: &mut dyn Observer,
 ) -> Result<Problem, NotJoint> {
     let by_run = !model.per_run.is_empty();
-    let needed = by_run || model.seeks_delays() || model.noisy_inputs().next().is_some();
+    let hidden = model.hidden_states().next().is_some();
+    let needed = by_run || hidden || model.seeks_delays() || model.noisy_inputs().next().is_some();
     let asked = options.method == Method::Joint || needed && options.method == Method::Auto;
     if by_run && !model.constraints.is_empty() {
         return Err(NotJoint::fine("coefficients are constrained"));

@@ -11,6 +11,7 @@ mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
 mod disturbances;
+mod hidden_states;
 mod joint_fit;
 mod library_probe;
 pub(crate) mod no_fit;
@@ -80,18 +81,21 @@ pub fn discover_jointly(
         options,
         watcher,
     );
-    let (problem, dataset) = (constants.problem(&problem), constants.dataset(&dataset));
+    let problem = constants.started(&problem, watcher);
+    let dataset = constants.dataset(&dataset);
     let problem = problem.as_ref();
     let start = weak_start((model, libraries), &dataset, problem, options, watcher);
     let settled = search_under_constraints((model, problem), start, options, watcher);
     match with_disturbances((model, problem), settled, watcher) {
-        Settled::Answer(answer) => {
+        Settled::Answer(mut answer) => {
+            let scales = hidden_states::settle_scales(&mut answer, watcher);
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
                 refuse_contradiction(&discovery, model, &answer, watcher)?;
             }
             let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
             delays.state(model, &mut discovery);
+            hidden_states::state(model, &answer.fit, &scales, &mut discovery);
             constants.state(
                 model,
                 (&answer.fit.problem, &answer.fit.found),
@@ -188,9 +192,10 @@ fn conclude(
         doubt_equations(&mut discovery, constraint, reason);
     }
     doubt_broken(&mut discovery, model);
-    // Where constraints shape the answer, single changes of its terms would break them.
+    // Where constraints shape the answer, single changes of its terms would break them; a scale that is set is one.
+    let free_scale = !problem.system.hidden.is_empty() && !problem.system.constraints.is_empty();
     let stretches = match watcher.at(Stage::Weighing) {
-        None if answer.free.is_none() => likelihood_by_stretch(problem, &found, watcher),
+        None if answer.free.is_none() && !free_scale => likelihood_by_stretch(problem, &found, watcher),
         _ => None,
     };
     if let Some(stop) = watcher.stop() {

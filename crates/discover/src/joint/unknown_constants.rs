@@ -12,10 +12,10 @@ use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
     CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants, fit_constants_from,
-    with_constant_values, without_weak_terms,
+    likely_constants, with_constant_values, with_started_states, without_weak_terms,
 };
 use crate::unknown_constants::{self, Sought};
-use sidc_data::{ConstantValue, Dataset, samples};
+use sidc_data::{ConstantValue, Dataset, Samples, samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames};
@@ -37,11 +37,12 @@ pub(crate) fn settle(
     if model.unknowns.is_empty() {
         return Constants { sought: Vec::new() };
     }
-    let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
     let of = (model, libraries);
-    let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
-    let all = &unknown_constants::sought(model, &rows)[..];
-    let minima = likeliest(of, (dataset, problem), (all, minima), options, watcher);
+    let (all, minima) = match problem.system.hidden.is_empty() {
+        true => minima_on_rows(of, (dataset, problem), options, watcher),
+        false => minima_with_hidden_states(model, problem, watcher),
+    };
+    let all = &all[..];
     let mut constants = Constants { sought: Vec::new() };
     let mut best: Option<(f64, Option<FittedConstants>)> = None;
     for minimum in &minima {
@@ -73,6 +74,39 @@ pub(crate) fn settle(
         }
     }
     constants
+}
+
+/// Where the constants may be by a search on rows of estimated derivatives.
+fn minima_on_rows(
+    of: (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    options: &Options,
+    watcher: &mut EquationObserver,
+) -> (Vec<Sought>, Vec<Vec<f64>>) {
+    let (rows, _, _) = samples(of.0, dataset, &needed_signals(of.0, of.1), watcher);
+    let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
+    let all = unknown_constants::sought(of.0, &rows);
+    let minima = likeliest(of, (dataset, problem), (&all, minima), options, watcher);
+    (all, minima)
+}
+
+/// The same by what the measured laws make of the hidden states. Constants that differ from run to run start alike.
+fn minima_with_hidden_states(
+    model: &Model,
+    problem: &Problem,
+    watcher: &mut EquationObserver,
+) -> (Vec<Sought>, Vec<Vec<f64>>) {
+    let runs = Samples {
+        trajectory: problem.runs().into_iter().map(|r| r as u32).collect(),
+        ..Samples::default()
+    };
+    let all = unknown_constants::sought(model, &runs);
+    let ranges = model.unknowns.iter();
+    let ranges = ranges.map(|u| (Signal::new(u.var), u.ranges())).collect();
+    let minima = likely_constants(problem, &ranges, watcher).into_iter();
+    let each = |values: Vec<f64>| all.iter().map(|s| values[s.place]).collect();
+    let minima = minima.map(each).collect();
+    (all, minima)
 }
 
 /// Of many points those that are likeliest with the terms that the weak form finds there. Where it finds none, all as they come.
@@ -115,7 +149,7 @@ impl Constants {
         options: &Options,
         watcher: &mut EquationObserver,
     ) -> Option<(f64, Option<FittedConstants>)> {
-        let (at, acting) = (self.problem(problem), self.dataset(dataset));
+        let (at, acting) = (self.started(problem, watcher), self.dataset(dataset));
         let start = weak_start((model, libraries), &acting, &at, options, watcher);
         let settled = search_under_constraints((model, &at), start, options, watcher);
         let Settled::Answer(answer) = settled else {
@@ -156,6 +190,19 @@ impl Constants {
         match self.sought.is_empty() {
             true => Cow::Borrowed(problem),
             false => Cow::Owned(with_constant_values(problem, &self.sought)),
+        }
+    }
+
+    /// The same, with a start for its hidden states.
+    pub fn started<'a>(
+        &self,
+        problem: &'a Problem,
+        watcher: &mut EquationObserver,
+    ) -> Cow<'a, Problem> {
+        let at = self.problem(problem);
+        match at.system.hidden.is_empty() {
+            true => at,
+            false => Cow::Owned(with_started_states(&at, watcher)),
         }
     }
 

@@ -29,6 +29,10 @@ pub(crate) fn weak_start(
         method: Method::Weak,
         ..*options
     };
+    if !problem.system.hidden.is_empty() {
+        // The weak form needs readings of every state.
+        return problem.proposed_columns();
+    }
     if problem.searched_in_parts() || !problem.run_columns.is_empty() {
         return None;
     }

@@ -41,9 +41,10 @@
 //! # Order of the folders
 //!
 //! Each imports only those before it: `thresholds`, `cancellation`, `model`, `integration`, `least_squares`, `likelihood`, `residuals`,
-//! `search`, `sensor_faults`, `pooling`.
+//! `search`, `hidden_states`, `sensor_faults`, `pooling`.
 
 mod cancellation;
+mod hidden_states;
 mod integration;
 mod least_squares;
 mod likelihood;
@@ -57,6 +58,8 @@ mod thresholds;
 #[cfg(test)]
 mod tests;
 
+pub use hidden_states::ToldScale;
+pub(crate) use hidden_states::{likely_constants, with_started_states, with_told_scales};
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
 pub use model::{

@@ -35,6 +35,10 @@ family! {
         slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand";
         /// Standard deviation of the loose hold on a state that nothing reads at a sample.
         unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand";
+        /// How firmly the one sample of a hidden state is held that fixes its scale while terms are sought.
+        pinned_hold: f64 = 1e-4, unit "spread of the state", source "set by hand";
+        /// Slack of the laws of hidden states.
+        hidden_slack: f64 = 1e-6, unit "slack of the best sensor", source "a coefficient of a hundred thousand then still makes less than the noise of a slip";
         /// Integration error allowed over an interval.
         accuracy: f64 = 0.01, unit "noise of the sensor", source "set by hand";
         /// Finest integration error that is requested.
@@ -89,6 +93,8 @@ family! {
         lost_noise: f64 = 10.0, unit "noise of the sensor", source "set by hand";
         /// The same for states without a reading, measured from the smoothed trajectory.
         lost_unread: f64 = 6.0, unit "spread of the state", source "set by hand";
+        /// Distance from its first guess at which a hidden state is lost.
+        lost_hidden: f64 = 1e3, unit "spread of the guess", source "guesses are in the scale of what they explain; only laws that leave the data run farther";
         /// Diagonal entry of R, relative to the norm of its column, below which the column depends on those before it.
         dependent_pivot: f64 = 1e-10, unit "", source "set by hand";
     }

@@ -6,6 +6,7 @@
 mod checker;
 mod errors;
 mod expressions;
+mod hidden_states;
 mod scope;
 mod statements;
 mod time_domain;
@@ -51,6 +52,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
     c.units();
     model.vars = std::mem::take(&mut c.scope.vars);
     model.unknowns = std::mem::take(&mut c.scope.unknowns);
+    c.hidden_states(&model);
     c.notes(&model);
     let failed = !file.broken.is_empty() || c.found.iter().any(Diagnostic::is_error);
     ((!failed).then_some(model), c.found)

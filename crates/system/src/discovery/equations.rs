@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::hidden_states::HiddenState;
 use super::signal_delays::{SignalDelay, stated};
 use super::unknown_values::UnknownValue;
 use crate::discovery::{
@@ -34,6 +35,8 @@ pub struct Discovery {
     pub delays: Vec<SignalDelay>,
     /// The unknown constants that stand in the equations, in order of declaration.
     pub unknowns: Vec<UnknownValue>,
+    /// The components of the state that nothing measures.
+    pub hidden: Vec<HiddenState>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -279,6 +282,7 @@ impl Discovery {
             relations: None,
             delays: stated(model),
             unknowns: Vec::new(),
+            hidden: Vec::new(),
         }
     }
 

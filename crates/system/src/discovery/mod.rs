@@ -4,6 +4,7 @@ mod coefficient_inference;
 mod constants;
 mod delays_taken_out;
 mod equations;
+mod hidden_states;
 mod identifiability;
 mod joint_estimate;
 mod mass_matrix_form;
@@ -23,6 +24,7 @@ pub use equations::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, NormGrading, OtherLaw, PathKnot,
     Proof, Rearranged, Status, Variable, Ways,
 };
+pub use hidden_states::{HiddenStart, HiddenState, ScaleRule};
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };

@@ -61,6 +61,7 @@ impl RunParameters {
                 order: 0,
                 noise: Default::default(),
                 noise_memory: None,
+                hidden: false,
                 unit: None,
                 between: None,
                 delay: None,

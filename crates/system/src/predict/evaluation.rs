@@ -283,8 +283,9 @@ fn states<'a>(
     runs: &'a [SegmentRuns],
     noise: &dyn Fn(Signal) -> f64,
 ) -> Result<Vec<StateEstimator<'a>>, Notice> {
-    let all: Result<Vec<StateEstimator>, Signal> =
-        runs.iter().map(|r| StateEstimator::new(r, noise)).collect();
+    let hidden = |s| d.hidden_course(s);
+    let each = runs.iter().map(|r| StateEstimator::new(r, noise, &hidden));
+    let all: Result<Vec<StateEstimator>, Signal> = each.collect();
     all.map_err(|s| {
         let text = format!(
             "{} is part of the state, and nothing was measured of it",

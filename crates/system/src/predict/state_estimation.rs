@@ -33,16 +33,29 @@ struct Component {
     below: usize,
     /// Noise of its readings; `None` where the component itself is not measured.
     noise: Option<f64>,
+    /// Mean and standard deviation of what nothing measures.
+    hidden: Option<(f64, f64)>,
 }
 
 impl<'a> StateEstimator<'a> {
-    /// `noise`: standard deviation of the readings of a signal. `Err` is a component of which nothing was measured.
+    /// `noise`: standard deviation of the readings of a signal; `hidden`: mean and standard deviation of one that nothing measures. `Err` is
+    /// another component of which nothing was measured.
     pub fn new(
         runs: &'a SegmentRuns,
         noise: &dyn Fn(Signal) -> f64,
+        hidden: &dyn Fn(Signal) -> Option<(f64, f64)>,
     ) -> Result<StateEstimator<'a>, Signal> {
         let record = runs.record();
         let component = |signal: &Signal| {
+            let course = hidden(*signal);
+            if course.is_some() {
+                return Ok(Component {
+                    readings: Vec::new(),
+                    below: 0,
+                    noise: None,
+                    hidden: course,
+                });
+            }
             let mut below = (0..=signal.der).rev().map(|der| Signal { der, ..*signal });
             let found = below.find_map(|b| {
                 let values = record.column(b)?;
@@ -54,6 +67,7 @@ impl<'a> StateEstimator<'a> {
                 readings: readings.to_vec(),
                 below: usize::from(signal.der - from.der),
                 noise: (from == *signal).then(|| noise(*signal)),
+                hidden: None,
             })
         };
         let components: Result<Vec<Component>, Signal> =
@@ -88,6 +102,7 @@ impl<'a> StateEstimator<'a> {
     /// The state at a row by local polynomials through these rows alone, without the equations.
     pub fn smoothed(&self, row: usize, rows: std::ops::Range<usize>) -> Option<Vec<f64>> {
         let value = |c: &Component| match c.noise {
+            None if c.hidden.is_some() => c.hidden.map(|(mean, _)| mean),
             Some(_) => c.readings.get(row).copied().filter(|v| v.is_finite()),
             None => {
                 let rows = rows.start..rows.end.min(c.readings.len());
@@ -163,6 +178,9 @@ impl<'a> StateEstimator<'a> {
     /// A first guess at the first row, from the readings next to it.
     fn guess(&self, from: usize, row: usize) -> Option<Vec<f64>> {
         let value = |c: &Component| {
+            if let Some((mean, _)) = c.hidden {
+                return Some(mean);
+            }
             let rows = from..(from + 2 * c.below + 3).min(row + 1);
             self.local(c, rows, from)
         };
@@ -189,6 +207,9 @@ impl<'a> StateEstimator<'a> {
         }
         let mut left = Vec::new();
         for (place, c) in self.components.iter().enumerate() {
+            if let (Some((mean, deviation)), Some(start)) = (c.hidden, x.get(place)) {
+                left.push((start - mean) / deviation.max(f64::MIN_POSITIVE));
+            }
             let Some(noise) = c.noise else { continue };
             for (state, reading) in run.states.iter().zip(c.readings.iter().skip(from)) {
                 if let (Some(s), true) = (state.get(place), reading.is_finite()) {

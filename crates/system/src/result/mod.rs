@@ -10,7 +10,7 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Evidence, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay, Status,
+    Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay, Status,
     UnknownValue, Without,
 };
 use crate::predict::PredictionRequest;
@@ -53,6 +53,9 @@ pub struct Document {
     /// Unknown constants that stand in the equations; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub unknowns: Vec<UnknownValue>,
+    /// Components of the state that nothing measures; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub hidden: Vec<HiddenState>,
     #[serde(default)]
     pub settings: Settings,
     /// What was measured and what was estimated.

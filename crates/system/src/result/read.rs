@@ -1,14 +1,16 @@
 //! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
-use crate::discovery::{Discovery, Equation, Failed, FoundTerm, SignalDelay, Trust, UnknownValue};
+use crate::discovery::{
+    Discovery, Equation, Failed, FoundTerm, HiddenState, SignalDelay, Trust, UnknownValue,
+};
 use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
 use sidc_lang as lang;
 use sidc_lang::Vocabulary;
 use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::model::{LibKind, Model, RightSide, VarKind};
+use sidc_lang::model::{LibKind, Model, RightSide, Var, VarKind};
 use sidc_lang::parse::is_name;
 use sidc_lang::source::Sources;
-use sidc_lang::term::{SignalNames, Term};
+use sidc_lang::term::{Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
 
 /// A result, and the model that reads other data as its own were read.
@@ -139,6 +141,14 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
         let why = format!("{:?} has a value and is no unknown constant", u.name);
         return Err(damaged(name, &why));
     }
+    d.hidden.clone_from(&doc.hidden);
+    let wrong = |h: &&HiddenState| {
+        let sound = h.mean.is_finite() && h.deviation.is_finite() && h.deviation >= 0.0;
+        !sound || !hidden_names(&model).contains(&h.name)
+    };
+    if let Some(h) = d.hidden.iter().find(wrong) {
+        return Err(damaged(name, &format!("{:?} is hidden and is no state", h.name)));
+    }
     if model.data.entries.len() != reading.columns.len() {
         return Err(damaged(name, "its data block is not one entry a signal"));
     }
@@ -146,6 +156,16 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
     let applied = reading.apply(&mut model);
     applied.map_err(|why| damaged(name, &why))?;
     Ok((d, model))
+}
+
+/// The names of hidden states and of their derivatives below the highest.
+fn hidden_names(model: &Model) -> Vec<String> {
+    let chain = |(id, var): (VarId, &Var)| {
+        let order = var.order;
+        (0..order).map(move |der| Signal::derivative(id, der))
+    };
+    let signals = model.hidden_states().flat_map(chain);
+    signals.map(|s| model.name(s)).collect()
 }
 
 /// The units of time and of the variables, in the order of the document.
@@ -201,6 +221,9 @@ fn as_model(doc: &Document) -> String {
         match (v.kind.as_str(), v.order) {
             ("state", _) if doc.time == TimeKind::Discrete => {
                 text.push_str(&format!("state {}\n", v.name));
+            }
+            ("state", n) if doc.hidden.iter().any(|h| h.name == v.name) => {
+                text.push_str(&format!("state {} : order {n}, hidden\n", v.name));
             }
             ("state" | "input", n) => {
                 text.push_str(&format!("{} {} : order {n}\n", v.kind, v.name));

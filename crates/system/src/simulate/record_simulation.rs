@@ -66,7 +66,7 @@ pub fn simulate(
     }
     let mut notes = Vec::new();
     let drives = sources::input_sources(d, source.model, &record, &plant.form, &mut notes)?;
-    let sizes = plant.form.state.iter().map(|s| sources::size(t, *s));
+    let sizes = plant.form.state.iter().map(|s| sources::size((d, t), *s));
     let whole = RecordSimulation {
         d,
         model: source.model,
@@ -186,7 +186,7 @@ impl RecordSimulation<'_> {
         let lags = lags.max().unwrap_or(0);
         let candidates = |rows: std::ops::Range<usize>| {
             let part = self.part(&rows);
-            let found = candidates::candidates(self.model, &part, &form.state, given);
+            let found = candidates::candidates((self.d, self.model), &part, &form.state, given);
             let found = found.map_err(|s| refuse::no_start(self.d, s))?;
             let row = candidates::first_row(&found.raw, rows.len(), lags);
             Ok((part, found, row))
@@ -299,13 +299,19 @@ impl RecordSimulation<'_> {
             return LegStart::as_read(raw);
         }
         let names = self.names();
+        // Of a hidden state nothing is known but how it moved where the equations were found.
+        let hidden = starts.iter().enumerate().filter_map(|(i, s)| {
+            let deviation = s.error.filter(|_| s.origin == Origin::Hidden)?;
+            Some((i, s.value, deviation.max(f64::MIN_POSITIVE)))
+        });
+        let prior: Vec<(usize, f64, f64)> = hidden.collect();
         let readings = Readings {
             channels: candidates
                 .noise
                 .iter()
                 .filter_map(|n| self.channel(&names, n, (begin, from)))
                 .collect(),
-            before: Vec::new(),
+            before: prior,
             rows: leg.time.len(),
         };
         let mut trial = |x: &[f64], rows: usize| {
@@ -322,7 +328,12 @@ impl RecordSimulation<'_> {
         if left.is_some_and(|left| left <= INITIAL_STATE.as_read) {
             return LegStart::as_read(raw);
         }
-        let estimated = |s: &Start| matches!(s.origin, Origin::Smoothed | Origin::Differentiated);
+        let estimated = |s: &Start| {
+            matches!(
+                s.origin,
+                Origin::Smoothed | Origin::Differentiated | Origin::Hidden
+            )
+        };
         let sized = starts.iter().zip(&self.sizes).enumerate();
         let free = sized.filter(|(_, (s, _))| estimated(s));
         let free: Vec<(usize, f64)> = free.map(|(i, (_, size))| (i, *size)).collect();

@@ -14,7 +14,8 @@ pub fn reads(d: &Discovery, model: &Model, given: &[(Signal, f64)]) -> Model {
     let form = Form::new(d);
     let nowhere = Span::new(FileId(0), 0, 0);
     let is_given = |s: &Signal| given.iter().any(|(g, _)| g == s);
-    let states = form.state.iter().filter(|s| !is_given(s));
+    let read = |s: &&Signal| !is_given(s) && !d.is_hidden(**s);
+    let states = form.state.iter().filter(read);
     let others = [&form.inputs, &form.params].into_iter().flatten();
     // Lags of states reach back before the start.
     let lags = form.history.iter().map(|s| Signal::new(s.var));

@@ -157,6 +157,8 @@ pub enum Origin {
     /// A derivative estimated from clean readings.
     Differentiated,
     Smoothed,
+    /// A state that nothing measures: its mean where the equations were found.
+    Hidden,
     /// Smoothed, then fitted to the first readings by least squares.
     Fitted,
 }

@@ -60,7 +60,7 @@ impl SegmentRuns {
         let plant = Plant::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
         let form = &plant.form;
         let drives = sources::input_sources(d, source.model, &alone, form, &mut Vec::new())?;
-        let sizes = form.state.iter().map(|s| sources::size(&record, *s));
+        let sizes = form.state.iter().map(|s| sources::size((d, &record), *s));
         Ok(SegmentRuns {
             sizes: sizes.collect(),
             discrete: d.discrete,

@@ -106,6 +106,7 @@ fn leg_entry(d: &Discovery, run: &Run, leg: &Leg) -> LegEntry {
             Origin::Given => "given",
             Origin::Differentiated => "differentiated",
             Origin::Smoothed => "smoothed",
+            Origin::Hidden => "hidden",
             Origin::Fitted => "fitted",
         },
         standard_error: s.error,

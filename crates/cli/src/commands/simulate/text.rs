@@ -83,6 +83,7 @@ fn origin(s: &Start, leg: &Leg) -> String {
         Origin::Given => "given".into(),
         Origin::Differentiated => "estimated from clean readings".into(),
         Origin::Smoothed => "smoothed".into(),
+        Origin::Hidden => "hidden: its mean over the data used".into(),
         Origin::Fitted => format!("fitted to the first {} rows", leg.settled),
     }
 }

@@ -24,9 +24,15 @@ impl PenalizedLikelihood {
     /// `floor` is in units of each state's spread.
     pub fn new(problem: &Problem, floor: f64, penalty: f64) -> PenalizedLikelihood {
         let sensors = problem.spread.iter().cycle().zip(&problem.noise);
+        let hidden = |i: usize| problem.system.is_hidden(i % problem.states());
         PenalizedLikelihood {
             floor: sensors
-                .map(|(d, s)| (floor * d).max(CRITERION.min_floor * s))
+                .enumerate()
+                .map(|(i, (d, s))| match hidden(i) {
+                    // It has no sensor: how much its law may slip is the same at all levels.
+                    true => CRITERION.min_floor * s,
+                    false => (floor * d).max(CRITERION.min_floor * s),
+                })
                 .collect(),
             penalty,
         }

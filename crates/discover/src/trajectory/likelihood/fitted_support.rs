@@ -90,6 +90,14 @@ pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bo
             GAUSS_NEWTON.lost_spread + GAUSS_NEWTON.lost_noise * relative.fold(0.0, f64::max);
         for (at, x) in path.iter().enumerate() {
             let (k, i) = (at / n, at % n);
+            if problem.system.is_hidden(i) {
+                // Nothing says where it is but the laws. Negated so that NaN counts as lost.
+                let near = (x - curve.states[at]).abs() <= GAUSS_NEWTON.lost_hidden * problem.spread[i];
+                if !near {
+                    return true;
+                }
+                continue;
+            }
             let read = record.measured[i][k];
             let (from, limit) = match read.is_finite() {
                 true => (read, limit),

@@ -182,7 +182,7 @@ impl Problem {
             let mut filter = InformationFilter::new(&stiffness, sink, None);
             for_each_interval(self, record, curve, &mut |k, link| {
                 // The noise of a step swamps what lasts of a sensor's error.
-                let fresh = (record, k);
+                let fresh = (r, k);
                 filter.measurement_update(&self.readings_at(fresh, &curve.states, sigma, k));
                 if let Some(link) = link {
                     filter.time_update(&link, &[]);

@@ -20,6 +20,7 @@ pub(super) type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
 pub(super) struct Sweep<'a> {
     problem: &'a Problem,
     integrator: ShootingIntegrator<'a>,
+    index: usize,
     record: &'a Record,
     path: &'a [f64],
     sigma: &'a [f64],
@@ -41,6 +42,7 @@ impl<'a> Sweep<'a> {
         Sweep {
             problem,
             integrator: problem.integrator(laws, at),
+            index: record,
             record: own,
             path: &at.paths[record],
             sigma,
@@ -88,7 +90,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn readings(&self, k: usize) -> Vec<Measurement> {
-        let of = (self.record, self.first);
+        let of = (self.index, self.first);
         self.problem.readings_at(of, self.path, self.sigma, k)
     }
 
@@ -135,12 +137,12 @@ impl Problem {
     /// held loosely where they are.
     pub(crate) fn readings_at(
         &self,
-        (record, first): (&Record, usize),
+        (index, first): (usize, usize),
         path: &[f64],
         sigma: &[f64],
         k: usize,
     ) -> Vec<Measurement> {
-        let n = self.states();
+        let (n, record) = (self.states(), &self.records[index]);
         let off = |i: usize, k: usize| record.measured[i][k] - path[k * n + i];
         (0..n)
             .map(|i| {
@@ -167,9 +169,13 @@ impl Problem {
                         value: off(i, k) - carried * off(i, k - 1),
                     };
                 }
+                let hold = match self.is_pinned((index, k), i) {
+                    true => SHOOTING.pinned_hold,
+                    false => SHOOTING.unread_hold,
+                };
                 Measurement {
                     component: i,
-                    weight: 1.0 / (SHOOTING.unread_hold * self.spread[i]),
+                    weight: 1.0 / (hold * self.spread[i]),
                     carried: 0.0,
                     value: 0.0,
                 }
@@ -182,7 +188,9 @@ impl Problem {
             .iter()
             .zip(self.spread.iter().cycle())
             .zip(self.least_relative_noise())
-            .map(|((s, d), least)| least * s / d);
+            .enumerate()
+            .filter(|(i, _)| !self.system.is_hidden(i % self.states()))
+            .map(|(_, ((s, d), least))| least * s / d);
         (SHOOTING.accuracy * relative.fold(f64::INFINITY, f64::min)).max(SHOOTING.min_accuracy)
     }
 }

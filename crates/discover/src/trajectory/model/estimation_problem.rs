@@ -6,6 +6,7 @@ use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
 use super::growth::Growth;
+use super::hidden_states::Pin;
 use super::process_noise::ProcessNoise;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
@@ -14,6 +15,7 @@ use super::run_columns::RunColumns;
 use super::sensor_groups::{SensorGroups, sensor_groups};
 use super::smoothing::{SmoothedTrajectory, smoothed_trajectories};
 use super::system::System;
+use crate::trajectory::thresholds::SHOOTING;
 use sidc_data::Dataset;
 use sidc_lang::sensor_noise::SensorNoise;
 use sidc_lang::term::{Expr, Signal, Tape};
@@ -55,6 +57,10 @@ pub struct Problem {
     pub(crate) declared: Vec<Option<SensorNoise>>,
     /// Time constant of the noise of each state's sensors that the model declares, s; 0 for white noise.
     pub(crate) declared_memory: Vec<Option<f64>>,
+    /// Where hidden states without a scale of their own are held: one sample of one record each.
+    pub(crate) pins: Vec<Pin>,
+    /// Columns with coefficients that a search may start from.
+    pub(crate) proposed: Option<Vec<(usize, f64)>>,
     /// Columns of each law.
     pub(crate) ranges: Vec<Range<usize>>,
     /// All columns, compiled.
@@ -126,6 +132,8 @@ impl Problem {
             input_noise: vec![None; n],
             declared,
             declared_memory: vec![None; n],
+            pins: Vec::new(),
+            proposed: None,
         };
         problem.compile_columns();
         problem.update_noise();
@@ -204,10 +212,13 @@ impl Problem {
             run_columns: self.run_columns.clone(),
             process: self.process.clone(),
             input_noise: self.input_noise.clone(),
+            pins: Vec::new(),
+            proposed: self.proposed.clone(),
             records,
             smoothed,
         };
         problem.count();
+        problem.pin(self.pins.iter().map(|p| p.state));
         problem
     }
 
@@ -215,6 +226,7 @@ impl Problem {
     pub(crate) fn with_records(&self, records: Vec<Record>, left_out: Vec<LeftOut>) -> Problem {
         let mut problem = self.clone();
         problem.smoothed = smoothed_trajectories(&self.system, &records, &self.declared);
+        problem.keep_hidden(&self.smoothed);
         problem.records = records;
         problem.left_out = left_out;
         problem.update_noise();
@@ -279,7 +291,12 @@ impl Problem {
             .map(|i| {
                 let var = self.system.states[i].var;
                 let same = (0..n).filter(|j| self.system.states[*j].var == var);
-                let part = same.filter_map(relative).fold(0.0, f64::max);
+                let mut part = same.filter_map(relative).fold(0.0, f64::max);
+                if self.system.is_hidden(i) {
+                    // Its law holds much better than those of the others: what a hidden state slips, large coefficients make motion of.
+                    let best = (0..n).filter_map(relative).fold(f64::INFINITY, f64::min);
+                    part = SHOOTING.hidden_slack * best;
+                }
                 own[i].unwrap_or(part * self.spread[i])
             })
             .collect()
@@ -339,7 +356,7 @@ impl Problem {
     }
 }
 
-fn spread(smoothed: &[SmoothedTrajectory], state: usize, n: usize) -> f64 {
+pub(super) fn spread(smoothed: &[SmoothedTrajectory], state: usize, n: usize) -> f64 {
     let all = || {
         smoothed
             .iter()

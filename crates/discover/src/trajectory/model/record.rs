@@ -11,7 +11,7 @@ use sidc_data as data;
 use sidc_data::{Dataset, Trajectory};
 use sidc_lang::model::Between;
 use sidc_lang::sensor_noise::SensorNoise;
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Signal, VarId};
 
 /// One uninterrupted piece of a trajectory, M samples.
 #[derive(Clone, Debug, Default)]
@@ -169,7 +169,8 @@ pub fn records(
 ) -> Result<Vec<Record>, Signal> {
     let mut all = Vec::new();
     for (index, trajectory) in dataset.trajectories.iter().enumerate() {
-        for law in &system.laws {
+        let read = |var: &VarId| !system.hidden.contains(var);
+        for law in system.laws.iter().filter(|l| read(&l.target.var)) {
             let chain = system.states.iter().filter(|s| s.var == law.target.var);
             if !chain.clone().any(|s| trajectory.column(*s).is_some()) {
                 return Err(Signal::new(law.target.var));

@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::coefficient_constraints::CoefficientConstraints;
 use sidc_lang::library::{Library, known_terms};
 use sidc_lang::model::{LibExpr, LibKind, Model, RightSide, VarKind};
-use sidc_lang::term::{Expr, Signal, Term};
+use sidc_lang::term::{Expr, Signal, Term, VarId};
 
 /// A system z' = f(z, w, u; a) in first-order form, its laws linear in the coefficients a. z: states, w: highest derivatives (rates), which
 /// implicit laws contain, u: exogenous signals.
@@ -16,6 +16,8 @@ use sidc_lang::term::{Expr, Signal, Term};
 pub struct System {
     /// The n states: for every variable with a law, its derivatives below the highest.
     pub states: Vec<Signal>,
+    /// Variables whose states nothing measures.
+    pub hidden: Vec<VarId>,
     /// One law a variable.
     pub laws: Vec<Law>,
     /// All candidate terms, law after law.
@@ -88,6 +90,7 @@ impl System {
         }
         let mut system = System {
             states: Vec::new(),
+            hidden: model.hidden_states().map(|(id, _)| id).collect(),
             laws: Vec::new(),
             columns: Vec::new(),
             exogenous: Vec::new(),
@@ -144,7 +147,7 @@ impl System {
         Ok(system)
     }
 
-    fn find_exogenous(&mut self) {
+    pub(super) fn find_exogenous(&mut self) {
         let mut all = Vec::new();
         let mut see = |s: Signal| all.push(s);
         self.columns
@@ -169,6 +172,19 @@ impl System {
     pub fn derivative_state(&self, state: usize) -> Option<usize> {
         let next = self.states.get(state + 1)?;
         (next.der > 0).then_some(state + 1)
+    }
+
+    /// Whether nothing measures a state.
+    pub fn is_hidden(&self, state: usize) -> bool {
+        let signal = self.states.get(state);
+        signal.is_some_and(|s| self.hidden.contains(&s.var))
+    }
+
+    /// Whether a term has a state that nothing measures, or a rate of one.
+    pub fn mentions_hidden(&self, term: &Term) -> bool {
+        let mut found = false;
+        term.for_each_signal(&mut |s| found |= self.hidden.contains(&s.var));
+        found
     }
 
     /// The index of a signal among the states.

@@ -70,6 +70,10 @@ fn search_whole(
     start: &[(usize, f64)],
     observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
+    if !problem.system.hidden.is_empty() && !start.is_empty() {
+        let point = starting_point(problem, start);
+        return continuation(problem, vec![point], Plan::last_level(1.0), observer);
+    }
     match explaining_start(problem, start, observer) {
         Some(point) => {
             let plan = Plan {
@@ -92,18 +96,22 @@ fn explaining_start(
     if start.is_empty() {
         return None;
     }
-    let (support, coefficients) = start.iter().copied().unzip();
     let mut level = SearchLevel::new(problem, final_criterion(problem));
-    let sigma = level.sigma(&problem.noise);
-    let point = LinearizationPoint {
-        support,
-        coefficients,
-        ..problem.initial_point(&sigma)
-    };
-    level.fit([point], observer);
+    level.fit([starting_point(problem, start)], observer);
     let fit = level.best.into_iter().next()?;
     let explains = fit.arrived && explains_readings(problem, &fit);
     explains.then_some(fit.point)
+}
+
+/// A start along the smoothed readings.
+fn starting_point(problem: &Problem, start: &[(usize, f64)]) -> LinearizationPoint {
+    let (support, coefficients) = start.iter().copied().unzip();
+    let level = SearchLevel::new(problem, final_criterion(problem));
+    LinearizationPoint {
+        support,
+        coefficients,
+        ..problem.initial_point(&level.sigma(&problem.noise))
+    }
 }
 
 fn explains_readings(problem: &Problem, fit: &Fit) -> bool {

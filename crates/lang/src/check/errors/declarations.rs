@@ -132,7 +132,7 @@ pub fn unknown_attribute(at: Span, key: &str, known: &[&str]) -> Diagnostic {
         Some(near) => d.at(at, format!("did you mean `{near}`?")),
         None => d.at(at, "not known"),
     };
-    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09; for states memory 0.3")
+    d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09; for states memory 0.3 or hidden")
 }
 
 pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
@@ -144,6 +144,7 @@ pub fn attribute_elsewhere(at: Span, key: &str, keyword: &str) -> Diagnostic {
     match key {
         "hold" | "linear" => d.help("it is for inputs: how they move between samples"),
         "order" => d.help("it is for states and inputs: how many derivatives exist"),
+        "hidden" => d.help("it is for states: nothing measures it"),
         "delay" => {
             d.help("it is for inputs, which act late, and for states, whose sensor reads late")
         }

@@ -6,6 +6,7 @@ mod data_entries;
 mod declarations;
 mod equations;
 mod expressions;
+mod hidden_states;
 mod symmetries;
 mod unit_mismatch;
 
@@ -13,5 +14,6 @@ pub use data_entries::*;
 pub use declarations::*;
 pub use equations::*;
 pub use expressions::*;
+pub use hidden_states::*;
 pub use symmetries::*;
 pub use unit_mismatch::*;

@@ -21,6 +21,8 @@ struct Attributes {
     unit: Option<Unit>,
     between: Option<Between>,
     delay: Option<Delay>,
+    /// Where the state is declared to be hidden.
+    hidden: Option<Span>,
 }
 
 impl Checker<'_> {
@@ -34,6 +36,7 @@ impl Checker<'_> {
             unit: None,
             between: None,
             delay: None,
+            hidden: false,
             span: None,
         });
         self.scope.signals.insert("t".to_string(), Signal::TIME);
@@ -96,6 +99,7 @@ impl Checker<'_> {
                 unit: a.unit.clone(),
                 between: a.between,
                 delay: a.delay,
+                hidden: a.hidden.is_some(),
                 span: Some(span),
             });
         }
@@ -185,6 +189,7 @@ impl Checker<'_> {
             unit: None,
             between: None,
             delay: None,
+            hidden: None,
         };
         for (i, a) in attributes.iter().enumerate() {
             let before = attributes.iter().take(i).find(|b| b.key.text == a.key.text);
@@ -209,6 +214,7 @@ impl Checker<'_> {
                 "delay" if matches!(keyword, Keyword::State | Keyword::Input) => {
                     out.delay = self.delay(keyword, a);
                 }
+                "hidden" if keyword == Keyword::State => self.hidden(a, &mut out.hidden),
                 key if ATTRIBUTES.contains(&key) => {
                     self.say(errors::attribute_elsewhere(a.key.span, key, keyword.text()));
                 }
@@ -219,6 +225,14 @@ impl Checker<'_> {
             }
         }
         out
+    }
+
+    /// `hidden`
+    fn hidden(&mut self, a: &Attribute, hidden: &mut Option<Span>) {
+        match &a.value {
+            Some(value) => self.say(errors::attribute_without_value(value.span, "hidden")),
+            None => *hidden = Some(a.key.span),
+        }
     }
 
     /// `order 2`

@@ -30,6 +30,7 @@ impl Checker<'_> {
                 unit: unit.clone(),
                 between: None,
                 delay: None,
+                hidden: false,
                 span: Some(name.span),
             });
             if self.scope.vars.len() > before {

@@ -6,6 +6,7 @@
 
 use crate::simulate::thresholds::INITIAL_STATE;
 
+use crate::discovery::Discovery;
 use crate::simulate::run::{Origin, Start};
 use crate::simulate::scores::goodness_of_fit::deviation;
 use sidc_data as data;
@@ -45,7 +46,7 @@ pub(crate) struct Candidates {
 
 /// All components. `Err` is one that was not measured and cannot be estimated.
 pub(crate) fn candidates(
-    model: &Model,
+    (d, model): (&Discovery, &Model),
     leg: &Dataset,
     state: &[Signal],
     given: &[(Signal, f64)],
@@ -65,15 +66,45 @@ pub(crate) fn candidates(
             out.smooth.extend(out.raw.last().cloned());
             continue;
         }
+        if let Some((mean, deviation)) = d.hidden_course(*signal) {
+            out.raw.push(Component {
+                signal: *signal,
+                origin: Origin::Hidden,
+                values: vec![mean; trajectory.len()],
+                error: Some(vec![deviation; trajectory.len()]),
+            });
+            out.smooth.extend(out.raw.last().cloned());
+            continue;
+        }
         let raw = raw(model, leg, trajectory, *signal).ok_or(*signal)?;
         let smooth = smooth(model, leg, trajectory, *signal, &mut out.noise);
         out.smooth.push(smooth.unwrap_or_else(|| raw.clone()));
         out.raw.push(raw);
     }
+    if out.raw.iter().any(|c| c.origin == Origin::Hidden) {
+        let clean = clean_readings(trajectory, &out.raw, &out.noise);
+        out.noise.extend(clean);
+    }
     if out.noise.is_empty() {
         out.smooth.clear();
     }
     Ok(out)
+}
+
+/// The readings without noise: they tell where hidden states start, as exactly as they are.
+fn clean_readings(trajectory: &Trajectory, raw: &[Component], noise: &[Noise]) -> Vec<Noise> {
+    let read = raw.iter().filter(|c| c.origin == Origin::Measured);
+    let clean = read.filter(|c| noise.iter().all(|n| n.signal != c.signal));
+    let noise = clean.filter_map(|c| {
+        let spread = deviation(trajectory.column(c.signal)?);
+        let sigma = INITIAL_STATE.clean * spread;
+        (sigma > 0.0).then(|| Noise {
+            signal: c.signal,
+            sigma,
+            outliers: Vec::new(),
+        })
+    });
+    noise.collect()
 }
 
 fn raw(model: &Model, leg: &Dataset, trajectory: &Trajectory, signal: Signal) -> Option<Component> {

@@ -151,7 +151,11 @@ impl Find<'_> {
 }
 
 /// Typical size of a signal: its largest reading, or the largest difference quotient of the signal below it.
-pub(crate) fn size(t: &Trajectory, s: Signal) -> f64 {
+pub(crate) fn size((d, t): (&Discovery, &Trajectory), s: Signal) -> f64 {
+    if let Some((mean, deviation)) = d.hidden_course(s) {
+        let size = mean.abs().max(deviation);
+        return if size > 0.0 { size } else { 1.0 };
+    }
     let largest = |v: &[f64]| {
         let finite = v.iter().filter(|v| v.is_finite());
         finite.fold(0.0, |m: f64, v| m.max(v.abs()))

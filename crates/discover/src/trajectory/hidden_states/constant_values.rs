@@ -1,0 +1,141 @@
+//! Values of unknown constants from which hidden states lead along the readings.
+//!
+//! In: a problem with hidden states, the constants with their ranges. Out: values, the likeliest first. A constant in the law of a hidden state
+//! moves no reading by itself, so that all values are judged by what the measured laws make of the courses.
+
+use super::thresholds::HIDDEN;
+use super::{given_courses, hidden_laws, observed};
+use crate::trajectory::model::Problem;
+use sidc_lang::term::Signal;
+use sidc_progress::Observer;
+
+/// The signals of the constants, and the ranges of each.
+pub(crate) type SoughtRanges = Vec<(Signal, Vec<(f64, f64)>)>;
+
+/// Distinct values, the likeliest first; empty where no course leads anywhere.
+pub(crate) fn likely_constants(
+    problem: &Problem,
+    sought: &SoughtRanges,
+    observer: &mut dyn Observer,
+) -> Vec<Vec<f64>> {
+    let judge = |values: &[f64], observer: &mut dyn Observer| -> f64 {
+        let signals = sought.iter().zip(values);
+        let named = signals.map(|((s, _), value)| (*s, None, *value));
+        let problem = problem.with_constant_values(named);
+        let (given, _) = hidden_laws(&problem);
+        let courses = given_courses(&problem, &given);
+        let started = courses.map(|c| problem.with_hidden_courses(&c, &[]));
+        let judged = started.and_then(|p| observed(&p, observer));
+        judged.map_or(f64::INFINITY, |(value, _)| value)
+    };
+    let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
+    for values in first_values(sought) {
+        if !observer.go_on() {
+            break;
+        }
+        points.push((judge(&values, observer), values));
+    }
+    points.retain(|(value, _)| value.is_finite());
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
+    for point in points.into_iter().take(HIDDEN.improved) {
+        let improved = improve(point, sought, &mut |values| judge(values, observer));
+        let known = |(_, v): &(f64, Vec<f64>)| alike(v, &improved.1);
+        if !best.iter().any(known) {
+            best.push(improved);
+        }
+    }
+    best.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let best = best.into_iter().take(HIDDEN.starts);
+    best.map(|(_, values)| values).collect()
+}
+
+/// Values over the ranges: evenly spaced for one constant, a Halton sequence for several.
+fn first_values(sought: &SoughtRanges) -> Vec<Vec<f64>> {
+    if let [(_, ranges)] = &sought[..] {
+        let of = |range: &(f64, f64)| {
+            let (range, count) = (*range, HIDDEN.values);
+            (0..count).map(move |i| vec![between(range, (i as f64 + 0.5) / count as f64)])
+        };
+        return ranges.iter().flat_map(of).collect();
+    }
+    let bases = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29];
+    let point = |k: usize| -> Vec<f64> {
+        let constants = sought.iter().enumerate();
+        constants
+            .map(|(i, (_, ranges))| {
+                let part = radical_inverse(k + 1, bases[i % bases.len()]);
+                let place = part * ranges.len() as f64;
+                let which = (place as usize).min(ranges.len() - 1);
+                between(ranges[which], place - which as f64)
+            })
+            .collect()
+    };
+    (0..HIDDEN.combinations).map(point).collect()
+}
+
+/// Part of the way through a range: by the logarithm where its ends have one sign.
+fn between((from, to): (f64, f64), part: f64) -> f64 {
+    match from * to > 0.0 {
+        true => from * (to / from).powf(part),
+        false => from + part * (to - from),
+    }
+}
+
+/// The digits of a number mirrored behind the point (van der Corput).
+fn radical_inverse(mut number: usize, base: usize) -> f64 {
+    let (mut inverse, mut digit) = (0.0, 1.0 / base as f64);
+    while number > 0 {
+        inverse += (number % base) as f64 * digit;
+        number /= base;
+        digit /= base as f64;
+    }
+    inverse
+}
+
+/// A compass search: each constant is moved by a step that is halved when no move helps.
+fn improve(
+    (mut value, mut at): (f64, Vec<f64>),
+    sought: &SoughtRanges,
+    judge: &mut dyn FnMut(&[f64]) -> f64,
+) -> (f64, Vec<f64>) {
+    let mut step = 0.4;
+    for _ in 0..HIDDEN.halvings {
+        let mut moved = true;
+        let mut turns = 0;
+        while moved && turns < 8 {
+            moved = false;
+            turns += 1;
+            for i in 0..at.len() {
+                for sign in [1.0, -1.0] {
+                    let mut trial = at.clone();
+                    trial[i] = nudged(at[i], sign * step, &sought[i].1);
+                    let there = judge(&trial);
+                    if there < value {
+                        (value, at, moved) = (there, trial, true);
+                    }
+                }
+            }
+        }
+        step *= 0.5;
+    }
+    (value, at)
+}
+
+/// A value moved by a part of itself, or of its range where that has both signs, and kept within it.
+fn nudged(value: f64, step: f64, ranges: &[(f64, f64)]) -> f64 {
+    let holds = |(from, to): &&(f64, f64)| (*from..=*to).contains(&value);
+    let Some((from, to)) = ranges.iter().find(holds).copied() else {
+        return value;
+    };
+    let moved = match from * to > 0.0 {
+        true => value * step.exp(),
+        false => value + 0.2 * step * (to - from),
+    };
+    moved.clamp(from, to)
+}
+
+fn alike(a: &[f64], b: &[f64]) -> bool {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 0.05 * a.abs().max(b.abs());
+    a.iter().zip(b).all(near)
+}

@@ -1,0 +1,34 @@
+//! The numbers that decide how hidden states are started.
+//!
+//! In: nothing. Out: records of values with unit and source. Never computes with them.
+
+use sidc_thresholds::{Table, family};
+
+family! {
+    /// First guesses of hidden states, and of the constants in their laws.
+    pub(crate) HIDDEN: Hidden {
+        /// Values tried of a constant over its range, where it is the only one.
+        values: usize = 24, unit "values", source "a first-order lag wrong by a factor of 1.5 still correlates with the right one by more than 0.9";
+        /// Combinations of values tried where there are several constants.
+        combinations: usize = 300, unit "combinations", source "a second of work for a thousand samples";
+        /// Points that are improved.
+        improved: usize = 4, unit "points", source "set by hand";
+        /// Times that the step of an improvement is halved: from a factor of 1.5 to one of 1.03.
+        halvings: usize = 4, unit "halvings", source "the joint estimate finds the rest";
+        /// Points that a search of terms starts from.
+        starts: usize = 2, unit "points", source "set by hand";
+        /// Ratio of one time constant tried to the one before.
+        time_ratio: f64 = 2.0, unit "", source "as for `values`, with room for the transients";
+        /// Longest time constant tried.
+        longest: f64 = 3.0, unit "length of the longest record", source "beyond, a lag and an integral look alike";
+        /// Most Runge-Kutta steps of a guess between two samples.
+        steps: usize = 50, unit "steps", source "set by hand";
+        /// Most candidate columns of the measured part.
+        columns: usize = 300, unit "columns", source "backward elimination of these takes a second";
+    }
+}
+
+/// The families of this module.
+pub(crate) fn tables() -> Vec<Table> {
+    vec![Hidden::table()]
+}

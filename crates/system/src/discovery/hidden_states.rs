@@ -1,0 +1,55 @@
+//! The states that nothing measured, as they moved along the fitted trajectory.
+//!
+//! In: nothing but these types. They are part of the result document.
+
+use serde::{Deserialize, Serialize};
+
+use super::equations::Discovery;
+use sidc_lang::term::{Signal, SignalNames};
+
+/// A component of the state that nothing measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HiddenState {
+    pub name: String,
+    /// Over the fitted trajectory.
+    pub mean: f64,
+    pub deviation: f64,
+    /// Where each run begins.
+    pub starts: Vec<HiddenStart>,
+    /// What fixes its scale, where the equations hold for any multiple of it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub scale: Option<ScaleRule>,
+}
+
+/// The value of a hidden state at the first sample of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HiddenStart {
+    pub run: String,
+    pub value: f64,
+}
+
+/// The coefficient that is set, not estimated.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScaleRule {
+    /// Target of the equation that has it.
+    pub equation: String,
+    pub term: String,
+    pub coefficient: f64,
+}
+
+impl Discovery {
+    /// Mean and standard deviation of a component of the state that nothing measures, along the fitted trajectory.
+    pub fn hidden_course(&self, signal: Signal) -> Option<(f64, f64)> {
+        if self.hidden.is_empty() {
+            return None;
+        }
+        let name = self.name(signal);
+        let found = self.hidden.iter().find(|h| h.name == name)?;
+        Some((found.mean, found.deviation))
+    }
+
+    /// Whether nothing measures a variable.
+    pub fn is_hidden(&self, signal: Signal) -> bool {
+        self.hidden_course(Signal::new(signal.var)).is_some()
+    }
+}
