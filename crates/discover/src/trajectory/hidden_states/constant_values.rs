@@ -25,8 +25,8 @@ pub(crate) fn likely_constants(
         let (given, _) = hidden_laws(&problem);
         let courses = given_courses(&problem, &given);
         let started = courses.map(|c| problem.with_hidden_courses(&c, &[]));
-        let judged = started.and_then(|p| observed(&p, observer));
-        judged.map_or(f64::INFINITY, |(value, _)| value)
+        let fits = started.map_or(Vec::new(), |p| observed(&p, observer));
+        fits.iter().map(|f| f.value).fold(f64::INFINITY, f64::min)
     };
     let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
     for values in first_values(sought) {

@@ -12,30 +12,51 @@ use sidc_lang::term::{Atom, Expr, Signal, Tape, Term, VarId};
 use sidc_progress::Observer;
 
 /// Courses of the hidden states, and columns of the whole problem with coefficients.
-pub(super) struct FilteredCourses {
-    pub courses: Vec<HiddenCourse>,
-    pub terms: Vec<(usize, f64)>,
-}
+pub(super) type Start = (Vec<HiddenCourse>, Vec<(usize, f64)>);
 
-/// Courses for time constants from the step between samples to beyond the records, with what the measured laws make of each. Empty where no
-/// filter helps, or the observer ends the work.
+/// Courses for the time constants with which the measured laws follow the readings best, the likeliest first: at every slack and price of a
+/// first linearisation those that are better than their neighbours. Empty where no filter helps, or the observer ends the work.
 pub(super) fn filtered_courses(
     problem: &Problem,
     laws: &[usize],
     observer: &mut dyn Observer,
-) -> Vec<FilteredCourses> {
+) -> Vec<Start> {
     let Some(filters) = Filters::new(problem, laws) else {
         return Vec::new();
     };
-    let mut all = Vec::new();
-    for time in filters.times() {
+    let times = filters.times();
+    let mut fits: Vec<Vec<ObservedFit>> = Vec::new();
+    for time in &times {
         if !observer.go_on() {
-            break;
+            return Vec::new();
         }
-        let fits = filters.fits(time, observer);
-        all.extend(fits.iter().filter_map(|fit| filters.courses(time, fit)));
+        fits.push(filters.fits(*time, observer));
     }
-    all
+    let mut minima: Vec<(f64, f64, &ObservedFit)> = Vec::new();
+    for (k, (time, here)) in times.iter().zip(&fits).enumerate() {
+        let near = |other: Option<usize>, kind: usize| {
+            let fit = fits.get(other?)?.get(kind)?;
+            Some(fit.value)
+        };
+        for (kind, fit) in here.iter().enumerate() {
+            let beside = [near(k.checked_sub(1), kind), near(Some(k + 1), kind)];
+            let least = beside.iter().flatten().all(|value| fit.value <= *value);
+            if least {
+                minima.push((fit.value, *time, fit));
+            }
+        }
+    }
+    minima.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all = minima.iter().filter_map(|(_, time, fit)| filters.courses(*time, fit));
+    let mut distinct: Vec<Start> = Vec::new();
+    for one in all {
+        let same = |o: &Start| o.1 == one.1;
+        if !distinct.iter().any(same) {
+            distinct.push(one);
+        }
+    }
+    distinct.truncate(HIDDEN.courses);
+    distinct
 }
 
 /// What a new column of the measured part is: a term of a hidden state, with one of its filtered drives in the state's place.
@@ -162,7 +183,7 @@ impl<'a> Filters<'a> {
     }
 
     /// Courses and columns of a fit with filters of this time.
-    fn courses(&self, time: f64, fit: &ObservedFit) -> Option<FilteredCourses> {
+    fn courses(&self, time: f64, fit: &ObservedFit) -> Option<Start> {
         let mut terms: Vec<(usize, f64)> = Vec::new();
         for (j, a) in &fit.terms {
             let column = self.part.origin[*j].filter(|_| self.made[*j].is_none());
@@ -196,7 +217,7 @@ impl<'a> Filters<'a> {
         }
         terms.sort_by_key(|(j, _)| *j);
         terms.dedup_by_key(|(j, _)| *j);
-        Some(FilteredCourses { courses, terms })
+        Some((courses, terms))
     }
 
     /// The columns of a hidden law that filters of this time are.

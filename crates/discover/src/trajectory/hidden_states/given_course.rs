@@ -152,23 +152,31 @@ impl<'a> Flow<'a> {
         if fastest.is_finite() { fastest } else { 0.0 }
     }
 
-    /// Where the hidden states rest under the first readings, by Newton's method from zero; zero where it does not converge.
+    /// Where the hidden states rest under the first readings, by Newton's method from zero and from values on either side of it: laws with roots
+    /// have no slope at zero. Zero where it does not converge.
     fn at_rest(&self, record: usize) -> Vec<f64> {
+        let starts = [0.0, 1.0, 0.01, 100.0, -1.0];
+        let mut found = starts.iter().filter_map(|y| self.rest_from(record, *y));
+        found.next().unwrap_or(vec![0.0; self.places.len()])
+    }
+
+    fn rest_from(&self, record: usize, start: f64) -> Option<Vec<f64>> {
         let at = (record, 0);
-        let mut y = vec![0.0; self.places.len()];
-        for _ in 0..20 {
+        let mut y = vec![start; self.places.len()];
+        for _ in 0..HIDDEN.newton_steps {
             let slope = DVector::from_vec(self.slope(at, 0.0, &y));
-            let Some(step) = self.jacobian(at, &y).lu().solve(&slope) else {
-                break;
-            };
+            let step = self.jacobian(at, &y).lu().solve(&slope)?;
             let moved: Vec<f64> = y.iter().zip(step.iter()).map(|(y, s)| y - s).collect();
+            if !moved.iter().all(|x| x.is_finite()) {
+                return None;
+            }
             let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9 * (1.0 + a.abs());
             let settled = moved.iter().zip(&y).all(near);
             y = moved;
-            if settled && y.iter().all(|x| x.is_finite()) {
-                return y;
+            if settled {
+                return Some(y);
             }
         }
-        vec![0.0; self.places.len()]
+        None
     }
 }

@@ -21,6 +21,7 @@ use filtered_course::filtered_courses;
 use given_course::given_courses;
 use observed_fit::{ObservedFit, observed_fits};
 use scale::is_free;
+use thresholds::HIDDEN;
 use sidc_progress::Observer;
 
 /// The hidden laws of a problem: those that are given, and those with columns.
@@ -32,45 +33,75 @@ fn hidden_laws(problem: &Problem) -> (Vec<usize>, Vec<usize>) {
     (place(given), place(sought))
 }
 
-/// The problem with a start for its hidden states, and for the columns.
+/// The problem with a start for its hidden states, and for the columns: of all that are proposed the one from which a fit of all laws is best.
+/// Fits that do not settle count where there is no other: with nothing to hold a hidden state they may run off.
 pub(crate) fn with_started_states(problem: &Problem, observer: &mut dyn Observer) -> Problem {
     let (given, sought) = hidden_laws(problem);
     let mut problem = problem.clone();
     if let Some(courses) = given_courses(&problem, &given).filter(|c| !c.is_empty()) {
         problem = problem.with_hidden_courses(&courses, &[]);
     }
-    if sought.is_empty() {
-        problem.proposed = observed(&problem, observer).map(|(_, terms)| terms);
-        return problem;
-    }
-    let free: Vec<usize> = sought.iter().copied().filter(|l| is_free(&problem, *l)).collect();
-    let criterion = final_criterion(&problem);
-    let mut best: Option<(f64, Problem)> = None;
-    for found in filtered_courses(&problem, &sought, observer) {
-        let mut started = problem.with_hidden_courses(&found.courses, &free);
-        let beat = best.as_ref().map_or(f64::INFINITY, |b| b.0);
-        let (support, coefficients) = found.terms.iter().copied().unzip();
+    let free: Vec<usize> = (sought.iter().copied())
+        .filter(|l| is_free(&problem, *l))
+        .collect();
+    let starts = match sought.is_empty() {
+        true => {
+            let terms = observed(&problem, observer).into_iter().map(|o| o.terms);
+            terms.map(|terms| (Vec::new(), terms)).collect()
+        }
+        false => filtered_courses(&problem, &sought, observer),
+    };
+    let mut best: Option<(Fit, Problem)> = None;
+    for (courses, terms) in starts {
+        let started = problem.with_hidden_courses(&courses, &free);
+        let settled = best.as_ref().filter(|(fit, _)| fit.arrived);
+        let beat = settled.map_or(f64::INFINITY, |(fit, _)| fit.value);
+        let (support, coefficients) = terms.into_iter().unzip();
         let point = LinearizationPoint {
             support,
             coefficients,
             ..started.initial_point(&started.noise)
         };
-        let fitted = fit(&started, point, &criterion, beat, observer).filter(|f| f.arrived);
-        debug(&format!("{:?} {:?}", fitted.as_ref().map(|f| (f.value, f.arrived, f.point.active())), found.terms));
-        if let Some(fitted) = fitted.filter(|f| f.value < beat) {
-            started = started.with_hidden_of(&fitted, &free);
-            started.proposed = Some(fitted.point.active());
-            best = Some((fitted.value, started));
+        let rank = |fit: &Fit| (!fit.arrived, fit.value);
+        let better = |fit: &Fit| best.as_ref().is_none_or(|(old, _)| rank(fit) < rank(old));
+        if let Some(fit) = tightened(&started, point, beat, observer).filter(better) {
+            best = Some((fit, started));
         }
     }
-    best.map_or(problem, |(_, started)| started)
+    let Some((fit, started)) = best else {
+        return problem;
+    };
+    let mut started = started.with_hidden_of(&fit, &free);
+    started.proposed = Some(fit.point.active());
+    started
+}
+
+/// A fit from a point far off: of laws that may slip first, then of tighter ones (weak constraints before strong ones).
+fn tightened(
+    problem: &Problem,
+    mut point: LinearizationPoint,
+    beat: f64,
+    observer: &mut dyn Observer,
+) -> Option<Fit> {
+    let criterion = final_criterion(problem);
+    let sigma = point.sigma.clone();
+    for looseness in HIDDEN.looseness {
+        let mut loose = problem.clone();
+        loose.looseness = looseness;
+        let found = fit(&loose, point, &criterion, f64::INFINITY, observer)?;
+        point = LinearizationPoint {
+            sigma: sigma.clone(),
+            ..found.point
+        };
+    }
+    fit(problem, point, &criterion, beat, observer)
 }
 
 impl Problem {
     /// The problem whose hidden states start from where they are in a fit.
     fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize]) -> Problem {
         let n = self.states();
-        let (_, sought) = hidden_laws(self);
+        let (given, sought) = hidden_laws(self);
         let course = |law: usize| {
             let own = &self.system.laws[law];
             let first = own.state + 1 - usize::from(own.target.der);
@@ -83,13 +114,13 @@ impl Problem {
                 records: fit.paths().iter().map(chain).collect(),
             }
         };
-        let courses: Vec<HiddenCourse> = sought.into_iter().map(course).collect();
+        let courses: Vec<HiddenCourse> = given.into_iter().chain(sought).map(course).collect();
         self.with_hidden_courses(&courses, free_scale)
     }
 }
 
-/// The criterion of the measured part with the hidden states as they are, and its columns.
-fn observed(problem: &Problem, observer: &mut dyn Observer) -> Option<(f64, Vec<(usize, f64)>)> {
+/// The fits of the measured part with the hidden states as they are, in columns of the whole problem.
+fn observed(problem: &Problem, observer: &mut dyn Observer) -> Vec<ObservedFit> {
     let system = &problem.system;
     let columns = |law: usize| {
         let own = system.laws[law].columns.clone();
@@ -106,10 +137,11 @@ fn observed(problem: &Problem, observer: &mut dyn Observer) -> Option<(f64, Vec<
                 .set_exogenous(*signal, false, values.iter().map(Vec::as_slice));
         }
     }
-    let fits = observed_fits(&part.problem, observer).into_iter();
-    let best = fits.min_by(|a, b| a.value.total_cmp(&b.value));
-    let ObservedFit { value, terms, .. } = best?;
     let whole = |(j, a): (usize, f64)| Some((part.origin[j]?, a));
-    Some((value, terms.into_iter().filter_map(whole).collect()))
+    let fits = observed_fits(&part.problem, observer).into_iter();
+    fits.map(|fit| ObservedFit {
+        terms: fit.terms.into_iter().filter_map(whole).collect(),
+        ..fit
+    })
+    .collect()
 }
-pub(crate) fn debug(text: &str) { if std::env::var("SIDC_DEBUG").is_ok() { eprintln!("{text}"); } }

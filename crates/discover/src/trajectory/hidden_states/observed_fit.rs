@@ -19,8 +19,8 @@ pub(super) struct ObservedFit {
     pub strengths: Vec<f64>,
 }
 
-/// Selects columns on the integrals of the laws between samples, at several prices and slacks; distinct supports. Empty where the observer ends
-/// the work, or a column has no value.
+/// Selects columns on the integrals of the laws between samples: a fit for each slack and price, in the same order for all problems. Fewer where
+/// the observer ends the work, or a column has no value.
 pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> Vec<ObservedFit> {
     let floor = final_floor(problem);
     let sigma: Vec<f64> = (problem.noise.iter().zip(&floor))
@@ -42,10 +42,6 @@ pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> V
         let supports = form.backward_elimination(&prices).into_iter().zip(prices);
         for (support, price) in supports {
             let support = form.steepest_descent(&support, price);
-            let known = |f: &ObservedFit| f.terms.iter().map(|(j, _)| *j).eq(support.iter().copied());
-            if fits.iter().any(known) {
-                continue;
-            }
             let fit = form.least_squares(&support);
             let left = (fit.square.max(0.0) / readings).max(f64::MIN_POSITIVE);
             let strength = |(j, a): (&usize, &f64)| a.abs() * form.row(*j)[*j].max(0.0).sqrt();

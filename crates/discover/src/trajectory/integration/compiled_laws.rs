@@ -35,6 +35,8 @@ pub(crate) struct CompiledLaws {
     pub law_states: Vec<usize>,
     /// (state, the state that is its rate)
     pub chain: Vec<(usize, usize)>,
+    /// Whether nothing measures some of the states.
+    pub has_hidden: bool,
     /// States that no law moves.
     held: Vec<usize>,
     values: Tape,
@@ -139,6 +141,7 @@ impl CompiledLaws {
             inputs: inputs.len(),
             active: active.to_vec(),
             ranges: (0..m).map(of).collect(),
+            has_hidden: !system.hidden.is_empty(),
             held: (0..n).filter(|i| !moved(i)).collect(),
             law_states,
             chain,

@@ -112,7 +112,7 @@ impl ShootingIntegrator<'_> {
         out.end.resize(count * n, 0.0);
         let all = StepGroup::new(record, intervals.start, (0..count).collect(), 1);
         self.begin(&all, states, work)?;
-        let steps = self.steps(&work.local[0], &all.h);
+        let steps = self.steps(&work.local[0], &all.h)?;
         out.steps = steps.iter().copied().max().unwrap_or(1);
         if out.steps == 1 {
             return self.run(&all, work, out);
@@ -199,7 +199,10 @@ impl ShootingIntegrator<'_> {
     }
 
     /// Number of steps of each interval of length `h`, a power of two, by the norm of the Jacobian.
-    fn steps(&self, local: &LocalLinearization, h: &[f64]) -> Vec<usize> {
+    ///
+    /// # Errors
+    /// Laws of hidden states are too fast to be followed: with nothing to hold these, errors of the steps would explain any reading.
+    fn steps(&self, local: &LocalLinearization, h: &[f64]) -> Result<Vec<usize>, Diverged> {
         let (n, count) = (self.laws.states, h.len());
         let largest = (self.accuracy / SHOOTING.step_error).powf(0.2);
         let steps = |(b, h): (usize, &f64)| {
@@ -210,8 +213,11 @@ impl ShootingIntegrator<'_> {
                     .sum();
                 norm = norm.max(row / self.spread[*i]);
             }
-            let wanted = (h * norm / largest).clamp(1.0, SHOOTING.max_steps as f64);
-            (wanted.ceil() as usize).next_power_of_two()
+            let (wanted, most) = (h * norm / largest, SHOOTING.max_steps as f64);
+            if self.laws.has_hidden && wanted > most {
+                return Err(Diverged);
+            }
+            Ok((wanted.clamp(1.0, most).ceil() as usize).next_power_of_two())
         };
         h.iter().enumerate().map(steps).collect()
     }

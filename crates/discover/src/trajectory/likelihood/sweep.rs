@@ -46,7 +46,7 @@ impl<'a> Sweep<'a> {
             record: own,
             path: &at.paths[record],
             sigma,
-            stiffness: stiffness(sigma, own),
+            stiffness: stiffness(sigma, own, problem.looseness),
             first,
         }
     }
@@ -196,11 +196,11 @@ impl Problem {
 }
 
 /// One over the slip that laws are allowed, a part of the least noise of each state's readings.
-fn stiffness(sigma: &[f64], record: &Record) -> Vec<f64> {
+fn stiffness(sigma: &[f64], record: &Record, looseness: f64) -> Vec<f64> {
     let slack = SHOOTING
         .slack
         .min(SHOOTING.slack_of_record / (record.len() as f64).sqrt());
     let least = |i: usize| record.relative_noise_range(i).0;
     let states = sigma.iter().enumerate();
-    states.map(|(i, s)| 1.0 / (slack * s * least(i))).collect()
+    states.map(|(i, s)| 1.0 / (looseness * slack * s * least(i))).collect()
 }

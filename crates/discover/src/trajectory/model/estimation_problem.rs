@@ -59,6 +59,8 @@ pub struct Problem {
     pub(crate) declared_memory: Vec<Option<f64>>,
     /// Where hidden states without a scale of their own are held: one sample of one record each.
     pub(crate) pins: Vec<Pin>,
+    /// How many times more than usual laws may slip: 1, but on the way to a first fit.
+    pub(crate) looseness: f64,
     /// Columns with coefficients that a search may start from.
     pub(crate) proposed: Option<Vec<(usize, f64)>>,
     /// Columns of each law.
@@ -133,6 +135,7 @@ impl Problem {
             declared,
             declared_memory: vec![None; n],
             pins: Vec::new(),
+            looseness: 1.0,
             proposed: None,
         };
         problem.compile_columns();
@@ -213,6 +216,7 @@ impl Problem {
             process: self.process.clone(),
             input_noise: self.input_noise.clone(),
             pins: Vec::new(),
+            looseness: self.looseness,
             proposed: self.proposed.clone(),
             records,
             smoothed,
