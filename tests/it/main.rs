@@ -23,6 +23,7 @@ mod drafts;
 mod emit;
 mod gallery;
 mod growing_noise;
+mod hidden_states;
 mod holdout;
 mod honest;
 mod hostile;

@@ -66,6 +66,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         identifiability::thresholds::tables(),
         uncertainty::thresholds::tables(),
         trajectory::tables(),
+        trajectory::hidden_states::thresholds::tables(),
         weak_form::tables(),
         scaled_design::thresholds::tables(),
         verify::thresholds::tables(),

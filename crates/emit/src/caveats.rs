@@ -47,6 +47,9 @@ pub(crate) fn caveats(d: &Discovery) -> Vec<String> {
         let text = format!("{target}: {}: {}", reason.code, reason.text);
         lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));
     }
+    for sentence in d.hidden_sentences() {
+        lines.extend(wrapped(&harmless(&sentence), WIDTH, "  ", "    "));
+    }
     for sentence in disturbance::sentences(d) {
         let text = format!("{sentence}; runs of these equations leave it out");
         lines.extend(wrapped(&harmless(&text), WIDTH, "  ", "    "));

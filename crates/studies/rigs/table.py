@@ -19,8 +19,10 @@ RIGS = [
     ("pendulum_double", "pendulum_double_free_train.csv", "25%", "0.2"),
     ("aeroshield", "aeroshield_pendulum.csv", "25%", "0.5"),
     ("aeroshield_order3", "aeroshield_pendulum.csv", "25%", "0.5"),
+    ("aeroshield_fan", "aeroshield_pendulum.csv", "25%", "0.5"),
     ("silverbox", "silverbox_multisine_excerpt.csv", "25%", "0.02"),
     ("tanks", "tanks_cascaded_est.csv", "25%", "40"),
+    ("tanks_cascade", "tanks_cascaded_est.csv", "25%", "40"),
     ("emps", "emps_train.csv", "25%", "0.5"),
     ("emps", "emps_train.csv", "25%", "2"),
     ("cartpole", "cartpole_swingup_A.csv", "cartpole_swingup_B.csv", "0.26"),
@@ -28,6 +30,7 @@ RIGS = [
     ("rlc_saturating", "rlc_nonlinear_train.csv", "25%", "2e-5"),
     ("tclab", "tclab_train.csv", "25%", "60"),
     ("tclab_order2", "tclab_train.csv", "25%", "60"),
+    ("tclab_heater", "tclab_train.csv", "25%", "60"),
     ("floatshield", "floatshield.csv", "25%", "0.5"),
     ("lynx_hare", "bio_lynx_hare_1900_1920.csv", "25%", "2"),
 ]

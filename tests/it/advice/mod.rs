@@ -66,6 +66,7 @@ followed! {
     SolverRefused: search::solver_refused, "leave --solver out";
     Tie: records::tie, "reach |x| > ";
     UncertainCoefficient: records::uncertain_coefficient, "s more of such data";
+    Unidentifiable: records::unidentifiable, "state one of the parameters";
     UncertainConstant: records::uncertain_constant, "record where tanh(x/k) bends";
 }
 

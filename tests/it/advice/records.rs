@@ -195,3 +195,24 @@ pub fn constant_range() -> Scenario {
         case.rewritten("2..20", "0.2..20")
     })
 }
+
+pub fn unidentifiable() -> Scenario {
+    let step = 0.05;
+    // Changes between samples, so that it is held over each of them.
+    let level = |t: f64| {
+        if ((t / 2.5 + 0.01).floor() as i64) % 2 == 0 {
+            1.0
+        } else {
+            -0.5
+        }
+    };
+    let rate = move |t: f64, z: &[f64; 2]| [z[1] - 0.5 * z[0], (level(t) - z[1]) / 2.0];
+    let [x, _] = motion(rate, [0.2, 0.0], step, 600);
+    let u: Vec<f64> = (0..600).map(|k| level(f64::from(k) * step)).collect();
+    let data = record(step, &[("x", &read(&x, 0.01, 7)), ("u", &u)]);
+    let model = "unknown k in 0.1..10\nunknown tau in 0.1..50\nstate x\nstate f : hidden\ninput u : hold\n\
+                 df = (k*u - f)/tau\ndx ~ <x, f>\n";
+    Scenario::words(Case::new(model, data), |case, _| {
+        case.rewritten("unknown k in 0.1..10", "let k = 1")
+    })
+}

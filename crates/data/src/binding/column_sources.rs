@@ -97,7 +97,8 @@ pub(super) fn required(model: &Model) -> Vec<Signal> {
     let mut out: Vec<Signal> = Vec::new();
     for s in mentioned(model) {
         let kind = model.var(s.var).map(|v| v.kind);
-        let read = !matches!(kind, None | Some(VarKind::Time | VarKind::Unknown)) && !model.is_hidden(s.var);
+        let read = !matches!(kind, None | Some(VarKind::Time | VarKind::Unknown))
+            && !model.is_hidden(s.var);
         if read && out.last().is_none_or(|last| last.var != s.var) {
             out.push(Signal::derivative(s.var, s.der));
         }

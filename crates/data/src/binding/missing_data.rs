@@ -107,7 +107,11 @@ pub(super) fn unknown_columns(
 }
 
 /// Columns named after hidden states: they may be there, for comparison, and are not read.
-pub(super) fn hidden_columns(model: &Model, table: &Table, sources: &mut Sources) -> Vec<Diagnostic> {
+pub(super) fn hidden_columns(
+    model: &Model,
+    table: &Table,
+    sources: &mut Sources,
+) -> Vec<Diagnostic> {
     let mut out = Vec::new();
     for (_, var) in model.hidden_states() {
         let Some(column) = table.position(&var.name) else {
@@ -117,7 +121,10 @@ pub(super) fn hidden_columns(model: &Model, table: &Table, sources: &mut Sources
         let text = format!("{name} is hidden: its column in {} is not read", table.name);
         let d = Diagnostic::note("hidden-in-data", text);
         let header = table.header_span(sources, column);
-        out.push(d.at(header, "not read").help(format!("remove `hidden` if it is a measurement of {name}")));
+        out.push(
+            d.at(header, "not read")
+                .help(format!("remove `hidden` if it is a measurement of {name}")),
+        );
     }
     out
 }

@@ -6,11 +6,16 @@ use std::borrow::Cow;
 
 use crate::joint::constrained_search::ConstrainedAnswer;
 use crate::joint::joint_fit::JointFit;
-use crate::trajectory::{ToldScale, with_told_scales};
+use crate::selection::thresholds::TERM_SELECTION;
+use crate::trajectory::{
+    Fit, Parameter, Problem, SoughtConstant, ToldScale, exchanged_lags, untold_parameters,
+    with_told_scales,
+};
 use sidc_lang::model::Model;
+use sidc_lang::number::significant;
 use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::EquationObserver;
-use sidc_system::discovery::{Discovery, HiddenStart, HiddenState, ScaleRule};
+use sidc_system::discovery::{Discovery, HiddenStart, HiddenState, Reason, ReasonCode, ScaleRule};
 
 /// Gives the hidden states whose scale is free the one that is told.
 pub(crate) fn settle_scales(
@@ -41,9 +46,8 @@ pub(crate) fn state(
     let signals = problem.system.states.iter().enumerate();
     let hidden = signals.filter(|(i, _)| problem.system.is_hidden(*i));
     let told = hidden.map(|(i, signal)| {
-        let along = |path: &Vec<f64>| -> Vec<f64> {
-            path.iter().skip(i).step_by(n).copied().collect()
-        };
+        let along =
+            |path: &Vec<f64>| -> Vec<f64> { path.iter().skip(i).step_by(n).copied().collect() };
         let columns: Vec<Vec<f64>> = fit.found.best.paths().iter().map(along).collect();
         let count = columns.iter().flatten().count().max(1) as f64;
         let mean = columns.iter().flatten().sum::<f64>() / count;
@@ -61,7 +65,7 @@ pub(crate) fn state(
 }
 
 /// The first value in each run.
-fn starts(problem: &crate::trajectory::Problem, columns: &[Vec<f64>]) -> Vec<HiddenStart> {
+fn starts(problem: &Problem, columns: &[Vec<f64>]) -> Vec<HiddenStart> {
     let mut starts: Vec<HiddenStart> = Vec::new();
     for (record, column) in problem.records.iter().zip(columns) {
         let Some(name) = problem.names.get(record.trajectory) else {
@@ -83,4 +87,119 @@ fn rule(model: &Model, scales: &[ToldScale], signal: Signal) -> Option<ScaleRule
         term: Language(model).term(&told.term),
         coefficient: told.coefficient,
     })
+}
+
+/// Doubts what the readings do not tell of a system with hidden states: parameters that can move together, and laws of the same terms that
+/// follow the readings as well.
+pub(crate) fn doubt(
+    (model, constants): (&Model, &[SoughtConstant]),
+    fit: &JointFit,
+    discovery: &mut Discovery,
+    watcher: &mut EquationObserver,
+) {
+    let (problem, found) = (&fit.problem, &fit.found);
+    if problem.system.hidden.is_empty() || watcher.stop().is_some() {
+        return;
+    }
+    // Those that were kept where they are count as well.
+    let free = constants.iter().map(|c| SoughtConstant {
+        range: (f64::NEG_INFINITY, f64::INFINITY),
+        ..*c
+    });
+    let free: Vec<SoughtConstant> = free.collect();
+    let untold = untold_parameters(problem, &found.best, &free, found.inefficiency, watcher);
+    for direction in &untold {
+        let names: Vec<(String, f64)> = (direction.iter())
+            .map(|(p, power)| (named(model, problem, constants, *p), *power))
+            .collect();
+        let reason = unidentifiable(&names);
+        let first = direction.iter().find_map(|(p, _)| match p {
+            Parameter::Coefficient(j) => {
+                Some(problem.system.laws[problem.system.law_of(*j)].target)
+            }
+            Parameter::Constant(_) => None,
+        });
+        let target = first.or(problem.system.laws.first().map(|l| l.target));
+        let mut all = discovery.equations.iter_mut();
+        if let Some(equation) = all.find(|e| Some(e.target) == target) {
+            equation.doubt(reason);
+        }
+    }
+    let tie = TERM_SELECTION.tie * found.inefficiency;
+    if let Some(twin) = exchanged_lags(problem, found, tie, watcher) {
+        let written = laws(model, problem, &twin);
+        let text = format!(
+            "the readings do not tell in which order lags follow each other: {written} follow them as well"
+        );
+        let way = "state one of the coefficients, as `known(…)`, or measure what is hidden";
+        let reason = Reason::new(ReasonCode::Tie, text).remedy(way);
+        discovery.doubt_each(|_, e| {
+            let searched = problem.system.laws.iter().find(|l| l.target == e.target)?;
+            (!searched.columns.is_empty()).then(|| reason.clone())
+        });
+    }
+}
+
+fn unidentifiable(moves: &[(String, f64)]) -> Reason {
+    // A move of one part in ten is told in figures that need no thought.
+    let told = |(name, power): &(String, f64)| {
+        let by = 100.0 * (2.0_f64.powf(*power) - 1.0);
+        let way = if by > 0.0 { "rises" } else { "falls" };
+        format!("{name} {way} by {} %", significant(by.abs(), 2))
+    };
+    let moves: Vec<String> = moves.iter().map(told).collect();
+    let text = format!(
+        "the readings do not tell these parameters one by one: nothing that is read changes where {}",
+        moves.join(" and ")
+    );
+    Reason::new(ReasonCode::Unidentifiable, text)
+}
+
+fn named(
+    model: &Model,
+    problem: &Problem,
+    constants: &[SoughtConstant],
+    parameter: Parameter,
+) -> String {
+    match parameter {
+        Parameter::Constant(k) => {
+            let run = constants[k].run.and_then(|run| problem.names.get(run));
+            let name = model.name(constants[k].signal);
+            run.map_or(name.clone(), |run| format!("{name} of {run}"))
+        }
+        Parameter::Coefficient(j) => {
+            let target = problem.system.laws[problem.system.law_of(j)].target;
+            let term = Language(model).term(problem.term(j));
+            format!("coef({}, {term})", model.name(target))
+        }
+    }
+}
+
+/// The searched laws of a fit, on one line.
+fn laws(model: &Model, problem: &Problem, fit: &Fit) -> String {
+    let active: Vec<(usize, f64)> = (fit.support().iter().copied())
+        .zip(fit.coefficients().iter().copied())
+        .collect();
+    let searched = problem.system.laws.iter().filter(|l| !l.columns.is_empty());
+    let law = |l: &crate::trajectory::Law| {
+        let own = active.iter().filter(|(j, _)| l.columns.contains(j));
+        let mut right = String::new();
+        for (j, a) in own {
+            let term = Language(model).term(problem.term(*j));
+            let sign = match (right.is_empty(), *a < 0.0) {
+                (true, false) => "",
+                (true, true) => "-",
+                (false, false) => " + ",
+                (false, true) => " - ",
+            };
+            let size = significant(a.abs(), 3);
+            right += &match (term.as_str(), size.as_str()) {
+                ("1", size) => format!("{sign}{size}"),
+                (term, "1") => format!("{sign}{term}"),
+                (term, size) => format!("{sign}{size}*{term}"),
+            };
+        }
+        format!("{} = {right}", model.name(l.target))
+    };
+    searched.map(law).collect::<Vec<_>>().join(" with ")
 }

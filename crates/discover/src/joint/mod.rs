@@ -96,6 +96,8 @@ pub fn discover_jointly(
             let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
             delays.state(model, &mut discovery);
             hidden_states::state(model, &answer.fit, &scales, &mut discovery);
+            let known = (model, constants.sought());
+            hidden_states::doubt(known, &answer.fit, &mut discovery, watcher);
             constants.state(
                 model,
                 (&answer.fit.problem, &answer.fit.found),
@@ -195,7 +197,9 @@ fn conclude(
     // Where constraints shape the answer, single changes of its terms would break them; a scale that is set is one.
     let free_scale = !problem.system.hidden.is_empty() && !problem.system.constraints.is_empty();
     let stretches = match watcher.at(Stage::Weighing) {
-        None if answer.free.is_none() && !free_scale => likelihood_by_stretch(problem, &found, watcher),
+        None if answer.free.is_none() && !free_scale => {
+            likelihood_by_stretch(problem, &found, watcher)
+        }
         _ => None,
     };
     if let Some(stop) = watcher.stop() {

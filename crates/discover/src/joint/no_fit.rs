@@ -13,7 +13,18 @@ use sidc_system::discovery::{Change, Discovery, Failed, Reason, ReasonCode};
 pub fn nothing_fits(model: &Model, problem: &Problem) -> Discovery {
     let mut discovery = Discovery::of(model);
     let still: Vec<String> = still(problem).iter().map(|s| model.name(*s)).collect();
-    let reason = if still.is_empty() {
+    let hidden: Vec<&str> = model
+        .hidden_states()
+        .map(|(_, v)| v.name.as_str())
+        .collect();
+    let reason = if still.is_empty() && !hidden.is_empty() {
+        let text = format!(
+            "no course of the hidden {} was found from which these libraries lead along the data",
+            hidden.join(", ")
+        );
+        let way = "give the law of what is hidden, with `unknown` constants in narrower ranges, or record a calmer or shorter run";
+        Reason::new(ReasonCode::NoTrajectory, text).remedy(way)
+    } else if still.is_empty() {
         Reason::new(
             ReasonCode::NoTrajectory,
             "no equations from these libraries lead along the data: hidden states, a library without the physics, or \

@@ -11,8 +11,9 @@ use crate::joint::weak_start::weak_start;
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
-    CONSTANTS, FittedConstants, Found, Problem, SoughtConstant, fit_constants, fit_constants_from,
-    likely_constants, with_constant_values, with_started_states, without_weak_terms,
+    CONSTANTS, FittedConstants, Found, Parameter, Problem, SoughtConstant, fit_constants,
+    fit_constants_from, fit_proposed, likely_constants, untold_parameters, with_constant_values,
+    with_started_states, without_weak_terms,
 };
 use crate::unknown_constants::{self, Sought};
 use sidc_data::{ConstantValue, Dataset, Samples, samples};
@@ -46,7 +47,8 @@ pub(crate) fn settle(
     let mut constants = Constants { sought: Vec::new() };
     let mut best: Option<(f64, Option<FittedConstants>)> = None;
     for minimum in &minima {
-        let start = Constants::new(all, minimum);
+        let mut start = Constants::new(all, minimum);
+        start.refine_with_hidden_states(problem, watcher);
         let searched = start.searched(of, (dataset, problem), options, watcher);
         let better = match (&searched, &best) {
             (Some(new), Some(old)) => new.0 < old.0,
@@ -174,6 +176,37 @@ impl Constants {
         Constants {
             sought: all.iter().zip(values).map(one).collect(),
         }
+    }
+
+    /// Beside hidden states, the likeliest values for the columns that these propose: a delay would be found for what a wrong constant leaves.
+    /// Constants that the readings do not tell stay where they are, of each direction in which nothing is read the one that moves most: a fit
+    /// of all of them would run along it.
+    fn refine_with_hidden_states(&mut self, problem: &Problem, watcher: &mut EquationObserver) {
+        if problem.system.hidden.is_empty() {
+            return;
+        }
+        let at = self.started(problem, watcher);
+        let Some(fit) = fit_proposed(&at, watcher) else {
+            return;
+        };
+        for direction in untold_parameters(&at, &fit, &self.sought, 1.0, watcher) {
+            let constant = direction.iter().filter_map(|(p, by)| match p {
+                Parameter::Constant(k) => Some((*k, by.abs())),
+                Parameter::Coefficient(_) => None,
+            });
+            if let Some((k, _)) = constant.max_by(|a, b| a.1.total_cmp(&b.1)) {
+                let value = self.sought[k].value;
+                self.sought[k].range = (value, value);
+            }
+        }
+        if let Some(likelier) = fit_constants(&at, &fit, &self.sought, 1.0, watcher) {
+            self.sought = likelier.constants;
+        }
+    }
+
+    /// The constants with their values.
+    pub fn sought(&self) -> &[SoughtConstant] {
+        &self.sought
     }
 
     fn values(&self, names: &dyn Fn(usize) -> Option<String>) -> Vec<ConstantValue> {

@@ -44,7 +44,7 @@
 //! `search`, `hidden_states`, `sensor_faults`, `pooling`.
 
 mod cancellation;
-mod hidden_states;
+pub(crate) mod hidden_states;
 mod integration;
 mod least_squares;
 mod likelihood;
@@ -59,7 +59,9 @@ mod thresholds;
 mod tests;
 
 pub use hidden_states::ToldScale;
-pub(crate) use hidden_states::{likely_constants, with_started_states, with_told_scales};
+pub(crate) use hidden_states::{
+    exchanged_lags, fit_proposed, likely_constants, with_started_states, with_told_scales,
+};
 pub use least_squares::SketchedProblem;
 pub use likelihood::{BlockProducts, Fit, block_products, term_price};
 pub use model::{
@@ -74,9 +76,10 @@ pub use residuals::{
 };
 pub(crate) use search::minimum;
 pub use search::{
-    BetterLaws, FittedConstants, Found, LawChange, SearchObserver, SoughtConstant, StartingSupport,
-    fit_constants, fit_constants_from, search, search_beyond_libraries, search_disturbed,
-    search_from_free, with_constant_values, without_weak_terms,
+    BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver, SoughtConstant,
+    StartingSupport, fit_constants, fit_constants_from, search, search_beyond_libraries,
+    search_disturbed, search_from_free, untold_parameters, with_constant_values,
+    without_weak_terms,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

@@ -23,6 +23,7 @@ pub fn answer(d: &Discovery, v: &Verdict) -> String {
         out.push_str(&solution_path::table(d, e));
     }
     out.push_str(&lines(unknown_constants::lines(d)));
+    out.push_str(&lines(d.hidden_sentences().into_iter()));
     out.push_str(&lines(disturbance::sentences(d)));
     for f in &d.failed {
         out.push_str(&format!("{}: not found\n", d.name(f.target)));

@@ -32,7 +32,10 @@ impl Checker<'_> {
         }
         let first = hidden.first().and_then(|(_, var)| var.span);
         if let Some(at) = first
-            && model.equations.iter().all(|e| model.is_hidden(e.target.var))
+            && model
+                .equations
+                .iter()
+                .all(|e| model.is_hidden(e.target.var))
         {
             self.say(errors::all_hidden(at));
         }
@@ -45,10 +48,16 @@ impl Checker<'_> {
             (var.noise_memory.is_some(), "the memory"),
             (var.delay.is_some(), "the delay"),
         ];
-        let said = said.into_iter().filter(|(is, _)| *is).map(|(_, what)| (at, what));
+        let said = said
+            .into_iter()
+            .filter(|(is, _)| *is)
+            .map(|(_, what)| (at, what));
         let own = model.data.entries.iter().filter(|e| e.signal.var == id);
-        let read = own.filter(|e| e.source.is_some()).map(|e| (e.span, "the column"));
+        let read = own
+            .filter(|e| e.source.is_some())
+            .map(|e| (e.span, "the column"));
         let all = said.chain(read);
-        all.map(|(at, what)| errors::hidden_sensor(at, &var.name, what)).collect()
+        all.map(|(at, what)| errors::hidden_sensor(at, &var.name, what))
+            .collect()
     }
 }

@@ -5,7 +5,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::equations::Discovery;
+use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
+
+/// Digits of what is said of a hidden state.
+const FIGURES: usize = 3;
 
 /// A component of the state that nothing measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,8 +52,37 @@ impl Discovery {
         Some((found.mean, found.deviation))
     }
 
+    /// What is known of each hidden state, a sentence each.
+    pub fn hidden_sentences(&self) -> Vec<String> {
+        self.hidden.iter().map(HiddenState::sentence).collect()
+    }
+
     /// Whether nothing measures a variable.
     pub fn is_hidden(&self, signal: Signal) -> bool {
         self.hidden_course(Signal::new(signal.var)).is_some()
+    }
+}
+
+impl HiddenState {
+    fn sentence(&self) -> String {
+        let figure = |x: f64| significant(x, FIGURES);
+        let name = &self.name;
+        let mut said = format!(
+            "{name} is hidden: {} on average along the data, with a spread of {}",
+            figure(self.mean),
+            figure(self.deviation)
+        );
+        if let [only] = &self.starts[..] {
+            said += &format!(", {} at the start", figure(only.value));
+        }
+        if let Some(rule) = &self.scale {
+            said += &format!(
+                "; any multiple of it obeys such equations, so the coefficient of {} in {} is set to {}",
+                rule.term,
+                rule.equation,
+                figure(rule.coefficient)
+            );
+        }
+        said
     }
 }

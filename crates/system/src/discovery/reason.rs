@@ -301,6 +301,9 @@ codes! {
     /// A standard error is large against its coefficient.
     UncertainCoefficient = "uncertain-coefficient": Coefficients,
         "record more";
+    /// Parameters of a system with hidden states can move together and change no reading.
+    Unidentifiable = "unidentifiable": Coefficients,
+        "state one of the parameters, or measure what is hidden";
     /// The data hardly tell an unknown constant.
     UncertainConstant = "uncertain-constant": Terms,
         "state the constant, or record where its terms bend";

@@ -10,8 +10,8 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay, Status,
-    UnknownValue, Without,
+    Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay,
+    Status, UnknownValue, Without,
 };
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;

@@ -147,7 +147,10 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
         !sound || !hidden_names(&model).contains(&h.name)
     };
     if let Some(h) = d.hidden.iter().find(wrong) {
-        return Err(damaged(name, &format!("{:?} is hidden and is no state", h.name)));
+        return Err(damaged(
+            name,
+            &format!("{:?} is hidden and is no state", h.name),
+        ));
     }
     if model.data.entries.len() != reading.columns.len() {
         return Err(damaged(name, "its data block is not one entry a signal"));

@@ -47,7 +47,9 @@ pub(super) fn filtered_courses(
         }
     }
     minima.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let all = minima.iter().filter_map(|(_, time, fit)| filters.courses(*time, fit));
+    let all = minima
+        .iter()
+        .filter_map(|(_, time, fit)| filters.courses(*time, fit));
     let mut distinct: Vec<Start> = Vec::new();
     for one in all {
         let same = |o: &Start| o.1 == one.1;
@@ -131,10 +133,17 @@ impl<'a> Filters<'a> {
     /// The time constants that are tried, s: from the step between samples to beyond the records.
     fn times(&self) -> Vec<f64> {
         let (step, _) = self.problem.step_and_length();
-        let length = |r: &Record| r.time.last().zip(r.time.first()).map_or(0.0, |(b, a)| b - a);
+        let length = |r: &Record| {
+            r.time
+                .last()
+                .zip(r.time.first())
+                .map_or(0.0, |(b, a)| b - a)
+        };
         let longest = self.problem.records.iter().map(length).fold(0.0, f64::max);
         let times = std::iter::successors(Some(step), |t| Some(t * HIDDEN.time_ratio));
-        times.take_while(|t| *t <= HIDDEN.longest * longest).collect()
+        times
+            .take_while(|t| *t <= HIDDEN.longest * longest)
+            .collect()
     }
 
     /// The filtered drives of a law in a record, the decay of its start first: derivatives below the highest of each.
@@ -241,9 +250,9 @@ impl<'a> Filters<'a> {
             terms.extend(place(rate).map(|j| (j, -2.0 / time)));
         }
         let driven = own.iter().filter(|(f, ..)| f.column == leading);
-        terms.extend(driven.filter_map(|(f, a, _)| {
-            Some((law.drives[f.drive?], a * time.powi(-order)))
-        }));
+        terms.extend(
+            driven.filter_map(|(f, a, _)| Some((law.drives[f.drive?], a * time.powi(-order)))),
+        );
         terms
     }
 }
@@ -299,7 +308,9 @@ fn along(problem: &Problem, record: usize, tape: &Tape) -> Vec<Vec<f64>> {
     for x in out.iter_mut().filter(|x| !x.is_finite()) {
         *x = 0.0;
     }
-    out.chunks_exact(samples.max(1)).map(<[f64]>::to_vec).collect()
+    out.chunks_exact(samples.max(1))
+        .map(<[f64]>::to_vec)
+        .collect()
 }
 
 /// A column of a measured law as the part has it: as it is, or once for each drive of the hidden state that it is linear in.

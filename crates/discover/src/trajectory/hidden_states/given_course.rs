@@ -81,13 +81,7 @@ impl<'a> Flow<'a> {
     }
 
     /// The classical Runge–Kutta step of order four.
-    fn step(
-        &self,
-        at: (usize, usize),
-        y: &[f64],
-        h: f64,
-        part: &dyn Fn(f64) -> f64,
-    ) -> Vec<f64> {
+    fn step(&self, at: (usize, usize), y: &[f64], h: f64, part: &dyn Fn(f64) -> f64) -> Vec<f64> {
         let ahead = |by: f64, slope: &[f64]| -> Vec<f64> {
             y.iter().zip(slope).map(|(y, f)| y + by * h * f).collect()
         };

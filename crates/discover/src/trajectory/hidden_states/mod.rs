@@ -9,10 +9,12 @@ mod given_course;
 mod observed_fit;
 mod scale;
 pub(crate) mod thresholds;
+mod twins;
 
 pub(crate) use constant_values::likely_constants;
-pub(crate) use scale::with_told_scales;
 pub use scale::ToldScale;
+pub(crate) use scale::with_told_scales;
+pub(crate) use twins::exchanged_lags;
 
 use crate::trajectory::likelihood::{Fit, fit};
 use crate::trajectory::model::{HiddenCourse, LinearizationPoint, Problem};
@@ -21,8 +23,8 @@ use filtered_course::filtered_courses;
 use given_course::given_courses;
 use observed_fit::{ObservedFit, observed_fits};
 use scale::is_free;
-use thresholds::HIDDEN;
 use sidc_progress::Observer;
+use thresholds::HIDDEN;
 
 /// The hidden laws of a problem: those that are given, and those with columns.
 fn hidden_laws(problem: &Problem) -> (Vec<usize>, Vec<usize>) {
@@ -74,6 +76,18 @@ pub(crate) fn with_started_states(problem: &Problem, observer: &mut dyn Observer
     let mut started = started.with_hidden_of(&fit, &free);
     started.proposed = Some(fit.point.active());
     started
+}
+
+/// The fit of the columns that a started problem proposes.
+pub(crate) fn fit_proposed(problem: &Problem, observer: &mut dyn Observer) -> Option<Fit> {
+    let (support, coefficients) = problem.proposed_columns()?.into_iter().unzip();
+    let point = LinearizationPoint {
+        support,
+        coefficients,
+        ..problem.initial_point(&problem.noise)
+    };
+    let criterion = final_criterion(problem);
+    fit(problem, point, &criterion, f64::INFINITY, observer)
 }
 
 /// A fit from a point far off: of laws that may slip first, then of tighter ones (weak constraints before strong ones).

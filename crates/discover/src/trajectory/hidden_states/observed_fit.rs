@@ -47,7 +47,11 @@ pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> V
             let strength = |(j, a): (&usize, &f64)| a.abs() * form.row(*j)[*j].max(0.0).sqrt();
             fits.push(ObservedFit {
                 value: readings * left.ln() + penalty * support.len() as f64,
-                strengths: support.iter().zip(&fit.coefficients).map(strength).collect(),
+                strengths: support
+                    .iter()
+                    .zip(&fit.coefficients)
+                    .map(strength)
+                    .collect(),
                 terms: support.into_iter().zip(fit.coefficients).collect(),
             });
         }

@@ -80,7 +80,10 @@ fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> O
     let power = |j: usize| power_in(&system.columns[j], var).unwrap_or(0.0);
     let active = point.active();
     let other = |j: &usize| !law.columns.contains(j) && power(*j) != 0.0;
-    let (first, c) = active.iter().copied().find(|(j, a)| other(j) && *a != 0.0)?;
+    let (first, c) = active
+        .iter()
+        .copied()
+        .find(|(j, a)| other(j) && *a != 0.0)?;
     let p = power(first);
     let odd = |p: f64| p.fract() == 0.0 && p as i64 % 2 != 0;
     // A negative multiple has no powers that are not whole.

@@ -92,7 +92,8 @@ pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bo
             let (k, i) = (at / n, at % n);
             if problem.system.is_hidden(i) {
                 // Nothing says where it is but the laws. Negated so that NaN counts as lost.
-                let near = (x - curve.states[at]).abs() <= GAUSS_NEWTON.lost_hidden * problem.spread[i];
+                let near =
+                    (x - curve.states[at]).abs() <= GAUSS_NEWTON.lost_hidden * problem.spread[i];
                 if !near {
                     return true;
                 }

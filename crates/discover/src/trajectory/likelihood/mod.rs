@@ -23,7 +23,6 @@ pub use block_products::{BlockProducts, block_products};
 pub use criterion::term_price;
 pub(crate) use criterion::{PenalizedLikelihood, final_floor};
 pub(crate) use disturbed_fit::{innovations, undisturbed_value};
-#[cfg(test)]
 pub(crate) use eliminated_records::EliminatedRecords;
 pub use fitted_support::Fit;
 pub(crate) use kalman_filter::Innovation;

@@ -171,7 +171,7 @@ impl Problem {
                 }
                 let hold = match self.is_pinned((index, k), i) {
                     true => SHOOTING.pinned_hold,
-                    false => SHOOTING.unread_hold,
+                    false => self.hold * SHOOTING.unread_hold,
                 };
                 Measurement {
                     component: i,
@@ -202,5 +202,7 @@ fn stiffness(sigma: &[f64], record: &Record, looseness: f64) -> Vec<f64> {
         .min(SHOOTING.slack_of_record / (record.len() as f64).sqrt());
     let least = |i: usize| record.relative_noise_range(i).0;
     let states = sigma.iter().enumerate();
-    states.map(|(i, s)| 1.0 / (looseness * slack * s * least(i))).collect()
+    states
+        .map(|(i, s)| 1.0 / (looseness * slack * s * least(i)))
+        .collect()
 }

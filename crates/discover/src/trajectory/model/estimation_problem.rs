@@ -61,6 +61,8 @@ pub struct Problem {
     pub(crate) pins: Vec<Pin>,
     /// How many times more than usual laws may slip: 1, but on the way to a first fit.
     pub(crate) looseness: f64,
+    /// How many times farther than usual states that nothing reads may move in a step.
+    pub(crate) hold: f64,
     /// Columns with coefficients that a search may start from.
     pub(crate) proposed: Option<Vec<(usize, f64)>>,
     /// Columns of each law.
@@ -136,6 +138,7 @@ impl Problem {
             declared_memory: vec![None; n],
             pins: Vec::new(),
             looseness: 1.0,
+            hold: 1.0,
             proposed: None,
         };
         problem.compile_columns();
@@ -217,6 +220,7 @@ impl Problem {
             input_noise: self.input_noise.clone(),
             pins: Vec::new(),
             looseness: self.looseness,
+            hold: self.hold,
             proposed: self.proposed.clone(),
             records,
             smoothed,

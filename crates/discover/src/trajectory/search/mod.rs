@@ -12,6 +12,7 @@ mod search_from_free;
 mod search_observer;
 mod support_search;
 mod unknown_constants;
+mod untold_parameters;
 
 #[cfg(test)]
 pub(crate) use beam_search::best_subsets;
@@ -26,3 +27,4 @@ pub use unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants, fit_constants_from, with_constant_values,
     without_weak_terms,
 };
+pub use untold_parameters::{Parameter, untold_parameters};

@@ -7,7 +7,7 @@
 //! coefficients beside it hold the error of k.
 
 use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit, term_price};
-use crate::trajectory::model::{LinearizationPoint, Problem, indicator};
+use crate::trajectory::model::{ExtendedProblem, LinearizationPoint, Problem, indicator};
 use crate::trajectory::search::{final_criterion, last_criterion};
 use crate::trajectory::thresholds::CONSTANTS;
 use sidc_lang::term::{Expr, Signal, Term};
@@ -198,39 +198,7 @@ fn step(
     criterion: &PenalizedLikelihood,
     observer: &mut dyn Observer,
 ) -> Option<Step> {
-    let laws = &problem.system.laws;
-    // For each law the constants that it holds, with the weight of their column.
-    let mut held: Vec<Vec<(usize, f64)>> = vec![Vec::new(); laws.len()];
-    let mut extra: Vec<Vec<Term>> = vec![Vec::new(); laws.len()];
-    for (l, law) in laws.iter().enumerate() {
-        for (k, constant) in constants.iter().enumerate() {
-            let own = found.point.active().into_iter();
-            let own = own.filter(|(j, _)| law.columns.contains(j));
-            let moved = own.map(|(j, a)| {
-                problem.system.columns[j]
-                    .derivative(constant.signal)
-                    .scale(a)
-            });
-            let slope: Expr = moved.sum::<Expr>() + law.known.derivative(constant.signal);
-            if slope.as_number() == Some(0.0) {
-                continue;
-            }
-            let (weight, term) = slope.into_term();
-            held[l].push((k, weight));
-            extra[l].push(match constant.run {
-                Some(run) => term.mul(&Term::signal(indicator(run))),
-                None => term,
-            });
-        }
-    }
-    let mut extended = problem.with_extra_columns(&extra);
-    let new: Vec<usize> = (0..extended.origin.len())
-        .filter(|j| extended.origin[*j].is_none())
-        .collect();
-    let owners: Vec<(usize, f64)> = held.into_iter().flatten().collect();
-    if owners.is_empty() || new.len() != owners.len() {
-        return None;
-    }
+    let (mut extended, new, owners) = with_sensitivities(problem, found, constants)?;
     tie(&mut extended.problem, &new, &owners);
     let kept = extended.point(&found.point);
     let point = with_columns(kept.clone(), &new);
@@ -252,6 +220,53 @@ fn step(
         out.standard_errors[*k] = fit.variances[at].sqrt() / weight.abs();
     }
     Some(out)
+}
+
+/// The problem with a column ψ for each constant in each law that holds it; the new columns, and of each its constant and the weight that ψ is
+/// divided by. `None` where no law holds a constant.
+pub(super) fn with_sensitivities(
+    problem: &Problem,
+    found: &Fit,
+    constants: &[SoughtConstant],
+) -> Option<(ExtendedProblem, Vec<usize>, Vec<(usize, f64)>)> {
+    let laws = &problem.system.laws;
+    // For each law the constants that it holds, with the weight of their column.
+    let mut held: Vec<Vec<(usize, f64)>> = vec![Vec::new(); laws.len()];
+    let mut extra: Vec<Vec<Term>> = vec![Vec::new(); laws.len()];
+    for (l, law) in laws.iter().enumerate() {
+        for (k, constant) in constants.iter().enumerate() {
+            // A range of one value keeps a constant where it is.
+            if constant.range.0 == constant.range.1 {
+                continue;
+            }
+            let own = found.point.active().into_iter();
+            let own = own.filter(|(j, _)| law.columns.contains(j));
+            let moved = own.map(|(j, a)| {
+                problem.system.columns[j]
+                    .derivative(constant.signal)
+                    .scale(a)
+            });
+            let slope: Expr = moved.sum::<Expr>() + law.known.derivative(constant.signal);
+            if slope.as_number() == Some(0.0) {
+                continue;
+            }
+            let (weight, term) = slope.into_term();
+            held[l].push((k, weight));
+            extra[l].push(match constant.run {
+                Some(run) => term.mul(&Term::signal(indicator(run))),
+                None => term,
+            });
+        }
+    }
+    let extended = problem.with_extra_columns(&extra);
+    let new: Vec<usize> = (0..extended.origin.len())
+        .filter(|j| extended.origin[*j].is_none())
+        .collect();
+    let owners: Vec<(usize, f64)> = held.into_iter().flatten().collect();
+    if owners.is_empty() || new.len() != owners.len() {
+        return None;
+    }
+    Some((extended, new, owners))
 }
 
 /// One constant moves all laws that hold it by the same.
@@ -277,7 +292,7 @@ fn tie(problem: &mut Problem, new: &[usize], owners: &[(usize, f64)]) {
 }
 
 /// The point with these columns in its support, coefficients zero.
-fn with_columns(point: LinearizationPoint, new: &[usize]) -> LinearizationPoint {
+pub(super) fn with_columns(point: LinearizationPoint, new: &[usize]) -> LinearizationPoint {
     let mut active = point.active();
     active.extend(new.iter().map(|j| (*j, 0.0)));
     active.sort_by_key(|(j, _)| *j);

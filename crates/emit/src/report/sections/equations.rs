@@ -28,7 +28,7 @@ pub(crate) fn html(s: &Subject) -> String {
         ));
     }
     let said = unknown_constants::lines(d).chain(disturbance::sentences(d));
-    for said in said.chain(d.delay_sentences()) {
+    for said in said.chain(d.hidden_sentences()).chain(d.delay_sentences()) {
         body.push_str(&format!("<p>{}</p>\n", escape(&said)));
     }
     for (head, laws) in relations::told(d) {

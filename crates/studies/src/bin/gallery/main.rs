@@ -15,14 +15,17 @@ mod dc_motor;
 mod diode;
 mod duffing;
 mod falling_ball;
+mod fan;
 mod fitzhugh_nagumo;
 mod forced_pendulum;
 mod gene;
 mod glycolysis;
+mod heater;
 mod inhibition;
 mod logistic_map;
 mod lorenz;
 mod lorenz96;
+mod lorenz_hidden;
 mod lotka_volterra;
 mod michaelis_menten;
 mod narx;
@@ -54,14 +57,17 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("double_pendulum",  double_pendulum::tables),
     ("duffing",          duffing::tables),
     ("falling_ball",     falling_ball::tables),
+    ("fan",              fan::tables),
     ("fitzhugh_nagumo",  fitzhugh_nagumo::tables),
     ("forced_pendulum",  forced_pendulum::tables),
     ("gene",             gene::tables),
     ("glycolysis",       glycolysis::tables),
+    ("heater",           heater::tables),
     ("inhibition",       inhibition::tables),
     ("logistic_map",     logistic_map::tables),
     ("lorenz",           lorenz::tables),
     ("lorenz96",         lorenz96::tables),
+    ("lorenz_hidden",    lorenz_hidden::tables),
     ("lotka_volterra",   lotka_volterra::tables),
     ("michaelis_menten", michaelis_menten::tables),
     ("narx",             narx::tables),

@@ -1,0 +1,71 @@
+//! Laws of the same terms that follow the readings as well, with two time constants in each other's place.
+//!
+//! In: a problem, the fit to it. Out: another fit, or nothing. Where a hidden state z drives a measured x, dx = c + a x + g z and dz = b z + …,
+//! the input reaches x through two first-order lags, and their order does not show: z + ((a − b) x + c (1 − b/a))/g obeys the same laws with a and b
+//! exchanged. Whatever else stands in the laws, a fit from there decides.
+
+use crate::trajectory::likelihood::{Fit, fit};
+use crate::trajectory::model::{LinearizationPoint, Problem};
+use crate::trajectory::search::{Found, last_criterion};
+use sidc_lang::term::{Signal, Term};
+use sidc_progress::Observer;
+
+/// The first such fit whose criterion is at most `tie` more.
+pub(crate) fn exchanged_lags(
+    problem: &Problem,
+    found: &Found,
+    tie: f64,
+    observer: &mut dyn Observer,
+) -> Option<Fit> {
+    let criterion = last_criterion(problem, found.inefficiency);
+    let (_, sought) = super::hidden_laws(problem);
+    let pairs = sought
+        .iter()
+        .flat_map(|h| (0..problem.system.laws.len()).map(move |l| (*h, l)));
+    let starts = pairs.filter_map(|(h, l)| exchanged(problem, &found.best.point, (h, l)));
+    let starts: Vec<LinearizationPoint> = starts.collect();
+    starts.into_iter().find_map(|start| {
+        let twin = fit(problem, start, &criterion, f64::INFINITY, observer)?;
+        (twin.arrived && twin.value < found.best.value + tie).then_some(twin)
+    })
+}
+
+/// The point with the time constants of the hidden law `h` and of law `l` exchanged.
+fn exchanged(
+    problem: &Problem,
+    point: &LinearizationPoint,
+    (h, l): (usize, usize),
+) -> Option<LinearizationPoint> {
+    let system = &problem.system;
+    let (hidden, other) = (&system.laws[h], &system.laws[l]);
+    if h == l || hidden.target.der != 1 || other.target.der != 1 {
+        return None;
+    }
+    let z = Signal::new(hidden.target.var);
+    let place = |law: usize, term: &Term| {
+        let own = &system.laws[law].columns;
+        let mut support = point.support.iter();
+        support.position(|j| own.contains(j) && system.columns[*j] == *term)
+    };
+    let of = |place: usize| point.coefficients[place];
+    let own = place(h, &Term::signal(z))?;
+    let measured = place(l, &Term::signal(system.states[other.state]))?;
+    let drive = of(place(l, &Term::signal(z))?);
+    let offset = place(l, &Term::one());
+    let (a, b) = (of(measured), of(own));
+    let mut moved = point.clone();
+    moved.coefficients[measured] = b;
+    moved.coefficients[own] = a;
+    let c = offset.map_or(0.0, of);
+    if let Some(place) = offset {
+        moved.coefficients[place] = c * b / a;
+    }
+    let n = problem.states();
+    for path in &mut moved.paths {
+        for row in path.chunks_exact_mut(n) {
+            row[hidden.state] += ((a - b) * row[other.state] + c * (1.0 - b / a)) / drive;
+        }
+    }
+    let finite = moved.coefficients.iter().all(|x| x.is_finite());
+    finite.then_some(moved)
+}

@@ -1,0 +1,188 @@
+//! States that nothing measures: found with the laws, told in one scale, started from the readings in every run of the equations.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use sidc_testing::integrate::{grid, integrate};
+use sidc_testing::pendulum_regression::Random;
+use sidc_testing::program::{Run, sidc_in};
+
+const STEP: f64 = 2.0;
+const ROWS: usize = 500;
+/// Of dT = 0.207 - 0.009 T + 0.006 H, dH = (Q - H)/27.
+const BLOCK: [f64; 3] = [0.207, -0.009, 0.006];
+const LAG: f64 = 27.0;
+
+/// A heated block whose heater is not measured; the readings have this noise.
+fn heater(seed: u64, noise: f64) -> String {
+    let mut random = Random::new(seed);
+    let times = grid(ROWS, STEP);
+    let (mut state, mut level) = ([23.0, 0.0], 0.0);
+    let mut text = String::from("t,T,Q\n");
+    for (k, t) in times.iter().enumerate() {
+        if k % 40 == 0 {
+            level = (50.0 + 30.0 * random.normal()).clamp(0.0, 100.0);
+        }
+        let read = state[0] + noise * random.normal();
+        text += &format!("{t},{read:.6},{level}\n");
+        let f = |_: f64, &[block, heater]: &[f64; 2]| {
+            [
+                BLOCK[0] + BLOCK[1] * block + BLOCK[2] * heater,
+                (level - heater) / LAG,
+            ]
+        };
+        state = integrate(&f, *t, t + STEP, state);
+    }
+    text
+}
+
+fn identify(folder: &Path, model: &str, data: &str, more: &[&str]) -> (Run, Value) {
+    fs::write(folder.join("m.sid"), model).unwrap();
+    fs::write(folder.join("run.csv"), data).unwrap();
+    let mut arguments = vec!["identify", "m.sid", "run.csv", "-o", "r.json"];
+    arguments.extend(more);
+    let run = sidc_in(folder, &arguments);
+    let text = fs::read_to_string(folder.join("r.json")).unwrap_or_default();
+    (run, serde_json::from_str(&text).unwrap_or_default())
+}
+
+fn coefficient(document: &Value, target: &str, term: &str) -> f64 {
+    let equations = document["equations"].as_array().unwrap();
+    let equation = equations.iter().find(|e| e["target"] == target).unwrap();
+    let terms = equation["terms"].as_array().unwrap();
+    let found = terms.iter().find(|t| t["term"] == term);
+    found.map_or(0.0, |t| t["coefficient"].as_f64().unwrap())
+}
+
+fn near(found: f64, truth: f64, part: f64) {
+    assert!(
+        (found - truth).abs() <= part * truth.abs(),
+        "{found} is not {truth}"
+    );
+}
+
+const GIVEN: &str = "state T\nstate H : hidden\ninput Q : hold\nunknown tau in 1..1000\ndH = (Q - H)/tau\ndT ~ <1, T, T^2, H, Q>\n";
+const SOUGHT: &str =
+    "state T\nstate H : hidden\ninput Q : hold\ndH ~ <H, Q, Q^2>\ndT ~ <1, T, H, T^2>\n";
+
+#[test]
+fn a_given_law_is_followed_and_its_constant_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, document) = identify(folder.path(), GIVEN, &heater(1, 0.1), &[]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    near(coefficient(&document, "dT", "1"), BLOCK[0], 0.02);
+    near(coefficient(&document, "dT", "T"), BLOCK[1], 0.02);
+    near(coefficient(&document, "dT", "H"), BLOCK[2], 0.02);
+    assert_eq!(coefficient(&document, "dT", "T^2"), 0.0);
+    let tau = &document["unknowns"][0];
+    let ends = [&tau["interval"][0], &tau["interval"][1]].map(|e| e.as_f64().unwrap());
+    assert!(ends[0] < LAG && LAG < ends[1], "{tau}");
+    let hidden = &document["hidden"][0];
+    assert_eq!(hidden["name"], "H");
+    assert!(hidden["scale"].is_null());
+    assert!(hidden["starts"][0]["value"].as_f64().unwrap().abs() < 5.0);
+}
+
+#[test]
+fn a_sought_law_is_found_in_the_scale_that_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, document) = identify(folder.path(), SOUGHT, &heater(2, 0.1), &[]);
+    assert_eq!(coefficient(&document, "dT", "H"), 1.0, "{}", run.stdout);
+    assert_eq!(document["hidden"][0]["scale"]["term"], "H");
+    // In whatever order the two lags are told, their sum and their product are those of the block.
+    let (a, b) = (
+        coefficient(&document, "dT", "T"),
+        coefficient(&document, "dH", "H"),
+    );
+    near(a + b, BLOCK[1] - 1.0 / LAG, 0.03);
+    near(a * b, -BLOCK[1] / LAG, 0.03);
+    near(coefficient(&document, "dH", "Q"), BLOCK[2] / LAG, 0.03);
+    // No reading tells the order, and the answer says so.
+    assert_eq!(run.status, 3);
+    assert!(
+        run.words().contains("in which order lags follow"),
+        "{}",
+        run.stdout
+    );
+}
+
+#[test]
+fn parameters_that_no_reading_tells_apart_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = GIVEN
+        .replace("unknown tau", "unknown k in 0.01..100\nunknown tau")
+        .replace("(Q - H)", "(k*Q - H)")
+        .replace("T^2, H, Q", "H");
+    let (run, document) = identify(folder.path(), &model, &heater(3, 0.1), &[]);
+    assert_eq!(run.status, 3, "{}", run.stdout);
+    let reasons = document["equations"][1]["reasons"].as_array().unwrap();
+    let found = reasons.iter().find(|r| r["code"] == "unidentifiable");
+    let text = found.unwrap()["text"].as_str().unwrap();
+    assert!(
+        text.contains("k ") && text.contains("coef(dT, H)"),
+        "{text}"
+    );
+    // Their product is that of the block.
+    let k = document["unknowns"].as_array().unwrap();
+    let k = k.iter().find(|u| u["name"] == "k").unwrap()["value"].as_f64();
+    near(
+        k.unwrap() * coefficient(&document, "dT", "H"),
+        BLOCK[2],
+        0.03,
+    );
+}
+
+#[test]
+fn runs_start_hidden_states_from_the_readings() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = heater(4, 0.02);
+    let (run, document) = identify(folder.path(), GIVEN, &data, &["--holdout=30%"]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    let held = &document["validation"]["runs"][1];
+    assert_eq!(held["held_out"], true);
+    let fit = held["scores"][0]["fit_percent"].as_f64().unwrap();
+    assert!(fit > 99.0, "{held}");
+    let again = sidc_in(folder.path(), &["simulate", "r.json", "run.csv"]);
+    assert_eq!(again.status, 0, "{}{}", again.stdout, again.stderr);
+    assert!(again.words().contains("fitted"), "{}", again.stdout);
+}
+
+#[test]
+fn exported_code_has_hidden_states_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, _) = identify(folder.path(), GIVEN, &heater(5, 0.1), &[]);
+    let code = sidc_in(folder.path(), &["export", "r.json", "python"]);
+    assert!(
+        code.words().contains("H is hidden"),
+        "{}{}",
+        code.stdout,
+        code.stderr
+    );
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = heater(6, 0.1);
+    let without = "state T\nstate H : hidden\ninput Q : hold\ndT ~ <1, T, H>\n";
+    let (run, _) = identify(folder.path(), without, &data, &[]);
+    assert_eq!(run.status, 1);
+    assert!(run.stderr.contains("error[hidden-state]"), "{}", run.stderr);
+    assert!(run.stderr.contains("dH ~ <u, H>"), "{}", run.stderr);
+    let (run, _) = identify(folder.path(), GIVEN, &data, &["--method=regression"]);
+    assert_eq!(run.status, 1);
+    assert!(
+        run.stderr.contains("error[hidden-not-estimated]"),
+        "{}",
+        run.stderr
+    );
+    let named = data.replace("t,T,Q", "t,H,Q").replace("T,", "T,");
+    let model = GIVEN.replace("state T", "state T\ndata { T = \"H\" }");
+    let (run, _) = identify(folder.path(), &model, &named, &[]);
+    assert!(
+        run.stderr.contains("note[hidden-in-data]"),
+        "{}",
+        run.stderr
+    );
+}
