@@ -32,6 +32,10 @@ mod identify;
 mod model;
 mod options;
 pub mod pipeline;
+mod prediction;
+mod records;
+mod report;
+mod right_side;
 mod simulation;
 mod target;
 
@@ -40,6 +44,7 @@ pub use discovery::Discovery;
 pub use error::{Error, ErrorKind};
 pub use model::Model;
 pub use options::Options;
+pub use right_side::RightSide;
 pub use simulation::{Score, SimulatedRun, Simulation};
 pub use target::Target;
 
