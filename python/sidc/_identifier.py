@@ -80,14 +80,8 @@ class Identifier:
 
     def predict(self, X: Any, u: Any = None, *, t: Any = None) -> Any:
         """The derivatives, or the next samples in discrete time, at each row: (M, n); a list for a list."""
-        self._check_fitted()
-        function = self.result_.function()
-        given = self._given(function.inputs)
-        rates = []
-        for trial in _trials(X, t, u, None, self.t_default):
-            values = None if trial.u is None or not given else trial.u.T[given]
-            rates.append(function(trial.t, trial.x.T, values).T)
-        return rates if isinstance(X, (list, tuple)) else rates[0]
+        rates = self._rates(list(_trials(X, t, u, None, self.t_default)))
+        return rates if _are_several(X) else rates[0]
 
     def simulate(self, x0: ArrayLike, t: Any, u: ArrayLike | Callable[[float], Any] | None = None) -> NDArray[float64]:
         """The states (T, n) from `x0` on at the times `t`, or for so many samples in discrete time; NaN where a run has ended.
@@ -116,13 +110,11 @@ class Identifier:
         """
         import numpy as np
 
-        self._check_fitted()
         if y is not None and t is None and _is_number(y):
             t, y = y, None
         true, found = [], []
-        trials = _trials(X, t, u, y if x_dot is None else x_dot, self.t_default)
-        predicted = self.predict(X if isinstance(X, (list, tuple)) else [X], _as_list(u), t=_as_list(t))
-        for trial, rates in zip(trials, predicted):
+        trials = list(_trials(X, t, u, y if x_dot is None else x_dot, self.t_default))
+        for trial, rates in zip(trials, self._rates(trials)):
             if trial.x_dot is not None:
                 true.append(trial.x_dot)
             elif self.discrete_time:
@@ -204,14 +196,19 @@ class Identifier:
         if not self.__sklearn_is_fitted__():
             raise AttributeError("this Identifier is not fitted yet: call fit first")
 
-    def _given(self, inputs: Sequence[str]) -> list[int]:
-        """Columns of u that the equations mention."""
-        return [self.input_names_in_.index(name) for name in inputs]
+    def _rates(self, trials: Sequence[_Trial]) -> list[NDArray[float64]]:
+        """What the equations give at each row of each trajectory."""
+        self._check_fitted()
+        function = self.result_.function()
+        # Of u the columns that the equations mention.
+        given = [self.input_names_in_.index(name) for name in function.inputs]
+        inputs = (trial.u.T[given] if given and trial.u is not None else None for trial in trials)
+        return [function(trial.t, trial.x.T, u).T for trial, u in zip(trials, inputs)]
 
     def _names(self, X: Any, trial: _Trial) -> tuple[list[str], list[str]]:
         """Names of the columns of X and of u."""
         n, m = trial.x.shape[1], 0 if trial.u is None else trial.u.shape[1]
-        first = X[0] if isinstance(X, (list, tuple)) else X
+        first = X[0] if _are_several(X) else X
         columns = [str(name) for name in first.columns] if hasattr(first, "columns") else []
         written = [name for name in _names_in(self.library or "") if name not in columns]
         states = list(self.feature_names or columns or written[:n] or [f"x{k}" for k in range(n)])
@@ -251,7 +248,7 @@ class _Trial:
 
 
 def _trials(X: Any, t: Any, u: Any, x_dot: Any, t_default: float) -> Iterator[_Trial]:
-    if not isinstance(X, (list, tuple)):
+    if not _are_several(X):
         yield _Trial(X, t, u, x_dot, t_default)
         return
     # One t serves all trajectories unless there is a list of them.
@@ -286,9 +283,11 @@ def _is_number(value: Any) -> bool:
     return np.ndim(value) == 0
 
 
-def _as_list(value: Any) -> Any:
-    """One for each trajectory, where a trajectory is given that is not in a list."""
-    return value if value is None or isinstance(value, (list, tuple)) or _is_number(value) else [value]
+def _are_several(X: Any) -> bool:
+    """Whether X is a list of trajectories; a list of lists of numbers is one, by its rows."""
+    import numpy as np
+
+    return isinstance(X, (list, tuple)) and len(X) > 0 and (hasattr(X[0], "shape") or np.ndim(X[0]) > 1)
 
 
 def _as_matrix(values: Any) -> NDArray[float64]:

@@ -39,7 +39,8 @@ def columns(table: Any) -> tuple[list[tuple[str, NDArray[float64]]], list[str]]:
 def _computed(table: Any) -> Any:
     """The table itself, where it is one that is not computed yet (dask, polars)."""
     for ends in ("compute", "collect"):
-        if hasattr(table, "columns") and hasattr(table, ends):
+        # Of the type: a lazy frame of polars computes its columns when it is asked for them.
+        if hasattr(type(table), "columns") and hasattr(table, ends):
             return getattr(table, ends)()
     return table
 
