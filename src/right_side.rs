@@ -28,6 +28,7 @@ pub struct RightSide {
     compiled: Compiled,
     states: Vec<String>,
     inputs: Vec<String>,
+    delays: Vec<f64>,
 }
 
 impl RightSide {
@@ -39,6 +40,11 @@ impl RightSide {
     /// Names of the components of u, m of them: inputs, parameters and lagged samples that the equations mention, in this order.
     pub fn inputs(&self) -> &[String] {
         &self.inputs
+    }
+
+    /// How much later than recorded each component of u acts, in seconds: f takes it as it acts.
+    pub fn input_delays(&self) -> &[f64] {
+        &self.delays
     }
 
     /// f at a point. `x` and `out` have length n, `u` has length m; NaN where the equations have no value, or lengths differ.
@@ -62,9 +68,11 @@ impl Discovery {
         let compiled = Compiled::new(discovery)
             .map_err(|why| Error::new(ErrorKind::Export, "not-exported", why))?;
         let names = |signals: Vec<_>| signals.iter().map(|s| discovery.name(*s)).collect();
+        let delays = compiled.inputs().into_iter();
         Ok(RightSide {
             states: names(compiled.states()),
             inputs: names(compiled.inputs()),
+            delays: delays.map(|s| discovery.input_delay(s.var)).collect(),
             compiled,
         })
     }

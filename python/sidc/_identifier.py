@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import ArrayLike, NDArray
 
-_NAME = re.compile(r"[^\W\d]\w*(?!\w)(?!\s*\()")
+_NAME = re.compile(r"(?<!\w)[^\W\d]\w*(?!\w)(?!\s*\()")
 
 
 class Identifier:
@@ -61,13 +61,13 @@ class Identifier:
         """Finds the equations.
 
         X: measurements (M, n), or a list of such arrays, one for each trajectory.
-        t: the time between samples, their times (M,), or a list of these; a lone number as second argument is the same.
+        t: the time between samples, their times (M,), or a list of these. As PySINDy has it they may be the second argument; a
+            single column of as many values as a single state is its derivative there, as scikit-learn has it.
         u: inputs (M, m), or a list of them.
         x_dot, y: derivatives (M, n) that were measured, or a list of them.
         """
-        if y is not None and t is None and _is_number(y):
-            t, y = y, None
-        trials = list(_trials(X, t, u, y if x_dot is None else x_dot, self.t_default))
+        t, x_dot = _times_or_rates(X, y, t, x_dot)
+        trials = list(_trials(X, t, u, x_dot, self.t_default))
         states, inputs = self._names(X, trials[0])
         tables = [trial.table(states, inputs, self.discrete_time) for trial in trials]
         self.model_ = Model(_model_text(self.library, states, inputs, self.discrete_time))
@@ -91,6 +91,8 @@ class Identifier:
         import numpy as np
 
         self._check_fitted()
+        if np.ndim(t) == 0 and not self.discrete_time:
+            raise ValueError("t is an array of times; a number of samples serves discrete time alone")
         times = np.arange(int(t), dtype=np.float64) if np.ndim(t) == 0 else np.asarray(t, dtype=np.float64)
         table = {_tables.TIME: times}
         if u is not None:
@@ -110,10 +112,9 @@ class Identifier:
         """
         import numpy as np
 
-        if y is not None and t is None and _is_number(y):
-            t, y = y, None
+        t, x_dot = _times_or_rates(X, y, t, x_dot)
         true, found = [], []
-        trials = list(_trials(X, t, u, y if x_dot is None else x_dot, self.t_default))
+        trials = list(_trials(X, t, u, x_dot, self.t_default))
         for trial, rates in zip(trials, self._rates(trials)):
             if trial.x_dot is not None:
                 true.append(trial.x_dot)
@@ -236,6 +237,8 @@ class _Trial:
         for values, name in ((self.t, "t"), (self.u, "u"), (self.x_dot, "x_dot")):
             if values is not None and len(values) != len(self.x):
                 raise ValueError(f"{name} has {len(values)} rows, and X has {len(self.x)}")
+        if self.x_dot is not None and self.x_dot.shape != self.x.shape:
+            raise ValueError(f"x_dot has the shape {self.x_dot.shape}, and X has {self.x.shape}")
 
     def table(self, states: list[str], inputs: list[str], discrete: bool) -> dict[str, NDArray[float64]]:
         table = {} if discrete else {_tables.TIME: self.t}
@@ -275,6 +278,19 @@ def _names_in(library: str) -> list[str]:
     """Names of signals in a library, in the order in which they appear."""
     words = {*_sidc.Model.vocabulary(), "pi", _tables.TIME}
     return list(dict.fromkeys(name for name in _NAME.findall(library) if name not in words))
+
+
+def _times_or_rates(X: Any, y: Any, t: Any, x_dot: Any) -> tuple[Any, Any]:
+    """Times and derivatives, where the second argument may be either: PySINDy has times there, scikit-learn targets."""
+    import numpy as np
+
+    if y is None:
+        return t, x_dot
+    several = _are_several(X)
+    first, rows = (X[0], y[0]) if several and not _is_number(y) else (X, y)
+    if t is None and (_is_number(rows) or (np.ndim(rows) == 1 and _as_matrix(first).shape[1] > 1)):
+        return y, x_dot
+    return t, y if x_dot is None else x_dot
 
 
 def _is_number(value: Any) -> bool:

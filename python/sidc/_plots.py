@@ -13,12 +13,12 @@ if TYPE_CHECKING:
 
 def measured_against_simulated(runs: Sequence[Run]) -> Figure:
     """A column of axes for each run, a row for each signal that is simulated and measured."""
-    from matplotlib.figure import Figure
+    import matplotlib.pyplot as plt
 
     signals = list(dict.fromkeys(score.signal for run in runs for score in run.scores))
     rows, columns = max(len(signals), 1), max(len(runs), 1)
-    figure = Figure(figsize=(max(6.4, 4.0 * columns), 1.2 + 1.8 * rows), layout="constrained")
-    all_axes = figure.subplots(rows, columns, sharex="col", squeeze=False)
+    size = (max(6.4, 4.0 * columns), 1.2 + 1.8 * rows)
+    figure, all_axes = plt.subplots(rows, columns, sharex="col", squeeze=False, figsize=size, layout="constrained")
     for run, column in zip(runs, all_axes.T):
         fits = {score.signal: score.fit for score in run.scores}
         for signal, axes in zip(signals, column):
@@ -32,4 +32,7 @@ def measured_against_simulated(runs: Sequence[Run]) -> Figure:
             column[0].set_title(run.name, fontsize="small", loc="left")
         column[-1].set_xlabel("t")
     all_axes[0, 0].legend(fontsize="small")
+    if "inline" in plt.get_backend():
+        # The cell of a notebook shows what it returns, and again what is open.
+        plt.close(figure)
     return figure

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from collections.abc import Sequence
+from importlib.util import find_spec
 from types import TracebackType
 from typing import Any
 
@@ -18,7 +20,7 @@ class Progress:
     def __init__(self, targets: Sequence[str], wanted: bool | None) -> None:
         self._targets = targets
         self._bar: Any = None
-        self._make = _tqdm() if wanted or (wanted is None and _is_watched()) else None
+        self._shows = (wanted or (wanted is None and _is_watched())) and find_spec("tqdm") is not None
         self._show_at = time.monotonic() + (0.0 if wanted else DELAY)
 
     def __enter__(self) -> Progress:
@@ -31,13 +33,13 @@ class Progress:
     @property
     def heard(self) -> Any:
         """What the work calls with the place of an equation and words; None where nothing is shown."""
-        return self._show if self._make is not None else None
+        return self._show if self._shows else None
 
     def _show(self, place: int, words: str) -> None:
         if self._bar is None:
-            if time.monotonic() < self._show_at or self._make is None:
+            if time.monotonic() < self._show_at:
                 return
-            self._bar = self._make(total=len(self._targets), unit="equation", leave=False)
+            self._bar = _bar(len(self._targets))
         done = min(place, len(self._targets))
         name = f"{self._targets[place]}: " if place < len(self._targets) else ""
         self._bar.set_description(name + words, refresh=False)
@@ -45,12 +47,12 @@ class Progress:
         self._bar.refresh()
 
 
-def _tqdm() -> Any:
-    try:
+def _bar(total: int) -> Any:
+    with warnings.catch_warnings():
+        # In a notebook without widgets tqdm draws a bar of text, and says so.
+        warnings.simplefilter("ignore")
         import tqdm.auto
-    except ImportError:
-        return None
-    return tqdm.auto.tqdm
+    return tqdm.auto.tqdm(total=total, unit="equation", leave=False)
 
 
 def _is_watched() -> bool:

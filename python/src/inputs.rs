@@ -1,6 +1,7 @@
 //! What is given: data as arrays, options. Each method is that of the library with the same name.
 
 use std::mem::take;
+use std::sync::Arc;
 
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
@@ -11,7 +12,15 @@ use crate::raised::raised;
 #[pyclass(module = "sidc._sidc")]
 #[derive(Default)]
 pub struct Data {
-    pub inner: sidc::Data,
+    /// Shared with the work on it, so that arrays are copied once.
+    pub inner: Arc<sidc::Data>,
+}
+
+impl Data {
+    /// The data themselves, to be put back; a copy where work on them goes on.
+    fn take(&mut self) -> sidc::Data {
+        Arc::unwrap_or_clone(take(&mut self.inner))
+    }
 }
 
 #[pymethods]
@@ -32,14 +41,14 @@ impl Data {
             let view = values.as_array();
             (name.as_str(), view.iter().copied().collect::<Vec<f64>>())
         });
-        let more = take(&mut self.inner).named_run(name, copied);
-        self.inner = more.map_err(|e| raised(py, &e))?;
+        let more = self.take().named_run(name, copied);
+        self.inner = Arc::new(more.map_err(|e| raised(py, &e))?);
         Ok(())
     }
 
     /// Sets a parameter that the model declares: one value for all records, or one for each.
     fn param(&mut self, name: &str, values: Vec<f64>) {
-        self.inner = take(&mut self.inner).param(name, values);
+        self.inner = Arc::new(self.take().param(name, values));
     }
 
     /// The text of a first model of the first record.

@@ -13,6 +13,7 @@ pub struct RightSide {
     inner: Mutex<sidc::RightSide>,
     states: Vec<String>,
     inputs: Vec<String>,
+    delays: Vec<f64>,
 }
 
 /// One time for all points, or one for each.
@@ -67,6 +68,7 @@ impl RightSide {
         RightSide {
             states: inner.states().to_vec(),
             inputs: inner.inputs().to_vec(),
+            delays: inner.input_delays().to_vec(),
             inner: Mutex::new(inner),
         }
     }
@@ -115,6 +117,12 @@ impl RightSide {
     #[getter]
     fn inputs(&self) -> Vec<String> {
         self.inputs.clone()
+    }
+
+    /// How much later than recorded each component of u acts, in seconds.
+    #[getter]
+    fn input_delays(&self) -> Vec<f64> {
+        self.delays.clone()
     }
 
     /// f at a point, n values, or at k points in columns, n by k; NaN where the equations have no value.

@@ -44,8 +44,10 @@ def test_several_trajectories(lorenz: Record) -> None:
     predicted = model.predict(parts)
     assert [rates.shape for rates in predicted] == [(600, 3), (600, 3)]
     assert model.score(parts, t=times) > 0.999
-    # The same with a step.
+    # The same with a step, and with times where PySINDy has them.
     assert model.fit(parts, t=0.005).score(parts, t=0.005) > 0.999
+    assert model.fit(parts, times).score(parts, times) > 0.999
+    assert model.fit(X, t).score(X, t) > 0.999
     with pytest.raises(ValueError, match="t has 1 trajectories, and X has 2"):
         model.fit(parts, t=[t])
     with pytest.raises(ValueError, match="t has 2000 rows, and X has 600"):
@@ -89,6 +91,10 @@ def test_measured_derivatives_are_used(lorenz: Record) -> None:
     # Rows in any order: nothing is differentiated.
     model = sidc.Identifier("poly(x, y, z; 2)").fit(X[rows], x_dot=rates)
     assert model.score(X[rows], x_dot=rates) == pytest.approx(1)
+    # As scikit-learn has targets.
+    assert model.fit(X[rows], rates).score(X[rows], rates) == pytest.approx(1)
+    with pytest.raises(ValueError, match=r"x_dot has the shape \(200, 2\), and X has \(200, 3\)"):
+        model.fit(X[rows], x_dot=rates[:, :2])
 
 
 def test_names() -> None:
@@ -97,6 +103,7 @@ def test_names() -> None:
     fit = lambda *given, **options: sidc.Identifier(*given, **options).fit(X, t=0.1)  # noqa: E731
     assert fit().feature_names_in_ == ["x0", "x1"]
     assert fit("poly(q, sin(p), p, pi*q; 1)").feature_names_in_ == ["q", "p"]
+    assert fit("<1e-3*q, 2.5e3*p>").feature_names_in_ == ["q", "p"]
     assert fit("<sin q, cos p> + poly(q, p; 1)").feature_names_in_ == ["q", "p"]
     assert fit(feature_names=["a", "b"]).feature_names_in_ == ["a", "b"]
     frame = pd.DataFrame(X, columns=["p", "q"])

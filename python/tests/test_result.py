@@ -101,6 +101,17 @@ def test_functions_drive_integrators(pendulum: tuple[dict[str, np.ndarray], sidc
     np.testing.assert_allclose(stiff.y[:, -1], plain.y[:, -1], atol=1e-4)
 
 
+def test_functions_of_time_are_taken_when_they_act() -> None:
+    t = np.arange(600) * 0.02
+    late = np.clip(t - 0.4, 0, None)
+    x = (2 * np.sin(late) - np.cos(late) + np.exp(-2 * late)) / 5
+    model = sidc.Model("state x\ninput u : linear, delay 0.4\ndx ~ poly(x, u; 2)\n")
+    function = model.identify({"t": t, "x": x, "u": np.sin(t)}).function()
+    acting = function(1.0, [0.0], np.sin(0.6))
+    np.testing.assert_allclose(function(1.0, [0.0], np.sin), acting, rtol=1e-12)
+    assert acting == pytest.approx(np.sin(0.6), rel=1e-2)
+
+
 def test_sympy_has_the_equations_as_they_were_found(pendulum: tuple[dict[str, np.ndarray], sidc.Result]) -> None:
     import sympy
 
