@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -165,7 +164,7 @@ class Identifier:
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
         """The arguments of the constructor."""
-        return {name: getattr(self, name) for name in inspect.signature(type(self).__init__).parameters if name != "self"}
+        return {name: getattr(self, name) for name in _defaults(type(self))}
 
     def set_params(self, **params: Any) -> Identifier:
         """Sets arguments of the constructor."""
@@ -186,9 +185,9 @@ class Identifier:
         return Tags(estimator_type="regressor", target_tags=target, regressor_tags=RegressorTags(), input_tags=InputTags())
 
     def __repr__(self) -> str:
-        defaults = inspect.signature(type(self).__init__).parameters
-        given = ((name, value) for name, value in self.get_params().items() if value != defaults[name].default)
-        return f"Identifier({', '.join(f'{name}={value!r}' for name, value in given)})"
+        defaults = _defaults(type(self))
+        given = ((name, value) for name, value in self.get_params().items() if value != defaults[name])
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in given)})"
 
     def _repr_html_(self) -> str | None:
         return self.result_._repr_html_() if self.__sklearn_is_fitted__() else None
@@ -219,6 +218,15 @@ class Identifier:
             if len(names) != count:
                 raise ValueError(f"{what} has {count} columns, and their names would be {', '.join(names)}: give {option}")
         return states, inputs
+
+
+def _defaults(kind: type[Identifier]) -> dict[str, Any]:
+    """The arguments of the constructor with their defaults."""
+    # Loaded here, because it is half of what importing the package would take.
+    import inspect
+
+    parameters = inspect.signature(kind).parameters
+    return {name: parameter.default for name, parameter in parameters.items()}
 
 
 class _Trial:

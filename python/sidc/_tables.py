@@ -133,8 +133,9 @@ def _array(values: Any) -> NDArray[Any]:
         return np.asarray(values.to_numpy(dtype="datetime64[ns]"))
     if hasattr(values, "combine_chunks"):
         return np.asarray(values.to_numpy())
-    if isinstance(values, np.ma.MaskedArray):
-        return np.asarray(np.ma.filled(values.astype(np.float64), np.nan))
+    is_masked = isinstance(values, np.ma.MaskedArray)
+    if is_masked:
+        return np.asarray(values.astype(np.float64).filled(np.nan))
     return np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
 
 

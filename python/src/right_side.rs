@@ -6,6 +6,7 @@ use numpy::ndarray::{ArrayD, ArrayViewD, IxDyn};
 use numpy::{IntoPyArray, PyArrayDyn, PyReadonlyArray1, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyFloat;
 
 /// dx/dt = f(t, x, u), compiled.
 #[pyclass(module = "sidc._sidc", frozen)]
@@ -17,10 +18,22 @@ pub struct RightSide {
 }
 
 /// One time for all points, or one for each.
-#[derive(FromPyObject)]
-pub enum Times<'py> {
+enum Times<'py> {
     One(f64),
     Each(PyReadonlyArray1<'py, f64>),
+}
+
+impl<'py> Times<'py> {
+    fn new(t: &Bound<'py, PyAny>) -> PyResult<Times<'py>> {
+        // A float is asked for first, because a failure that nobody hears of takes longer than f; an array of one value is a number too.
+        if let Ok(t) = t.cast::<PyFloat>() {
+            return Ok(Times::One(t.value()));
+        }
+        match t.extract() {
+            Ok(each) => Ok(Times::Each(each)),
+            Err(_) => t.extract().map(Times::One),
+        }
+    }
 }
 
 /// A function of the library: what it computes at one point goes into its last argument.
@@ -130,13 +143,13 @@ impl RightSide {
     fn rates<'py>(
         &self,
         py: Python<'py>,
-        t: Times<'py>,
+        t: &Bound<'py, PyAny>,
         x: PyReadonlyArrayDyn<'py, f64>,
         u: Option<PyReadonlyArrayDyn<'py, f64>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let n = self.states.len();
         let function = (sidc::RightSide::rates as AtPoint, n);
-        let (rates, count) = self.at_points(&t, &x, u.as_ref(), function)?;
+        let (rates, count) = self.at_points(&Times::new(t)?, &x, u.as_ref(), function)?;
         let rates = match count {
             None => ArrayD::from_shape_vec(IxDyn(&[n]), rates),
             Some(k) => ArrayD::from_shape_vec(IxDyn(&[k, n]), rates)
@@ -151,13 +164,13 @@ impl RightSide {
     fn jacobian<'py>(
         &self,
         py: Python<'py>,
-        t: Times<'py>,
+        t: &Bound<'py, PyAny>,
         x: PyReadonlyArrayDyn<'py, f64>,
         u: Option<PyReadonlyArrayDyn<'py, f64>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let n = self.states.len();
         let function = (sidc::RightSide::jacobian as AtPoint, n * n);
-        let (slopes, count) = self.at_points(&t, &x, u.as_ref(), function)?;
+        let (slopes, count) = self.at_points(&Times::new(t)?, &x, u.as_ref(), function)?;
         let shape: Vec<usize> = count.into_iter().chain([n, n]).collect();
         let slopes = ArrayD::from_shape_vec(IxDyn(&shape), slopes);
         let slopes = slopes.map_err(|e| PyValueError::new_err(e.to_string()))?;
