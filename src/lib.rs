@@ -25,6 +25,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod budget;
 mod data;
 mod discovery;
 mod error;
@@ -39,6 +40,7 @@ mod right_side;
 mod simulation;
 mod target;
 
+pub use budget::Budget;
 pub use data::Data;
 pub use discovery::Discovery;
 pub use error::{Error, ErrorKind};

@@ -24,7 +24,10 @@ class Measured:
         if isinstance(data, Measured):
             return data
         measured = Measured()
-        for table in _tables.runs(data):
+        tables = _tables.runs(data)
+        if not tables:
+            raise ValueError("no table: give one, or a list of them")
+        for table in tables:
             measured.add(table)
         for name, values in (params or {}).items():
             several = values if isinstance(values, Sequence) else [values]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any, Union
+from typing import Any
 
 from . import _sidc
 from ._data import Measured
+from ._options import PROOFS, Noise, Span, search_options
 from ._progress import Progress
 from ._result import Result
-
-Span = tuple[Union[float, None], Union[float, None]]
 
 
 class Model:
@@ -53,7 +52,7 @@ class Model:
         data: Any,
         *,
         holdout: Any = None,
-        noise: Mapping[str, float | tuple[float, float]] | None = None,
+        noise: Mapping[str, Noise] | None = None,
         params: Mapping[str, float | Sequence[float]] | None = None,
         window: Span | None = None,
         horizon: float | None = None,
@@ -64,7 +63,7 @@ class Model:
         seed: int = 0,
         robust: bool = False,
         path: bool = False,
-        prove_sparsest: bool = False,
+        prove_sparsest: bool | float = False,
         verify: bool = False,
         memory_limit: int | None = None,
         time_limit: float | None = None,
@@ -92,7 +91,7 @@ class Model:
         samples, seed: use so many rows, drawn at random; the others test the answer.
         robust: gives outliers no weight.
         path: adds the answers for larger tolerances.
-        prove_sparsest: looks for the fewest terms that fit, with a proof; `time_limit` bounds it.
+        prove_sparsest: looks for the fewest terms that fit, with a proof, for so many seconds (True: 60) in all.
         verify: checks every equation and its proof once more, by separate code in 106 bits.
         memory_limit: most bytes that the values of one library may take.
         time_limit: seconds after which the search ends with what there is, and a doubt that says so.
@@ -101,28 +100,15 @@ class Model:
         Raises `Error`: what the model cannot read in the data, all faults at once, or an option that names what is not there.
         An equation with a doubt is an answer too: see `Result.passes`.
         """
-        options = _sidc.Options()
-        options.method(method)
-        options.seed(seed)
-        if solver is not None:
-            options.solver(solver)
-        if samples is not None:
-            options.samples(samples, seed)
-        if window is not None:
-            options.window(*window)
-        if horizon is not None:
-            options.horizon(horizon)
-        if memory_limit is not None:
-            options.memory(memory_limit)
-        for name, wanted in (("robust", robust), ("path", path), ("prove_sparsest", prove_sparsest), ("verify", verify)):
-            if wanted:
-                getattr(options, name)()
-        _add_noise(options, noise)
-        _add_good(options, good)
+        options = search_options(
+            noise=noise, window=window, horizon=horizon, good=good, method=method, solver=solver, samples=samples, seed=seed,
+            robust=robust, path=path, prove_sparsest=bool(prove_sparsest), verify=verify, memory_limit=memory_limit,
+        )  # fmt: skip
+        proofs = PROOFS if prove_sparsest is True else float(prove_sparsest)
         measured = Measured.of(data, params)
         measured.hold_out(options, holdout)
         with Progress(self.targets, progress) as bar, measured.explained():
-            found = self._native.identify(measured.native, options, time_limit, bar.heard)
+            found = self._native.identify(measured.native, options, time_limit, proofs, bar.heard)
         return Result(found, measured)
 
     def __repr__(self) -> str:
@@ -133,22 +119,6 @@ class Model:
 
     def __reduce__(self) -> tuple[type[Model], tuple[str, str]]:
         return Model, (self._text, self._name)
-
-
-def _add_noise(options: _sidc.Options, noise: Mapping[str, float | tuple[float, float]] | None) -> None:
-    for signal, size in (noise or {}).items():
-        floor, share = size if isinstance(size, (tuple, list)) else (size, 0.0)
-        if not (floor >= 0 and share >= 0 and floor + share > 0):
-            raise ValueError(f"noise of {signal}: a standard deviation above 0, or a pair (floor, share), not {size!r}")
-        options.noise(signal, floor, share)
-
-
-def _add_good(options: _sidc.Options, good: float | Mapping[str, float] | None) -> None:
-    if isinstance(good, Mapping):
-        for signal, error in good.items():
-            options.good_signal(signal, error)
-    elif good is not None:
-        options.good(good)
 
 
 def read(path: str | os.PathLike[str]) -> Model:

@@ -58,6 +58,7 @@ class Model:
         data: Data,
         options: Options,
         time_limit: float | None = None,
+        proof_limit: float | None = None,
         heard: Callable[[int, str], Any] | None = None,
     ) -> Discovery: ...
 

@@ -95,7 +95,7 @@ impl Discovery {
         let (found, data) = (self.inner.clone(), data.inner.clone());
         let watch = Watch {
             time_limit,
-            heard: None,
+            ..Watch::default()
         };
         let simulated = watched(py, watch, move |observer| {
             let start: Vec<(&str, f64)> = start.iter().map(|(n, v)| (n.as_str(), *v)).collect();

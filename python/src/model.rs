@@ -51,18 +51,24 @@ impl Model {
     }
 
     /// Finds the equations. `heard(place, words)` is told now and then which equation is worked on.
-    #[pyo3(signature = (data, options, time_limit=None, heard=None))]
+    #[pyo3(signature = (data, options, time_limit=None, proof_limit=None, heard=None))]
     fn identify(
         &self,
         py: Python<'_>,
         data: &Data,
         options: &Options,
         time_limit: Option<f64>,
+        proof_limit: Option<f64>,
         heard: Option<Py<PyAny>>,
     ) -> PyResult<Discovery> {
         let (model, data) = (self.inner.clone(), data.inner.clone());
         let options = options.inner.clone();
-        let watch = Watch { time_limit, heard };
+        let equations = self.inner.targets().len();
+        let watch = Watch {
+            time_limit,
+            proofs: proof_limit.map(|limit| (limit, equations)),
+            heard,
+        };
         let found = watched(py, watch, move |observer| {
             model.identify_watched(&data, &options, observer)
         })?;

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use sidc::{Activity, Observer, Stop};
+use sidc::{Activity, Budget, Observer, Stage, Stop};
 
 /// Between two looks at signals. Ctrl-C is to be answered within half a second; a tenth of that goes unnoticed.
 const PERIOD: Duration = Duration::from_millis(50);
@@ -25,6 +25,8 @@ const STACK: usize = 8 << 20;
 pub struct Watch {
     /// Seconds after which it ends with what there is.
     pub time_limit: Option<f64>,
+    /// Seconds for the proofs of all equations together, and how many equations there are.
+    pub proofs: Option<(f64, usize)>,
     /// Called with the place of the equation that is worked on, and words.
     pub heard: Option<Py<PyAny>>,
 }
@@ -40,6 +42,8 @@ struct Shared {
 struct Teller {
     shared: Arc<Shared>,
     limit: Option<(Instant, Duration)>,
+    proofs: Budget,
+    equations: usize,
 }
 
 impl Observer for Teller {
@@ -60,6 +64,14 @@ impl Observer for Teller {
         if self.shared.interrupted.load(Ordering::Relaxed) {
             return ControlFlow::Break(Stop::Interrupted);
         }
+        if let Activity::Equation { place, stage } = activity {
+            // An equation leaves their part of the time to those after it.
+            let part = (place + 1) as f64 / self.equations.max(1) as f64;
+            let proves = matches!(stage, Stage::Proving { .. });
+            if let Some(stop) = self.proofs.spent(proves, part) {
+                return ControlFlow::Break(stop);
+            }
+        }
         match self.limit {
             Some((began, limit)) if began.elapsed() >= limit => {
                 ControlFlow::Break(Stop::TimeLimit(limit))
@@ -75,14 +87,14 @@ pub fn watched<T: Send + 'static>(
     watch: Watch,
     work: impl FnOnce(&mut dyn Observer) -> T + Send + 'static,
 ) -> PyResult<T> {
-    let limit = watch.time_limit.map(Duration::try_from_secs_f64);
-    let limit = limit
-        .transpose()
-        .map_err(|_| PyValueError::new_err("time_limit is a number of seconds, 0 or more"))?;
+    let limit = seconds("time_limit", watch.time_limit)?;
+    let (proofs, equations) = watch.proofs.unzip();
     let shared = Arc::new(Shared::default());
     let mut teller = Teller {
         shared: shared.clone(),
         limit: limit.map(|limit| (Instant::now(), limit)),
+        proofs: Budget::of(seconds("prove_sparsest", proofs)?),
+        equations: equations.unwrap_or_default(),
     };
     let (done, result) = mpsc::sync_channel(1);
     thread::Builder::new().stack_size(STACK).spawn(move || {
@@ -110,6 +122,11 @@ pub fn watched<T: Send + 'static>(
             return Err(raised);
         }
     }
+}
+
+fn seconds(name: &str, given: Option<f64>) -> PyResult<Option<Duration>> {
+    let all = given.map(Duration::try_from_secs_f64).transpose();
+    all.map_err(|_| PyValueError::new_err(format!("{name} is a number of seconds, 0 or more")))
 }
 
 fn tell(py: Python<'_>, watch: &Watch, shared: &Shared) -> PyResult<()> {

@@ -73,6 +73,38 @@ def test_the_time_limit_holds() -> None:
         sidc.Model(HEAVY).identify(heavy_data(), time_limit=-1)
 
 
+def test_proofs_have_a_time_of_their_own(decay: dict[str, np.ndarray]) -> None:
+    data, model = heavy_data(), sidc.Model("state x, y, z : order 2\nddx, ddy, ddz ~ poly(x, y, z, dx, dy, dz; 3)\n")
+    began = time.monotonic()
+    cut = model.identify(data, method="regression", prove_sparsest=0.5)
+    assert time.monotonic() - began < 20
+    assert all(equation.evidence is not None and equation.evidence.sparsest is not None for equation in cut.equations)
+    # The end of a proof is no end of the search.
+    assert "time-limit" not in {doubt.code for doubt in cut.doubts}
+    whole = sidc.Model("state x\ndx ~ poly(x; 2)\n").identify(decay, prove_sparsest=True)
+    assert whole.equations[0].evidence is not None
+
+
+def test_numbers_without_meaning_are_refused(decay: dict[str, np.ndarray]) -> None:
+    model = sidc.Model("state x\ndx ~ poly(x; 2)\n")
+    nan, inf = float("nan"), float("inf")
+    cases: list[tuple[str, list[object]]] = [
+        ("horizon", [0, -1, nan, inf]),
+        ("good", [0, nan, {"x": -1}]),
+        ("noise", [{"x": 0}, {"x": -1}, {"x": nan}, {"x": inf}, {"x": (0, 0)}]),
+        ("samples", [0, -1]),
+        ("seed", [-1, 2**64]),
+        ("memory_limit", [0, 2**64]),
+        ("prove_sparsest", [-1.0, nan]),
+    ]
+    for name, values in cases:
+        for value in values:
+            with pytest.raises(ValueError, match=name):
+                model.identify(decay, **{name: value})  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="no table"):
+        model.identify([])
+
+
 def test_progress_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     import tqdm.auto
 
