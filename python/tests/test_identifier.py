@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -134,11 +135,21 @@ def test_parameters_as_scikit_learn_has_them() -> None:
         model.set_params(degree=3)
 
 
+def test_fitted_identifiers_are_kept(lorenz: Record) -> None:
+    t, X = lorenz
+    model = sidc.Identifier("poly(x, y, z; 2)").fit(X, t=t)
+    again = pickle.loads(pickle.dumps(model))
+    np.testing.assert_array_equal(again.predict(X[:3]), model.predict(X[:3]))
+
+
 def test_model_selection_of_scikit_learn(lorenz: Record) -> None:
     t, X = lorenz
     splits = TimeSeriesSplit(n_splits=2)
     scores = cross_val_score(sidc.Identifier("poly(x, y, z; 2)", t_default=0.005), X, cv=splits)
     assert min(scores) > 0.999
+    # A fold from the middle leaves a hole, which times tell.
+    folds = cross_val_score(sidc.Identifier("poly(x, y, z; 2)", t_default=0.005), X, params={"t": t}, cv=3)
+    assert min(folds) > 0.999
     libraries = ["poly(x, y, z; 1)", "poly(x, y, z; 2)"]
     search = GridSearchCV(sidc.Identifier(t_default=0.005), {"library": libraries}, cv=splits).fit(X)
     assert search.best_params_ == {"library": libraries[1]}
