@@ -1,6 +1,7 @@
 //! What was measured, as arrays.
 
 use sidc_data::{ArrayFault, Table};
+use sidc_lang::source::Sources;
 
 use crate::error::{Error, ErrorKind};
 
@@ -70,6 +71,32 @@ impl Data {
     pub fn param(mut self, name: &str, values: impl Into<Vec<f64>>) -> Data {
         self.params.push((name.into(), values.into()));
         self
+    }
+
+    /// A first model of the first record: states with their orders, inputs, parameters, a library to start from, with comments that
+    /// say what was guessed from names and shapes. Nothing is identified.
+    ///
+    /// ```
+    /// let t: Vec<f64> = (0..60).map(|k| 0.1 * f64::from(k)).collect();
+    /// let x: Vec<f64> = t.iter().map(|t| t.cos()).collect();
+    /// let text = sidc::Data::new().run([("t", t), ("x", x)])?.draft()?;
+    /// assert!(text.contains("state x"));
+    /// assert!(sidc::Model::parse(&text).is_ok());
+    /// # Ok::<(), sidc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ErrorKind::Data`]: no record, or no array that moves.
+    pub fn draft(&self) -> Result<String, Error> {
+        let first = self.tables.first();
+        let text = first.and_then(sidc_data::draft::draft).ok_or_else(|| {
+            let text = "no array that has a name moves, so there is nothing to find a law of\n  = help: give time as t and an array for each signal";
+            Error::new(ErrorKind::Data, "no-state", text)
+        })?;
+        let mut sources = Sources::default();
+        let file = sources.add("model.sid", text.as_str());
+        sidc_lang::format(file, &text)
+            .map_err(|found| Error::of(ErrorKind::Internal, &found, &sources))
     }
 
     /// How many records there are.

@@ -98,6 +98,15 @@ impl Discovery {
         self.verdict()?.prediction.good
     }
 
+    /// The answer as the program prints it: equations to their precision, the three answers, the foremost reasons with what to do.
+    /// Documents of earlier programs have the equations alone.
+    pub fn answer(&self) -> String {
+        match self.verdict() {
+            Some(verdict) => emit::answer(&self.opened.discovery, verdict),
+            None => self.to_string(),
+        }
+    }
+
     /// The equations in another language, with their Jacobians where the language is one of code.
     ///
     /// # Errors

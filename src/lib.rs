@@ -25,6 +25,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod budget;
 mod data;
 mod discovery;
 mod error;
@@ -32,14 +33,20 @@ mod identify;
 mod model;
 mod options;
 pub mod pipeline;
+mod prediction;
+mod records;
+mod report;
+mod right_side;
 mod simulation;
 mod target;
 
+pub use budget::Budget;
 pub use data::Data;
 pub use discovery::Discovery;
 pub use error::{Error, ErrorKind};
 pub use model::Model;
 pub use options::Options;
+pub use right_side::RightSide;
 pub use simulation::{Score, SimulatedRun, Simulation};
 pub use target::Target;
 

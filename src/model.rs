@@ -1,9 +1,10 @@
 //! What is known of a system, from a model's text.
 
 use sidc_lang::diagnostic::{Diagnostic, Severity};
+use sidc_lang::library::GENERATORS;
 use sidc_lang::render;
 use sidc_lang::source::Sources;
-use sidc_lang::term::SignalNames;
+use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 
 use crate::error::{Error, ErrorKind};
 use crate::pipeline::{self, Program};
@@ -67,6 +68,28 @@ impl Model {
     /// How many terms are candidates for an equation; `None` if nothing is looked for there.
     pub fn candidates(&self, target: &str) -> Option<usize> {
         self.program.library(target).map(|library| library.len())
+    }
+
+    /// The terms that are candidates for an equation, in the order of its library; `None` if nothing is looked for there. A library
+    /// may have millions of them: see [`Model::candidates`].
+    ///
+    /// ```
+    /// let model = sidc::Model::parse("state x\ndx ~ poly(x; 2)\n")?;
+    /// let terms: Vec<String> = model.candidate_terms("dx").into_iter().flatten().collect();
+    /// assert_eq!(terms, ["1", "x", "x^2"]);
+    /// # Ok::<(), sidc::Error>(())
+    /// ```
+    pub fn candidate_terms(&self, target: &str) -> Option<impl Iterator<Item = String>> {
+        let terms = self.program.library(target)?.terms();
+        Some(terms.map(|(_, term)| Language(&self.program.model).term(&term)))
+    }
+
+    /// The words that libraries are written with, beside names of signals: functions and generators.
+    pub fn vocabulary() -> Vec<&'static str> {
+        let functions = FUNCTIONS.iter().map(|f| f.name);
+        functions
+            .chain(GENERATORS.iter().map(|g| g.name()))
+            .collect()
     }
 
     /// The warnings about the model, as the command line prints them; empty if there are none.

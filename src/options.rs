@@ -1,7 +1,7 @@
 //! How to look for equations.
 
 use sidc_data::{HoldOut, HoldOutRange, Window};
-use sidc_discover::Method;
+use sidc_discover::{METHODS, Method};
 use sidc_lang::sensor_noise::SensorNoise;
 use sidc_solve::solver;
 use sidc_system::predict::{ErrorLimit, PredictionRequest};
@@ -98,6 +98,20 @@ impl Options {
     pub fn method(mut self, method: Method) -> Options {
         self.search.method = method;
         self
+    }
+
+    /// The same by the name that `sidc identify --method` takes.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Options`]: no method of this name.
+    pub fn method_named(self, name: &str) -> Result<Options, Error> {
+        let found = METHODS.iter().find(|(known, _)| *known == name);
+        let (_, method) = found.ok_or_else(|| {
+            let known: Vec<&str> = METHODS.iter().map(|(known, _)| *known).collect();
+            let text = format!("no method is called {name}; there are {}", known.join(", "));
+            Error::new(ErrorKind::Options, "unknown-method", text)
+        })?;
+        Ok(self.method(*method))
     }
 
     /// The sparse solver by the name that `sidc list` prints.

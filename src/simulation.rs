@@ -1,12 +1,9 @@
 //! Free runs of what was found, along other data.
 
-use sidc_data as data;
-use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::source::Sources;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::{Activity, Observer, Unwatched};
-use sidc_system::discovery::{Discovery as FoundSystem, RunParameters};
-use sidc_system::simulate::{self, Options, Run, Source};
+use sidc_system::discovery::{Discovery as FoundSystem, Form};
+use sidc_system::simulate::{self, Options, Run};
 
 use crate::data::Data;
 use crate::discovery::Discovery;
@@ -26,6 +23,8 @@ pub struct SimulatedRun {
     pub time: Vec<f64>,
     /// States, highest derivatives, outputs: name and R values each, NaN where the run had ended.
     pub signals: Vec<(String, Vec<f64>)>,
+    /// Readings of simulated signals: name and R values each, NaN where one is missing.
+    pub measured: Vec<(String, Vec<f64>)>,
     /// One for each signal that is simulated and measured.
     pub scores: Vec<Score>,
     /// What ended the run early, and where; `None` if it went through.
@@ -61,7 +60,7 @@ impl Discovery {
     /// # Errors
     /// [`ErrorKind::Data`]: arrays that lack what a run needs; equations that cannot be run.
     pub fn simulate(&self, data: &Data) -> Result<Simulation, Error> {
-        self.simulate_watched(data, &mut Unwatched)
+        self.simulate_from(&[], data, &mut Unwatched)
     }
 
     /// The same while an observer hears the time reached. If it ends the work, the rows simulated by then are returned, and no
@@ -74,39 +73,60 @@ impl Discovery {
         data: &Data,
         observer: &mut dyn Observer,
     ) -> Result<Simulation, Error> {
+        self.simulate_from(&[], data, observer)
+    }
+
+    /// The same from initial values that are given by name. Those of the state that are given need no array: times and inputs are
+    /// enough where all are.
+    ///
+    /// # Errors
+    /// As [`Discovery::simulate`]; [`ErrorKind::Options`]: a name that the state does not have.
+    pub fn simulate_from(
+        &self,
+        start: &[(&str, f64)],
+        data: &Data,
+        observer: &mut dyn Observer,
+    ) -> Result<Simulation, Error> {
         let discovery = &self.opened.discovery;
-        let model = simulate::reads(discovery, &self.opened.model, &[]);
-        let mut sources = Sources::default();
-        // The model was read back from the document, so its places lead into an empty text.
-        sources.add("result", "");
-        let (dataset, found) = data::bind(&model, &data.tables, &data.params, &mut sources);
-        if found.iter().any(Diagnostic::is_error) {
-            return Err(Error::of(ErrorKind::Data, &found, &sources));
-        }
-        let dataset = discovery.without_sensor_delays(&dataset).unwrap_or(dataset);
-        let by_run = RunParameters::of(discovery, &model);
-        let valued = by_run.as_ref().map(|p| p.with_values(&dataset));
-        let source = Source {
-            discovery: by_run.as_ref().map_or(discovery, |p| &p.discovery),
-            model: by_run.as_ref().map_or(&model, |p| &p.model),
-            dataset: valued.as_ref().unwrap_or(&dataset),
+        let options = Options {
+            start: self.state_signals(start)?,
+            ..Options::default()
         };
+        let records = self.records(data, &options.start)?;
         let mut ended = false;
         let mut runs = Vec::new();
-        for record in 0..dataset.trajectories.len() {
+        for record in 0..records.dataset.trajectories.len() {
             let mut observer = |activity: Activity| {
                 let answer = observer.hear(activity);
                 ended |= answer.is_break();
                 answer
             };
-            let run = simulate::simulate(&source, record, &Options::default(), &mut observer);
-            let run = run.map_err(|d| Error::of(ErrorKind::Data, &[d], &sources))?;
+            let run = simulate::simulate(&records.source(), record, &options, &mut observer);
+            let run = run.map_err(|d| Error::of(ErrorKind::Data, &[d], &records.sources))?;
             runs.push(named(discovery, run));
             if ended {
                 break;
             }
         }
         Ok(Simulation { runs })
+    }
+
+    /// Components of the state by their names.
+    fn state_signals(&self, start: &[(&str, f64)]) -> Result<Vec<(Signal, f64)>, Error> {
+        let discovery = &self.opened.discovery;
+        let state = Form::new(discovery).state;
+        let signal = |(name, value): &(&str, f64)| {
+            let found = state.iter().find(|s| discovery.name(**s) == *name);
+            found.map(|s| (*s, *value)).ok_or_else(|| {
+                let names: Vec<String> = state.iter().map(|s| discovery.name(*s)).collect();
+                let text = format!(
+                    "a start for {name}: the state has no component of this name\n  = state: {}",
+                    names.join(", ")
+                );
+                Error::new(ErrorKind::Options, "unknown-start", text)
+            })
+        };
+        start.iter().map(signal).collect()
     }
 }
 
@@ -123,13 +143,15 @@ fn named(names: &FoundSystem, run: Run) -> SimulatedRun {
         let (time, text) = (fault.time, fault.text(names));
         format!("at t = {time}: {text}")
     });
-    let signals = run.simulated.into_iter();
+    let columns = |all: Vec<(Signal, Vec<f64>)>| {
+        let named = all.into_iter().map(|(s, values)| (names.name(s), values));
+        named.collect()
+    };
     SimulatedRun {
         name: run.name,
         time: run.time,
-        signals: signals
-            .map(|(s, v): (Signal, Vec<f64>)| (names.name(s), v))
-            .collect(),
+        signals: columns(run.simulated),
+        measured: columns(run.measured),
         scores: run.scores.iter().map(score).collect(),
         fault,
     }

@@ -2,6 +2,8 @@
 
 use sidc_emit::TARGETS;
 
+use crate::error::{Error, ErrorKind};
+
 /// A language to export to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -33,6 +35,19 @@ impl Target {
     /// What `sidc export --to` takes.
     pub fn name(self) -> &'static str {
         self.emitter().name()
+    }
+
+    /// The target of this name.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Options`]: no target of this name.
+    pub fn named(name: &str) -> Result<Target, Error> {
+        let found = Target::ALL.into_iter().find(|t| t.name() == name);
+        found.ok_or_else(|| {
+            let known = Target::ALL.map(Target::name).join(", ");
+            let text = format!("no target is called {name}; there are {known}");
+            Error::new(ErrorKind::Options, "unknown-target", text)
+        })
     }
 
     pub(crate) fn emitter(self) -> &'static dyn sidc_emit::Target {

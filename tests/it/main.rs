@@ -28,6 +28,7 @@ mod holdout;
 mod honest;
 mod hostile;
 mod hostile_results;
+mod interface;
 mod joint;
 mod known_parts;
 mod lang;

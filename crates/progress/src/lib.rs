@@ -43,6 +43,21 @@ pub enum Stage {
     Weighing,
 }
 
+impl Stage {
+    /// What is done, in words for people; without figures.
+    pub fn words(self) -> &'static str {
+        match self {
+            Stage::Evaluating => "evaluating the library",
+            Stage::Solving(_) => "solving",
+            Stage::Choosing => "choosing the terms",
+            Stage::Refitting(_) => "trajectory and terms together",
+            Stage::Verifying(..) => "verifying",
+            Stage::Proving { .. } => "proving the fewest terms",
+            Stage::Weighing => "weighing the evidence",
+        }
+    }
+}
+
 /// How far a solver is; a figure of zero is one that it does not know.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SolverProgress {

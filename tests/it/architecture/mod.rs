@@ -48,7 +48,11 @@ const CRATES: &[(&str, &[&str])] = &[
             "emit",
         ],
     ),
+    (PYTHON, &[""]),
 ];
+
+/// A binding: its folder at the root of the repository, and its crate.
+const PYTHON: &str = "python";
 
 /// Crates of other people that one crate of ours is there for.
 const ONE_PURPOSE: &[(&str, &str)] = &[
@@ -60,6 +64,8 @@ const ONE_PURPOSE: &[(&str, &str)] = &[
     ("clarabel", "crates/solve"),
     ("pest", "crates/lang"),
     ("codespan_reporting", "crates/lang"),
+    ("pyo3", PYTHON),
+    ("numpy", PYTHON),
 ];
 
 /// Folders whose files are alternatives of each other.
@@ -111,6 +117,7 @@ const RECURSIVE_TYPE: (&str, &[&str]) = ("lang", &["term/expr.rs", "term/functio
 fn folder(name: &str) -> PathBuf {
     match name {
         "" => root().to_path_buf(),
+        PYTHON => root().join(PYTHON),
         name => root().join("crates").join(name),
     }
 }

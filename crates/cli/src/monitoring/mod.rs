@@ -1,6 +1,5 @@
 //! How long work is watched: the progress line, the times of its stages, limits, Ctrl-C.
 
-pub mod budget;
 pub mod interrupts;
 pub mod limits;
 pub mod monitor;

@@ -5,12 +5,11 @@
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-use super::budget::Budget;
 use super::limits::Limits;
 use super::progress_line::{ProgressLine, Work};
 use super::stage_times::StageTimes;
 use super::verbosity::{Notes, Verbosity};
-use sidc::{Activity, Observer, Stage, Stop};
+use sidc::{Activity, Budget, Observer, Stage, Stop};
 use sidc_lang::model::Model;
 use sidc_lang::term::SignalNames;
 

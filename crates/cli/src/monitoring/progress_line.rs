@@ -145,16 +145,15 @@ fn text(work: &Work, elapsed: Duration, limit: Option<Duration>) -> String {
 }
 
 fn doing(stage: Stage) -> String {
+    let words = stage.words();
     match stage {
-        Stage::Evaluating => "evaluating the library".into(),
-        Stage::Refitting(n) => format!("trajectory and terms together, {n} sets of terms"),
-        Stage::Choosing => "choosing the terms".into(),
-        Stage::Verifying(done, all) => format!("verifying {}", share(done, all)),
+        Stage::Evaluating | Stage::Choosing | Stage::Weighing => words.into(),
+        Stage::Refitting(n) => format!("{words}, {n} sets of terms"),
+        Stage::Verifying(done, all) => format!("{words} {}", share(done, all)),
         Stage::Proving { terms, nodes } => {
             format!("fits of {terms} terms, {nodes} sets of them looked at")
         }
-        Stage::Weighing => "weighing the evidence".into(),
-        Stage::Solving(p) => format!("solving{}", figures(p)),
+        Stage::Solving(p) => format!("{words}{}", figures(p)),
     }
 }
 

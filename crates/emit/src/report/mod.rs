@@ -7,8 +7,10 @@ mod figure;
 mod markup;
 mod report_contents;
 mod sections;
+mod summary;
 
 pub use report_contents::{RecordRun, Subject, run_windows};
+pub use summary::summary;
 
 use crate::report::sections::{
     coefficients, collinearity, data_coverage, equations, error_by_terms, phase_portraits,

@@ -14,19 +14,28 @@ use sidc_system::verdict::{LawVerdict, RunStatus, RunVerdict, SignalRun, Verdict
 
 /// `law: …`, `prediction: …`, `run: …`; every line ends in a newline.
 pub fn verdict(d: &Discovery, v: &Verdict) -> String {
-    let data = data(&v.prediction);
-    let parts = [
-        ("law", law(d, v.law)),
-        ("prediction", prediction(d, &v.prediction, &data)),
-        ("run", run(&v.run, &v.prediction.unit, &data)),
-    ];
-    let text = parts.map(|(name, parts)| wrapped(name, &parts)).concat();
+    let parts = parts(d, v).map(|(name, parts)| wrapped(name, &parts));
+    let text = parts.concat();
     // A part may be wider than a line.
     let lines = text.lines().flat_map(|line| {
         let indent: String = line.chars().take_while(|c| *c == ' ').collect();
         layout::wrapped(line, TEXT_WIDTH, &indent, "    ")
     });
     lines.map(|l| format!("{l}\n")).collect()
+}
+
+/// The same, each in one line, however long.
+pub fn sentences(d: &Discovery, v: &Verdict) -> [String; 3] {
+    parts(d, v).map(|(name, parts)| format!("{name}: {}", parts.join(", ")))
+}
+
+fn parts(d: &Discovery, v: &Verdict) -> [(&'static str, Vec<String>); 3] {
+    let data = data(&v.prediction);
+    [
+        ("law", law(d, v.law)),
+        ("prediction", prediction(d, &v.prediction, &data)),
+        ("run", run(&v.run, &v.prediction.unit, &data)),
+    ]
 }
 
 /// Parts with commas between, broken between parts.

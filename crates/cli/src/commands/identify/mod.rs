@@ -12,14 +12,13 @@ use crate::arguments::time_ranges::HeldOut;
 use crate::failure::Failure;
 use crate::inputs::files::InputFiles;
 use crate::inputs::tables;
-use crate::monitoring::budget::Budget;
 use crate::monitoring::monitor::Monitor;
 use crate::outputs::signals::counted;
 use crate::outputs::{diagnostics, files};
 use answer::Answer;
 pub use arguments::Args;
 use search::{Candidate, Search};
-use sidc::pipeline;
+use sidc::{Budget, pipeline};
 use sidc_lang::source::Sources;
 
 pub fn run(args: &Args) -> Result<u8, Failure> {

@@ -14,10 +14,7 @@ use sidc_system::discovery::{Equation, FoundTerm, Mark, Trust};
 const ROW_WIDTH: f64 = 1000.0;
 
 pub(crate) fn html(s: &Subject) -> String {
-    let mut body = String::new();
-    for e in s.discovery.equations.iter().filter(|e| !e.terms.is_empty()) {
-        body.push_str(&table(s, e));
-    }
+    let body = tables(s);
     if body.is_empty() {
         return body;
     }
@@ -28,6 +25,13 @@ pub(crate) fn html(s: &Subject) -> String {
         "Coefficients",
         &(lead(how) + &reading(s) + &body),
     )
+}
+
+/// A table for each equation that has terms.
+pub(crate) fn tables(s: &Subject) -> String {
+    let found = s.discovery.equations.iter();
+    let with_terms = found.filter(|e| !e.terms.is_empty());
+    with_terms.map(|e| table(s, e)).collect()
 }
 
 fn table(s: &Subject, e: &Equation) -> String {

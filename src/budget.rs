@@ -5,9 +5,10 @@
 use std::cell::Cell;
 use std::time::{Duration, Instant};
 
-use sidc::Stop;
+use sidc_progress::Stop;
 
-/// Adds up the time between two calls during the work.
+/// Adds up the time between two calls during the work: for an [`Observer`](crate::Observer) that gives proofs of sparsest equations so
+/// much time and no more.
 pub struct Budget {
     limit: Option<Duration>,
     taken: Cell<Duration>,

@@ -1,0 +1,92 @@
+//! The first part of a report by itself, to stand among other things on a page: in the output of a notebook's cell.
+//!
+//! In: a discovery with its document. Out: one element of HTML whose style reaches nothing outside it. Shows no data.
+
+use super::STYLE;
+use super::report_contents::Subject;
+use super::sections::coefficients;
+use super::sections::verdict::badge;
+use crate::text::verdict;
+use crate::thresholds::PRINTED;
+use crate::typeset::mathml::{MathMl, escape};
+use crate::unknown_constants;
+use sidc_data::Dataset;
+use sidc_system::discovery::Discovery;
+use sidc_system::ranked_reasons::{foremost, ranked};
+use sidc_system::result::Document;
+
+/// Equations, the three answers with the reasons against them, coefficients with their intervals.
+pub fn summary(discovery: &Discovery, document: &Document) -> String {
+    let subject = Subject {
+        discovery,
+        document,
+        name: "",
+        dataset: &Dataset::default(),
+        runs: &[],
+        files: &[],
+    };
+    let body = [
+        equations(discovery),
+        answers(discovery, document),
+        coefficients::tables(&subject),
+    ];
+    format!(
+        "<div class=\"sidc\">\n<style>\n{}</style>\n{}</div>\n",
+        scoped_style(),
+        body.concat()
+    )
+}
+
+/// The style of the page for what stands in the element: its rules nested, those of the root for the element itself.
+fn scoped_style() -> String {
+    let own =
+        "background: var(--paper); color: var(--ink); padding: 0.2rem 0.8rem; max-width: 66rem;";
+    let rules = STYLE.replace(":root", "&");
+    format!(".sidc {{\n{own}\n{rules}}}\n")
+}
+
+fn equations(d: &Discovery) -> String {
+    let notation = MathMl(d);
+    let mut out = String::new();
+    for e in &d.equations {
+        let pieces = notation.equation(e).concat();
+        out.push_str(&format!(
+            "<div class=\"equation\">\n<div class=\"formula\">{pieces}</div>\n{}\n</div>\n",
+            badge(e.status)
+        ));
+    }
+    for f in &d.failed {
+        out.push_str(&format!(
+            "<p>{} <span class=\"badge fail\">not found</span></p>\n",
+            notation.symbol(f.target)
+        ));
+    }
+    let constants = unknown_constants::lines(d);
+    out.extend(constants.map(|said| format!("<p>{}</p>\n", escape(&said))));
+    out
+}
+
+/// The law, the prediction, the run, a line each; then what speaks against the equations.
+fn answers(d: &Discovery, document: &Document) -> String {
+    let mut out = String::new();
+    if let Some(answers) = &document.verdict {
+        for line in verdict::sentences(d, answers) {
+            out.push_str(&format!("<p>{}</p>\n", escape(&line)));
+        }
+    }
+    let reasons = ranked(d);
+    let reasons = foremost(&reasons, PRINTED.reasons);
+    let each = reasons.iter().map(|r| {
+        let (text, help) = (&r.reason.text, r.reason.explained_advice());
+        format!(
+            "<li>{}; <strong>{}</strong></li>\n",
+            escape(text),
+            escape(&help)
+        )
+    });
+    let each: String = each.collect();
+    match each.is_empty() {
+        true => out,
+        false => out + &format!("<ul>\n{each}</ul>\n"),
+    }
+}

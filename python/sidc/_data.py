@@ -1,0 +1,74 @@
+"""Tables as the records of one system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from . import _sidc, _tables
+from ._errors import Error
+
+
+class Measured:
+    """Records called `run 1`, `run 2`, …, in the order in which they were given."""
+
+    def __init__(self) -> None:
+        self.native = _sidc.Data()
+        self._tables: list[Any] = []
+        self._notes: list[str] = []
+
+    @staticmethod
+    def of(data: Any, params: Mapping[str, float | Sequence[float]] | None = None) -> Measured:
+        """The tables of one run or of several; a Measured is itself."""
+        if isinstance(data, Measured):
+            return data
+        measured = Measured()
+        tables = _tables.runs(data)
+        if not tables:
+            raise ValueError("no table: give one, or a list of them")
+        for table in tables:
+            measured.add(table)
+        for name, values in (params or {}).items():
+            several = values if isinstance(values, Sequence) else [values]
+            measured.native.param(name, [float(value) for value in several])
+        return measured
+
+    def add(self, table: Any) -> int:
+        """Adds a table; its place."""
+        place = len(self._tables)
+        name = f"run {place + 1}"
+        columns, others = _tables.columns(table)
+        self._notes += [f"the column {other} of {name} holds no numbers" for other in others]
+        self.native.run(name, columns)
+        self._tables.append(table)
+        return place
+
+    def hold_out(self, options: _sidc.Options, held: Any) -> None:
+        """Tells the options what is held out; tables that are no records yet are added."""
+        if held is None:
+            return
+        if isinstance(held, list):
+            for one in held:
+                self.hold_out(options, one)
+        elif isinstance(held, (int, float)):
+            if not 0 < held < 1:
+                raise ValueError(f"holdout: the last part of every record is between 0 and 1, not {held}")
+            options.hold_out_last(float(held))
+        elif isinstance(held, tuple):
+            start, end = held
+            options.hold_out_times(start, end)
+        else:
+            known = [place for place, table in enumerate(self._tables) if table is held]
+            options.hold_out_run(known[0] if known else self.add(held))
+
+    @contextmanager
+    def explained(self) -> Iterator[None]:
+        """Adds to an error of the data which columns were left out because they hold no numbers."""
+        try:
+            yield
+        except Error as error:
+            if error.kind != "data" or not self._notes:
+                raise
+            notes = "".join(f"\n  = note: {note}" for note in self._notes)
+            raise Error(f"{error}{notes}", error.kind, error.codes) from None

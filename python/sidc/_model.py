@@ -1,0 +1,137 @@
+"""Models: what is known of a system, and the search for its equations."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from . import _sidc
+from ._data import Measured
+from ._options import PROOFS, Noise, Span, search_options
+from ._progress import Progress
+from ._result import Result
+
+
+class Model:
+    """A checked model: variables, equations asked for, libraries of candidate terms (docs/language.md).
+
+    Raises `Error` with every fault of the text at once. `name` stands for the text in messages and in the result document.
+    """
+
+    def __init__(self, text: str, name: str = "model.sid") -> None:
+        self._native = _sidc.Model(text, name)
+        self._text = text
+        self._name = name
+
+    @property
+    def text(self) -> str:
+        """The model as it was written."""
+        return self._text
+
+    @property
+    def targets(self) -> list[str]:
+        """The derivatives, next values and outputs that have an equation, in the model's order."""
+        return self._native.targets()
+
+    def candidates(self, target: str) -> int | None:
+        """How many terms are candidates for an equation; None if nothing is looked for there."""
+        return self._native.candidates(target)
+
+    def terms(self, target: str) -> list[str]:
+        """The terms that are candidates for an equation. A library may have millions of them: see `candidates`."""
+        return self._native.candidate_terms(target) or []
+
+    @property
+    def warnings(self) -> str:
+        """The warnings about the model, as the program prints them; empty if there are none."""
+        return self._native.warnings()
+
+    def identify(
+        self,
+        data: Any,
+        *,
+        holdout: Any = None,
+        noise: Mapping[str, Noise] | None = None,
+        params: Mapping[str, float | Sequence[float]] | None = None,
+        window: Span | None = None,
+        horizon: float | None = None,
+        good: float | Mapping[str, float] | None = None,
+        method: str = "auto",
+        solver: str | None = None,
+        samples: int | None = None,
+        seed: int = 0,
+        robust: bool = False,
+        path: bool = False,
+        prove_sparsest: bool | float = False,
+        verify: bool = False,
+        memory_limit: int | None = None,
+        time_limit: float | None = None,
+        progress: bool | None = None,
+    ) -> Result:
+        """Finds the equations.
+
+        `data` is a table, or a list of tables for several runs: a dict of arrays of one length, a frame of pandas, polars, pyarrow or
+        dask, or anything with the Arrow C stream. Columns have the names that the model reads; NaN marks a missing value. Times are
+        seconds: a column, an index of numbers, or dates, which count in seconds from the first.
+
+        The options are those of `sidc identify`:
+
+        holdout: rows that no equation is found from; the equations run on them. The last part of every record (0.25), times (a, b)
+            with None for an open end, a table of its own, or a list of these.
+        noise: standard deviation of a signal's measurement in the model's units, by name; a pair (floor, share) for noise that
+            grows with the signal.
+        params: values of the parameters that the model declares: one for all runs, or one for each.
+        window: the times (a, b) that are used.
+        horizon: how far ahead predictions are compared with the data, in seconds (samples in discrete time).
+        good: the error that these predictions are to stay within in 90 % of the starts, as a part of each signal's spread, or by name
+            in the signal's unit.
+        method: `auto`, `joint` (trajectory and equations together), `regression` (of derivatives) or `weak` (of integrals).
+        solver: the sparse solver.
+        samples, seed: use so many rows, drawn at random; the others test the answer.
+        robust: gives outliers no weight.
+        path: adds the answers for larger tolerances.
+        prove_sparsest: looks for the fewest terms that fit, with a proof, for so many seconds (True: 60) in all.
+        verify: checks every equation and its proof once more, by separate code in 106 bits.
+        memory_limit: most bytes that the values of one library may take.
+        time_limit: seconds after which the search ends with what there is, and a doubt that says so.
+        progress: a bar by tqdm; by default where somebody looks, after a second.
+
+        Raises `Error`: what the model cannot read in the data, all faults at once, or an option that names what is not there.
+        An equation with a doubt is an answer too: see `Result.passes`.
+        """
+        options = search_options(
+            noise=noise, window=window, horizon=horizon, good=good, method=method, solver=solver, samples=samples, seed=seed,
+            robust=robust, path=path, prove_sparsest=bool(prove_sparsest), verify=verify, memory_limit=memory_limit,
+        )  # fmt: skip
+        proofs = PROOFS if prove_sparsest is True else float(prove_sparsest)
+        measured = Measured.of(data, params)
+        measured.hold_out(options, holdout)
+        with Progress(self.targets, progress) as bar, measured.explained():
+            found = self._native.identify(measured.native, options, time_limit, proofs, bar.heard)
+        return Result(found, measured)
+
+    def __repr__(self) -> str:
+        return f"<sidc.Model {self._name}: {', '.join(self.targets)}>"
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __reduce__(self) -> tuple[type[Model], tuple[str, str]]:
+        return Model, (self._text, self._name)
+
+
+def read(path: str | os.PathLike[str]) -> Model:
+    """The model in a file."""
+    with open(path, encoding="utf-8") as file:
+        return Model(file.read(), os.path.basename(os.fspath(path)))
+
+
+def new(data: Any) -> Model:
+    """A first model of a table, guessed from names and shapes: states with their orders, inputs, a library to start from.
+
+    Its `text` has comments that say what was guessed; edit it. Nothing is identified.
+    """
+    measured = Measured.of(data)
+    with measured.explained():
+        return Model(measured.native.draft())

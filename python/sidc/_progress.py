@@ -1,0 +1,62 @@
+"""Progress of long work, by tqdm where that is installed and somebody looks: at a terminal or in a notebook."""
+
+from __future__ import annotations
+
+import sys
+import time
+import warnings
+from collections.abc import Sequence
+from importlib.util import find_spec
+from types import TracebackType
+from typing import Any
+
+DELAY = 1.0
+"""Seconds of work before a bar is shown, as the program has it: shorter work would only flicker."""
+
+
+class Progress:
+    """A bar over the equations of a model; `wanted` None shows it where somebody looks."""
+
+    def __init__(self, targets: Sequence[str], wanted: bool | None) -> None:
+        self._targets = targets
+        self._bar: Any = None
+        self._shows = (wanted or (wanted is None and _is_watched())) and find_spec("tqdm") is not None
+        self._show_at = time.monotonic() + (0.0 if wanted else DELAY)
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, raised: BaseException | None, trace: TracebackType | None) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+    @property
+    def heard(self) -> Any:
+        """What the work calls with the place of an equation and words; None where nothing is shown."""
+        return self._show if self._shows else None
+
+    def _show(self, place: int, words: str) -> None:
+        if self._bar is None:
+            if time.monotonic() < self._show_at:
+                return
+            self._bar = _bar(len(self._targets))
+        done = min(place, len(self._targets))
+        name = f"{self._targets[place]}: " if place < len(self._targets) else ""
+        self._bar.set_description(name + words, refresh=False)
+        self._bar.n = max(self._bar.n, done)
+        self._bar.refresh()
+
+
+def _bar(total: int) -> Any:
+    with warnings.catch_warnings():
+        # In a notebook without widgets tqdm draws a bar of text, and says so.
+        warnings.simplefilter("ignore")
+        import tqdm.auto
+    return tqdm.auto.tqdm(total=total, unit="equation", leave=False)
+
+
+def _is_watched() -> bool:
+    shell = sys.modules.get("IPython")
+    inside = shell.get_ipython() if shell is not None else None
+    is_notebook = inside is not None and hasattr(inside, "kernel")
+    return is_notebook or bool(sys.stderr and sys.stderr.isatty())

@@ -1,0 +1,171 @@
+"""What was found."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from . import _records, _sidc
+from ._data import Measured
+from ._records import Doubt, Equation, Prediction, Record, Unknown, Verdict
+from ._report import Report
+from ._right_side import Function
+from ._runs import Run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Result:
+    """The equations of a system with their evidence.
+
+    As text it is the answer that the program prints; in a notebook equations, verdict and coefficients are typeset.
+    """
+
+    def __init__(self, native: _sidc.Discovery, measured: Measured | None = None) -> None:
+        self._native = native
+        self._measured = measured
+
+    @staticmethod
+    def from_json(text: str) -> Result:
+        """Reads a result document, that of `to_json` or of `sidc identify -o`."""
+        return Result(_sidc.Discovery.from_json(text))
+
+    def to_json(self) -> str:
+        """The result document (docs/command-line.md): what the program writes, but for the hashes of files that were not read."""
+        return self._native.to_json()
+
+    @cached_property
+    def document(self) -> Record:
+        """The result document as it is, all that is known."""
+        document: Record = _records.records(json.loads(self.to_json()))
+        return document
+
+    @property
+    def passes(self) -> bool:
+        """True if every equation was found and none has a doubt."""
+        return self._native.passes()
+
+    @cached_property
+    def equations(self) -> list[Equation]:
+        """The equations found and those that the model states, in the model's order."""
+        return [_records.equation(entry) for entry in self.document["equations"]]
+
+    @cached_property
+    def failed(self) -> list[Record]:
+        """The equations that were asked for and not found: `target` and `reasons`."""
+        return list(self.document["failed"])
+
+    @cached_property
+    def doubts(self) -> list[Doubt]:
+        """Every reason to distrust an equation, or why it was not found."""
+        all_equations = [*self.failed, *self.equations]
+        return [Doubt(reason, target=e["target"]) for e in all_equations for reason in e["reasons"]]
+
+    @cached_property
+    def verdict(self) -> Verdict | None:
+        """Whether it is the law, how far ahead it predicts, whether it runs freely; None in documents of earlier programs."""
+        found = self.document.get("verdict")
+        return None if found is None else _records.verdict(found)
+
+    @cached_property
+    def unknowns(self) -> list[Unknown]:
+        """The unknown constants of the model with their values."""
+        return [Unknown(entry) for entry in self.document.get("unknowns", [])]
+
+    def simulate(
+        self,
+        data: Any,
+        *,
+        start: Mapping[str, float] | None = None,
+        params: Mapping[str, Any] | None = None,
+        time_limit: float | None = None,
+    ) -> Any:
+        """Runs the equations along a table from its first row, under its inputs: a `Run`; a list of them for a list of tables.
+
+        `start` gives initial values by name; a table of times and inputs is enough where all are given. Raises `Error` where data lack
+        what a run needs. A run that ends early is no error: see `Run.fault`.
+        """
+        measured = Measured.of(data, params)
+        with measured.explained():
+            values = [(name, float(value)) for name, value in (start or {}).items()]
+            runs = [Run(run) for run in self._native.simulate(measured.native, values, time_limit)]
+        return runs if isinstance(data, (list, tuple, Measured)) else runs[0]
+
+    def score(self, data: Any, *, horizon: float | None = None, params: Mapping[str, Any] | None = None) -> Prediction:
+        """How well the equations predict `horizon` seconds (samples in discrete time) ahead along these data.
+
+        Each start has a state fitted to the readings before it. `signals` has for each signal its `error` at the horizon (`rms`, and
+        `quantile_90`, which 90 % of the starts stay within), that of keeping the value (`no_change`), and that of a linear model
+        fitted to these data (`linear`). Without a horizon the data decide.
+        """
+        measured = Measured.of(data, params)
+        with measured.explained():
+            found = json.loads(self._native.predict(measured.native, horizon))
+        # Whether these data are those used is known to who calls.
+        found.pop("on", None)
+        return Prediction(_records.records(found))
+
+    def export(self, target: str) -> str:
+        """The equations in another language: `text`, `latex`, `rust`, `c`, `python`, `sympy` or `matlab`, with Jacobians."""
+        return self._native.export(target)
+
+    def function(self) -> Function:
+        """The equations as a function for `scipy.integrate.solve_ivp`, with its Jacobian."""
+        return Function(self._native.right_side())
+
+    def to_sympy(self) -> list[Any]:
+        """The equations as they were found: a `sympy.Eq` for each derivative, next value or output."""
+        import sympy
+
+        names: dict[str, Any] = {}
+        exec(self.export("sympy"), names)  # noqa: S102 - code that this package wrote
+        sides = list(zip(names["unknown"], names.get("right", [])))
+        outputs = [e.target for e in self.equations][len(sides) :]
+        sides += [(sympy.Symbol(name, real=True), value) for name, value in zip(outputs, names.get("outputs", []))]
+        return [sympy.Eq(left, right, evaluate=False) for left, right in sides]
+
+    def report(self, path: str | os.PathLike[str] | None = None, data: Any = None) -> Report:
+        """The result as one page of HTML with runs along `data`, by default those that the equations were found from.
+
+        Written to `path` if there is one; in a notebook it is shown in a frame.
+        """
+        page = Report(self._native.report(self._along(data).native))
+        if path is not None:
+            page.write(path)
+        return page
+
+    def plot(self, data: Any = None) -> Figure:
+        """Measured against simulated along `data`, by default those that the equations were found from; needs matplotlib."""
+        from ._plots import measured_against_simulated
+
+        return measured_against_simulated(self.simulate(self._along(data)))
+
+    def _along(self, data: Any) -> Measured:
+        if data is not None:
+            return Measured.of(data)
+        if self._measured is None:
+            raise ValueError("a result that was read from a document has no data of its own: give them")
+        return self._measured
+
+    def __str__(self) -> str:
+        return self._native.answer().rstrip("\n")
+
+    def __repr__(self) -> str:
+        state = "passes" if self.passes else "doubted" if not self.failed else "not all found"
+        return f"<sidc.Result, {state}:\n{self._native.equations()}>"
+
+    def _repr_html_(self) -> str:
+        return self._native.html()
+
+    def _repr_latex_(self) -> str:
+        lines = re.search(r"\\begin\{align\*\}\n(.*?)\\end\{align\*\}", self.export("latex"), re.DOTALL)
+        inside = lines.group(1) if lines else ""
+        return f"$$\\begin{{aligned}}\n{inside}\\end{{aligned}}$$"
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        return Result.from_json, (self.to_json(),)

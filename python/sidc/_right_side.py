@@ -1,0 +1,70 @@
+"""The equations as a function, for integrators of others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Union
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import ArrayLike, NDArray
+
+    from . import _sidc
+
+    Inputs = Union[ArrayLike, Callable[[float], ArrayLike]]
+
+
+class Function:
+    """dy/dt = f(t, y[, u]); in discrete time the next y. Compiled, for `scipy.integrate.solve_ivp`:
+
+        f = result.function()
+        solve_ivp(f, (0, 10), y0, jac=f.jacobian, args=(u,))
+
+    `y` has shape (n,), or (n, k) for k points, and so has the result. `u` has shape (m,), or (m, k), or is a function of time that
+    gives it. Numbers are inputs as they act; of a function of time each input is taken so long ago as the model delays it. A value
+    that the equations do not have is NaN.
+    """
+
+    def __init__(self, native: _sidc.RightSide) -> None:
+        self._native = native
+        self._delays = native.input_delays
+
+    @property
+    def states(self) -> list[str]:
+        """Names of the n components of y."""
+        return self._native.states
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of the m components of u: inputs, parameters and lagged samples that the equations mention."""
+        return self._native.inputs
+
+    def __call__(self, t: float | ArrayLike, y: ArrayLike, u: Inputs | None = None) -> NDArray[float64]:
+        """f at y, of its shape."""
+        return self._native.rates(*self._arguments(t, y, u))
+
+    def jacobian(self, t: float | ArrayLike, y: ArrayLike, u: Inputs | None = None) -> NDArray[float64]:
+        """The derivatives of f by y: (n, n), or (k, n, n) for k points."""
+        return self._native.jacobian(*self._arguments(t, y, u))
+
+    def __repr__(self) -> str:
+        given = f", [{', '.join(self.inputs)}]" if self.inputs else ""
+        return f"<sidc.Function f(t, [{', '.join(self.states)}]{given})>"
+
+    def _arguments(self, t: Any, y: Any, u: Any) -> tuple[Any, Any, Any]:
+        import numpy as np
+
+        given = self._acting(u, t) if callable(u) else u
+        if given is not None:
+            given = np.asarray(given, dtype=np.float64)
+            given = given if given.ndim else given[None]
+        time = t if isinstance(t, (float, int)) else np.asarray(t, dtype=np.float64)
+        return time, np.asarray(y, dtype=np.float64), given
+
+    def _acting(self, u: Callable[[float], ArrayLike], t: Any) -> ArrayLike:
+        """The inputs as they act at a time."""
+        if not any(self._delays):
+            return u(t)
+        import numpy as np
+
+        return np.array([np.atleast_1d(u(t - delay))[place] for place, delay in enumerate(self._delays)])

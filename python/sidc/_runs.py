@@ -1,0 +1,42 @@
+"""Free runs: what is simulated along a record."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ._records import Record
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+
+class Run(dict[str, "NDArray[float64]"]):
+    """One record, simulated from its first row under its inputs: time `t`, states, highest derivatives and outputs by name.
+
+    All arrays have one length; NaN stands where the run had ended. `pandas.DataFrame(run)` is its table.
+    """
+
+    name: str
+    """The record."""
+
+    measured: dict[str, NDArray[float64]]
+    """Readings of the signals that are simulated, at the same times; NaN where one is missing."""
+
+    scores: list[Record]
+    """For each signal that is simulated and measured: `signal`, `rows` compared, `mse`, `fit` in per cent, `r_squared`."""
+
+    fault: str | None
+    """What ended the run early, and where; None if it went through."""
+
+    def __init__(self, simulated: tuple[str, Any, Any, Any, str | None]) -> None:
+        self.name, columns, measured, scores, self.fault = simulated
+        self.measured = dict(measured)
+        super().__init__(columns)
+        keys = ("signal", "rows", "mse", "fit", "r_squared")
+        self.scores = [Record(zip(keys, score)) for score in scores]
+
+    def __repr__(self) -> str:
+        fits = ", ".join(f"{s.signal} {s.fit:.4g} %" for s in self.scores)
+        ended = f", ended {self.fault}" if self.fault else ""
+        return f"<sidc.Run {self.name}: {', '.join(self)}{f'; fit {fits}' if fits else ''}{ended}>"

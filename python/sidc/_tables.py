@@ -1,0 +1,145 @@
+"""Tables of all kinds -> named columns of numbers.
+
+In: a dict of arrays, a structured array, a frame of pandas, polars, pyarrow or dask, anything with the Arrow C stream or the
+interchange protocol. Out: arrays of float64, NaN where a value is missing. Numbers that are float64 already are not copied here.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+TIME = "t"
+"""The column that models read times from unless their data block says otherwise."""
+
+
+def runs(data: Any) -> list[Any]:
+    """The tables of one run or of several."""
+    return list(data) if isinstance(data, (list, tuple)) else [data]
+
+
+def columns(table: Any) -> tuple[list[tuple[str, NDArray[float64]]], list[str]]:
+    """The columns of numbers by name, and the names of the columns that hold something else."""
+    numbers: list[tuple[str, NDArray[float64]]] = []
+    others: list[str] = []
+    for name, values in _named(_computed(table)):
+        found = _numbers(values)
+        if found is None:
+            others.append(name)
+        else:
+            numbers.append((name, found))
+    return numbers, others
+
+
+def _computed(table: Any) -> Any:
+    """The table itself, where it is one that is not computed yet (dask, polars)."""
+    for ends in ("compute", "collect"):
+        # Of the type: a lazy frame of polars computes its columns when it is asked for them.
+        if hasattr(type(table), "columns") and hasattr(table, ends):
+            return getattr(table, ends)()
+    return table
+
+
+def _named(table: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(table, Mapping):
+        return ((str(name), values) for name, values in table.items())
+    names = getattr(getattr(table, "dtype", None), "names", None)
+    if names:
+        return ((name, table[name]) for name in names)
+    if hasattr(table, "iloc"):
+        return _of_pandas(table)
+    if hasattr(table, "column_names") and hasattr(table, "column"):
+        return ((str(name), table.column(name)) for name in table.column_names)
+    if hasattr(table, "get_column"):
+        return ((str(name), table.get_column(name)) for name in table.columns)
+    if hasattr(table, "__arrow_c_stream__"):
+        return _named(_by_protocol(table, (("pyarrow", "table"), ("polars", "DataFrame"))))
+    if hasattr(table, "__dataframe__"):
+        routes = (("pyarrow.interchange", "from_dataframe"), ("polars", "from_dataframe"))
+        return _named(_by_protocol(table, routes))
+    kind = type(table).__name__
+    raise TypeError(f"a table is a dict of arrays or a frame (pandas, polars, pyarrow, dask), not {kind}")
+
+
+def _by_protocol(table: Any, routes: Sequence[tuple[str, str]]) -> Any:
+    """The table in a package that reads its protocol: one that is loaded, else one that is installed."""
+    import importlib
+
+    ready = sorted(routes, key=lambda route: route[0].partition(".")[0] not in sys.modules)
+    for module, function in ready:
+        try:
+            read: Callable[[Any], Any] = getattr(importlib.import_module(module), function)
+        except ImportError:
+            continue
+        return read(table)
+    raise TypeError("a table that offers only a protocol is read by pyarrow or polars: install one of them")
+
+
+def _of_pandas(frame: Any) -> Iterator[tuple[str, Any]]:
+    """The index, where it is one of times or has a name, then the columns."""
+    taken = {str(name) for name in frame.columns}
+    levels = [frame.index.get_level_values(k) for k in range(frame.index.nlevels)]
+    for level in levels:
+        is_time = level.dtype.kind in "fmM"
+        names = [str(level.name)] if level.name is not None else []
+        if len(levels) == 1 and (is_time or names):
+            names.append(TIME)
+        for name in dict.fromkeys(names):
+            if name not in taken:
+                taken.add(name)
+                yield name, level
+    for place, name in enumerate(frame.columns):
+        yield str(name), frame.iloc[:, place]
+
+
+def _numbers(values: Any) -> NDArray[float64] | None:
+    """Values as float64; times of day as seconds from the first; None where they are neither."""
+    import numpy as np
+
+    array = _array(values)
+    if array.ndim != 1:
+        raise ValueError(f"a column has one value for each row, not the shape {array.shape}")
+    kind = array.dtype.kind
+    if kind in "fiub":
+        return array.astype(np.float64, copy=False)
+    if kind == "M":
+        known = array[~np.isnat(array)]
+        first = known[0] if len(known) else np.datetime64(0, "s")
+        return _seconds(array - first)
+    if kind == "m":
+        return _seconds(array)
+    for dtype in ("float64", "datetime64[us]") if kind == "O" else ():
+        try:
+            return _numbers(array.astype(dtype))
+        except (TypeError, ValueError):
+            continue
+    return None
+
+
+def _array(values: Any) -> NDArray[Any]:
+    import numpy as np
+
+    kind = getattr(getattr(values, "dtype", None), "kind", "")
+    if hasattr(values, "array") and kind in tuple("fiub"):
+        # A series of pandas, whose missing integers are no numbers of numpy.
+        return np.asarray(values.to_numpy(dtype="float64", na_value=np.nan))
+    if hasattr(values, "array") and kind == "M":
+        # With a zone or without one.
+        return np.asarray(values.to_numpy(dtype="datetime64[ns]"))
+    if hasattr(values, "combine_chunks"):
+        return np.asarray(values.to_numpy())
+    is_masked = isinstance(values, np.ma.MaskedArray)
+    if is_masked:
+        return np.asarray(values.astype(np.float64).filled(np.nan))
+    return np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+
+
+def _seconds(spans: NDArray[Any]) -> NDArray[float64]:
+    import numpy as np
+
+    return np.asarray(spans / np.timedelta64(1, "s"), dtype=np.float64)

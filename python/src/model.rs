@@ -1,0 +1,78 @@
+//! Models.
+
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+
+use crate::discovery::Discovery;
+use crate::inputs::{Data, Options};
+use crate::raised::raised;
+use crate::watching::{Watch, watched};
+
+/// A checked model.
+#[pyclass(module = "sidc._sidc", frozen)]
+pub struct Model {
+    inner: Arc<sidc::Model>,
+}
+
+#[pymethods]
+impl Model {
+    #[new]
+    fn new(py: Python<'_>, text: &str, name: &str) -> PyResult<Model> {
+        let parsed = py.detach(|| sidc::Model::named(name, text));
+        let inner = Arc::new(parsed.map_err(|e| raised(py, &e))?);
+        Ok(Model { inner })
+    }
+
+    /// The derivatives, next values and outputs that have an equation.
+    fn targets(&self) -> Vec<String> {
+        self.inner.targets()
+    }
+
+    /// How many terms are candidates for an equation; None if nothing is looked for there.
+    fn candidates(&self, target: &str) -> Option<usize> {
+        self.inner.candidates(target)
+    }
+
+    /// The terms that are candidates for an equation; None if nothing is looked for there.
+    fn candidate_terms(&self, target: &str) -> Option<Vec<String>> {
+        self.inner.candidate_terms(target).map(Iterator::collect)
+    }
+
+    /// The words that libraries are written with, beside names of signals.
+    #[staticmethod]
+    fn vocabulary() -> Vec<&'static str> {
+        sidc::Model::vocabulary()
+    }
+
+    /// The warnings about the model, as the program prints them.
+    fn warnings(&self) -> String {
+        self.inner.warnings()
+    }
+
+    /// Finds the equations. `heard(place, words)` is told now and then which equation is worked on.
+    #[pyo3(signature = (data, options, time_limit=None, proof_limit=None, heard=None))]
+    fn identify(
+        &self,
+        py: Python<'_>,
+        data: &Data,
+        options: &Options,
+        time_limit: Option<f64>,
+        proof_limit: Option<f64>,
+        heard: Option<Py<PyAny>>,
+    ) -> PyResult<Discovery> {
+        let (model, data) = (self.inner.clone(), data.inner.clone());
+        let options = options.inner.clone();
+        let equations = self.inner.targets().len();
+        let watch = Watch {
+            time_limit,
+            proofs: proof_limit.map(|limit| (limit, equations)),
+            heard,
+        };
+        let found = watched(py, watch, move |observer| {
+            model.identify_watched(&data, &options, observer)
+        })?;
+        let found = found.map_err(|e| raised(py, &e))?;
+        Ok(Discovery::new(found))
+    }
+}

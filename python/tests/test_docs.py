@@ -1,0 +1,46 @@
+"""The examples of the documents run, in their order, and print what is shown below them."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+import warnings
+from pathlib import Path
+
+import pytest
+
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", ["python.md", "pysindy.md"])
+def test_examples_print_what_is_shown(page: str, root: Path) -> None:
+    if page == "pysindy.md":
+        pytest.importorskip("pysindy")
+    blocks = BLOCK.findall((root / "docs" / page).read_text(encoding="utf-8"))
+    assert len(blocks) > 5
+    names: dict[str, object] = {}
+    printed, shown = "", ""
+    for language, text in blocks:
+        if language == "text":
+            shown += text
+            assert comparable(printed) == comparable(shown)
+            continue
+        assert language == "python"
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), warnings.catch_warnings():
+            # PySINDy warns of its own dependencies.
+            warnings.simplefilter("ignore")
+            exec(compile(text, page, "exec"), names)
+        printed, shown = said.getvalue(), ""
+        assert printed == "" or followed_by_text(blocks, text), f"{page} does not show: {printed}"
+
+
+def comparable(text: str) -> str:
+    """Errors of exact data are rounding, which differs between processors."""
+    return re.sub(r"\b(below|linear) [-+.\de]+\d", r"\1 #", text)
+
+
+def followed_by_text(blocks: list[tuple[str, str]], text: str) -> bool:
+    place = [block for _, block in blocks].index(text)
+    return place + 1 < len(blocks) and blocks[place + 1][0] == "text"
