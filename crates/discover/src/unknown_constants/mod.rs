@@ -9,7 +9,10 @@
 mod all_terms;
 mod effects;
 mod fewer_terms;
+mod maxima;
 mod profile;
+mod proposals;
+mod pursuit;
 mod search;
 mod search_points;
 mod sought;
