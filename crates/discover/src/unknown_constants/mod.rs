@@ -13,6 +13,7 @@ mod maxima;
 mod profile;
 mod proposals;
 mod pursuit;
+mod range_proof;
 mod search;
 mod search_points;
 mod sought;
@@ -20,6 +21,7 @@ pub(crate) mod thresholds;
 mod variable_projection;
 
 pub(crate) use effects::{ConstantEffect, constant_effects};
+pub use range_proof::range_certificates;
 pub use search::{ConstantErrors, constant_errors, refine, settle};
 pub(crate) use search_points::alike;
 pub use sought::{Sought, named_values, sought, values_of, with_values};

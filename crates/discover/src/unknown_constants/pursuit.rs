@@ -1,7 +1,7 @@
 //! Basis pursuit over a continuum: every term that holds constants stands for a column at each of their values.
 //!
-//! In: a library, rows, points to begin with, a target, ε. Out: the columns of the answer with their values, the dual point, and by how much
-//! it breaks bounds between the points. Judges nothing.
+//! In: a library, rows, points to begin with, a target, ε. Out: the columns of the answer with their values, the norm, the
+//! dual point. Judges nothing.
 //!
 //! Column generation (Bredies & Pikkarainen 2013, for measures): basis pursuit on the columns at hand gives a dual point λ; the values at
 //! which |φ(k)ᵀλ|/w(k) is largest give the next columns, until none breaks its bound. Each column has values of its own here, also where
@@ -49,8 +49,6 @@ pub(super) struct Answer {
     pub dual: Vec<f64>,
     /// Σ |a| w
     pub norm: f64,
-    /// Largest |φ(k)ᵀλ|/w(k) − 1 that pricing found between the points in the last round.
-    pub violation: f64,
 }
 
 /// A column at values that are no points.
@@ -136,10 +134,6 @@ impl<'a> Pursuit<'a> {
             let (solution, answer) = self.restricted(target, tolerance, effort, observer)?;
             let found = self.price(&solution.dual);
             let violation = found.iter().map(|a| a.size - 1.0).fold(0.0, f64::max);
-            let answer = Answer {
-                violation,
-                ..answer
-            };
             if violation <= effort.violation || round >= effort.rounds {
                 return Some(answer);
             }
@@ -205,7 +199,6 @@ impl<'a> Pursuit<'a> {
             members: members.collect(),
             dual: solution.dual.clone(),
             norm: shares.iter().sum(),
-            violation: f64::INFINITY,
         };
         Some((solution, answer))
     }

@@ -74,7 +74,35 @@ family! {
     }
 }
 
+family! {
+    /// The proof that an answer has the least norm over the range of a constant.
+    pub(crate) RANGE_PROOF: RangeProofNumbers {
+        /// Rows times columns at all values, above which nothing is proved.
+        room: usize = 30_000_000, unit "numbers", source "pricing them takes 20 ms, and a path prices them some tens of times";
+        /// Values of the constant at which columns are made first.
+        points: usize = 100, unit "values", source "set by hand: those between are priced by ascent";
+        /// Rounds of pricing between them.
+        rounds: usize = 12, unit "rounds", source "the excess falls by the square of the distance to the next column, which each round divides";
+        /// Steps of a path.
+        steps: usize = 300, unit "steps", source "an answer of the least norm is the end of a path of some ten steps for each term";
+        /// Excess over |φᵀλ| ≤ w that is rounding: B − 1 of what is proved.
+        bound: f64 = 1e-6, unit "", source "as the gap of the certificate at one value";
+        /// First cell about the value.
+        first_cell: f64 = 0.05, unit "of the value or the range", source "set by hand: it is halved until it is proved";
+        /// Width of a cell below which a bound is not proved.
+        least_cell: f64 = 1e-5, unit "of the value", source "set by hand: an enclosure that is too wide there stays so";
+        /// Cells to each side.
+        cells: usize = 400, unit "cells", source "each takes some ms; smooth terms need ten to fifty";
+        /// Ranges that are tried, each half as far towards the value that spoiled the last.
+        ranges: usize = 4, unit "ranges", source "set by hand: a sixteenth of the way is left";
+    }
+}
+
 /// The families as tables.
 pub(crate) fn tables() -> Vec<Table> {
-    vec![Unknowns::table(), Pricing::table()]
+    vec![
+        Unknowns::table(),
+        Pricing::table(),
+        RangeProofNumbers::table(),
+    ]
 }

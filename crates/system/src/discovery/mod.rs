@@ -21,7 +21,7 @@ mod ways;
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, NormGrading, OtherLaw, PathKnot,
-    Proof, Rearranged, Status, Variable, Ways,
+    Proof, RangeCertificate, Rearranged, Status, Variable, Ways,
 };
 pub use identifiability::{
     Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
