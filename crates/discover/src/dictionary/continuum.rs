@@ -252,7 +252,7 @@ mod tests {
 
     /// <1, x, sin(k x)> · <1, exp(k x), x^2>, one slot empty.
     fn library() -> Library {
-        let [x, k] = signals().map(|s| Expr::signal(s));
+        let [x, k] = signals().map(Expr::signal);
         let call = |name: &str, arg: Expr| {
             let found = Func::named(name).map(|f| Expr::call(f, vec![arg]));
             let expr = found.unwrap_or_default();

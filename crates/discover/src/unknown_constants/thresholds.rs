@@ -85,6 +85,10 @@ family! {
         rounds: usize = 12, unit "rounds", source "the excess falls by the square of the distance to the next column, which each round divides";
         /// Steps of a path.
         steps: usize = 300, unit "steps", source "an answer of the least norm is the end of a path of some ten steps for each term";
+        /// Residuals at which the dual point is sought in turn.
+        residuals: [f64; 2] = [1e-4, 0.0], unit "of the right side", source "the shortest dual point is their limit; an exact fit by nearly dependent columns is a long path";
+        /// How much smaller the norm of another combination is, at least, that counts as one.
+        smaller: f64 = 0.01, unit "of the norm", source "a hundred times the residual that it may leave";
         /// Excess over |φᵀλ| ≤ w that is rounding: B − 1 of what is proved.
         bound: f64 = 1e-6, unit "", source "as the gap of the certificate at one value";
         /// First cell about the value.
@@ -94,7 +98,7 @@ family! {
         /// Cells to each side.
         cells: usize = 400, unit "cells", source "each takes some ms; smooth terms need ten to fifty";
         /// Ranges that are tried, each half as far towards the value that spoiled the last.
-        ranges: usize = 4, unit "ranges", source "set by hand: a sixteenth of the way is left";
+        ranges: usize = 3, unit "ranges", source "set by hand: an eighth of the way is left";
     }
 }
 

@@ -40,7 +40,7 @@ fn smaller(r: &RangeCertificate) -> Option<String> {
         None => "other terms".into(),
     };
     Some(format!(
-        "{who} give the same right side with a norm {less} % smaller"
+        "{who} give the same right side to 0.01 % with a norm {less} % smaller"
     ))
 }
 

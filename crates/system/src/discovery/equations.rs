@@ -260,7 +260,7 @@ pub struct RangeCertificate {
     /// Values over which none has a smaller norm, up to rounding; `None` where that is not proved of any.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub holds: Option<(f64, f64)>,
-    /// The norm of another combination over that of the equation, below 1, where one was found in the range that was searched.
+    /// The norm of another combination that gives the right side to 1e-4, over that of the equation, where one was found in the range that was searched.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub smaller: Option<f64>,
     /// The value of the constant in the largest of its terms that has another value; `None` where none has.

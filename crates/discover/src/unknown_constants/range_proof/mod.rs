@@ -9,13 +9,15 @@
 
 mod cells;
 mod interval;
+#[cfg(test)]
+mod tests;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::pursuit::{Effort, Family, Pursuit};
+use super::pursuit::{self, Effort, Family, Pursuit};
 use super::search_points::search_points;
 use super::sought::{Sought, set_values, values_of};
-use super::thresholds::RANGE_PROOF;
+use super::thresholds::{RANGE_PROOF, UNKNOWNS};
 use super::variable_projection::expression_values;
 use crate::dictionary::{compile, evaluate, grades};
 use crate::statistics::{norm, product};
@@ -88,10 +90,10 @@ struct Case<'a> {
     support: Vec<(usize, f64)>,
 }
 
-/// What a pursuit over a range ends with.
+/// What pursuits over a range end with.
 enum Outcome {
-    /// The equation, with its dual point.
-    Least(Vec<f64>),
+    /// The equation; the part of the range over which that is proved.
+    Least(Option<(f64, f64)>),
     /// Another combination: its norm beside that of the equation, and the value farthest from any doubt, of its largest column with one.
     Smaller(f64, Option<f64>),
 }
@@ -110,9 +112,12 @@ impl Case<'_> {
         };
         let mut range = declared;
         for _ in 0..RANGE_PROOF.ranges {
-            match self.pursue(range, observer)? {
-                Outcome::Least(dual) => {
-                    found.holds = self.proved(&dual, range, observer);
+            let Some(outcome) = self.pursue(range, observer) else {
+                break;
+            };
+            match outcome {
+                Outcome::Least(holds) => {
+                    found.holds = holds;
                     return Some(found);
                 }
                 Outcome::Smaller(share, at) => {
@@ -125,7 +130,7 @@ impl Case<'_> {
                 }
             }
         }
-        Some(found)
+        found.smaller.is_some().then_some(found)
     }
 
     /// The columns of the terms found, with weighted rows.
@@ -160,7 +165,7 @@ impl Case<'_> {
             grading: &self.witness.grading,
         };
         let room = RANGE_PROOF.room / (self.samples.len() * self.library.slots()).max(1);
-        if room < RANGE_PROOF.points / 4 {
+        if room < UNKNOWNS.least_values {
             return None;
         }
         let mut within = self.sought;
@@ -180,18 +185,35 @@ impl Case<'_> {
             steps: RANGE_PROOF.steps,
             violation: 0.1 * RANGE_PROOF.bound,
         };
-        let answer = pursuit.solve((&target, 0.0), effort, observer)?;
-        let share = answer.norm / size;
-        if share >= 1.0 - RANGE_PROOF.bound {
-            return Some(Outcome::Least(self.vertex(&columns, answer.dual)));
+        // Near zero the dual point tends to the shortest one (Duval & Peyré 2015), which is the likeliest to keep its bounds between points.
+        let mut reached = false;
+        for share in RANGE_PROOF.residuals {
+            let goal = (&target[..], share * norm(&target));
+            let Some(answer) = pursuit.solve(goal, effort, observer) else {
+                continue;
+            };
+            if answer.norm < (1.0 - RANGE_PROOF.smaller) * size {
+                let at = self.other_value(&answer.members);
+                return Some(Outcome::Smaller(answer.norm / size, at));
+            }
+            let holds = self.proved(&self.vertex(&columns, answer.dual), range, observer);
+            if holds.is_some() {
+                return Some(Outcome::Least(holds));
+            }
+            reached = true;
         }
-        let moved = answer.members.iter().filter_map(|m| {
+        reached.then_some(Outcome::Least(None))
+    }
+
+    /// The value in the largest column that has another than the equation.
+    fn other_value(&self, members: &[pursuit::Member]) -> Option<f64> {
+        let moved = members.iter().filter_map(|m| {
             let value = m.values.as_ref()?.first()?;
-            let away = (value - self.value).abs() > 1e-6 * self.value.abs();
+            let away = (value - self.value).abs() > 1e-2 * self.value.abs();
             away.then_some((m.share, *value))
         });
         let largest = moved.max_by(|a, b| a.0.total_cmp(&b.0));
-        Some(Outcome::Smaller(share, largest.map(|(_, value)| value)))
+        largest.map(|(_, value)| value)
     }
 
     /// λ moved the least to touch the bounds of the terms found, and not to cross them there.
