@@ -5,8 +5,8 @@
 //! One constant at a time, each to the root of the exact slope: with one constant that is the maximum itself. With several it may be any
 //! stationary point of its cell, so that larger ones can be missed.
 
-use super::pursuit::Family;
-use super::sought::set_values;
+use super::family::Family;
+use super::sought::{Sought, set_values};
 use super::thresholds::PRICING;
 use super::variable_projection::expression_values;
 use crate::dictionary::evaluate;
@@ -75,7 +75,7 @@ pub(super) struct Ascent<'a> {
 
 impl<'a> Ascent<'a> {
     pub fn new(term: &'a Term, family: Family<'a>, dual: &[f64]) -> Ascent<'a> {
-        let slope = |s: &super::sought::Sought| {
+        let slope = |s: &Sought| {
             let held = term.mentions(s.signal());
             held.then(|| term.derivative(s.signal()))
         };

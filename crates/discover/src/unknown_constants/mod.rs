@@ -8,6 +8,7 @@
 
 mod all_terms;
 mod effects;
+mod family;
 mod fewer_terms;
 mod maxima;
 mod profile;

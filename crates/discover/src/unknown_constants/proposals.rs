@@ -6,8 +6,9 @@
 //! A dense grid of columns fits any target exactly, at values that mean nothing. So ε falls by stages from a third of the target: the first
 //! columns to enter are those of the strongest terms, and each stage refines them before the next asks for more.
 
+use super::family::Family;
 use super::profile::{Profile, ProfiledEquation};
-use super::pursuit::{Effort, Family, Member, Pursuit};
+use super::pursuit::{Effort, Member, Pursuit};
 use super::search_points::alike;
 use super::thresholds::PRICING;
 use crate::statistics::norm;

@@ -7,30 +7,15 @@
 //! which |φ(k)ᵀλ|/w(k) is largest give the next columns, until none breaks its bound. Each column has values of its own here, also where
 //! an equation has one value for all: the norm that comes out is then a lower bound.
 
+use super::family::Family;
 use super::maxima::{Ascent, Grid};
 use super::sought::{Sought, set_values};
 use super::thresholds::PRICING;
 use crate::dictionary::{Continuum, ContinuumColumns, evaluate};
 use crate::statistics::product;
-use sidc_data::Samples;
-use sidc_lang::library::{Grading, Library};
 use sidc_progress::Observer;
 use sidc_solve::dictionary::{Dense, Dictionary, Graded, Grades, Joined};
 use sidc_solve::{Homotopy, Problem, Solution, Solver, Status, support};
-
-/// What the continuum is made of.
-#[derive(Clone, Copy)]
-pub(super) struct Family<'a> {
-    pub library: &'a Library,
-    /// The constants that vary.
-    pub sought: &'a [Sought],
-    /// Every signal on the rows; of other constants the values that they keep.
-    pub samples: &'a Samples,
-    /// Factors of the rows.
-    pub row: &'a [f64],
-    /// Weights of terms beyond the length of their columns.
-    pub grading: &'a Grading,
-}
 
 /// A column of an answer.
 #[derive(Clone, Debug)]

@@ -14,9 +14,10 @@ mod tests;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::pursuit::{self, Effort, Family, Pursuit};
+use super::family::Family;
+use super::pursuit::{self, Effort, Pursuit};
 use super::search_points::search_points;
-use super::sought::{Sought, set_values, values_of};
+use super::sought::{Sought, set_values, sought, values_of};
 use super::thresholds::{RANGE_PROOF, UNKNOWNS};
 use super::variable_projection::expression_values;
 use crate::dictionary::{compile, evaluate, grades};
@@ -44,7 +45,7 @@ pub fn range_certificates(
         return Vec::new();
     };
     let samples = samples.select(&witness.rows);
-    let all = super::sought(model, &samples);
+    let all = sought(model, &samples);
     let held = |s: &&Sought| {
         let signal = s.signal();
         s.run.is_none() && equation.terms.iter().any(|t| t.term.mentions(signal))

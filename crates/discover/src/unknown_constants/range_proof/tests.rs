@@ -3,7 +3,8 @@
 use super::cells::{Member, Rows, TermFamily};
 use crate::dictionary::evaluate;
 use crate::statistics::norm;
-use crate::unknown_constants::pursuit::{Effort, Family, Pursuit};
+use crate::unknown_constants::family::Family;
+use crate::unknown_constants::pursuit::{Effort, Pursuit};
 use crate::unknown_constants::sought::Sought;
 use sidc_data::{Column, Origin, Samples};
 use sidc_lang::library::{Grading, Library};
