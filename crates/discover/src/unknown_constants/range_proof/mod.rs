@@ -197,8 +197,11 @@ impl Case<'_> {
                 let at = self.other_value(&answer.members);
                 return Some(Outcome::Smaller(answer.norm / size, at));
             }
-            let holds = self.proved(&self.vertex(&columns, answer.dual), range, observer);
-            if holds.is_some() {
+            let dual = self.vertex(&columns, answer.dual);
+            // Weak duality: no norm is below yᵀλ/B. Where the columns are dependent, λ may not reach the terms' bounds.
+            let reaches = dot(&target, &dual) >= (1.0 - RANGE_PROOF.bound) * size;
+            let holds = reaches.then(|| self.proved(&dual, range, observer));
+            if let Some(holds @ Some(_)) = holds {
                 return Some(Outcome::Least(holds));
             }
             reached = true;
@@ -234,6 +237,9 @@ impl Case<'_> {
                 conditions.extend(slope.iter().map(|x| x / length));
                 wanted.push(0.0);
             }
+        }
+        if wanted.len() > dual.len() {
+            return dual;
         }
         let conditions = DMatrix::from_vec(dual.len(), wanted.len(), conditions);
         let wanted = DVector::from_vec(wanted);
