@@ -121,6 +121,31 @@ pub(super) fn tell(
     found.unknowns = told.collect();
 }
 
+/// What is proved of the equations over the ranges of their constants.
+pub(super) fn certify(
+    program: &Program,
+    samples: &Samples,
+    found: &mut Discovery,
+    observer: &mut dyn Observer,
+) {
+    if found.unknowns.is_empty() {
+        return;
+    }
+    let model = &program.model;
+    for equation in &mut found.equations {
+        let mut sought = model.equations.iter().zip(&program.libraries);
+        let own = sought.find(|(e, _)| e.target == equation.target);
+        let Some(library) = own.and_then(|(_, library)| library.as_ref()) else {
+            continue;
+        };
+        let of = (model, library);
+        let proved = unknown_constants::range_certificates(of, samples, equation, observer);
+        if let Some(evidence) = &mut equation.evidence {
+            evidence.certificate_range = proved;
+        }
+    }
+}
+
 /// Doubts about the constants of a discovery, from rows of all signals.
 pub(super) fn doubt(
     program: &Program,

@@ -51,6 +51,7 @@ pub fn identify(
     let mut discovery = found.map_err(|refused| diagnostics(program, measured, refused))?;
     let data = (&measured.dataset, &measured.samples);
     constants::tell(program, data, &mut discovery, options);
+    constants::certify(program, &measured.samples, &mut discovery, observer);
     constants::doubt(program, &measured.samples, &mut discovery, options);
     rates::doubt(&mut discovery, &measured.dataset.rate_faults);
     let weighing = Weighing {

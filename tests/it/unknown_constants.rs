@@ -75,6 +75,50 @@ fn half_saturation_is_found_with_the_terms() {
     assert!(run.stdout.contains("\nK = 0.8"), "{}", run.stdout);
 }
 
+/// Of the right law no other value of K does with a smaller norm; with two exponentials that cancel it is not so, and that is said.
+#[test]
+fn a_range_is_proved_or_another_value_is_named() {
+    let (run, found) = identify(UPTAKE, &uptake(0.0, 1), &["--evidence"]);
+    let proof = &found["equations"][0]["evidence"]["certificate_range"][0];
+    assert_eq!(proof["unknown"], "K", "{}", run.stdout);
+    assert_eq!(proof["declared"], serde_json::json!([0.01, 10.0]));
+    assert_eq!(proof["holds"], proof["declared"], "{}", run.stdout);
+    let line = "proved for every K in 0.01..10: no other terms give the same right side";
+    assert!(run.stdout.contains(line), "{}", run.stdout);
+
+    let law = |t: f64, x: &[f64; 1]| [feed(t) - 0.2 * ((1.7 * x[0]).exp() - 1.0)];
+    let data = table("x,u", 800, [0.1], &law, |t, x| vec![x[0], feed(t)]);
+    let model =
+        "unknown k in 0.1..10\nstate x\ninput u : linear\ndx ~ <1, x, x^2, x^3, u, exp(k*x)>\n";
+    let (run, found) = identify(model, &data, &["--evidence"]);
+    let proof = &found["equations"][0]["evidence"]["certificate_range"][0];
+    assert!(proof["holds"].is_null() && proof["smaller"].as_f64().unwrap() < 0.99);
+    let line = "not the least norm over k in 0.1..10";
+    assert!(run.stdout.contains(line), "{}", run.stdout);
+}
+
+/// A saturation among 490 terms: values that basis pursuit over the range proposes lead there.
+#[test]
+fn a_constant_of_a_large_library_is_found() {
+    let push =
+        |t: f64| 1.5 * (0.63 * t).sin() + (1.47 * t + 1.0).sin() + 0.7 * (2.77 * t + 2.0).sin();
+    let law = |t: f64, x: &[f64; 2]| {
+        [
+            x[1],
+            -1.3 * x[0] - 0.2 * x[1] - 1.1 * (x[1] / 0.4).tanh() + push(t),
+        ]
+    };
+    let data = table("x,u", 800, [1.0, 0.0], &law, |t, x| vec![x[0], push(t)]);
+    let library = "poly(x, dx, u; 4) * <1, tanh(dx/k)> * <1, sin x, cos x, exp(-x^2), sin dx, cos dx, exp(-x)>";
+    let model =
+        format!("unknown k in 0.05..20\nstate x : order 2\ninput u : linear\nddx ~ {library}\n");
+    let (run, found) = identify(&model, &data, &[]);
+    let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+    assert_eq!(names.len(), 4, "{}", run.stdout);
+    assert!(names.contains(&"tanh(dx/k)"), "{}", run.stdout);
+    assert!((value(&found, "k") - 0.4).abs() < 1e-3, "{}", run.stdout);
+}
+
 #[test]
 fn noisy_readings_give_the_constant_within_its_error() {
     for seed in 1..=3 {

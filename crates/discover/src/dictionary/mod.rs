@@ -6,6 +6,7 @@
 
 mod column_products;
 mod compile;
+mod continuum;
 mod expression_values;
 mod factor_table;
 mod grades;
@@ -14,4 +15,5 @@ mod grades;
 mod tests;
 
 pub use compile::{BadValue, bytes, compile, evaluate, subtract};
+pub(crate) use continuum::{Continuum, ContinuumColumns};
 pub use grades::{grades, variations};

@@ -63,6 +63,7 @@ impl Task<'_> {
             held_out,
             searched: answer.searched,
             certificate: answer.proof.clone(),
+            certificate_range: Vec::new(),
             together: None,
             relation: None,
             ways: None,

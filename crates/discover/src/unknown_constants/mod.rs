@@ -8,8 +8,13 @@
 
 mod all_terms;
 mod effects;
+mod family;
 mod fewer_terms;
+mod maxima;
 mod profile;
+mod proposals;
+mod pursuit;
+mod range_proof;
 mod search;
 mod search_points;
 mod sought;
@@ -17,6 +22,7 @@ pub(crate) mod thresholds;
 mod variable_projection;
 
 pub(crate) use effects::{ConstantEffect, constant_effects};
+pub use range_proof::range_certificates;
 pub use search::{ConstantErrors, constant_errors, refine, settle};
 pub(crate) use search_points::alike;
 pub use sought::{Sought, named_values, sought, values_of, with_values};

@@ -3,7 +3,7 @@
 //! In: a model, libraries, samples, values. Out: the criterion, summed over the equations that the constants stand in, and their terms.
 
 use super::sought::{Sought, set_values, shared};
-use super::thresholds::UNKNOWNS;
+use super::thresholds::{PRICING, UNKNOWNS};
 use crate::dictionary::{compile, subtract};
 use crate::known_terms::fixed_terms;
 use crate::options::Options;
@@ -11,13 +11,14 @@ use crate::row_weights::{Weights, lasting_errors};
 use crate::selection::information_criterion::InformationCriterion;
 use crate::selection::term_selection::select_terms;
 use crate::selection::thresholds::TERM_SELECTION;
-use crate::statistics::{product, rms};
+use crate::statistics::{norm, product, rms};
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
-use sidc_solve::Problem;
+use sidc_solve::dictionary::Dictionary;
+use sidc_solve::{Problem, Status};
 
 /// One equation that constants stand in, on the rows that are looked at.
 pub(super) struct ProfiledEquation<'a> {
@@ -151,6 +152,13 @@ impl<'a> Profile<'a> {
         self.equations.iter().flat_map(of).collect()
     }
 
+    /// So many points that their columns are priced in a fraction of a second.
+    pub fn most_points(&self) -> usize {
+        let largest = self.equations.iter().map(|e| e.library.slots()).max();
+        let affordable = PRICING.columns / largest.unwrap_or(1).max(1);
+        affordable.clamp(UNKNOWNS.least_values, UNKNOWNS.most_points)
+    }
+
     /// Whether some library is too large to be searched whole at every point.
     pub fn is_large(&self) -> bool {
         let mut all = self.equations.iter();
@@ -166,14 +174,7 @@ impl<'a> Profile<'a> {
             let phi = compile(e.library, &self.samples, Some(&e.row)).ok()?;
             let proposed = match phi.cols() > TERM_SELECTION.exhaustive_columns {
                 false => Vec::new(),
-                true => {
-                    let problem = Problem {
-                        dictionary: phi.as_ref(),
-                        target: &y,
-                        tolerance: (e.criterion.floor * e.criterion.rows).sqrt(),
-                    };
-                    self.options.solver.solve(&problem, observer).coefficients
-                }
+                true => self.proposed(e, phi.as_ref(), &y, observer),
             };
             let found = select_terms(phi.as_ref(), &y, &proposed, e.criterion, observer);
             if found.cut {
@@ -187,6 +188,33 @@ impl<'a> Profile<'a> {
             values: values.to_vec(),
             supports,
         })
+    }
+
+    /// The terms of basis pursuit within the errors of the rows. Where that is a long path, which away from the right values it is, within the
+    /// least of some shares of the target that few terms reach.
+    fn proposed(
+        &self,
+        equation: &ProfiledEquation,
+        phi: &dyn Dictionary,
+        y: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Vec<(usize, f64)> {
+        let least = (equation.criterion.floor * equation.criterion.rows).sqrt();
+        let rougher = PRICING.stages.iter().rev().map(|share| share * norm(y));
+        let steps = PRICING.steps_per_row * y.len();
+        for tolerance in std::iter::once(least).chain(rougher.filter(|t| *t > least)) {
+            let problem = Problem {
+                dictionary: phi,
+                target: y,
+                tolerance,
+            };
+            let solver = self.options.solver;
+            let found = solver.solve_all(&[problem], steps, observer).pop();
+            if let Some(found) = found.filter(|f| f.status != Status::Interrupted) {
+                return found.coefficients;
+            }
+        }
+        Vec::new()
     }
 
     /// What the constants cost that some chosen term holds: each is one more number that is estimated.

@@ -7,9 +7,10 @@ use nalgebra::DMatrix;
 use super::all_terms;
 use super::fewer_terms::with_fewer_terms;
 use super::profile::{Profile, ProfilePoint};
+use super::proposals::proposals;
 use super::search_points::{alike, apart, search_points};
 use super::sought::{Sought, sought};
-use super::thresholds::UNKNOWNS;
+use super::thresholds::{PRICING, UNKNOWNS};
 use super::variable_projection::{Projected, project};
 use crate::options::Options;
 use sidc_data::Samples;
@@ -37,20 +38,24 @@ pub fn settle(
         // What the noise of the rows leaves is for the likelihood of the trajectory to judge.
         profile.forget_errors();
     }
-    let points = match profile.is_large() {
-        true => UNKNOWNS.most_points_of_large,
-        false => UNKNOWNS.most_points,
-    };
-    let rows = (&profile.samples, points);
+    let large = profile.is_large();
+    let rows = (&profile.samples, profile.most_points());
     let points = search_points(&profile.sought, &profile.terms(), rows);
     let whole = all_terms::minima(&mut profile, &points, observer);
+    let points = match large {
+        true => priced(&profile, points, observer),
+        false => points,
+    };
     // One constant is looked at densely.
-    let rough = match profile.is_large() || profile.sought.len() < 2 {
+    let rough = match large || profile.sought.len() < 2 {
         true => Vec::new(),
         false => rough_minima(&mut profile, &points, observer),
     };
     let points: Vec<Vec<f64>> = [points, whole.clone(), rough].concat();
     let mut starts = best_points(&mut profile, &points, observer);
+    if large {
+        starts.truncate(PRICING.starts);
+    }
     let by_run = |shared: &[f64]| -> Vec<f64> {
         let value = |s: &Sought| shared.get(s.place).copied();
         all.iter().filter_map(value).collect()
@@ -98,6 +103,16 @@ fn rough_minima(
         profile.set_floors(&floors);
     }
     out
+}
+
+/// What basis pursuit over the ranges proposes, or so few of the points that each can be looked at with a solution of the basis pursuit.
+fn priced(profile: &Profile, points: Vec<Vec<f64>>, observer: &mut dyn Observer) -> Vec<Vec<f64>> {
+    let proposed = proposals(profile, &points, observer);
+    let every = match proposed.is_empty() {
+        true => points.len().div_ceil(UNKNOWNS.most_points_of_large),
+        false => return proposed,
+    };
+    points.into_iter().step_by(every.max(1)).collect()
 }
 
 /// The best of some points, in different basins as far as is seen.

@@ -40,7 +40,73 @@ family! {
     }
 }
 
+family! {
+    /// Basis pursuit over the ranges of unknown constants.
+    pub(crate) PRICING: Pricing {
+        /// Columns with a constant, at all points together.
+        columns: usize = 500_000, unit "columns", source "pricing them on 400 rows takes 0.1 s";
+        /// Residuals that are asked for in turn.
+        stages: [f64; 5] = [0.3, 0.1, 0.03, 0.01, 0.003], unit "of the target", source "half decades: the strongest terms enter first";
+        /// Rounds of pricing between the points at each of them.
+        rounds: usize = 3, unit "rounds", source "the slope's root is exact, so that a second round moves a column by the change of the dual point alone";
+        /// Steps of a path.
+        steps: usize = 200, unit "steps", source "half of `unknowns.rows`: a longer path fits noise";
+        /// Excess over |φᵀλ| ≤ w that a proposal may leave.
+        violation: f64 = 1e-3, unit "", source "the norm is then within 0.1 % of the least; variable projection refines";
+        /// Columns that are looked at for maxima.
+        priced_columns: usize = 1000, unit "columns", source "those of the points about the maxima, of 64 ascents some fifteen each";
+        /// |φᵀλ|/w from which a point may lie beside a maximum that breaks its bound.
+        near_bound: f64 = 0.8, unit "", source "below the cosine of neighbouring columns, `unknowns.likeness`";
+        /// Maxima that are refined in a round.
+        ascents: usize = 64, unit "maxima", source "each takes some ten evaluations of a term";
+        /// Sweeps over the constants of a term.
+        sweeps: usize = 4, unit "sweeps", source "set by hand: the next round goes on";
+        /// Evaluations along one constant.
+        line_steps: usize = 12, unit "evaluations", source "regula falsi gains more than a digit in two";
+        /// Difference up to which two values are one.
+        same: f64 = 1e-6, unit "of the constant", source "columns then differ by their rounding after the path's products";
+        /// Steps of a path at one value.
+        steps_per_row: usize = 2, unit "steps", source "a fit of every row has a term a row; half the steps may turn back";
+        /// Values that are proposed.
+        proposals: usize = 12, unit "points", source "half of `unknowns.starts`: they are refined already";
+        /// Proposals of a large library from which the search goes downhill.
+        starts: usize = 4, unit "points", source "each takes up to `unknowns.rounds` solutions of the basis pursuit";
+    }
+}
+
+family! {
+    /// The proof that an answer has the least norm over the range of a constant.
+    pub(crate) RANGE_PROOF: RangeProofNumbers {
+        /// Rows times columns at all values, above which nothing is proved.
+        room: usize = 30_000_000, unit "numbers", source "pricing them takes 20 ms, and a path prices them some tens of times";
+        /// Values of the constant at which columns are made first.
+        points: usize = 100, unit "values", source "set by hand: those between are priced by ascent";
+        /// Rounds of pricing between them.
+        rounds: usize = 12, unit "rounds", source "the excess falls by the square of the distance to the next column, which each round divides";
+        /// Steps of a path.
+        steps: usize = 300, unit "steps", source "an answer of the least norm is the end of a path of some ten steps for each term";
+        /// Residuals at which the dual point is sought in turn.
+        residuals: [f64; 2] = [1e-4, 0.0], unit "of the right side", source "the shortest dual point is their limit; an exact fit by nearly dependent columns is a long path";
+        /// How much smaller the norm of another combination is, at least, that counts as one.
+        smaller: f64 = 0.01, unit "of the norm", source "a hundred times the residual that it may leave";
+        /// Excess over |φᵀλ| ≤ w that is rounding: B − 1 of what is proved.
+        bound: f64 = 1e-6, unit "", source "as the gap of the certificate at one value";
+        /// First cell about the value.
+        first_cell: f64 = 0.05, unit "of the value or the range", source "set by hand: it is halved until it is proved";
+        /// Width of a cell below which a bound is not proved.
+        least_cell: f64 = 1e-5, unit "of the value", source "set by hand: an enclosure that is too wide there stays so";
+        /// Cells to each side.
+        cells: usize = 400, unit "cells", source "each takes some ms; smooth terms need ten to fifty";
+        /// Ranges that are tried, each half as far towards the value that spoiled the last.
+        ranges: usize = 3, unit "ranges", source "set by hand: an eighth of the way is left";
+    }
+}
+
 /// The families as tables.
 pub(crate) fn tables() -> Vec<Table> {
-    vec![Unknowns::table()]
+    vec![
+        Unknowns::table(),
+        Pricing::table(),
+        RangeProofNumbers::table(),
+    ]
 }

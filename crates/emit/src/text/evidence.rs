@@ -8,7 +8,8 @@ use sidc_system::discovery::{
 
 use crate::text::layout::{TEXT_WIDTH, wrapped};
 use crate::text::{
-    coefficient_inference, coefficient_units, identifiability, relations, sparsest, verification,
+    certificate_range, coefficient_inference, coefficient_units, identifiability, relations,
+    sparsest, verification,
 };
 use sidc_lang::number::{percent, significant};
 
@@ -71,6 +72,12 @@ pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
             proof(evidence),
         ],
     };
+    lines.extend(
+        evidence
+            .certificate_range
+            .iter()
+            .map(certificate_range::line),
+    );
     lines.extend(sparsest::lines(e));
     lines.extend(verification::lines(evidence.verification.as_deref()));
     // The doubt says the same with more figures.

@@ -1,6 +1,7 @@
 //! Equations, evidence, matrices and simulations as plain text for people.
 
 pub(crate) mod answer;
+mod certificate_range;
 pub(crate) mod coefficient_inference;
 mod coefficient_units;
 pub(crate) mod disturbance;

@@ -33,7 +33,7 @@ impl Block {
     }
 
     /// The left and the right factor of a slot of the block.
-    pub(super) fn factors(&self, slot: usize) -> [usize; 2] {
+    pub fn factors(&self, slot: usize) -> [usize; 2] {
         let (place, rights) = (slot - self.first_slot, self.right.len());
         [
             self.left.start + place / rights,

@@ -139,6 +139,9 @@ pub struct Evidence {
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub held_out: Option<HeldOut>,
     pub certificate: Proof,
+    /// Over which values of its unknown constants the equation has the least norm.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub certificate_range: Vec<RangeCertificate>,
     /// Figures of the joint estimation with the trajectory, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub together: Option<Together>,
@@ -248,6 +251,27 @@ pub struct Proof {
     /// True if all equations tied by constraints were solved together.
     #[serde(skip_serializing_if = "std::ops::Not::not", default)]
     pub constrained: bool,
+}
+
+/// What is proved of an equation over the range of an unknown constant: whether other terms that give the same right side on these rows, each
+/// at any value in the range, have a smaller ℓ1 norm.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RangeCertificate {
+    pub unknown: String,
+    /// The range that was searched, in the unit of the constant.
+    pub declared: (f64, f64),
+    /// Values over which none has a smaller norm, up to rounding; `None` where that is not proved of any.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub holds: Option<(f64, f64)>,
+    /// The norm of another combination that gives the right side to 1e-4, over that of the equation, where one was found in the range that was searched.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub smaller: Option<f64>,
+    /// The value of the constant in the largest of its terms that has another value; `None` where none has.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub at: Option<f64>,
+    /// Other unknown constants of the library, which kept their values.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub kept: Vec<String>,
 }
 
 /// The norm Σ κ^d ‖φ‖ |a|, d the degree of a term, each factor counted by how much it varies.

@@ -22,7 +22,7 @@ mod ways;
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
 pub use equations::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, NormGrading, OtherLaw, PathKnot,
-    Proof, Rearranged, Status, Variable, Ways,
+    Proof, RangeCertificate, Rearranged, Status, Variable, Ways,
 };
 pub use hidden_states::{HiddenStart, HiddenState, ScaleRule};
 pub use identifiability::{

@@ -1,0 +1,21 @@
+//! A continuum of columns: the terms of a library over the values of their constants.
+//!
+//! In: a library, rows. Out: plain data. Computes nothing.
+
+use super::sought::Sought;
+use sidc_data::Samples;
+use sidc_lang::library::{Grading, Library};
+
+/// What the continuum is made of.
+#[derive(Clone, Copy)]
+pub(super) struct Family<'a> {
+    pub library: &'a Library,
+    /// The constants that vary.
+    pub sought: &'a [Sought],
+    /// Every signal on the rows; of other constants the values that they keep.
+    pub samples: &'a Samples,
+    /// Factors of the rows.
+    pub row: &'a [f64],
+    /// Weights of terms beyond the length of their columns.
+    pub grading: &'a Grading,
+}
