@@ -22,6 +22,7 @@ const DOCUMENTS: &[&str] = &[
     "docs/trust.md",
     "docs/report.md",
     "docs/tutorial.md",
+    "docs/hidden.md",
     "models/README.md",
 ];
 

@@ -152,7 +152,7 @@ fn runs_start_hidden_states_from_the_readings() {
 fn exported_code_has_hidden_states_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let (_, _) = identify(folder.path(), GIVEN, &heater(5, 0.1), &[]);
-    let code = sidc_in(folder.path(), &["export", "r.json", "python"]);
+    let code = sidc_in(folder.path(), &["export", "--to", "python", "r.json"]);
     assert!(
         code.words().contains("H is hidden"),
         "{}{}",
@@ -177,7 +177,7 @@ fn what_cannot_be_is_refused_with_its_place() {
         "{}",
         run.stderr
     );
-    let named = data.replace("t,T,Q", "t,H,Q").replace("T,", "T,");
+    let named = data.replace("t,T,Q", "t,H,Q");
     let model = GIVEN.replace("state T", "state T\ndata { T = \"H\" }");
     let (run, _) = identify(folder.path(), &model, &named, &[]);
     assert!(

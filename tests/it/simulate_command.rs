@@ -240,12 +240,13 @@ fn a_discovery_is_simulated_as_its_data_were_read() {
 
 /// Models whose truth has seven digits, of which motion makes more than an error in the time of their records: the last second
 /// or sample that is compared.
-const CHAOTIC: [(&str, &str); 8] = [
+const CHAOTIC: [(&str, &str); 9] = [
     ("double_pendulum", "..1"),
     ("duffing", "..20"),
     ("logistic_map", "..12"),
     ("lorenz", "..5"),
     ("lorenz96", "..3"),
+    ("lorenz_hidden", "..1"),
     ("pendulum", "..6"),
     ("pendulum_768", "..6"),
     ("pendulum_symmetry", "..6"),
@@ -283,6 +284,11 @@ fn truth(text: &str) -> (Header, Value) {
     let unknowns = header.unknowns.iter();
     let unknowns = unknowns.map(|(name, value)| json!({ "name": name, "value": value }));
     document["unknowns"] = unknowns.collect();
+    // Where the header says nothing of a hidden state, its size is about what units are chosen for.
+    let hidden = model.hidden_states();
+    let hidden = hidden
+        .map(|(_, v)| json!({ "name": v.name, "mean": 1.0, "deviation": 30.0, "starts": [] }));
+    document["hidden"] = hidden.collect();
     document["settings"] = json!({ "reading": result::Reading::of(&model) });
     (header, document)
 }

@@ -108,7 +108,13 @@ pub(crate) fn doubt(
     });
     let free: Vec<SoughtConstant> = free.collect();
     let untold = untold_parameters(problem, &found.best, &free, found.inefficiency, watcher);
-    for direction in &untold {
+    // A coefficient of measured terms alone has its own doubt.
+    let alone = |p: &Parameter| match p {
+        Parameter::Coefficient(j) => !problem.system.mentions_hidden(problem.term(*j)),
+        Parameter::Constant(_) => false,
+    };
+    let one_measured = |d: &&Vec<(Parameter, f64)>| matches!(&d[..], [(p, _)] if alone(p));
+    for direction in untold.iter().filter(|d| !one_measured(d)) {
         let names: Vec<(String, f64)> = (direction.iter())
             .map(|(p, power)| (named(model, problem, constants, *p), *power))
             .collect();
@@ -141,6 +147,12 @@ pub(crate) fn doubt(
 }
 
 fn unidentifiable(moves: &[(String, f64)]) -> Reason {
+    if let [(name, _)] = moves {
+        let text = format!(
+            "the readings do not tell {name}: a hidden state may have any scale beside it, and nothing that is read changes"
+        );
+        return Reason::new(ReasonCode::Unidentifiable, text);
+    }
     // A move of one part in ten is told in figures that need no thought.
     let told = |(name, power): &(String, f64)| {
         let by = 100.0 * (2.0_f64.powf(*power) - 1.0);

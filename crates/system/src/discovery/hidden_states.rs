@@ -4,9 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::equations::Discovery;
 use sidc_lang::number::significant;
-use sidc_lang::term::{Signal, SignalNames};
 
 /// Digits of what is said of a hidden state.
 const FIGURES: usize = 3;
@@ -41,30 +39,8 @@ pub struct ScaleRule {
     pub coefficient: f64,
 }
 
-impl Discovery {
-    /// Mean and standard deviation of a component of the state that nothing measures, along the fitted trajectory.
-    pub fn hidden_course(&self, signal: Signal) -> Option<(f64, f64)> {
-        if self.hidden.is_empty() {
-            return None;
-        }
-        let name = self.name(signal);
-        let found = self.hidden.iter().find(|h| h.name == name)?;
-        Some((found.mean, found.deviation))
-    }
-
-    /// What is known of each hidden state, a sentence each.
-    pub fn hidden_sentences(&self) -> Vec<String> {
-        self.hidden.iter().map(HiddenState::sentence).collect()
-    }
-
-    /// Whether nothing measures a variable.
-    pub fn is_hidden(&self, signal: Signal) -> bool {
-        self.hidden_course(Signal::new(signal.var)).is_some()
-    }
-}
-
 impl HiddenState {
-    fn sentence(&self) -> String {
+    pub(super) fn sentence(&self) -> String {
         let figure = |x: f64| significant(x, FIGURES);
         let name = &self.name;
         let mut said = format!(

@@ -4,6 +4,7 @@ mod coefficient_inference;
 mod constants;
 mod delays_taken_out;
 mod equations;
+mod hidden_courses;
 mod hidden_states;
 mod identifiability;
 mod joint_estimate;

@@ -3,8 +3,10 @@
 //! In: a problem with hidden states, the constants with their ranges. Out: values, the likeliest first. A constant in the law of a hidden state
 //! moves no reading by itself, so that all values are judged by what the measured laws make of the courses.
 
+use super::given_course::given_courses;
+use super::hidden_laws::hidden_laws;
+use super::observed_fit::observed;
 use super::thresholds::HIDDEN;
-use super::{given_courses, hidden_laws, observed};
 use crate::trajectory::model::Problem;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;

@@ -116,10 +116,9 @@ impl<'a> Flow<'a> {
         self.tape.eval(&inputs, 1, &mut highest, &mut Vec::new());
         let mut slope = vec![0.0; y.len()];
         for ((from, order), top) in self.chains.iter().zip(highest) {
-            for i in *from..from + order - 1 {
-                slope[i] = y[i + 1];
-            }
-            slope[from + order - 1] = top;
+            let last = from + order - 1;
+            slope[*from..last].copy_from_slice(&y[from + 1..=last]);
+            slope[last] = top;
         }
         slope
     }
@@ -148,7 +147,19 @@ impl<'a> Flow<'a> {
 
     /// Where the hidden states rest under the first readings, by Newton's method from zero and from values on either side of it: laws with roots
     /// have no slope at zero. Zero where it does not converge.
+    ///
+    /// Laws that nothing drives, as of a predator without its prey's, rest at zero for ever; they start from one.
     fn at_rest(&self, record: usize) -> Vec<f64> {
+        let zero = vec![0.0; self.places.len()];
+        let samples = self.problem.records[record].len();
+        let still = |k: usize| {
+            self.slope((record, k), 0.0, &zero)
+                .iter()
+                .all(|f| *f == 0.0)
+        };
+        if (0..samples).all(still) {
+            return vec![1.0; self.places.len()];
+        }
         let starts = [0.0, 1.0, 0.01, 100.0, -1.0];
         let mut found = starts.iter().filter_map(|y| self.rest_from(record, *y));
         found.next().unwrap_or(vec![0.0; self.places.len()])

@@ -58,3 +58,30 @@ pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> V
     }
     fits
 }
+
+/// The fits of the measured part with the hidden states as they are, in columns of the whole problem.
+pub(super) fn observed(problem: &Problem, observer: &mut dyn Observer) -> Vec<ObservedFit> {
+    let system = &problem.system;
+    let columns = |law: usize| {
+        let own = system.laws[law].columns.clone();
+        own.map(|j| (Some(j), system.columns[j].clone())).collect()
+    };
+    let mut part = problem.observed_part(&columns);
+    let n = problem.states();
+    for (i, signal) in system.states.iter().enumerate() {
+        if system.is_hidden(i) {
+            let values: Vec<Vec<f64>> = (problem.smoothed.iter())
+                .map(|c| c.states.iter().skip(i).step_by(n).copied().collect())
+                .collect();
+            part.problem
+                .set_exogenous(*signal, false, values.iter().map(Vec::as_slice));
+        }
+    }
+    let whole = |(j, a): (usize, f64)| Some((part.origin[j]?, a));
+    let fits = observed_fits(&part.problem, observer).into_iter();
+    fits.map(|fit| ObservedFit {
+        terms: fit.terms.into_iter().filter_map(whole).collect(),
+        ..fit
+    })
+    .collect()
+}

@@ -4,6 +4,7 @@
 //! first term of another law that has the state gets the coefficient 1, or −1 where no sign of the state gives 1. That coefficient is then no
 //! estimate, and the errors of the others are those beside it.
 
+use super::hidden_laws::hidden_laws;
 use crate::trajectory::likelihood::{fit, set_variances};
 use crate::trajectory::model::{CoefficientConstraints, LinearizationPoint, Problem};
 use crate::trajectory::search::{Found, last_criterion};
@@ -52,7 +53,7 @@ pub(crate) fn with_told_scales(
     found: &Found,
     observer: &mut dyn Observer,
 ) -> Option<(Problem, Found, Vec<ToldScale>)> {
-    let (_, sought) = super::hidden_laws(problem);
+    let (_, sought) = hidden_laws(problem);
     let (mut scaled, mut point) = (problem.clone(), found.best.point.clone());
     let mut told = Vec::new();
     for l in sought.into_iter().filter(|l| is_free(problem, *l)) {

@@ -4,6 +4,7 @@
 //! the input reaches x through two first-order lags, and their order does not show: z + ((a − b) x + c (1 − b/a))/g obeys the same laws with a and b
 //! exchanged. Whatever else stands in the laws, a fit from there decides.
 
+use super::hidden_laws::hidden_laws;
 use crate::trajectory::likelihood::{Fit, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::search::{Found, last_criterion};
@@ -18,7 +19,7 @@ pub(crate) fn exchanged_lags(
     observer: &mut dyn Observer,
 ) -> Option<Fit> {
     let criterion = last_criterion(problem, found.inefficiency);
-    let (_, sought) = super::hidden_laws(problem);
+    let (_, sought) = hidden_laws(problem);
     let pairs = sought
         .iter()
         .flat_map(|h| (0..problem.system.laws.len()).map(move |l| (*h, l)));

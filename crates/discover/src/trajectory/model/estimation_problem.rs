@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
 use super::growth::Growth;
-use super::hidden_states::Pin;
+use super::pin::Pin;
 use super::process_noise::ProcessNoise;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};

@@ -6,15 +6,8 @@
 //! sought; which multiple is told is decided afterwards.
 
 use super::estimation_problem::{Problem, spread};
+use super::pin::Pin;
 use super::smoothing::{SmoothedTrajectory, gradient};
-
-/// A sample of a hidden state that stays where it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Pin {
-    pub record: usize,
-    pub sample: usize,
-    pub state: usize,
-}
 
 /// The course of a hidden variable.
 #[derive(Clone, Debug, Default)]

@@ -14,6 +14,7 @@ mod lasting_noise;
 mod noise_growth;
 mod noisy_inputs;
 mod observed_part;
+mod pin;
 mod process_noise;
 mod quantization;
 mod record;

@@ -222,13 +222,16 @@ fn step(
     Some(out)
 }
 
-/// The problem with a column ψ for each constant in each law that holds it; the new columns, and of each its constant and the weight that ψ is
-/// divided by. `None` where no law holds a constant.
+/// A problem with a column ψ for each constant in each law that holds it; the new columns, and of each its constant and the weight that ψ is
+/// divided by.
+pub(super) type Sensitivities = (ExtendedProblem, Vec<usize>, Vec<(usize, f64)>);
+
+/// `None` where no law holds a constant.
 pub(super) fn with_sensitivities(
     problem: &Problem,
     found: &Fit,
     constants: &[SoughtConstant],
-) -> Option<(ExtendedProblem, Vec<usize>, Vec<(usize, f64)>)> {
+) -> Option<Sensitivities> {
     let laws = &problem.system.laws;
     // For each law the constants that it holds, with the weight of their column.
     let mut held: Vec<Vec<(usize, f64)>> = vec![Vec::new(); laws.len()];

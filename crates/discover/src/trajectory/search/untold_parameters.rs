@@ -30,8 +30,8 @@ pub enum Parameter {
     Constant(usize),
 }
 
-/// Directions that change no reading by more than its noise while parameters change by as much as they are, each of two parameters or more with
-/// their relative changes, the largest 1. Empty where there are none, or where they could not be found.
+/// Directions that change no reading by more than its noise while parameters change by as much as they are: the parameters of each with their
+/// relative changes, the largest 1. Empty where there are none, or where they could not be found.
 pub fn untold_parameters(
     problem: &Problem,
     found: &Fit,
@@ -40,7 +40,7 @@ pub fn untold_parameters(
     observer: &mut dyn Observer,
 ) -> Vec<Vec<(Parameter, f64)>> {
     let changes = relative_changes(problem, found, constants, observer);
-    let Some((parameters, changes)) = changes.filter(|(p, _)| p.len() > 1) else {
+    let Some((parameters, changes)) = changes else {
         return Vec::new();
     };
     let decomposed = changes.svd(false, true);
@@ -63,7 +63,7 @@ pub fn untold_parameters(
             .map(|(p, x)| (*p, x / largest));
         each.filter(|(_, x)| x.abs() > PART).collect::<Vec<_>>()
     });
-    all.filter(|parts| parts.len() > 1).collect()
+    all.collect()
 }
 
 /// A triangular matrix whose columns say what a parameter that grows by its own size changes, in standard deviations of the readings.
