@@ -105,6 +105,8 @@ family! {
         on_bound: f64 = 1e-3, unit "", source "set by hand";
         /// Ternary steps of the line search that centres the dual point.
         line_search: usize = 30, unit "steps", source "(2/3)^30 = 5e-6 of the interval is left";
+        /// Halvings of that step where columns outside the working set refuse it.
+        shorter_steps: i32 = 8, unit "halvings", source "20,000 planted problems: 2 need 1 or 2";
         /// Entries of Φ up to which least squares checks a path that ended short of ε.
         least_squares_entries: usize = 1_000_000, unit "numbers", source "set by hand: about a second";
     }

@@ -109,23 +109,20 @@ impl<'a> ColumnGeneration<'a> {
         }
     }
 
-    /// λ in the interior of the optimal face, for an answer with ε = 0; λ as it is where columns outside the working set do not
-    /// allow that.
+    /// λ in the interior of the optimal face, for an answer with ε = 0; λ as it is where no column off the support
+    /// allows that.
     pub fn interior_dual(&self, point: &PathPoint) -> Vec<f64> {
         let exact = point.stop == Stop::Goal
             && point.residual <= CERTIFICATES.consistent
             && self.path.is_exact();
-        let interior = exact.then(|| interior_dual(&self.set, point));
-        let feasible = |lambda: &Vec<f64>| {
+        let feasible = |lambda: &[f64]| {
             self.dictionary
                 .price(lambda, 1, 1.0 + HOMOTOPY.violation)
                 .count
                 == 0
         };
-        interior
-            .flatten()
-            .filter(feasible)
-            .unwrap_or_else(|| point.lambda.clone())
+        let interior = exact.then(|| interior_dual(&self.set, point, &feasible));
+        interior.flatten().unwrap_or_else(|| point.lambda.clone())
     }
 
     /// At most `stride` steps.

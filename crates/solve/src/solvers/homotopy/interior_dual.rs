@@ -11,8 +11,13 @@ use crate::simd::axpy;
 use crate::thresholds::HOMOTOPY;
 
 /// λ, moved along the direction of least norm that leaves all bounds off the support at the same rate, to where the largest
-/// correlation of the working set is least. `None` if λ meets no bound off the support, or can leave none.
-pub(super) fn interior_dual(set: &WorkingSet, point: &PathPoint) -> Option<Vec<f64>> {
+/// correlation of the working set is least; where `feasible` refuses that point, because of columns outside the working set, to
+/// half of the longest step of 1/2, 1/4, … of it that is feasible. `None` if λ meets no bound off the support, or can leave none.
+pub(super) fn interior_dual(
+    set: &WorkingSet,
+    point: &PathPoint,
+    feasible: &dyn Fn(&[f64]) -> bool,
+) -> Option<Vec<f64>> {
     let largest = point
         .coefficients
         .iter()
@@ -42,9 +47,20 @@ pub(super) fn interior_dual(set: &WorkingSet, point: &PathPoint) -> Option<Vec<f
         off.fold(0.0_f64, |m, k| m.max((c[k] + step * g[k]).abs()))
     };
     let step = minimise(&largest_off_support);
-    let mut lambda = point.lambda.clone();
-    axpy(step, &direction, &mut lambda);
-    (step > 0.0).then_some(lambda)
+    let moved = |step: f64| {
+        let mut lambda = point.lambda.clone();
+        axpy(step, &direction, &mut lambda);
+        lambda
+    };
+    let whole = (step > 0.0).then(|| moved(step))?;
+    if feasible(&whole) {
+        return Some(whole);
+    }
+    // Half of a feasible step is inside: the correlations are linear in the step, and λ itself is feasible.
+    let shorter = (1..=HOMOTOPY.shorter_steps).map(|k| step * 0.5_f64.powi(k));
+    let mut shorter = shorter.map(|step| (step, moved(step)));
+    let (step, _) = shorter.find(|(_, lambda)| feasible(lambda))?;
+    Some(moved(0.5 * step))
 }
 
 /// The minimiser of a convex function on [0, 1], by ternary search.
