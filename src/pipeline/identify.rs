@@ -13,6 +13,7 @@ use super::constants;
 use super::evidence::Weighing;
 use super::joint::jointly;
 use super::measure::Measured;
+use super::missing_states;
 use super::program::Program;
 use super::rates;
 use super::second_way::better_way;
@@ -36,8 +37,9 @@ pub fn identify(
     let program = measured.searched(program);
     if let Some(problem) = &measured.joint {
         let dataset = &measured.dataset;
-        let found = jointly(program, dataset, problem, options, observer)
+        let (mut found, description) = jointly(program, dataset, problem, options, observer)
             .map_err(|refused| diagnostics(program, measured, vec![*refused]))?;
+        missing_states::propose((program, dataset), &mut found, description, options, observer);
         return Ok(sparsest_or_why(found, options));
     }
     let search = &options.search;
@@ -65,6 +67,10 @@ pub fn identify(
     };
     weighing.weigh(&mut discovery, observer);
     let mut found = better_way(program, measured, options, discovery, observer);
+    if options.search.chooses_way() {
+        let dataset = &measured.dataset;
+        missing_states::propose((program, dataset), &mut found, None, options, observer);
+    }
     discover::describe_relations(
         &mut found,
         &measured.samples,

@@ -8,7 +8,7 @@ use sidc_data::{Dataset, InputValue};
 use sidc_discover as discover;
 use sidc_discover::identifiability::Rows;
 use sidc_discover::trajectory::Problem;
-use sidc_discover::{Fitted, Refusal};
+use sidc_discover::{Description, Fitted, Refusal};
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
@@ -18,7 +18,7 @@ use super::program::Program;
 use super::rates;
 use crate::options::Options;
 
-/// All equations together with their trajectory.
+/// All equations together with their trajectory, and how well they describe the readings; `None` if nothing was fitted.
 ///
 /// # Errors
 /// The readings contradict the constraints of the model.
@@ -28,7 +28,7 @@ pub(super) fn jointly(
     problem: &Problem,
     options: &Options,
     observer: &mut dyn Observer,
-) -> Result<Discovery, Box<Refusal>> {
+) -> Result<(Discovery, Option<Description>), Box<Refusal>> {
     let search = &options.search;
     let found = discover::discover_jointly(
         (&program.model, &program.libraries),
@@ -60,5 +60,5 @@ pub(super) fn jointly(
         options: search,
     };
     weighing.weigh(&mut discovery, observer);
-    Ok(discovery)
+    Ok((discovery, fitted.description))
 }

@@ -10,6 +10,7 @@ mod identify;
 mod joint;
 mod judgement;
 mod measure;
+mod missing_states;
 mod noise;
 mod program;
 mod rates;

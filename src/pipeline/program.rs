@@ -2,6 +2,8 @@
 //!
 //! In: a text among the sources. Out: a checked model with the library of each equation, and diagnostics. Evaluates nothing.
 
+use std::sync::Arc;
+
 use sidc_discover as discover;
 use sidc_discover::TargetCopy;
 use sidc_lang as lang;
@@ -19,6 +21,8 @@ use super::thresholds::BUDGET;
 /// A checked model with the library of each equation; `None` where the equation is known.
 #[derive(Clone, Debug)]
 pub struct Program {
+    /// The text it was compiled from.
+    pub text: Arc<str>,
     pub model: Model,
     pub libraries: Vec<Option<Library>>,
 }
@@ -60,7 +64,13 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
     if !diagnostics.iter().any(Diagnostic::is_error) {
         diagnostics.extend(discover::check_constraints(&model, &libraries));
     }
-    finish(Program { model, libraries }, diagnostics)
+    let text = sources.get(file).map_or("", |s| s.text.as_str()).into();
+    let program = Program {
+        text,
+        model,
+        libraries,
+    };
+    finish(program, diagnostics)
 }
 
 /// The library of each equation, in order. Most of the time before data are read goes here, so equations are expanded in parallel.

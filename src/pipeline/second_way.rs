@@ -35,7 +35,7 @@ pub(super) fn better_way(
         return first;
     };
     // Constraints that contradict the readings alone leave the first way as it is.
-    let Ok(mut second) = jointly(program, &dataset, &problem, options, observer) else {
+    let Ok((mut second, _)) = jointly(program, &dataset, &problem, options, observer) else {
         return first;
     };
     let holds = second.passes();

@@ -26,7 +26,25 @@ family! {
     }
 }
 
+family! {
+    /// States that nothing measures, tried where the answer is doubted.
+    pub(crate) MISSING: PipelineMissingStates {
+        /// Inputs that are tried behind a lag.
+        inputs: usize = 4, unit "inputs", source "each costs a search of its own";
+        /// Columns of a model up to which a state with a library of its own is tried.
+        columns: usize = 60, unit "columns", source "so many more are searched, along a course that nothing measures";
+        /// Shortest lag that is tried.
+        shortest_lag: f64 = 0.1, unit "of the step between samples", source "what is faster follows its input from sample to sample";
+        /// Digits of coefficients in a sentence.
+        figures: usize = 3, unit "digits", source "what a sentence can carry";
+    }
+}
+
 /// Every number that decides in the pipeline, family by family.
 pub fn thresholds() -> Vec<Table> {
-    vec![PipelineBudget::table(), PipelineDelays::table()]
+    vec![
+        PipelineBudget::table(),
+        PipelineDelays::table(),
+        PipelineMissingStates::table(),
+    ]
 }

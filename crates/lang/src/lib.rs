@@ -6,6 +6,7 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod added_state;
 pub mod ast;
 mod check;
 pub mod diagnostic;

@@ -42,7 +42,7 @@ pub fn bind(
     }
     give_params(model, params, &mut bound, &mut out);
     for one in &mut bound {
-        start_unknowns(model, &mut one.trajectory);
+        one.trajectory.start_unknowns(model);
     }
     checks::check(model, &bound, sources, &mut out);
     let records = || bound.iter().map(|p| &p.trajectory);
@@ -241,15 +241,6 @@ fn split_runs(
         }
     }
     runs
-}
-
-/// Gives every unknown constant a column with the value that its search starts from.
-fn start_unknowns(model: &Model, trajectory: &mut Trajectory) {
-    for unknown in &model.unknowns {
-        let column = vec![unknown.start(); trajectory.time.len()];
-        trajectory.columns.push((Signal::new(unknown.var), column));
-    }
-    trajectory.columns.sort_by_key(|(s, _)| *s);
 }
 
 /// Adds parameters from the command line as constant columns; they override columns of the same name.

@@ -1,6 +1,6 @@
 //! Trajectories as they were measured, and how each input moves between samples.
 
-use sidc_lang::model::Between;
+use sidc_lang::model::{Between, Model};
 use sidc_lang::term::{Signal, VarId};
 
 use super::rate_fault::RateFault;
@@ -32,7 +32,29 @@ pub struct ConstantValue {
     pub value: f64,
 }
 
+impl Trajectory {
+    /// Gives every unknown constant that has no column one with the value that its search starts from.
+    pub(crate) fn start_unknowns(&mut self, model: &Model) {
+        for unknown in &model.unknowns {
+            let signal = Signal::new(unknown.var);
+            if self.columns.iter().all(|(s, _)| *s != signal) {
+                let column = vec![unknown.start(); self.time.len()];
+                self.columns.push((signal, column));
+            }
+        }
+        self.columns.sort_by_key(|(s, _)| *s);
+    }
+}
+
 impl Dataset {
+    /// The records for a model that has further unknown constants.
+    #[must_use]
+    pub fn with_unknowns_of(mut self, model: &Model) -> Dataset {
+        let all = self.trajectories.iter_mut();
+        all.for_each(|t| t.start_unknowns(model));
+        self
+    }
+
     /// The records with these values of constants, for those that have a column. A run without a value of its own takes the mean of the
     /// others. Runs of one name, files of several folders, are told apart by their order.
     pub fn with_constants(&self, values: &[ConstantValue]) -> Dataset {

@@ -50,10 +50,6 @@ fn disturbed<'a>(
     answer: Option<&ConstrainedAnswer>,
     watcher: &mut EquationObserver,
 ) -> Option<JointFit<'a>> {
-    if !problem.system.hidden.is_empty() {
-        // A disturbance that lasts is a hidden state too.
-        return None;
-    }
     let known = answer.map_or(problem, |a| &a.fit.problem);
     let inputs = noisy_inputs(model, known);
     if !inputs.is_empty() && answer.is_none_or(|a| a.free.is_none()) {

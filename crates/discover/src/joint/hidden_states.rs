@@ -17,6 +17,9 @@ use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, HiddenStart, HiddenState, Reason, ReasonCode, ScaleRule};
 
+/// Digits of coefficients in a sentence.
+const FIGURES: usize = 3;
+
 /// Gives the hidden states whose scale is free the one that is told.
 pub(crate) fn settle_scales(
     answer: &mut ConstrainedAnswer,
@@ -195,22 +198,8 @@ fn laws(model: &Model, problem: &Problem, fit: &Fit) -> String {
     let searched = problem.system.laws.iter().filter(|l| !l.columns.is_empty());
     let law = |l: &crate::trajectory::Law| {
         let own = active.iter().filter(|(j, _)| l.columns.contains(j));
-        let mut right = String::new();
-        for (j, a) in own {
-            let term = Language(model).term(problem.term(*j));
-            let sign = match (right.is_empty(), *a < 0.0) {
-                (true, false) => "",
-                (true, true) => "-",
-                (false, false) => " + ",
-                (false, true) => " - ",
-            };
-            let size = significant(a.abs(), 3);
-            right += &match (term.as_str(), size.as_str()) {
-                ("1", size) => format!("{sign}{size}"),
-                (term, "1") => format!("{sign}{term}"),
-                (term, size) => format!("{sign}{size}*{term}"),
-            };
-        }
+        let terms = own.map(|(j, a)| (*a, problem.term(*j)));
+        let right = Language(model).sum(terms, FIGURES);
         format!("{} = {right}", model.name(l.target))
     };
     searched.map(law).collect::<Vec<_>>().join(" with ")

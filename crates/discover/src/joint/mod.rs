@@ -10,6 +10,7 @@ mod constraint_doubts;
 mod declared_delays;
 mod declared_runs;
 mod delay_outlier_search;
+mod description;
 mod disturbances;
 mod hidden_states;
 mod joint_fit;
@@ -23,6 +24,7 @@ mod unknown_constants;
 mod weak_start;
 
 pub use applicability::{NotJoint, joint};
+pub use description::Description;
 
 use std::sync::Arc;
 
@@ -58,6 +60,8 @@ pub struct Fitted {
     pub samples: Samples,
     /// `None` if the records cannot be divided.
     pub stretches: Option<Stretches>,
+    /// `None` if nothing was fitted.
+    pub description: Option<Description>,
 }
 
 /// Finds all equations of the system together, with all signals along the fitted trajectory. `None` if no support could be fitted.
@@ -93,7 +97,12 @@ pub fn discover_jointly(
             if watcher.stop().is_none() {
                 refuse_contradiction(&discovery, model, &answer, watcher)?;
             }
-            let (mut discovery, fitted) = conclude(model, discovery, &answer, watcher);
+            let (mut discovery, mut fitted) = conclude(model, discovery, &answer, watcher);
+            fitted.description = Some(Description::of(
+                &answer.fit,
+                constants.sought().len(),
+                watcher,
+            ));
             delays.state(model, &mut discovery);
             hidden_states::state(model, &answer.fit, &scales, &mut discovery);
             let known = (model, constants.sought());
@@ -205,7 +214,12 @@ fn conclude(
     if let Some(stop) = watcher.stop() {
         doubt_unassessed(&mut discovery, 0, stop);
     }
-    (discovery, Fitted { samples, stretches })
+    let fitted = Fitted {
+        samples,
+        stretches,
+        description: None,
+    };
+    (discovery, fitted)
 }
 
 /// Doubts about the runs: those that are not followed, and coefficients that differ between the others.

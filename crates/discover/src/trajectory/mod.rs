@@ -78,8 +78,8 @@ pub(crate) use search::minimum;
 pub use search::{
     BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver, SoughtConstant,
     StartingSupport, fit_constants, fit_constants_from, search, search_beyond_libraries,
-    search_disturbed, search_from_free, untold_parameters, with_constant_values,
-    without_weak_terms,
+    search_disturbed, search_from_free, untold_parameters, value_by_innovations,
+    with_constant_values, without_weak_terms,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

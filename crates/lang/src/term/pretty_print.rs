@@ -3,6 +3,7 @@
 //! In: terms and a [`Notation`], which says how numbers, names, calls, powers and products look. Out: text, and how tightly it binds.
 //! Never reorders factors.
 
+use crate::number::rounded;
 use crate::term::{Atom, Expr, Func, Signal, SignalNames, Term};
 
 /// How tightly a piece of text binds.
@@ -164,6 +165,12 @@ impl<N: SignalNames + ?Sized> Language<'_, N> {
 
     pub fn expr(&self, e: &Expr) -> String {
         write_expr(self, e).0
+    }
+
+    /// A sum of weighted terms, the weights with so many digits: `1.2*x - 0.5*x^3`.
+    pub fn sum<'t>(&self, terms: impl Iterator<Item = (f64, &'t Term)>, digits: usize) -> String {
+        let rounded = terms.map(|(w, t)| Expr::from((rounded(w, digits), t.clone())));
+        self.expr(&rounded.sum())
     }
 }
 

@@ -13,7 +13,7 @@ use crate::discovery::{
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::number::significant;
-use sidc_lang::term::{Signal, SignalNames, Term, VarId};
+use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_lang::units;
 use sidc_lang::units::Unit;
 
@@ -349,6 +349,13 @@ impl Discovery {
         let mut channels = together.flat_map(|t| &t.channels);
         let channel = channels.find(|c| c.signal == name);
         channel.map_or(0.0, |c| c.noise).clamp(0.0, f64::MAX)
+    }
+
+    /// An equation in a sentence: `dx = -1.02*x`.
+    pub fn in_short(&self, equation: &Equation, digits: usize) -> String {
+        let terms = equation.terms.iter().map(|t| (t.coefficient, &t.term));
+        let right = Language(self).sum(terms, digits);
+        format!("{} = {right}", self.name(equation.target))
     }
 
     pub fn variable_of(&self, id: VarId) -> Option<&Variable> {

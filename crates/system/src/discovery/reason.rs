@@ -235,6 +235,9 @@ codes! {
     /// The residual is larger than the error of the data.
     Misfit = "misfit": Law,
         "look for a term, a state or an input that the model lacks";
+    /// A state that nothing measures would explain what the laws leave.
+    MissingState = "missing-state": Law,
+        "name the state that nothing measures";
     /// The target does not move.
     NoMotion = "no-motion": Search,
         "record data in which it moves, or leave its equation out";

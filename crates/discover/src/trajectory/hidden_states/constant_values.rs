@@ -6,6 +6,8 @@
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
+use super::solved_course::are_solved;
+use super::start::value_of_start;
 use super::thresholds::HIDDEN;
 use crate::trajectory::model::Problem;
 use sidc_lang::term::Signal;
@@ -20,10 +22,15 @@ pub(crate) fn likely_constants(
     sought: &SoughtRanges,
     observer: &mut dyn Observer,
 ) -> Vec<Vec<f64>> {
+    let (_, sought_laws) = hidden_laws(problem);
+    let solved = are_solved(problem, &sought_laws);
     let judge = |values: &[f64], observer: &mut dyn Observer| -> f64 {
         let signals = sought.iter().zip(values);
         let named = signals.map(|((s, _), value)| (*s, None, *value));
         let problem = problem.with_constant_values(named);
+        if solved {
+            return value_of_start(&problem, observer);
+        }
         let (given, _) = hidden_laws(&problem);
         let courses = given_courses(&problem, &given);
         let started = courses.map(|c| problem.with_hidden_courses(&c, &[]));
@@ -39,7 +46,11 @@ pub(crate) fn likely_constants(
     }
     points.retain(|(value, _)| value.is_finite());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Values from which all laws were fitted are good enough to go on from.
     let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
+    if solved {
+        best = std::mem::take(&mut points);
+    }
     for point in points.into_iter().take(HIDDEN.improved) {
         let improved = improve(point, sought, &mut |values| judge(values, observer));
         let known = |(_, v): &(f64, Vec<f64>)| alike(v, &improved.1);

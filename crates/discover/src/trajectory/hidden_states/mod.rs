@@ -9,6 +9,7 @@ mod given_course;
 mod hidden_laws;
 mod observed_fit;
 mod scale;
+mod solved_course;
 mod start;
 pub(crate) mod thresholds;
 mod twins;

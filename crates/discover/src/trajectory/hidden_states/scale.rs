@@ -1,8 +1,8 @@
-//! The scale of hidden states whose laws are sought: one rule, told with the answer.
+//! The scale of hidden states: one rule, told with the answer.
 //!
 //! In: a problem, the fit to it. Out: both in another scale. Laws made of powers of a hidden state hold for any multiple of it. The rule: the
-//! first term of another law that has the state gets the coefficient 1, or −1 where no sign of the state gives 1. That coefficient is then no
-//! estimate, and the errors of the others are those beside it.
+//! first term of another law that has the state gets the coefficient 1, or −1 where no sign of the state gives 1 or its own law is given, which
+//! starts above zero. That coefficient is then no estimate, and the errors of the others are those beside it.
 
 use super::hidden_laws::hidden_laws;
 use crate::trajectory::likelihood::{fit, set_variances};
@@ -42,8 +42,10 @@ pub(super) fn is_free(problem: &Problem, l: usize) -> bool {
         !found
     };
     let own = &system.laws[l];
-    own.known == Expr::zero()
-        && system.laws.iter().all(|law| silent(&law.known))
+    let homogeneous = |e: &Expr| e.terms().all(|(_, t)| power_in(t, var) == Some(1.0));
+    let mut others = (0..system.laws.len()).filter(|other| *other != l);
+    homogeneous(&own.known)
+        && others.all(|other| silent(&system.laws[other].known))
         && system.columns.iter().all(|t| power_in(t, var).is_some())
 }
 
@@ -53,10 +55,11 @@ pub(crate) fn with_told_scales(
     found: &Found,
     observer: &mut dyn Observer,
 ) -> Option<(Problem, Found, Vec<ToldScale>)> {
-    let (_, sought) = hidden_laws(problem);
+    let (given, sought) = hidden_laws(problem);
+    let laws = given.into_iter().chain(sought);
     let (mut scaled, mut point) = (problem.clone(), found.best.point.clone());
     let mut told = Vec::new();
-    for l in sought.into_iter().filter(|l| is_free(problem, *l)) {
+    for l in laws.filter(|l| is_free(problem, *l)) {
         told.extend(rescale(&mut scaled, &mut point, l));
     }
     if told.is_empty() {
@@ -88,7 +91,8 @@ fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> O
     let p = power(first);
     let odd = |p: f64| p.fract() == 0.0 && p as i64 % 2 != 0;
     // A negative multiple has no powers that are not whole.
-    let signed = odd(p) && active.iter().all(|(j, _)| power(*j).fract() == 0.0);
+    let whole = active.iter().all(|(j, _)| power(*j).fract() == 0.0);
+    let signed = odd(p) && whole && !law.columns.is_empty();
     let size = c.abs().powf(1.0 / p);
     let by = if signed { c.signum() * size } else { size };
     if !by.is_finite() || by == 0.0 {

@@ -2,11 +2,12 @@
 //!
 //! In: a problem with hidden states, values of its constants. Out: the same problem with courses and columns to start from. Proposes none itself.
 
-use super::filtered_course::filtered_courses;
+use super::filtered_course::{Start, filtered_courses};
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
 use super::observed_fit::observed;
 use super::scale::is_free;
+use super::solved_course::solved_courses;
 use super::thresholds::HIDDEN;
 use crate::trajectory::likelihood::{Fit, fit};
 use crate::trajectory::model::{HiddenCourse, LinearizationPoint, Problem};
@@ -16,24 +17,49 @@ use sidc_progress::Observer;
 /// The problem with a start for its hidden states, and for the columns: of all that are proposed the one from which a fit of all laws is best.
 /// Fits that do not settle count where there is no other: with nothing to hold a hidden state they may run off.
 pub(crate) fn with_started_states(problem: &Problem, observer: &mut dyn Observer) -> Problem {
-    let (given, sought) = hidden_laws(problem);
-    let mut problem = problem.clone();
-    if let Some(courses) = given_courses(&problem, &given).filter(|c| !c.is_empty()) {
-        problem = problem.with_hidden_courses(&courses, &[]);
-    }
-    let free: Vec<usize> = (sought.iter().copied())
-        .filter(|l| is_free(&problem, *l))
-        .collect();
-    let starts = match sought.is_empty() {
-        true => {
-            let terms = observed(&problem, observer).into_iter().map(|o| o.terms);
-            terms.map(|terms| (Vec::new(), terms)).collect()
-        }
-        false => filtered_courses(&problem, &sought, observer),
+    let free = of_free_scale(problem);
+    let problem = with_given_courses(problem, &free);
+    let Some((fit, started)) = best_start(&problem, &free, HIDDEN.courses, observer) else {
+        return problem;
     };
+    let mut started = started.with_hidden_of(&fit, &free);
+    started.proposed = Some(fit.point.active());
+    started
+}
+
+/// The criterion of the best start; infinite where none leads along the readings.
+pub(super) fn value_of_start(problem: &Problem, observer: &mut dyn Observer) -> f64 {
+    let free = of_free_scale(problem);
+    let started = with_given_courses(problem, &free);
+    let best = best_start(&started, &free, HIDDEN.judged, observer).filter(|(fit, _)| fit.arrived);
+    best.map_or(f64::INFINITY, |(fit, _)| fit.value)
+}
+
+/// The laws of hidden states of any scale.
+fn of_free_scale(problem: &Problem) -> Vec<usize> {
+    let (given, sought) = hidden_laws(problem);
+    let all = given.into_iter().chain(sought);
+    all.filter(|l| is_free(problem, *l)).collect()
+}
+
+fn with_given_courses(problem: &Problem, free: &[usize]) -> Problem {
+    let (given, _) = hidden_laws(problem);
+    match given_courses(problem, &given).filter(|c| !c.is_empty()) {
+        Some(courses) => problem.with_hidden_courses(&courses, free),
+        None => problem.clone(),
+    }
+}
+
+/// The best of so many of the likeliest starts.
+fn best_start(
+    problem: &Problem,
+    free: &[usize],
+    most: usize,
+    observer: &mut dyn Observer,
+) -> Option<(Fit, Problem)> {
     let mut best: Option<(Fit, Problem)> = None;
-    for (courses, terms) in starts {
-        let started = problem.with_hidden_courses(&courses, &free);
+    for (courses, terms) in starts(problem, observer).into_iter().take(most) {
+        let started = problem.with_hidden_courses(&courses, free);
         let settled = best.as_ref().filter(|(fit, _)| fit.arrived);
         let beat = settled.map_or(f64::INFINITY, |(fit, _)| fit.value);
         let (support, coefficients) = terms.into_iter().unzip();
@@ -48,12 +74,20 @@ pub(crate) fn with_started_states(problem: &Problem, observer: &mut dyn Observer
             best = Some((fit, started));
         }
     }
-    let Some((fit, started)) = best else {
-        return problem;
-    };
-    let mut started = started.with_hidden_of(&fit, &free);
-    started.proposed = Some(fit.point.active());
-    started
+    best
+}
+
+/// Courses of the hidden states whose laws are sought, and columns.
+fn starts(problem: &Problem, observer: &mut dyn Observer) -> Vec<Start> {
+    let (_, sought) = hidden_laws(problem);
+    if sought.is_empty() {
+        let terms = observed(problem, observer).into_iter().map(|o| o.terms);
+        return terms.map(|terms| (Vec::new(), terms)).collect();
+    }
+    match solved_courses(problem, &sought, observer) {
+        none if none.is_empty() => filtered_courses(problem, &sought, observer),
+        solved => solved,
+    }
 }
 
 /// The fit of the columns that a started problem proposes.

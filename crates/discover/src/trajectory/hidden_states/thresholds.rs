@@ -21,6 +21,8 @@ family! {
         time_ratio: f64 = 1.25, unit "", source "Lorenz's z, hidden, from ten starts: at 2 its law is found from five, at 1.25 from eight";
         /// Most courses that a fit of all laws is tried from.
         courses: usize = 24, unit "courses", source "set by hand";
+        /// Courses that are fitted to judge a value of a constant.
+        judged: usize = 2, unit "courses", source "the same course with columns at another price seldom orders values otherwise";
         /// Longest time constant tried.
         longest: f64 = 3.0, unit "length of the longest record", source "beyond, a lag and an integral look alike";
         /// Most Runge-Kutta steps of a guess between two samples.

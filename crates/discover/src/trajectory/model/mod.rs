@@ -38,7 +38,7 @@ pub use record::{Exogenous, Record};
 pub use rejected_readings::LeftOut;
 pub use run_columns::{RunColumn, RunColumns};
 pub use sensor_groups::SensorGroups;
-pub(crate) use smoothing::SmoothedTrajectory;
+pub(crate) use smoothing::{SmoothedTrajectory, gradient};
 pub(crate) use split_by_run::indicator;
 pub(crate) use subsampling::segments;
 pub use system::{Law, System};

@@ -110,7 +110,7 @@ fn smoothed_trajectory(
 }
 
 /// Central differences, one-sided at the ends.
-pub(super) fn gradient(time: &[f64], x: &[f64]) -> Vec<f64> {
+pub(crate) fn gradient(time: &[f64], x: &[f64]) -> Vec<f64> {
     let last = x.len().saturating_sub(1);
     (0..x.len())
         .map(|k| {

@@ -27,10 +27,11 @@ pub fn search_disturbed(
     // Against inputs without noise nothing is to be weighed: it is declared.
     let comparable = free.filter(|_| problem.process.is_none());
     let without = comparable.and_then(value).unwrap_or(f64::INFINITY) - gained;
-    // Noise of inputs is white as it is held.
-    let kinds: &[Kind] = match problem.process {
-        Some(_) => &[Kind::White],
-        None => &[Kind::White, Kind::FirstOrder],
+    // Noise of inputs is white as it is held; a disturbance that lasts is a hidden state too.
+    let white = problem.process.is_some() || !problem.system.hidden.is_empty();
+    let kinds: &[Kind] = match white {
+        true => &[Kind::White],
+        false => &[Kind::White, Kind::FirstOrder],
     };
     let short = problem.on_segments();
     let searched = short.as_ref().unwrap_or(problem);

@@ -21,7 +21,7 @@ pub use disturbed_search::search_disturbed;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
 pub use search_from_free::search_from_free;
 pub use search_observer::SearchObserver;
-pub use support_search::{Found, StartingSupport, search};
+pub use support_search::{Found, StartingSupport, search, value_by_innovations};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
 pub use unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants, fit_constants_from, with_constant_values,

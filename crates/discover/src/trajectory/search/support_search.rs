@@ -5,7 +5,7 @@
 
 use super::level::SearchLevel;
 use super::search_observer::{FitBudget, SearchObserver};
-use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, set_variances};
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, set_variances, undisturbed_value};
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::residuals::statistical_inefficiency;
 use crate::trajectory::thresholds::SEARCH;
@@ -153,6 +153,16 @@ impl Found {
     pub fn value_of_all_readings(&self, problem: &Problem) -> f64 {
         self.misfit(problem) + final_criterion(problem).cost(problem, self.best.support())
     }
+}
+
+/// The criterion of an answer without disturbances if every reading counts, as answers with disturbances count: by innovations. `None` where
+/// the laws diverge or the observer ends the work.
+pub fn value_by_innovations(
+    problem: &Problem,
+    found: &Found,
+    observer: &mut dyn Observer,
+) -> Option<f64> {
+    undisturbed_value(problem, &found.best, &final_criterion(problem), observer)
 }
 
 /// Which levels a search goes through, and what it may try there.

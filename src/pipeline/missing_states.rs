@@ -1,0 +1,247 @@
+//! What a model may lack: a state that nothing measures, tried where the answer is doubted.
+//!
+//! In: a program, its data, the answer with its doubts. Out: one doubt more, if a model with one more state describes the readings better: which,
+//! what would be found with it, the lines to paste. The answer itself stays as it is.
+//!
+//! Tried are a first-order lag of each input, and a state that drives the doubted laws and has a library like theirs, in models without hidden
+//! states and with few columns. All are estimated as
+//! they would be if a user had written them, and the criterion compares them with the answer and with each other.
+
+use sidc_data::Dataset;
+use sidc_discover as discover;
+use sidc_discover::{Description, Method};
+use sidc_lang::added_state::{AddedState, behind_lag, driven_by_state};
+use sidc_lang::library::{Library, MEMORY};
+use sidc_lang::model::{Var, VarKind};
+use sidc_lang::number::significant;
+use sidc_lang::source::Sources;
+use sidc_lang::term::{Signal, SignalNames};
+use sidc_progress::{Activity, Observer};
+use sidc_system::discovery::{Change, Discovery, Equation, Reason, ReasonCode, Status};
+
+use super::program::{Program, compile};
+use super::thresholds::MISSING;
+use crate::options::Options;
+
+/// A model with one more state, and what is found with it.
+struct Proposal {
+    /// What is added, in words: `a first-order lag of u`.
+    what: String,
+    added: AddedState,
+    found: Discovery,
+    description: Description,
+}
+
+/// Doubts an answer where a model with one more state describes the readings better. `description` is that of the answer; where it was found from
+/// rows, the trajectory is estimated first.
+pub(super) fn propose(
+    (program, dataset): (&Program, &Dataset),
+    found: &mut Discovery,
+    description: Option<Description>,
+    options: &Options,
+    observer: &mut dyn Observer,
+) {
+    let doubted = doubted(found);
+    if doubted.is_empty() || found.was_stopped() || !may_have_more_states(program) {
+        return;
+    }
+    // What is tried has other equations: only whether to go on is asked.
+    let mut quiet = |_: Activity| observer.hear(Activity::Working);
+    let own = description.or_else(|| Some(fitted((program, dataset), options, &mut quiet)?.1));
+    let Some(own) = own else { return };
+    let mut best: Option<Proposal> = None;
+    for (what, added) in added_states(program, dataset, &doubted) {
+        let Some(program) = compiled(&added.text, program) else {
+            continue;
+        };
+        let Some((found, description)) = fitted((&program, dataset), options, &mut quiet) else {
+            continue;
+        };
+        if !is_driven(&found, &added.state) {
+            continue;
+        }
+        let better = |b: &Proposal| description.is_better_than(&b.description);
+        if best.as_ref().is_none_or(better) {
+            best = Some(Proposal {
+                what,
+                added,
+                found,
+                description,
+            });
+        }
+    }
+    let Some(best) = best.filter(|_| quiet.go_on()) else {
+        return;
+    };
+    let explains = !best.description.unexplained;
+    if best.description.is_better_than(&own) {
+        let gain = best.description.gain_over(&own);
+        tell(found, &doubted, &best.reason(gain), explains);
+    } else if explains && is_late(found) && !own.is_better_than(&best.description) {
+        tell(found, &doubted, &best.instead_of_delay(), false);
+    }
+}
+
+/// Whether something moves the added state. One that only fades or grows by itself is a disturbance that lasts.
+fn is_driven(found: &Discovery, state: &str) -> bool {
+    let own = |s: Signal| found.variable(s.var) == state;
+    let mut laws = found.equations.iter().filter(|e| own(e.target));
+    laws.any(|e| {
+        let mut driven = false;
+        let mut others = |s: Signal| driven |= !own(s);
+        e.terms.iter().for_each(|t| t.term.for_each_signal(&mut others));
+        driven
+    })
+}
+
+/// Whether the answer is that to inputs which act later than recorded.
+fn is_late(found: &Discovery) -> bool {
+    found.doubt_codes().contains(&ReasonCode::InputDelay)
+}
+
+/// The equations that leave more than a sensor's noise, as laws of another state would, or that something drives besides their terms.
+fn doubted(found: &Discovery) -> Vec<Signal> {
+    use ReasonCode::{
+        BeyondLibrary, ColouredResiduals, Disturbed, ExhaustedLibrary, InputDelay, Misfit, PoorFit,
+    };
+    let codes = [
+        BeyondLibrary,
+        ColouredResiduals,
+        Disturbed,
+        ExhaustedLibrary,
+        InputDelay,
+        Misfit,
+        PoorFit,
+    ];
+    let driven = |e: &Equation| {
+        let together = e.evidence.as_ref().and_then(|v| v.together.as_ref());
+        together.is_some_and(|t| t.disturbance.is_some())
+    };
+    let doubted = |e: &Equation| e.reasons.iter().any(|r| codes.contains(&r.code)) || driven(e);
+    let equations = found.equations.iter();
+    let searched = equations.filter(|e| e.status != Status::Known);
+    searched.filter(|e| doubted(e)).map(|e| e.target).collect()
+}
+
+/// Whether states can be added: not in discrete time, nor where the model says more of coefficients than the added laws would know.
+fn may_have_more_states(program: &Program) -> bool {
+    let model = &program.model;
+    !model.discrete && model.per_run.is_empty() && model.constraints.is_empty()
+}
+
+/// The models to try.
+fn added_states(
+    program: &Program,
+    dataset: &Dataset,
+    doubted: &[Signal],
+) -> Vec<(String, AddedState)> {
+    let (text, model) = (&program.text, &program.model);
+    let inputs = model.vars_of(VarKind::Input).take(MISSING.inputs);
+    let lag = |(id, var): (_, &Var)| {
+        let added = behind_lag(text, model, id, lags(dataset)?)?;
+        Some((format!("a first-order lag of {}", var.name), added))
+    };
+    let lags = inputs.filter_map(lag);
+    let columns = program.libraries.iter().flatten().map(Library::len);
+    let small = columns.sum::<usize>() <= MISSING.columns && model.hidden_states().next().is_none();
+    let equations = model.equations.iter().enumerate().filter(|_| small);
+    let driven = equations.filter(|(_, e)| doubted.contains(&e.target));
+    let driven: Vec<usize> = driven.map(|(i, _)| i).collect();
+    let driven = driven_by_state(text, model, &driven).map(|added| {
+        let what = format!("a state {} that nothing measures", added.state);
+        (what, added)
+    });
+    lags.chain(driven).collect()
+}
+
+/// The time constants that records can tell, from the shortest step to the length of the longest.
+fn lags(dataset: &Dataset) -> Option<(f64, f64)> {
+    let times = dataset.trajectories.iter().map(|t| &t.time);
+    let steps = times.clone().flat_map(|t| t.windows(2).map(|w| w[1] - w[0]));
+    let step = steps.filter(|s| *s > 0.0).reduce(f64::min)?;
+    let lengths = times.filter_map(|t| Some(t.last()? - t.first()?));
+    let length = lengths.reduce(f64::max)?;
+    let from = MISSING.shortest_lag * step;
+    (from < length).then_some((from, length))
+}
+
+/// A longer text, with the noise that was given for the sensors of the model.
+fn compiled(text: &str, given: &Program) -> Option<Program> {
+    let mut sources = Sources::default();
+    let file = sources.add("", text);
+    let mut program = compile(file, &sources, MEMORY).0?;
+    for (var, known) in program.model.vars.iter_mut().zip(&given.model.vars) {
+        var.noise = known.noise.clone();
+    }
+    Some(program)
+}
+
+/// The equations of a program with their trajectory, and how well they describe the readings.
+fn fitted(
+    (program, dataset): (&Program, &Dataset),
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Option<(Discovery, Description)> {
+    let mut search = options.search.clone();
+    search.method = Method::Joint;
+    let of = (&program.model, &program.libraries[..]);
+    let targets: Vec<_> = program.model.equations.iter().map(|e| e.target).collect();
+    let dataset = &dataset.without(&targets).with_unknowns_of(of.0);
+    let problem = discover::joint(of.0, of.1, dataset, &search, observer).ok()?;
+    let found = discover::discover_jointly(of, (dataset, &problem), &search, observer).ok()?;
+    let (discovery, fitted) = found?;
+    Some((discovery, fitted.description?))
+}
+
+impl Proposal {
+    fn reason(&self, gain: f64) -> Reason {
+        let left = match self.description.unexplained {
+            true => "",
+            false => ", and nothing but noise is left",
+        };
+        let text = format!(
+            "with {} the readings are described better, the criterion says by {gain:.0}{left}: {}",
+            self.what,
+            self.equations().join(", ")
+        );
+        self.with_lines(text)
+    }
+
+    fn instead_of_delay(&self) -> Reason {
+        let text = format!(
+            "the readings do not tell a delay from {}: {}",
+            self.what,
+            self.equations().join(", ")
+        );
+        self.with_lines(text)
+    }
+
+    fn with_lines(&self, text: String) -> Reason {
+        let lines = Change::Model(self.added.lines.clone());
+        let way = "name that state, if there is something that moves so";
+        Reason::new(ReasonCode::MissingState, text).change(way, lines)
+    }
+
+    /// What is found: the laws, and the time constant.
+    fn equations(&self) -> Vec<String> {
+        let found = &self.found;
+        let searched = found.equations.iter().filter(|e| e.status != Status::Known);
+        let laws = searched.map(|e| found.in_short(e, MISSING.figures));
+        let constants = found.unknowns.iter().map(|u| {
+            let value = significant(u.value, MISSING.figures);
+            format!("{} = {value}", u.name)
+        });
+        laws.chain(constants).collect()
+    }
+}
+
+/// Adds the reason to the doubted equations: first where the added state explains the readings, last where more is missing.
+fn tell(found: &mut Discovery, doubted: &[Signal], reason: &Reason, explains: bool) {
+    let equations = found.equations.iter_mut();
+    for equation in equations.filter(|e| doubted.contains(&e.target)) {
+        equation.doubt(reason.clone());
+        if explains {
+            equation.reasons.rotate_right(1);
+        }
+    }
+}
