@@ -39,7 +39,13 @@ pub fn identify(
         let dataset = &measured.dataset;
         let (mut found, description) = jointly(program, dataset, problem, options, observer)
             .map_err(|refused| diagnostics(program, measured, vec![*refused]))?;
-        missing_states::propose((program, dataset), &mut found, description, options, observer);
+        missing_states::propose(
+            (program, dataset),
+            &mut found,
+            description,
+            options,
+            observer,
+        );
         return Ok(sparsest_or_why(found, options));
     }
     let search = &options.search;

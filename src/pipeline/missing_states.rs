@@ -3,14 +3,14 @@
 //! In: a program, its data, the answer with its doubts. Out: one doubt more, if a model with one more state describes the readings better: which,
 //! what would be found with it, the lines to paste. The answer itself stays as it is.
 //!
-//! Tried are a first-order lag of each input, and a state that drives the doubted laws and has a library like theirs, in models without hidden
-//! states and with few columns. All are estimated as
-//! they would be if a user had written them, and the criterion compares them with the answer and with each other.
+//! Tried are a first-order lag of each input and, in models without hidden states and with few columns, one of each doubted state's sensor and a
+//! state that drives the doubted laws and has a library like theirs. All are estimated as they would be if a user had written them, and the
+//! criterion compares them with the answer and with each other.
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
 use sidc_discover::{Description, Method};
-use sidc_lang::added_state::{AddedState, behind_lag, driven_by_state};
+use sidc_lang::added_state::{AddedState, behind_lag, behind_sensor, driven_by_state};
 use sidc_lang::library::{Library, MEMORY};
 use sidc_lang::model::{Var, VarKind};
 use sidc_lang::number::significant;
@@ -47,36 +47,37 @@ pub(super) fn propose(
     }
     // What is tried has other equations: only whether to go on is asked.
     let mut quiet = |_: Activity| observer.hear(Activity::Working);
-    let own = description.or_else(|| Some(fitted((program, dataset), options, &mut quiet)?.1));
+    let own = description.or_else(|| Some(described((program, dataset), options, &mut quiet)?.1));
     let Some(own) = own else { return };
-    let mut best: Option<Proposal> = None;
+    let mut tried: Vec<Proposal> = Vec::new();
     for (what, added) in added_states(program, dataset, &doubted) {
         let Some(program) = compiled(&added.text, program) else {
             continue;
         };
-        let Some((found, description)) = fitted((&program, dataset), options, &mut quiet) else {
-            continue;
-        };
-        if !is_driven(&found, &added.state) {
-            continue;
-        }
-        let better = |b: &Proposal| description.is_better_than(&b.description);
-        if best.as_ref().is_none_or(better) {
-            best = Some(Proposal {
-                what,
-                added,
-                found,
-                description,
-            });
-        }
+        let described = described((&program, dataset), options, &mut quiet);
+        let driven = described.filter(|(found, _)| is_driven(found, &added.state));
+        tried.extend(driven.map(|(found, description)| Proposal {
+            what,
+            added,
+            found,
+            description,
+        }));
     }
+    let better = |a: &Proposal, b: &Proposal| a.description.gain_over(&b.description);
+    let best = tried
+        .iter()
+        .reduce(|best, one| if better(one, best) > 0.0 { one } else { best });
     let Some(best) = best.filter(|_| quiet.go_on()) else {
         return;
     };
+    let others = tried.iter().filter(|o| o.added != best.added);
+    let alike: Vec<&Proposal> = others
+        .filter(|o| !best.description.is_better_than(&o.description))
+        .collect();
     let explains = !best.description.unexplained;
     if best.description.is_better_than(&own) {
         let gain = best.description.gain_over(&own);
-        tell(found, &doubted, &best.reason(gain), explains);
+        tell(found, &doubted, &best.reason(gain, &alike), explains);
     } else if explains && is_late(found) && !own.is_better_than(&best.description) {
         tell(found, &doubted, &best.instead_of_delay(), false);
     }
@@ -89,7 +90,9 @@ fn is_driven(found: &Discovery, state: &str) -> bool {
     laws.any(|e| {
         let mut driven = false;
         let mut others = |s: Signal| driven |= !own(s);
-        e.terms.iter().for_each(|t| t.term.for_each_signal(&mut others));
+        e.terms
+            .iter()
+            .for_each(|t| t.term.for_each_signal(&mut others));
         driven
     })
 }
@@ -136,28 +139,49 @@ fn added_states(
     doubted: &[Signal],
 ) -> Vec<(String, AddedState)> {
     let (text, model) = (&program.text, &program.model);
-    let inputs = model.vars_of(VarKind::Input).take(MISSING.inputs);
-    let lag = |(id, var): (_, &Var)| {
-        let added = behind_lag(text, model, id, lags(dataset)?)?;
+    let range = lags(dataset);
+    let input = |(id, var): (_, &Var)| {
+        let added = behind_lag(text, model, id, range?)?;
         Some((format!("a first-order lag of {}", var.name), added))
     };
-    let lags = inputs.filter_map(lag);
+    let inputs = model.vars_of(VarKind::Input).take(MISSING.inputs);
+    let mut all: Vec<(String, AddedState)> = inputs.filter_map(input).collect();
     let columns = program.libraries.iter().flatten().map(Library::len);
-    let small = columns.sum::<usize>() <= MISSING.columns && model.hidden_states().next().is_none();
-    let equations = model.equations.iter().enumerate().filter(|_| small);
+    // A course that nothing measures is searched for in small libraries only.
+    if columns.sum::<usize>() > MISSING.columns || model.hidden_states().next().is_some() {
+        return all;
+    }
+    let sensor = |target: &Signal| {
+        let rates = (1..=target.der).map(|der| Signal::derivative(target.var, der));
+        let var = model
+            .var(target.var)
+            .filter(|_| !rates.clone().any(|s| dataset.has(s)))?;
+        let added = behind_sensor(text, model, target.var, range?)?;
+        Some((
+            format!("a first-order lag of the sensor of {}", var.name),
+            added,
+        ))
+    };
+    all.extend(doubted.iter().take(MISSING.sensors).filter_map(sensor));
+    let equations = model.equations.iter().enumerate();
     let driven = equations.filter(|(_, e)| doubted.contains(&e.target));
     let driven: Vec<usize> = driven.map(|(i, _)| i).collect();
-    let driven = driven_by_state(text, model, &driven).map(|added| {
-        let what = format!("a state {} that nothing measures", added.state);
-        (what, added)
-    });
-    lags.chain(driven).collect()
+    let driven = driven_by_state(text, model, &driven);
+    all.extend(driven.map(|added| {
+        (
+            format!("a state {} that nothing measures", added.state),
+            added,
+        )
+    }));
+    all
 }
 
 /// The time constants that records can tell, from the shortest step to the length of the longest.
 fn lags(dataset: &Dataset) -> Option<(f64, f64)> {
     let times = dataset.trajectories.iter().map(|t| &t.time);
-    let steps = times.clone().flat_map(|t| t.windows(2).map(|w| w[1] - w[0]));
+    let steps = times
+        .clone()
+        .flat_map(|t| t.windows(2).map(|w| w[1] - w[0]));
     let step = steps.filter(|s| *s > 0.0).reduce(f64::min)?;
     let lengths = times.filter_map(|t| Some(t.last()? - t.first()?));
     let length = lengths.reduce(f64::max)?;
@@ -177,7 +201,7 @@ fn compiled(text: &str, given: &Program) -> Option<Program> {
 }
 
 /// The equations of a program with their trajectory, and how well they describe the readings.
-fn fitted(
+fn described(
     (program, dataset): (&Program, &Dataset),
     options: &Options,
     observer: &mut dyn Observer,
@@ -188,19 +212,24 @@ fn fitted(
     let targets: Vec<_> = program.model.equations.iter().map(|e| e.target).collect();
     let dataset = &dataset.without(&targets).with_unknowns_of(of.0);
     let problem = discover::joint(of.0, of.1, dataset, &search, observer).ok()?;
-    let found = discover::discover_jointly(of, (dataset, &problem), &search, observer).ok()?;
-    let (discovery, fitted) = found?;
-    Some((discovery, fitted.description?))
+    discover::describe_jointly(of, (dataset, &problem), &search, observer)
 }
 
 impl Proposal {
-    fn reason(&self, gain: f64) -> Reason {
+    fn reason(&self, gain: f64, alike: &[&Proposal]) -> Reason {
         let left = match self.description.unexplained {
             true => "",
             false => ", and nothing but noise is left",
         };
+        let or = alike.iter().map(|o| format!(" or {}", o.what));
+        let or: String = or.collect();
+        let which = if alike.is_empty() {
+            ""
+        } else {
+            " (they do not tell which)"
+        };
         let text = format!(
-            "with {} the readings are described better, the criterion says by {gain:.0}{left}: {}",
+            "with {}{or} the readings are described better{which}, the criterion says by {gain:.0}{left}: {}",
             self.what,
             self.equations().join(", ")
         );

@@ -31,6 +31,8 @@ family! {
     pub(crate) MISSING: PipelineMissingStates {
         /// Inputs that are tried behind a lag.
         inputs: usize = 4, unit "inputs", source "each costs a search of its own";
+        /// Sensors that are tried with a lag.
+        sensors: usize = 2, unit "sensors", source "each costs a search of its own, from many time constants";
         /// Columns of a model up to which a state with a library of its own is tried.
         columns: usize = 60, unit "columns", source "so many more are searched, along a course that nothing measures";
         /// Shortest lag that is tried.

@@ -40,18 +40,18 @@ pub fn behind_lag(
     let state = names.unused(&format!("{name}_lag"));
     let constant = names.unused("tau");
     let mut edited = Edited::new(text);
-    for piece in edited.pieces_of(&[None, Some(Keyword::Let), Some(Keyword::Constrain)]) {
-        edited.rename(&piece, (name, &state))?;
+    for piece in edited.pieces_of(&LAWS) {
+        if edited.mentions(&piece, &[format!("d{name}"), format!("{name}'")]) {
+            return None;
+        }
+        edited.rename(&piece, &[(name.clone(), state.clone())]);
     }
-    if edited.changed.is_empty() || model.symmetries.iter().any(|s| s.flipped.contains(&input)) {
+    if edited.changed.is_empty() || in_symmetry(model, input) {
         return None;
     }
-    let unit = |unit: &str| match model.vars.iter().any(|v| v.unit.is_some()) {
-        true => format!(", unit \"{unit}\""),
-        false => String::new(),
-    };
     let own = var.unit.as_ref();
     let range = format!("{} .. {}", significant(from, 2), significant(to, 2));
+    let unit = |unit: &str| in_units(model, unit);
     let lines = [
         format!("unknown {constant} in {range}{}", unit("s")),
         format!(
@@ -63,6 +63,72 @@ pub fn behind_lag(
     Some(edited.with(&lines, state, Some(constant)))
 }
 
+/// The state behind a sensor with a first-order lag whose time constant, in seconds, is sought in a range: `dx = (x_true - x)/tau`, where x is
+/// what the sensor reads. `None` where the model says more of the sensor, or declares the state in a range of names.
+pub fn behind_sensor(
+    text: &str,
+    model: &Model,
+    sensed: VarId,
+    (from, to): (f64, f64),
+) -> Option<AddedState> {
+    let var = model.var(sensed).filter(|v| v.kind == VarKind::State)?;
+    let plain = !var.hidden && var.delay.is_none() && var.noise.keys().all(|der| *der == 0);
+    if !plain || in_symmetry(model, sensed) {
+        return None;
+    }
+    let name = &var.name;
+    let mut names = Names::of(text);
+    let state = names.unused(&format!("{name}_true"));
+    let constant = names.unused("tau");
+    let mut edited = Edited::new(text);
+    let renamed: Vec<(String, String)> = (0..=usize::from(var.order))
+        .flat_map(|der| {
+            let (rates, primes) = ("d".repeat(der), "'".repeat(der));
+            let with = |name: &str| [format!("{rates}{name}"), format!("{name}{primes}")];
+            with(name).into_iter().zip(with(&state))
+        })
+        .collect();
+    for piece in edited.pieces_of(&LAWS) {
+        edited.rename(&piece, &renamed);
+    }
+    if edited.changed.is_empty() {
+        return None;
+    }
+    let declared = edited.pieces_of(&[Some(Keyword::State)]).into_iter();
+    let own = declared.filter(|p| edited.mentions(p, std::slice::from_ref(name)));
+    for piece in own.collect::<Vec<_>>() {
+        edited.declare_one_by_one(&piece, name)?;
+    }
+    let order = match var.order {
+        1 => String::new(),
+        order => format!(", order {order}"),
+    };
+    let unit = var.unit.as_ref();
+    let unit = unit.map_or(String::new(), |u| in_units(model, &u.to_string()));
+    let range = format!("{} .. {}", significant(from, 2), significant(to, 2));
+    let lines = [
+        format!("unknown {constant} in {range}{}", in_units(model, "s")),
+        format!("state {state} : hidden{order}{unit}"),
+        format!("d{name} = ({state} - {name})/{constant}"),
+    ];
+    Some(edited.with(&lines, state, Some(constant)))
+}
+
+/// The statements that laws stand in.
+const LAWS: [Option<Keyword>; 3] = [None, Some(Keyword::Let), Some(Keyword::Constrain)];
+
+fn in_symmetry(model: &Model, var: VarId) -> bool {
+    model.symmetries.iter().any(|s| s.flipped.contains(&var))
+}
+
+/// An attribute with a unit, in a model that declares units.
+fn in_units(model: &Model, unit: &str) -> String {
+    match model.vars.iter().any(|v| v.unit.is_some()) {
+        true => format!(", unit \"{unit}\""),
+        false => String::new(),
+    }
+}
+
 /// A state that drives the laws of these equations and has a library of its own: that of the first of them, and itself. `None` where an
 /// equation states a part of its law, which the state could not share.
 pub fn driven_by_state(text: &str, model: &Model, equations: &[usize]) -> Option<AddedState> {
@@ -72,7 +138,11 @@ pub fn driven_by_state(text: &str, model: &Model, equations: &[usize]) -> Option
     let mut library = None;
     let mut statements = BTreeSet::new();
     for equation in equations.iter().filter_map(|i| model.equations.get(*i)) {
-        let RightSide::Search { known, library: Some(_) } = &equation.right else {
+        let RightSide::Search {
+            known,
+            library: Some(_),
+        } = &equation.right
+        else {
             return None;
         };
         let (_, own) = equation.written.split_once('~')?;
@@ -153,12 +223,18 @@ impl<'t> Edited<'t> {
         own.collect()
     }
 
-    /// Another name for a variable in a statement; `None` where the statement has its rate.
-    fn rename(&mut self, piece: &StatementTokens, (from, to): (&str, &str)) -> Option<()> {
+    /// Whether a statement has one of these names.
+    fn mentions(&self, piece: &StatementTokens, names: &[String]) -> bool {
+        let mut tokens = self.tokens[piece.tokens.clone()].iter();
+        tokens.any(|t| t.kind == TokenKind::Name && names.contains(&normalise(t.text)))
+    }
+
+    /// Other names for variables in a statement, each with the name it takes.
+    fn rename(&mut self, piece: &StatementTokens, names: &[(String, String)]) {
         let mut written = String::new();
         let mut renamed = false;
         let mut end = None;
-        for token in self.tokens.get(piece.tokens.clone())? {
+        for token in &self.tokens[piece.tokens.clone()] {
             if !token.is_code() {
                 continue;
             }
@@ -166,21 +242,49 @@ impl<'t> Edited<'t> {
             written += if blank { " " } else { "" };
             end = Some(token.end);
             let name = normalise(token.text);
-            let is_name = token.kind == TokenKind::Name;
-            if is_name && (name == format!("d{from}") || name == format!("{from}'")) {
-                return None;
-            }
-            if is_name && name == from {
-                self.edits.push(((token.start, token.end), to.to_string()));
-                renamed = true;
-                written += to;
-            } else {
-                written += token.text;
+            let other = names.iter().find(|(from, _)| *from == name);
+            match other.filter(|_| token.kind == TokenKind::Name) {
+                Some((_, to)) => {
+                    self.edits.push(((token.start, token.end), to.clone()));
+                    renamed = true;
+                    written += to;
+                }
+                None => written += token.text,
             }
         }
         if renamed {
             self.changed.push(written);
         }
+    }
+
+    /// A statement for each name of a declaration, in their order; that of `first_order` without its order. `None` for ranges of names.
+    fn declare_one_by_one(&mut self, piece: &StatementTokens, first_order: &str) -> Option<()> {
+        let tokens = self.tokens[piece.tokens.clone()].iter();
+        let code: Vec<&Token> = tokens.filter(|t| t.is_code()).collect();
+        let (keyword, rest) = code.split_first()?;
+        let colon = rest.iter().position(|t| t.is(":"));
+        let (names, attributes) = rest.split_at(colon.unwrap_or(rest.len()));
+        let names: Vec<&str> = (names.iter().filter(|t| !t.is(",")))
+            .map(|t| (t.kind == TokenKind::Name).then_some(t.text))
+            .collect::<Option<_>>()?;
+        let attributes = attributes.get(1..).unwrap_or(&[]);
+        let attributes: Vec<&str> = (attributes.split(|t| t.is(",")))
+            .filter_map(|own| self.text.get(own.first()?.start..own.last()?.end))
+            .collect();
+        let line = |name: &&str| {
+            let one = normalise(name) == first_order;
+            let kept = attributes
+                .iter()
+                .filter(|a| !(one && a.starts_with("order")));
+            let kept: Vec<&str> = kept.copied().collect();
+            match kept.is_empty() {
+                true => format!("{} {name}", keyword.text),
+                false => format!("{} {name} : {}", keyword.text, kept.join(", ")),
+            }
+        };
+        let lines = names.iter().map(line).collect();
+        let last = code.last()?;
+        self.replace((keyword.start, last.end), lines);
         Some(())
     }
 

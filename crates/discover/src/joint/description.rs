@@ -26,11 +26,7 @@ pub struct Description {
 
 impl Description {
     /// Of a fit that estimated `constants` inside terms as well.
-    pub(crate) fn of(
-        fit: &JointFit,
-        constants: usize,
-        observer: &mut dyn Observer,
-    ) -> Description {
+    pub(crate) fn of(fit: &JointFit, constants: usize, observer: &mut dyn Observer) -> Description {
         let (problem, found) = (&fit.problem, &fit.found);
         let readings = problem.measurements() as f64;
         let runs = problem.runs().len();
@@ -40,7 +36,8 @@ impl Description {
         let disturbed = found.best.process().is_some();
         let unexplained = unexplained(problem, &found.best);
         let asked = !disturbed && (unexplained || !problem.system.hidden.is_empty());
-        let by_innovations = asked.then(|| trajectory::value_by_innovations(problem, found, observer));
+        let by_innovations =
+            asked.then(|| trajectory::value_by_innovations(problem, found, observer));
         Description {
             criterion: found.value_of_all_readings(problem) + beside,
             disturbed,

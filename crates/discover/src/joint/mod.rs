@@ -34,11 +34,13 @@ use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
 use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
+use crate::joint::declared_delays::DeclaredDelays;
 use crate::joint::disturbances::with_disturbances;
 use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
+use crate::joint::unknown_constants::Constants;
 use crate::joint::weak_start::weak_start;
 use crate::known_terms::{fixed_terms, stated};
 use crate::options::Options;
@@ -76,43 +78,28 @@ pub fn discover_jointly(
 ) -> Result<Option<(Discovery, Fitted)>, Box<Refusal>> {
     let mut watcher = EquationObserver::new(observer);
     let discovery = Discovery::of(model);
-    let watcher = &mut watcher;
-    let delays = declared_delays::settle((model, libraries), dataset, problem, options, watcher);
-    let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
-    let constants = unknown_constants::settle(
-        (model, libraries),
-        (&dataset, problem.as_ref()),
-        options,
-        watcher,
-    );
-    let problem = constants.started(&problem, watcher);
-    let dataset = constants.dataset(&dataset);
-    let problem = problem.as_ref();
-    let start = weak_start((model, libraries), &dataset, problem, options, watcher);
-    let settled = search_under_constraints((model, problem), start, options, watcher);
-    match with_disturbances((model, problem), settled, watcher) {
+    let (of, watcher) = ((model, libraries), &mut watcher);
+    let conclude = |searched: Searched, watcher: &mut EquationObserver| match searched.settled {
         Settled::Answer(mut answer) => {
             let scales = hidden_states::settle_scales(&mut answer, watcher);
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
                 refuse_contradiction(&discovery, model, &answer, watcher)?;
             }
-            let (mut discovery, mut fitted) = conclude(model, discovery, &answer, watcher);
+            let (discovery, found) = equations(model, discovery, &answer, watcher);
+            let (mut discovery, mut fitted) = weigh(model, discovery, (&answer, &found), watcher);
+            let constants = searched.constants;
             fitted.description = Some(Description::of(
                 &answer.fit,
                 constants.sought().len(),
                 watcher,
             ));
-            delays.state(model, &mut discovery);
+            searched.delays.state(model, &mut discovery);
             hidden_states::state(model, &answer.fit, &scales, &mut discovery);
             let known = (model, constants.sought());
             hidden_states::doubt(known, &answer.fit, &mut discovery, watcher);
-            constants.state(
-                model,
-                (&answer.fit.problem, &answer.fit.found),
-                &mut discovery,
-                watcher,
-            );
+            let fit = (&answer.fit.problem, &answer.fit.found);
+            constants.state(model, (fit.0, fit.1), &mut discovery, watcher);
             Ok(Some((discovery, fitted)))
         }
         Settled::OnlyFree(free) => {
@@ -131,19 +118,78 @@ pub fn discover_jointly(
                 reasons: vec![early_stop::failure(stop)],
             };
             let mut discovery = discovery;
-            discovery.failed = problem.system.laws.iter().map(failed).collect();
+            discovery.failed = searched.laws.iter().map(failed).collect();
             (discovery, Fitted::default())
         })),
-    }
+    };
+    search_jointly(of, (dataset, problem), options, watcher, conclude)
 }
 
-/// The equations of an answer with their evidence.
-fn conclude(
+/// The equations alone, without evidence for them, and how well they describe the readings. `None` if nothing could be fitted.
+pub fn describe_jointly(
+    (model, libraries): (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Option<(Discovery, Description)> {
+    let mut watcher = EquationObserver::new(observer);
+    let of = (model, libraries);
+    let conclude = |searched: Searched, watcher: &mut EquationObserver| {
+        let Settled::Answer(mut answer) = searched.settled else {
+            return None;
+        };
+        hidden_states::settle_scales(&mut answer, watcher);
+        let constants = searched.constants;
+        let (mut discovery, _) = equations(model, Discovery::of(model), &answer, watcher);
+        let fit = (&answer.fit.problem, &answer.fit.found);
+        constants.state(model, (fit.0, fit.1), &mut discovery, watcher);
+        let description = Description::of(&answer.fit, constants.sought().len(), watcher);
+        watcher.stop().is_none().then_some((discovery, description))
+    };
+    search_jointly(of, (dataset, problem), options, &mut watcher, conclude)
+}
+
+/// What a joint search ended with.
+struct Searched<'a> {
+    settled: Settled<'a>,
+    delays: &'a DeclaredDelays,
+    constants: &'a Constants,
+    laws: &'a [Law],
+}
+
+/// Settles delays, constants, terms and disturbances in turn.
+fn search_jointly<T>(
+    of: (&Model, &[Option<Library>]),
+    (dataset, problem): (&Dataset, &Problem),
+    options: &Options,
+    watcher: &mut EquationObserver,
+    conclude: impl FnOnce(Searched, &mut EquationObserver) -> T,
+) -> T {
+    let model = of.0;
+    let delays = declared_delays::settle(of, dataset, problem, options, watcher);
+    let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
+    let constants = unknown_constants::settle(of, (&dataset, problem.as_ref()), options, watcher);
+    let problem = constants.started(&problem, watcher);
+    let dataset = constants.dataset(&dataset);
+    let problem = problem.as_ref();
+    let start = weak_start(of, &dataset, problem, options, watcher);
+    let settled = search_under_constraints((model, problem), start, options, watcher);
+    let searched = Searched {
+        settled: with_disturbances((model, problem), settled, watcher),
+        delays: &delays,
+        constants: &constants,
+        laws: &problem.system.laws,
+    };
+    conclude(searched, watcher)
+}
+
+/// The equations of an answer, and its fit with the errors that inputs between their samples add.
+fn equations(
     model: &Model,
     mut discovery: Discovery,
     answer: &ConstrainedAnswer,
     watcher: &mut EquationObserver,
-) -> (Discovery, Fitted) {
+) -> (Discovery, Found) {
     let stopped = watcher.stop();
     let JointFit {
         problem,
@@ -178,17 +224,29 @@ fn conclude(
         }
         discovery.equations.push(equation);
     }
+    (discovery, found)
+}
+
+/// The equations with what speaks against them.
+fn weigh(
+    model: &Model,
+    mut discovery: Discovery,
+    (answer, found): (&ConstrainedAnswer, &Found),
+    watcher: &mut EquationObserver,
+) -> (Discovery, Fitted) {
+    let stopped = watcher.stop();
+    let problem = answer.fit.problem.as_ref();
     doubt_runs(
         &mut discovery,
         (model, problem),
-        (&found, &answer.left),
+        (found, &answer.left),
         watcher,
     );
     if stopped.is_none() && watcher.at(Stage::Weighing).is_none() {
-        let better = probe_libraries(problem, &found, watcher);
+        let better = probe_libraries(problem, found, watcher);
         trajectory_rules::doubt_libraries(&mut discovery, (model, problem), better.as_ref());
     }
-    let samples = samples(model, problem, &found);
+    let samples = samples(model, problem, found);
     let witness = Arc::new(Witness {
         path: Some(Arc::new(samples.clone())),
         ..Witness::default()
@@ -207,7 +265,7 @@ fn conclude(
     let free_scale = !problem.system.hidden.is_empty() && !problem.system.constraints.is_empty();
     let stretches = match watcher.at(Stage::Weighing) {
         None if answer.free.is_none() && !free_scale => {
-            likelihood_by_stretch(problem, &found, watcher)
+            likelihood_by_stretch(problem, found, watcher)
         }
         _ => None,
     };

@@ -124,7 +124,9 @@ impl<'a> SolvedLaw<'a> {
         };
         Some(HiddenCourse {
             law: self.hidden,
-            records: (0..problem.records.len()).map(chain).collect::<Option<_>>()?,
+            records: (0..problem.records.len())
+                .map(chain)
+                .collect::<Option<_>>()?,
         })
     }
 

@@ -27,10 +27,11 @@ pub(crate) fn with_started_states(problem: &Problem, observer: &mut dyn Observer
     started
 }
 
-/// The criterion of the best start; infinite where none leads along the readings.
+/// The criterion of the best start, of long records on segments; infinite where none leads along the readings.
 pub(super) fn value_of_start(problem: &Problem, observer: &mut dyn Observer) -> f64 {
     let free = of_free_scale(problem);
-    let started = with_given_courses(problem, &free);
+    let short = problem.on_segments();
+    let started = with_given_courses(short.as_ref().unwrap_or(problem), &free);
     let best = best_start(&started, &free, HIDDEN.judged, observer).filter(|(fit, _)| fit.arrived);
     best.map_or(f64::INFINITY, |(fit, _)| fit.value)
 }
