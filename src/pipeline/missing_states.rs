@@ -49,31 +49,21 @@ pub(super) fn propose(
     let mut quiet = |_: Activity| observer.hear(Activity::Working);
     let own = description.or_else(|| Some(described((program, dataset), options, &mut quiet)?.1));
     let Some(own) = own else { return };
-    let mut tried: Vec<Proposal> = Vec::new();
-    for (what, added) in added_states(program, dataset, &doubted) {
-        let Some(program) = compiled(&added.text, program) else {
-            continue;
-        };
-        let described = described((&program, dataset), options, &mut quiet);
-        let driven = described.filter(|(found, _)| is_driven(found, &added.state));
-        tried.extend(driven.map(|(found, description)| Proposal {
-            what,
-            added,
-            found,
-            description,
-        }));
+    let of = (program, dataset);
+    let mut tried = tried(lagged(of, &doubted), of, options, &mut quiet);
+    let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
+    if !tried.iter().any(explains) {
+        let states = driving(program, &doubted).into_iter().collect();
+        tried.extend(self::tried(states, of, options, &mut quiet));
     }
-    let better = |a: &Proposal, b: &Proposal| a.description.gain_over(&b.description);
-    let best = tried
-        .iter()
-        .reduce(|best, one| if better(one, best) > 0.0 { one } else { best });
+    // Of those that the readings do not tell apart the first is given.
+    let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
+    let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best });
     let Some(best) = best.filter(|_| quiet.go_on()) else {
         return;
     };
     let others = tried.iter().filter(|o| o.added != best.added);
-    let alike: Vec<&Proposal> = others
-        .filter(|o| !best.description.is_better_than(&o.description))
-        .collect();
+    let alike: Vec<&Proposal> = others.filter(|o| !better(best, o)).collect();
     let explains = !best.description.unexplained;
     if best.description.is_better_than(&own) {
         let gain = best.description.gain_over(&own);
@@ -81,6 +71,26 @@ pub(super) fn propose(
     } else if explains && is_late(found) && !own.is_better_than(&best.description) {
         tell(found, &doubted, &best.instead_of_delay(), false);
     }
+}
+
+/// What is found with each added state that something moves.
+fn tried(
+    states: Vec<(String, AddedState)>,
+    (program, dataset): (&Program, &Dataset),
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> Vec<Proposal> {
+    let proposal = |(what, added): (String, AddedState)| {
+        let program = compiled(&added.text, program)?;
+        let (found, description) = described((&program, dataset), options, observer)?;
+        is_driven(&found, &added.state).then_some(Proposal {
+            what,
+            added,
+            found,
+            description,
+        })
+    };
+    states.into_iter().filter_map(proposal).collect()
 }
 
 /// Whether something moves the added state. One that only fades or grows by itself is a disturbance that lasts.
@@ -132,48 +142,52 @@ fn may_have_more_states(program: &Program) -> bool {
     !model.discrete && model.per_run.is_empty() && model.constraints.is_empty()
 }
 
-/// The models to try.
-fn added_states(
-    program: &Program,
-    dataset: &Dataset,
+/// Lags of inputs and, in small models, of the sensors of doubted states.
+fn lagged(
+    (program, dataset): (&Program, &Dataset),
     doubted: &[Signal],
 ) -> Vec<(String, AddedState)> {
     let (text, model) = (&program.text, &program.model);
-    let range = lags(dataset);
+    let Some(range) = lags(dataset) else {
+        return Vec::new();
+    };
     let input = |(id, var): (_, &Var)| {
-        let added = behind_lag(text, model, id, range?)?;
+        let added = behind_lag(text, model, id, range)?;
         Some((format!("a first-order lag of {}", var.name), added))
     };
-    let inputs = model.vars_of(VarKind::Input).take(MISSING.inputs);
-    let mut all: Vec<(String, AddedState)> = inputs.filter_map(input).collect();
-    let columns = program.libraries.iter().flatten().map(Library::len);
-    // A course that nothing measures is searched for in small libraries only.
-    if columns.sum::<usize>() > MISSING.columns || model.hidden_states().next().is_some() {
-        return all;
-    }
     let sensor = |target: &Signal| {
-        let rates = (1..=target.der).map(|der| Signal::derivative(target.var, der));
-        let var = model
-            .var(target.var)
-            .filter(|_| !rates.clone().any(|s| dataset.has(s)))?;
-        let added = behind_sensor(text, model, target.var, range?)?;
-        Some((
-            format!("a first-order lag of the sensor of {}", var.name),
-            added,
-        ))
+        let mut rates = (1..=target.der).map(|der| Signal::derivative(target.var, der));
+        let var = model.var(target.var)?;
+        let added = behind_sensor(text, model, target.var, range)?;
+        let what = format!("a first-order lag of the sensor of {}", var.name);
+        (!rates.any(|s| dataset.has(s))).then_some((what, added))
     };
-    all.extend(doubted.iter().take(MISSING.sensors).filter_map(sensor));
-    let equations = model.equations.iter().enumerate();
+    let inputs = model.vars_of(VarKind::Input).take(MISSING.inputs);
+    let sensors = doubted
+        .iter()
+        .take(MISSING.sensors)
+        .filter(|_| is_small(program));
+    inputs
+        .filter_map(input)
+        .chain(sensors.filter_map(sensor))
+        .collect()
+}
+
+/// A state that drives the doubted laws, in small models.
+fn driving(program: &Program, doubted: &[Signal]) -> Option<(String, AddedState)> {
+    let equations = program.model.equations.iter().enumerate();
     let driven = equations.filter(|(_, e)| doubted.contains(&e.target));
     let driven: Vec<usize> = driven.map(|(i, _)| i).collect();
-    let driven = driven_by_state(text, model, &driven);
-    all.extend(driven.map(|added| {
-        (
-            format!("a state {} that nothing measures", added.state),
-            added,
-        )
-    }));
-    all
+    let added = driven_by_state(&program.text, &program.model, &driven)?;
+    let what = format!("a state {} that nothing measures", added.state);
+    is_small(program).then_some((what, added))
+}
+
+/// Whether laws may be searched along a course that nothing measures: with few columns, and no other such course.
+fn is_small(program: &Program) -> bool {
+    let columns = program.libraries.iter().flatten().map(Library::len);
+    let hidden = program.model.hidden_states().next().is_some();
+    !hidden && columns.sum::<usize>() <= MISSING.columns
 }
 
 /// The time constants that records can tell, from the shortest step to the length of the longest.

@@ -186,3 +186,113 @@ fn what_cannot_be_is_refused_with_its_place() {
         run.stderr
     );
 }
+
+const FINE: f64 = 0.01;
+/// Seconds of the lag before or behind dx = -2 x - 3 x^3 + 8 u.
+const SLOW: f64 = 0.06;
+
+/// A stiffening follower of a command in steps; the command or the sensor lags.
+fn lagged(at_sensor: bool, seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let (mut state, mut level) = ([0.0, 0.0], 0.0);
+    let mut text = String::from("t,x,u\n");
+    for (k, t) in grid(1500, FINE).iter().enumerate() {
+        if k % 37 == 0 {
+            level = random.normal().clamp(-1.5, 1.5);
+        }
+        let read = state[usize::from(at_sensor)] + 0.005 * random.normal();
+        text += &format!("{t},{read:.6},{level}\n");
+        let f = |_: f64, &[x, lag]: &[f64; 2]| {
+            let drive = if at_sensor { level } else { lag };
+            let followed = if at_sensor { x } else { level };
+            let law = -2.0 * x - 3.0 * x.powi(3) + 8.0 * drive;
+            [law, (followed - lag) / SLOW]
+        };
+        state = integrate(&f, *t, t + FINE, state);
+    }
+    text
+}
+
+#[test]
+fn a_state_that_a_sensor_follows_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "state x\nstate z : hidden\ninput u : hold\nunknown tau in 0.001..10\n\
+                 dx = (z - x)/tau\ndz ~ <1, z, z^2, z^3, z^4, u>\n";
+    let (run, document) = identify(folder.path(), model, &lagged(true, 7), &[]);
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    for (term, truth) in [("z", -2.0), ("z^3", -3.0), ("u", 8.0)] {
+        near(coefficient(&document, "dz", term), truth, 0.03);
+    }
+    assert_eq!(coefficient(&document, "dz", "z^2"), 0.0);
+    near(
+        document["unknowns"][0]["value"].as_f64().unwrap(),
+        SLOW,
+        0.03,
+    );
+}
+
+/// What is said of a missing state, with the lines to add.
+fn missing(document: &Value) -> (String, Vec<String>) {
+    let reasons = document["equations"][0]["reasons"].as_array().unwrap();
+    let reason = reasons.iter().find(|r| r["code"] == "missing-state");
+    let reason = reason.unwrap_or_else(|| panic!("{reasons:?}"));
+    let lines = reason["remedy"]["change"]["model"].as_array().unwrap();
+    let lines = lines.iter().map(|l| l.as_str().unwrap().to_string());
+    (reason["text"].as_str().unwrap().into(), lines.collect())
+}
+
+#[test]
+fn a_lag_that_the_model_lacks_is_proposed_where_it_is() {
+    let unnamed = "state x\ninput u : hold\ndx ~ <1, x, x^2, x^3, x^4, u>\n";
+    for (at_sensor, what) in [(false, "lag of u"), (true, "lag of the sensor of x")] {
+        let folder = tempfile::tempdir().unwrap();
+        let (run, document) = identify(folder.path(), unnamed, &lagged(at_sensor, 8), &[]);
+        assert_eq!(run.status, 3, "{}", run.stdout);
+        let (text, lines) = missing(&document);
+        assert!(
+            text.contains(what) && !text.contains("do not tell"),
+            "{text}"
+        );
+        assert!(text.contains("tau = 0.06"), "{text}");
+        assert!(run.words().contains(&lines[0]), "{}", run.stdout);
+        let hidden = lines.iter().filter(|l| l.contains(": hidden"));
+        assert_eq!(hidden.count(), 1, "{lines:?}");
+    }
+}
+
+/// An epidemic of which only the infectious are seen.
+fn epidemic(seed: u64) -> String {
+    let mut random = Random::new(seed);
+    let mut state = [0.99, 0.0, 0.01];
+    let mut text = String::from("t,I\n");
+    for t in grid(500, 0.25) {
+        text += &format!("{t},{:.6}\n", state[2] + 0.0003 * random.normal());
+        let f = |_: f64, &[s, e, i]: &[f64; 3]| {
+            [-0.5 * s * i, 0.5 * s * i - 0.2 * e, 0.2 * e - 0.1 * i]
+        };
+        state = integrate(&f, t, t + 0.25, state);
+    }
+    text
+}
+
+#[test]
+fn rates_that_can_change_places_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "unknown b in 0.05..5\nunknown s in 0.02..2\nstate I\nstate S, E : hidden\n\
+                 dS = -b*S*I\ndE = b*S*I - s*E\ndI ~ known(s*E) + <I, I^2>\n";
+    let (run, _) = identify(folder.path(), model, &epidemic(9), &[]);
+    assert_eq!(run.status, 3, "{}", run.stdout);
+    assert!(
+        run.words().contains("by other values in the same laws"),
+        "{}",
+        run.stdout
+    );
+    let (run, document) = identify(
+        folder.path(),
+        &model.replace("unknown s in 0.02..2", "let s = 0.2"),
+        &epidemic(9),
+        &[],
+    );
+    assert_eq!(run.status, 0, "{}", run.stdout);
+    near(coefficient(&document, "dI", "I"), -0.1, 0.05);
+}

@@ -46,6 +46,7 @@ followed! {
     InputDelay: sensors::input_delay, "declare it: `input u : hold, delay in 0.1..0.2`";
     MemoryLimit: search::memory_limit, "--samples 416 fits";
     Misfit: library::misfit, "add sin(x) to the library";
+    MissingState: records::missing_state, "name that state, if there is something that moves so";
     NoMotion: records::no_motion, "record data in which it moves";
     NoTrajectory: library::no_trajectory, "add sin(x) to the library";
     NotCarriedOver: records::not_carried_over, "identify from records of both conditions";

@@ -2,6 +2,7 @@
 //!
 //! Here: the vocabulary and the helpers that the tests share.
 
+mod added_state;
 mod bad;
 mod corners;
 mod docs;

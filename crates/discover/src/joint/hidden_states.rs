@@ -8,8 +8,8 @@ use crate::joint::constrained_search::ConstrainedAnswer;
 use crate::joint::joint_fit::JointFit;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
-    Fit, Parameter, Problem, SoughtConstant, ToldScale, exchanged_lags, untold_parameters,
-    with_told_scales,
+    Parameter, Problem, SoughtConstant, ToldScale, exchanged_constants, exchanged_lags,
+    untold_parameters, with_told_scales,
 };
 use sidc_lang::model::Model;
 use sidc_lang::number::significant;
@@ -135,11 +135,24 @@ pub(crate) fn doubt(
         }
     }
     let tie = TERM_SELECTION.tie * found.inefficiency;
-    if let Some(twin) = exchanged_lags(problem, found, tie, watcher) {
-        let written = laws(model, problem, &twin);
-        let text = format!(
+    let lags = exchanged_lags(problem, found, tie, watcher);
+    let text = match lags.map(|twin| laws(model, problem, &twin.point.active())) {
+        Some(written) => Some(format!(
             "the readings do not tell in which order lags follow each other: {written} follow them as well"
-        );
+        )),
+        None => exchanged_constants(problem, found, constants, tie, watcher).map(|twin| {
+            let values = twin.constants.iter();
+            let value = |c: &SoughtConstant| significant(c.value, FIGURES);
+            let named = values.map(|c| format!("{} = {}", model.name(c.signal), value(c)));
+            let named: Vec<String> = named.collect();
+            let laws = laws(model, problem, &twin.terms);
+            format!(
+                "the readings are followed as well by other values in the same laws: {} with {laws}",
+                named.join(", ")
+            )
+        }),
+    };
+    if let Some(text) = text {
         let way = "state one of the coefficients, as `known(…)`, or measure what is hidden";
         let reason = Reason::new(ReasonCode::Tie, text).remedy(way);
         discovery.doubt_each(|_, e| {
@@ -190,11 +203,8 @@ fn named(
     }
 }
 
-/// The searched laws of a fit, on one line.
-fn laws(model: &Model, problem: &Problem, fit: &Fit) -> String {
-    let active: Vec<(usize, f64)> = (fit.support().iter().copied())
-        .zip(fit.coefficients().iter().copied())
-        .collect();
+/// The searched laws of columns with coefficients, on one line.
+fn laws(model: &Model, problem: &Problem, active: &[(usize, f64)]) -> String {
     let searched = problem.system.laws.iter().filter(|l| !l.columns.is_empty());
     let law = |l: &crate::trajectory::Law| {
         let own = active.iter().filter(|(j, _)| l.columns.contains(j));

@@ -46,9 +46,16 @@ pub(crate) fn settle(
     let all = &all[..];
     let mut constants = Constants { sought: Vec::new() };
     let mut best: Option<(f64, Option<FittedConstants>)> = None;
+    let mut seen: Vec<Vec<f64>> = Vec::new();
     for minimum in &minima {
         let mut start = Constants::new(all, minimum);
         start.refine_with_hidden_states(problem, watcher);
+        // Minima that the refinement leads to one place are one.
+        let values: Vec<f64> = start.sought.iter().map(|c| c.value).collect();
+        if seen.iter().any(|v| unknown_constants::alike(v, &values)) {
+            continue;
+        }
+        seen.push(values);
         let searched = start.searched(of, (dataset, problem), options, watcher);
         let better = match (&searched, &best) {
             (Some(new), Some(old)) => new.0 < old.0,

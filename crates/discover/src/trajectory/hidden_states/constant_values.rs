@@ -38,7 +38,16 @@ pub(crate) fn likely_constants(
         fits.iter().map(|f| f.value).fold(f64::INFINITY, f64::min)
     };
     let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
-    for values in first_values(sought) {
+    // What is judged by fits is judged at few values.
+    let (count, combinations, improved) = match solved {
+        true => (HIDDEN.coarse_values, HIDDEN.coarse_combinations, 1),
+        false => (HIDDEN.values, HIDDEN.combinations, HIDDEN.improved),
+    };
+    let rounds = match solved {
+        true => (HIDDEN.refinements, 1),
+        false => (HIDDEN.halvings, 8),
+    };
+    for values in first_values(sought, count, combinations) {
         if !observer.go_on() {
             break;
         }
@@ -46,13 +55,9 @@ pub(crate) fn likely_constants(
     }
     points.retain(|(value, _)| value.is_finite());
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Values from which all laws were fitted are good enough to go on from.
     let mut best: Vec<(f64, Vec<f64>)> = Vec::new();
-    if solved {
-        best = std::mem::take(&mut points);
-    }
-    for point in points.into_iter().take(HIDDEN.improved) {
-        let improved = improve(point, sought, &mut |values| judge(values, observer));
+    for point in points.into_iter().take(improved) {
+        let improved = improve(point, sought, rounds, &mut |values| judge(values, observer));
         let known = |(_, v): &(f64, Vec<f64>)| alike(v, &improved.1);
         if !best.iter().any(known) {
             best.push(improved);
@@ -64,10 +69,10 @@ pub(crate) fn likely_constants(
 }
 
 /// Values over the ranges: evenly spaced for one constant, a Halton sequence for several.
-fn first_values(sought: &SoughtRanges) -> Vec<Vec<f64>> {
+fn first_values(sought: &SoughtRanges, count: usize, combinations: usize) -> Vec<Vec<f64>> {
     if let [(_, ranges)] = &sought[..] {
         let of = |range: &(f64, f64)| {
-            let (range, count) = (*range, HIDDEN.values);
+            let range = *range;
             (0..count).map(move |i| vec![between(range, (i as f64 + 0.5) / count as f64)])
         };
         return ranges.iter().flat_map(of).collect();
@@ -84,7 +89,7 @@ fn first_values(sought: &SoughtRanges) -> Vec<Vec<f64>> {
             })
             .collect()
     };
-    (0..HIDDEN.combinations).map(point).collect()
+    (0..combinations).map(point).collect()
 }
 
 /// Part of the way through a range: by the logarithm where its ends have one sign.
@@ -106,17 +111,18 @@ fn radical_inverse(mut number: usize, base: usize) -> f64 {
     inverse
 }
 
-/// A compass search: each constant is moved by a step that is halved when no move helps.
+/// A compass search: each constant is moved by a step that is halved, so many times, when no move helps or after so many turns.
 fn improve(
     (mut value, mut at): (f64, Vec<f64>),
     sought: &SoughtRanges,
+    (halvings, most): (usize, usize),
     judge: &mut dyn FnMut(&[f64]) -> f64,
 ) -> (f64, Vec<f64>) {
     let mut step = 0.4;
-    for _ in 0..HIDDEN.halvings {
+    for _ in 0..halvings {
         let mut moved = true;
         let mut turns = 0;
-        while moved && turns < 8 {
+        while moved && turns < most {
             moved = false;
             turns += 1;
             for i in 0..at.len() {

@@ -104,7 +104,7 @@ pub(crate) fn fit_proposed(problem: &Problem, observer: &mut dyn Observer) -> Op
 }
 
 /// A fit from a point far off: of laws that may slip first, then of tighter ones (weak constraints before strong ones).
-fn tightened(
+pub(super) fn tightened(
     problem: &Problem,
     mut point: LinearizationPoint,
     beat: f64,

@@ -9,6 +9,12 @@ family! {
     pub(crate) HIDDEN: Hidden {
         /// Values tried of a constant over its range, where it is the only one.
         values: usize = 24, unit "values", source "a first-order lag wrong by a factor of 1.5 still correlates with the right one by more than 0.9";
+        /// Values tried first where each is judged by a fit.
+        coarse_values: usize = 9, unit "values", source "the criterion of a sensor's lag falls towards its minimum over two decades";
+        /// Combinations tried where each is judged by a fit.
+        coarse_combinations: usize = 40, unit "combinations", source "some seconds of work for a thousand samples";
+        /// Times that the step of an improvement is halved there.
+        refinements: usize = 4, unit "halvings", source "from a factor of 1.5 to one of 1.05, from where a fit finds the rest";
         /// Combinations of values tried where there are several constants.
         combinations: usize = 300, unit "combinations", source "a second of work for a thousand samples";
         /// Points that are improved.
@@ -23,6 +29,10 @@ family! {
         courses: usize = 24, unit "courses", source "set by hand";
         /// Courses that are fitted to judge a value of a constant.
         judged: usize = 2, unit "courses", source "the same course with columns at another price seldom orders values otherwise";
+        /// Pairs of parameters that are tried in each other's place.
+        exchanges: usize = 12, unit "pairs", source "each costs a fit of all laws";
+        /// How far another value of a constant is another one.
+        other: f64 = 0.1, unit "of the value", source "a tenth is more than a settled fit moves";
         /// Longest time constant tried.
         longest: f64 = 3.0, unit "length of the longest record", source "beyond, a lag and an integral look alike";
         /// Most Runge-Kutta steps of a guess between two samples.

@@ -1,13 +1,18 @@
 //! Laws of the same terms that follow the readings as well, with two time constants in each other's place.
 //!
-//! In: a problem, the fit to it. Out: another fit, or nothing. Where a hidden state z drives a measured x, dx = c + a x + g z and dz = b z + …,
+//! In: a problem, the fit to it. Out: another fit, or nothing. Linearised at the fit nothing shows of them: they lie elsewhere. Where a hidden state z drives a measured x, dx = c + a x + g z and dz = b z + …,
 //! the input reaches x through two first-order lags, and their order does not show: z + ((a − b) x + c (1 − b/a))/g obeys the same laws with a and b
 //! exchanged. Whatever else stands in the laws, a fit from there decides.
 
 use super::hidden_laws::hidden_laws;
+use super::start::tightened;
+use super::thresholds::HIDDEN;
 use crate::trajectory::likelihood::{Fit, fit};
 use crate::trajectory::model::{LinearizationPoint, Problem};
-use crate::trajectory::search::{Found, last_criterion};
+use crate::trajectory::search::{
+    FittedConstants, Found, Parameter, SoughtConstant, fit_constants, last_criterion,
+    with_constant_values,
+};
 use sidc_lang::term::{Signal, Term};
 use sidc_progress::Observer;
 
@@ -69,4 +74,70 @@ fn exchanged(
     }
     let finite = moved.coefficients.iter().all(|x| x.is_finite());
     finite.then_some(moved)
+}
+
+/// The first fit of the same terms, with an unknown constant and another parameter in each other's place, whose criterion is at most `tie` more
+/// and whose constants are others. The rates at which the infected of an epidemic become infectious and recover are such a pair: who sees the
+/// infectious alone cannot tell one from the other.
+pub(crate) fn exchanged_constants(
+    problem: &Problem,
+    found: &Found,
+    constants: &[SoughtConstant],
+    tie: f64,
+    observer: &mut dyn Observer,
+) -> Option<FittedConstants> {
+    let active = found.best.point.active();
+    let free = |k: usize| constants[k].range.0 < constants[k].range.1;
+    let places = (0..constants.len()).filter(|k| free(*k));
+    let pairs = places.flat_map(|k| {
+        let further = (k + 1..constants.len()).filter(|other| free(*other));
+        let coefficients = active.iter().map(|(j, _)| Parameter::Coefficient(*j));
+        let others = further.map(Parameter::Constant).chain(coefficients);
+        others.map(move |other| (k, other))
+    });
+    let starts =
+        pairs.filter_map(|(k, other)| in_exchange(&found.best.point, constants, (k, other)));
+    let starts: Vec<_> = starts.take(HIDDEN.exchanges).collect();
+    starts.into_iter().find_map(|(constants_there, point)| {
+        let there = with_constant_values(problem, &constants_there);
+        let start = tightened(&there, point, f64::INFINITY, observer)?;
+        let twin = fit_constants(
+            &there,
+            &start,
+            &constants_there,
+            found.inefficiency,
+            observer,
+        )?;
+        let near = |(a, b): (&SoughtConstant, &SoughtConstant)| {
+            (a.value - b.value).abs() <= HIDDEN.other * b.value.abs()
+        };
+        let same = twin.constants.iter().zip(constants).all(near);
+        (!same && twin.value < found.best.value + tie).then_some(twin)
+    })
+}
+
+/// Constants and a point with the sizes of a constant and of another parameter exchanged; `None` where a range forbids it.
+fn in_exchange(
+    point: &LinearizationPoint,
+    constants: &[SoughtConstant],
+    (k, other): (usize, Parameter),
+) -> Option<(Vec<SoughtConstant>, LinearizationPoint)> {
+    let (mut constants, mut point) = (constants.to_vec(), point.clone());
+    let own = constants[k].value;
+    let theirs = match other {
+        Parameter::Constant(m) => {
+            let theirs = constants[m].value;
+            constants[m].value = theirs.signum() * own.abs();
+            theirs
+        }
+        Parameter::Coefficient(j) => {
+            let place = point.support.iter().position(|column| *column == j)?;
+            let theirs = point.coefficients[place];
+            point.coefficients[place] = theirs.signum() * own.abs();
+            theirs
+        }
+    };
+    constants[k].value = own.signum() * theirs.abs();
+    let allowed = |c: &SoughtConstant| (c.range.0..=c.range.1).contains(&c.value);
+    constants.iter().all(allowed).then_some((constants, point))
 }

@@ -28,12 +28,16 @@ mod lorenz96;
 mod lorenz_hidden;
 mod lotka_volterra;
 mod michaelis_menten;
+mod motor_current;
 mod narx;
 mod pendulum_lengths;
+mod predator;
 mod reactor;
 mod rlc;
+mod seir;
 mod sir;
 mod stribeck;
+mod tanks_overflow;
 mod two_carts;
 mod two_mass;
 mod van_der_pol;
@@ -70,12 +74,16 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("lorenz_hidden",    lorenz_hidden::tables),
     ("lotka_volterra",   lotka_volterra::tables),
     ("michaelis_menten", michaelis_menten::tables),
+    ("motor_current",    motor_current::tables),
     ("narx",             narx::tables),
     ("pendulum_lengths", pendulum_lengths::tables),
+    ("predator",         predator::tables),
     ("reactor",          reactor::tables),
     ("rlc",              rlc::tables),
+    ("seir",             seir::tables),
     ("sir",              sir::tables),
     ("stribeck",         stribeck::tables),
+    ("tanks_overflow",   tanks_overflow::tables),
     ("two_carts",        two_carts::tables),
     ("two_mass",         two_mass::tables),
     ("van_der_pol",      van_der_pol::tables),
