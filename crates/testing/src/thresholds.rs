@@ -36,6 +36,7 @@ pub fn parts() -> Vec<(&'static str, Vec<Table>)> {
         ("Discovery", sidc_discover::thresholds()),
         ("Output", sidc_emit::thresholds()),
         ("Library", sidc::pipeline::thresholds()),
+        ("Editor", sidc_lsp::thresholds()),
         ("Command line", command_line::thresholds()),
     ]
 }
