@@ -19,4 +19,3 @@ pub use analysis::tables::{TableHeader, Tables};
 pub use lsp_server::{Connection, ProtocolError};
 pub use server::{Server, serve};
 pub use text::positions::Encoding;
-pub use thresholds::tables as thresholds;

@@ -82,6 +82,13 @@ impl Analysis {
         (at <= word.bytes.end).then_some(word)
     }
 
+    /// The word that holds the byte before this one: what is being typed.
+    pub fn typed(&self, at: usize) -> Option<&Word> {
+        let behind = self.words.partition_point(|w| w.bytes.start < at);
+        let word = self.words.get(behind.checked_sub(1)?)?;
+        (at <= word.bytes.end).then_some(word)
+    }
+
     /// The name at a byte and whose it is.
     pub fn name(&self, at: usize) -> Option<(&Word, Use)> {
         let behind = self.words.partition_point(|w| w.bytes.start <= at);

@@ -50,14 +50,13 @@ pub fn items(
 
 /// The bytes of the word that is being typed. Inside quotes, all up to the quote.
 fn replaced(document: &Document, at: usize) -> Range<usize> {
-    let word = document.analysis().word(at);
-    match word {
-        Some(w) if w.role == Role::Text && w.bytes.start < at => {
+    match document.analysis().typed(at) {
+        Some(w) if w.role == Role::Text => {
             let text = document.slice(w.bytes.clone());
             let closed = text.len() > 1 && text.ends_with('"');
             w.bytes.start + 1..w.bytes.end - usize::from(closed)
         }
-        Some(w) if is_name(w) && w.bytes.start < at => w.bytes.start..at,
+        Some(w) if is_name(w) => w.bytes.start..at,
         _ => at..at,
     }
 }
@@ -83,6 +82,23 @@ impl List<'_> {
             true => (InsertTextFormat::SNIPPET, form.to_string()),
             false => (InsertTextFormat::PLAIN_TEXT, vocabulary::plain(form)),
         };
+        self.add(label, (format, text), kind, detail, group);
+    }
+
+    /// A text as it stands, whatever is in it.
+    fn literal(&mut self, text: &str, kind: Kind, detail: String, group: u8) {
+        let inserted = (InsertTextFormat::PLAIN_TEXT, text.to_string());
+        self.add(text, inserted, kind, detail, group);
+    }
+
+    fn add(
+        &mut self,
+        label: &str,
+        (format, text): (InsertTextFormat, String),
+        kind: Kind,
+        detail: String,
+        group: u8,
+    ) {
         let range = self.document.range(self.replaced.clone());
         self.out.push(CompletionItem {
             label: label.to_string(),
@@ -187,7 +203,7 @@ impl List<'_> {
                     false => format!("\"{column}\""),
                 };
                 let group = u8::from(place > 0);
-                self.push(&text, &text, Kind::FIELD, table.file.clone(), group);
+                self.literal(&text, Kind::FIELD, table.file.clone(), group);
             }
         }
         if !quoted {

@@ -76,11 +76,18 @@ fn expressions_offer_names_generators_and_functions() {
 
 #[test]
 fn a_generator_is_a_snippet() {
-    let items = items("state x\ndx ~ po|");
-    let poly = items.iter().find(|i| i["label"] == "poly").unwrap();
+    let offered = items("state x\ndx ~ po|");
+    let poly = offered.iter().find(|i| i["label"] == "poly").unwrap();
     assert_eq!(poly["insertTextFormat"], 2);
     assert_eq!(poly["textEdit"]["newText"], "poly(${1:atoms}; ${2:degree})");
     assert_eq!(poly["textEdit"]["range"]["start"]["character"], 5);
+    // The word before the cursor is replaced, what follows it is not.
+    let items = items("state theta\ndtheta ~ <sin th|>");
+    let range = &items[0]["textEdit"]["range"];
+    assert_eq!(
+        [&range["start"]["character"], &range["end"]["character"]],
+        [14, 16]
+    );
 }
 
 #[test]
@@ -93,8 +100,15 @@ fn columns_come_from_the_tables_beside_the_model() {
     assert!(unquoted.contains(&"unwrap".to_string()) && unquoted.contains(&"none".to_string()));
     assert_eq!(
         offered("state x\ndata {\n  x = \"Po|\n}\ndx ~ x"),
-        ["Angle", "Pos [mm]", "Time (ms)"]
+        ["Angle", "Pos [mm]", "Time (ms)", "${1:x}"]
     );
+    // A header is no snippet, whatever is in it.
+    let hostile = items("state x\ndata { x = |")
+        .into_iter()
+        .find(|i| i["label"] == "\"${1:x}\"");
+    let hostile = hostile.unwrap();
+    assert_eq!(hostile["insertTextFormat"], 1);
+    assert_eq!(hostile["textEdit"]["newText"], "\"${1:x}\"");
     let items = items("state x\ndata { x = \"Po|s\" }");
     let edit = &items[0]["textEdit"]["range"];
     assert_eq!(

@@ -21,7 +21,7 @@ impl Tables for Beside {
         };
         vec![
             table("data.csv", &["Time (ms)", "Pos [mm]", "Angle"]),
-            table("data/other.csv", &["Angle", "with \" quote", ""]),
+            table("data/other.csv", &["Angle", "with \" quote", "", "${1:x}"]),
         ]
     }
 }
