@@ -4,6 +4,7 @@
 //! In: models/ and tests/bad. Out: a table for docs/editor.md, on standard output; beside it what a thousand edits take that nobody waits for.
 //! The time is from sending the change to having its diagnostics, through the whole server.
 
+use std::error::Error;
 use std::time::{Duration, Instant};
 
 use lsp_server::{Connection, Message, Notification};
@@ -22,7 +23,7 @@ struct Editor {
 }
 
 impl Editor {
-    fn new() -> Editor {
+    fn new() -> Result<Editor, Box<dyn Error>> {
         let (server, connection) = Connection::memory();
         std::thread::spawn(move || sidc_lsp::serve(&server, &()));
         let editor = Editor {
@@ -32,34 +33,38 @@ impl Editor {
         let encodings = json!({ "general": { "positionEncodings": ["utf-8"] } });
         let params = json!({ "capabilities": encodings });
         let request = lsp_server::Request::new(1.into(), "initialize".into(), params);
-        let sent = editor.connection.sender.send(request.into());
-        sent.expect("the server listens");
-        editor.connection.receiver.recv().expect("an answer");
-        editor.tell("initialized", json!({}));
-        editor
+        editor.connection.sender.send(request.into())?;
+        editor.connection.receiver.recv()?;
+        editor.tell("initialized", json!({}))?;
+        Ok(editor)
     }
 
-    fn tell(&self, method: &str, params: Value) {
+    fn tell(&self, method: &str, params: Value) -> Result<(), Box<dyn Error>> {
         let message = Notification::new(method.into(), params);
-        let sent = self.connection.sender.send(message.into());
-        sent.expect("the server listens");
+        Ok(self.connection.sender.send(message.into())?)
     }
 
-    fn open(&mut self, text: &str) {
+    fn open(&mut self, text: &str) -> Result<(), Box<dyn Error>> {
         self.version += 1;
         let item =
             json!({ "uri": URI, "languageId": "sid", "version": self.version, "text": text });
-        self.tell("textDocument/didOpen", json!({ "textDocument": item }));
+        self.tell("textDocument/didOpen", json!({ "textDocument": item }))?;
         self.wait();
+        Ok(())
     }
 
-    fn change(&mut self, line: usize, (start, end): (usize, usize), text: &str) {
+    fn change(
+        &mut self,
+        line: usize,
+        (start, end): (usize, usize),
+        text: &str,
+    ) -> Result<(), Box<dyn Error>> {
         self.version += 1;
         let at = |character: usize| json!({ "line": line, "character": character });
         let change = json!({ "range": { "start": at(start), "end": at(end) }, "text": text });
         let document = json!({ "uri": URI, "version": self.version });
         let params = json!({ "textDocument": document, "contentChanges": [change] });
-        self.tell("textDocument/didChange", params);
+        self.tell("textDocument/didChange", params)
     }
 
     /// Waits for the diagnostics of the text as it is.
@@ -74,21 +79,21 @@ impl Editor {
 }
 
 /// Times from a change to its diagnostics, at places all along a text.
-fn times(text: &str) -> Vec<Duration> {
-    let mut editor = Editor::new();
-    editor.open(text);
+fn times(text: &str) -> Result<Vec<Duration>, Box<dyn Error>> {
+    let mut editor = Editor::new()?;
+    editor.open(text)?;
     let mut times = Vec::new();
     let lines: Vec<&str> = text.lines().collect();
     for line in (0..lines.len()).step_by((lines.len() / PLACES).max(1)) {
         let end = lines[line].len();
         for (range, typed) in [((end, end), "x"), ((end, end + 1), "")] {
             let start = Instant::now();
-            editor.change(line, range, typed);
+            editor.change(line, range, typed)?;
             editor.wait();
             times.push(start.elapsed());
         }
     }
-    times
+    Ok(times)
 }
 
 fn row(name: &str, times: &mut [Duration]) {
@@ -103,13 +108,13 @@ fn row(name: &str, times: &mut [Duration]) {
     );
 }
 
-fn main() {
+fn main() -> Result<(), Box<dyn Error>> {
     println!("| texts | keystrokes | median ms | worst ms |\n|---|---|---|---|");
     let mut slowest = Vec::new();
     for (folder, label) in [("models", "the gallery"), ("tests/bad", "faulty models")] {
         let mut all = Vec::new();
         for (name, text) in models(folder) {
-            let own = times(&text);
+            let own = times(&text)?;
             let worst = own.iter().copied().max().unwrap_or_default();
             slowest.push((worst, name, own.clone()));
             all.extend(own);
@@ -121,16 +126,17 @@ fn main() {
         row(&name, &mut own);
     }
     let pendulum = file("models/pendulum.sid");
-    let mut editor = Editor::new();
-    editor.open(&pendulum);
+    let mut editor = Editor::new()?;
+    editor.open(&pendulum)?;
     let start = Instant::now();
     for _ in 0..500 {
-        editor.change(0, (0, 0), "#");
-        editor.change(0, (0, 1), "");
+        editor.change(0, (0, 0), "#")?;
+        editor.change(0, (0, 1), "")?;
     }
     editor.wait();
     let seconds = start.elapsed().as_secs_f64();
     println!(
         "\n1,000 edits of pendulum.sid sent at once, to the diagnostics of the last: {seconds:.3} s"
     );
+    Ok(())
 }
