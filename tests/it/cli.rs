@@ -527,7 +527,7 @@ fn list_names_what_there_is() {
 #[test]
 fn every_option_is_documented() {
     let page = file("docs/command-line.md");
-    for command in ["check", "identify", "fmt", "export", "list"] {
+    for command in ["check", "identify", "fmt", "export", "list", "lsp"] {
         assert!(page.contains(&format!("## `sidc {command}")), "{command}");
         let help = sidc(&[command, "--help"]).stdout;
         for option in help.split_whitespace().filter(|w| w.starts_with("--")) {

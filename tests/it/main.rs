@@ -20,6 +20,7 @@ mod dictionary;
 mod disturbed;
 mod docs;
 mod drafts;
+mod editor;
 mod emit;
 mod gallery;
 mod growing_noise;

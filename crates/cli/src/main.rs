@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use commands::{
-    check, completions, export, fmt, identify, linearize, list, new, report, simulate, smooth,
+    check, completions, export, fmt, identify, linearize, list, lsp, new, report, simulate, smooth,
 };
 
 /// A compiler for equation discovery: from measured time series to differential equations, with evidence.
@@ -39,6 +39,7 @@ const EXAMPLES: &str = "Examples:
   sidc export R.json --to latex                     write them down
   sidc linearize R.json --at theta=pi               A and B near a point, eigenvalues, stability
   sidc smooth pendulum.sid data.csv -o smooth.csv   curves, derivatives and the noise of each sensor
+  sidc lsp                                          the language server that editors start
 Status: 0 every equation passes · 1 a fault in model, data or file · 2 usage · 3 a doubt, a limit or Ctrl-C";
 
 #[derive(Subcommand)]
@@ -53,6 +54,7 @@ enum Command {
     Export(export::Args),
     Linearize(linearize::Args),
     List(list::Args),
+    Lsp(lsp::Args),
     Completions(completions::Args),
 }
 
@@ -68,6 +70,7 @@ fn main() -> ExitCode {
         Command::Export(args) => export::run(&args),
         Command::Linearize(args) => linearize::run(&args),
         Command::List(args) => list::run(&args),
+        Command::Lsp(args) => lsp::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
     };
     ExitCode::from(result.unwrap_or_else(|failure| {

@@ -57,6 +57,18 @@ family! {
     }
 }
 
+family! {
+    /// What the language server reads of the files beside a model.
+    pub(crate) BESIDE: BesideLimits {
+        /// Entries of a folder that are looked at.
+        entries: usize = 10_000, unit "entries", source "set by hand";
+        /// Tables whose columns are read, of the model's folder and of its folder `data` each.
+        tables: usize = 100, unit "tables", source "set by hand";
+        /// Beginning of a table that is read for the names of its columns.
+        bytes: u64 = 1 << 16, unit "bytes", source "set by hand: a header is rarely longer than a kilobyte";
+    }
+}
+
 /// Every number that decides on the command line, family by family.
 #[allow(
     dead_code,
@@ -68,5 +80,6 @@ pub(crate) fn thresholds() -> Vec<Table> {
         ModelComparison::table(),
         Progress::table(),
         Lists::table(),
+        BesideLimits::table(),
     ]
 }

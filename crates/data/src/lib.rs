@@ -26,7 +26,7 @@ mod smoothing;
 mod time_axis;
 
 pub use binding::bind;
-pub use csv::{ArrayFault, Limits, Table, bad_cells, io_error_text, read, too_large};
+pub use csv::{ArrayFault, Limits, Table, bad_cells, column_names, io_error_text, read, too_large};
 pub use dataset::{
     Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples,
     Trajectory, Window, hold_out, keep_window,

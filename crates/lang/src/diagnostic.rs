@@ -33,6 +33,17 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// What to do, ready to copy where possible.
     pub help: Option<String>,
+    /// The help as changes of the text, where it can be said so; each does it alone.
+    pub fixes: Vec<Fix>,
+}
+
+/// A change of the text: what stands at a place is replaced.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// Empty to insert.
+    pub span: Span,
+    /// Empty to delete.
+    pub text: String,
 }
 
 impl Diagnostic {
@@ -56,6 +67,7 @@ impl Diagnostic {
             labels: Vec::new(),
             notes: Vec::new(),
             help: None,
+            fixes: Vec::new(),
         }
     }
 
@@ -94,6 +106,13 @@ impl Diagnostic {
 
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
+        self
+    }
+
+    /// A change that follows the help.
+    pub fn fix(mut self, span: Span, text: impl Into<String>) -> Self {
+        let text = text.into();
+        self.fixes.push(Fix { span, text });
         self
     }
 

@@ -19,6 +19,16 @@ impl Span {
         Span { file, start, end }
     }
 
+    /// The place right before it.
+    pub fn before(self) -> Span {
+        Span::new(self.file, self.start, self.start)
+    }
+
+    /// The place right behind it.
+    pub fn after(self) -> Span {
+        Span::new(self.file, self.end, self.end)
+    }
+
     /// The smallest span that covers both; `other` must be in the same file.
     pub fn to(self, other: Span) -> Span {
         Span {

@@ -84,6 +84,16 @@ pub fn file(path: &str) -> String {
     std::fs::read_to_string(root().join(path)).unwrap()
 }
 
+/// The models of a folder of the repository, each by its path from the root, in order.
+pub fn models(folder: &str) -> Vec<(String, String)> {
+    let entries = std::fs::read_dir(root().join(folder)).unwrap();
+    let names = entries.map(|e| e.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = names.filter(|n| n.ends_with(".sid")).collect();
+    names.sort();
+    let named = names.into_iter().map(|n| format!("{folder}/{n}"));
+    named.map(|name| (name.clone(), file(&name))).collect()
+}
+
 /// Codes of what is wrong, of all that was said.
 pub fn error_codes(found: &[Diagnostic]) -> Vec<&'static str> {
     let errors = found.iter().filter(|d| d.is_error());

@@ -34,6 +34,10 @@ pub fn pdflatex() -> Option<PathBuf> {
     runtime("LaTeX", &["pdflatex"])
 }
 
+pub fn neovim() -> Option<PathBuf> {
+    runtime("Neovim", &["nvim"])
+}
+
 pub fn chromium() -> Option<PathBuf> {
     let names = ["chromium", "chromium-browser", "google-chrome"];
     runtime("Chromium", &names)

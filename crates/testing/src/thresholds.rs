@@ -26,6 +26,10 @@ pub const CONSTANTS: &[(&str, &str)] = &[
 #[path = "../../cli/src/thresholds.rs"]
 mod command_line;
 
+/// Nor does the server belong to what is tested with.
+#[path = "../../lsp/src/thresholds.rs"]
+mod editor;
+
 /// Every family, by the parts of the program.
 pub fn parts() -> Vec<(&'static str, Vec<Table>)> {
     vec![
@@ -36,6 +40,7 @@ pub fn parts() -> Vec<(&'static str, Vec<Table>)> {
         ("Discovery", sidc_discover::thresholds()),
         ("Output", sidc_emit::thresholds()),
         ("Library", sidc::pipeline::thresholds()),
+        ("Editor", editor::tables()),
         ("Command line", command_line::thresholds()),
     ]
 }

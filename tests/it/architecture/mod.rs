@@ -35,6 +35,7 @@ const CRATES: &[(&str, &[&str])] = &[
             "emit",
         ],
     ),
+    ("lsp", &["", "thresholds", "lang"]),
     (
         "cli",
         &[
@@ -46,6 +47,7 @@ const CRATES: &[(&str, &[&str])] = &[
             "system",
             "discover",
             "emit",
+            "lsp",
         ],
     ),
     (PYTHON, &[""]),
@@ -61,6 +63,8 @@ const ONE_PURPOSE: &[(&str, &str)] = &[
     ("ctrlc", "crates/cli"),
     ("sha2", "crates/cli"),
     ("tempfile", "crates/cli"),
+    ("lsp_server", "crates/lsp"),
+    ("lsp_types", "crates/lsp"),
     ("clarabel", "crates/solve"),
     ("pest", "crates/lang"),
     ("codespan_reporting", "crates/lang"),
@@ -92,6 +96,7 @@ const ALTERNATIVES: &[(&str, &[&str])] = &[
             "identify",
             "linearize",
             "list",
+            "lsp",
             "new",
             "report",
             "simulate",

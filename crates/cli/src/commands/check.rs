@@ -13,7 +13,6 @@ use crate::thresholds::LISTS;
 use sidc::Options;
 use sidc::pipeline::{self, Program};
 use sidc_lang::library;
-use sidc_lang::library::{Block, Library, readable, readable_bytes};
 use sidc_lang::model::Model;
 use sidc_lang::source::Sources;
 use sidc_lang::term::{Language, Signal, SignalNames, VarId};
@@ -85,7 +84,11 @@ fn describe(program: &Program) -> String {
         let target = model.name(equation.target);
         text.push_str(&match library {
             None => format!("{target} is known\n"),
-            Some(l) => format!("{target} ~ {}; {}\n", terms_of(program, l), storage(l)),
+            Some(l) => format!(
+                "{target} ~ {}; {}\n",
+                library::size(model, l),
+                library::storage(l)
+            ),
         });
     }
     text
@@ -109,49 +112,6 @@ fn units(model: &Model) -> String {
         (false, true) => format!("units: {variables}\n"),
         (false, false) => format!("units: {variables}; targets {targets}\n"),
     }
-}
-
-/// `3,281 candidate terms of 6,561 (symmetry y, theta, F; degree ≤ 4)`
-fn terms_of(program: &Program, library: &Library) -> String {
-    let name = if library.len() == 1 { "term" } else { "terms" };
-    let mut text = format!("{} candidate {name}", readable(library.len() as u128));
-    if let Some(by) = library::restrictions(&program.model) {
-        if let Some(before) = library.before() {
-            text.push_str(&format!(" of {}", readable(before)));
-        }
-        text.push_str(&format!(" ({by})"));
-    }
-    text
-}
-
-/// `stored as 81 × 81 products: Φ takes 130 kB per 100 rows, and 52 kB`
-fn storage(library: &Library) -> String {
-    let bytes = |n: usize| readable_bytes(8 * n as u128);
-    let (lists, products): (Vec<&Block>, Vec<&Block>) =
-        library.blocks().iter().partition(|b| b.is_list());
-    let listed: usize = lists.iter().map(|b| b.slots()).sum();
-    if products.is_empty() {
-        return format!("Φ takes {} per 100 rows", bytes(100 * listed));
-    }
-    let sides = |b: &&Block| (b.left.len(), b.right.len());
-    let mut parts: Vec<String> = match products.len() {
-        1..=3 => products
-            .iter()
-            .map(sides)
-            .map(|(l, r)| format!("{} × {}", readable(l as u128), readable(r as u128)))
-            .collect(),
-        n => vec![readable(n as u128)],
-    };
-    if listed > 0 {
-        parts.insert(0, format!("{} listed", readable(listed as u128)));
-    }
-    let factors: usize = products.iter().map(sides).map(|(l, r)| l + r).sum();
-    format!(
-        "stored as {} products: Φ takes {} per 100 rows, and {}",
-        parts.join(" + "),
-        bytes(100 * (listed + factors)),
-        bytes(library.slots())
-    )
 }
 
 fn terms(program: &Program) -> String {

@@ -7,6 +7,7 @@ pub mod fmt;
 pub mod identify;
 pub mod linearize;
 pub mod list;
+pub mod lsp;
 pub mod new;
 pub mod report;
 pub mod simulate;

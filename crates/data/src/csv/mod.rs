@@ -6,6 +6,7 @@
 //! Flow: bytes → `decode` → `lines` → `header` → `rows` (cut by `cell`) → `table`; `read_errors` has every message.
 
 mod arrays;
+mod beginning;
 mod cell;
 mod decode;
 mod excerpt;
@@ -18,6 +19,7 @@ mod rows;
 mod table;
 
 pub use arrays::ArrayFault;
+pub use beginning::column_names;
 pub use decode::too_large;
 pub use limits::Limits;
 pub use read::read;

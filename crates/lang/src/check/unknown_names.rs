@@ -6,7 +6,8 @@ use crate::ast::{Call, Expr as Ast, Keyword, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::check::undeclared_constants::Undeclared;
-use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::diagnostic::{Diagnostic, Fix, did_you_mean};
+use crate::model::VarKind;
 use crate::parse::confusables;
 use crate::source::Span;
 use crate::term::{FUNCTIONS, Func};
@@ -70,7 +71,7 @@ impl Checker<'_> {
         let meant = self.meant(text);
         let d = match &meant {
             Some(name) => {
-                let d = d.at(at, format!("did you mean `{name}`?"));
+                let d = d.at(at, format!("did you mean `{name}`?")).fix(at, name);
                 self.point_to_declaration(d, name)
             }
             None => d.at(at, "not declared"),
@@ -79,20 +80,36 @@ impl Checker<'_> {
         let plain = plain(text);
         let known = self.scope.signal(&plain).is_some();
         match self.too_high_derivative(&plain).filter(|_| !known) {
-            Some(help) => d.help(help),
+            Some((help, fix)) => match fix {
+                Some(fix) => d.help(help).fix(fix.span, fix.text),
+                None => d.help(help),
+            },
             None if meant.is_some() => d,
             None if Keyword::named(text).is_some() => d.help(format!(
                 "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`; as a name declare it: \
                  `state {text}`"
             )),
-            None => d.help(match self.undeclared(at) {
-                Undeclared::InsideTerm => format!(
+            None => match self.undeclared(at) {
+                Undeclared::InsideTerm => self.declaring(d, at, &["unknown", "state", "input"], text).help(format!(
                     "a number that is not known is sought with the terms: add the line `unknown {text}`; a signal or a known number is \
                      declared by `state {text}`, `input {text}` or `let {text} = …`"
-                ),
-                _ => format!("declare it: `state {text}`, `input {text}` or `let {text} = …`"),
-            }),
+                )),
+                _ => self.declaring(d, at, &["state", "input"], text).help(format!(
+                    "declare it: `state {text}`, `input {text}` or `let {text} = …`"
+                )),
+            },
         }
+    }
+
+    /// Fixes that declare a name in a line of its own before the statement at `at`.
+    fn declaring(&self, d: Diagnostic, at: Span, keywords: &[&str], name: &str) -> Diagnostic {
+        let holds = |s: Span| s.start <= at.start && at.end <= s.end;
+        let statement = self.statements().find(|s| holds(s.span));
+        let Some(before) = statement.map(|s| s.span.before()) else {
+            return d;
+        };
+        let fixes = keywords.iter().map(|k| format!("{k} {name}\n"));
+        fixes.fold(d, |d, line| d.fix(before, line))
     }
 
     /// The `x` of `sin -x`.
@@ -145,8 +162,8 @@ impl Checker<'_> {
         }
     }
 
-    /// For `ddx` where `x` has order 1: the declaration that it needs.
-    fn too_high_derivative(&self, text: &str) -> Option<String> {
+    /// For `ddx` where `x` has order 1: the declaration that it needs, and the change that makes it.
+    fn too_high_derivative(&self, text: &str) -> Option<(String, Option<Fix>)> {
         let primes = text.len() - text.trim_end_matches('\'').len();
         let base = text.trim_end_matches('\'');
         let cut = (1..=base.len() - base.trim_start_matches('d').len())
@@ -160,15 +177,31 @@ impl Checker<'_> {
         let s = self.scope.signals.get(rest)?;
         let var = self.scope.var(s.var).filter(|v| v.span.is_some())?;
         let order = usize::from(s.der) + cut + primes;
-        match var.kind {
-            crate::model::VarKind::State => {
-                Some(format!("declare `state {} : order {order}`", var.name))
-            }
-            crate::model::VarKind::Input => {
-                Some(format!("declare `input {} : order {order}`", var.name))
-            }
-            _ => None,
-        }
+        let keyword = match var.kind {
+            VarKind::State => "state",
+            VarKind::Input => "input",
+            _ => return None,
+        };
+        let help = format!("declare `{keyword} {} : order {order}`", var.name);
+        Some((help, self.raised_order(var.span?, order)))
+    }
+
+    /// The declaration of the name at `declared` with another order.
+    fn raised_order(&self, declared: Span, order: usize) -> Option<Fix> {
+        self.statements().find_map(|s| {
+            let StatementKind::Declare { attributes, .. } = &s.kind else {
+                return None;
+            };
+            let holds = s.span.start <= declared.start && declared.end <= s.span.end;
+            let said = attributes.iter().find(|a| a.key.text == "order");
+            let (span, text) = match said.map(|a| &a.value) {
+                Some(Some(value)) => (value.span, order.to_string()),
+                Some(None) => return None,
+                None if attributes.is_empty() => (s.span.after(), format!(" : order {order}")),
+                None => (s.span.after(), format!(", order {order}")),
+            };
+            holds.then_some(Fix { span, text })
+        })
     }
 
     fn later_let(&self, text: &str) -> Option<Span> {

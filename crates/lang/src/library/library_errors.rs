@@ -110,9 +110,11 @@ pub(crate) fn removes_nothing(span: Span, single: Option<(&str, &str)>) -> Diagn
         "outside `< >`, `A - B` is the set A without the terms of B",
     );
     match single {
-        Some((left, right)) => d.help(format!(
-            "for the number {left} − {right} write `<{left} - {right}>`"
-        )),
+        Some((left, right)) => d
+            .help(format!(
+                "for the number {left} − {right} write `<{left} - {right}>`"
+            ))
+            .fix(span, format!("<{left} - {right}>")),
         None => d.help("leave it out; `sidc check --terms` lists the terms"),
     }
 }

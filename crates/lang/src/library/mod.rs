@@ -16,6 +16,7 @@ mod readable;
 mod scaling_unknowns;
 mod sets;
 mod slot_index;
+mod summary;
 #[cfg(test)]
 mod tests;
 
@@ -32,6 +33,7 @@ pub use generators::{GENERATORS, generator};
 pub use grading::Grading;
 pub use readable::{readable, readable_bytes};
 pub use sets::selection_rule::restrictions;
+pub use summary::{size, storage};
 
 /// Expands the library of one equation. The libraries of all equations share `memory` bytes equally.
 ///

@@ -84,7 +84,9 @@ impl<'t> FailurePoint<'_, 't> {
         let error = syntax_errors::not_a_statement(first.span(self.file), first.text);
         Some(
             match did_you_mean(first.text, KEYWORDS.iter().map(|(t, _)| *t)) {
-                Some(keyword) => error.help(format!("did you mean `{keyword}`?")),
+                Some(keyword) => error
+                    .help(format!("did you mean `{keyword}`?"))
+                    .fix(first.span(self.file), keyword),
                 None if self.tokens.len() > 1 => {
                     error.help("an equation has a `~`: `dx ~ poly(x; 3)`")
                 }
@@ -105,7 +107,8 @@ impl<'t> FailurePoint<'_, 't> {
         let (names, rest) = (self.phrase(0, key), self.phrase(key, self.tokens.len()));
         Some(
             syntax_errors::unexpected(word.span(self.file), word.text, "`:` before the attributes")
-                .help(format!("write `{names} : {rest}`")),
+                .help(format!("write `{names} : {rest}`"))
+                .fix(word.span(self.file).before(), ": "),
         )
     }
 

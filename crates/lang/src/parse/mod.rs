@@ -8,8 +8,8 @@ mod ast_builder;
 pub(crate) mod confusables;
 mod explain;
 mod grammar;
-pub(crate) mod lexer;
-pub(crate) mod statements;
+pub mod lexer;
+pub mod statements;
 mod syntax_errors;
 
 use crate::ast::{Broken, Entry, File, Keyword, Statement, StatementKind};

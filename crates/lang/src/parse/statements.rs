@@ -111,7 +111,7 @@ impl<'t> Splitter<'t> {
             }
             i += 1;
         }
-        self.report_open(&open);
+        self.report_open(&open, last);
         StatementTokens {
             keyword,
             tokens: start..last + 1,
@@ -134,7 +134,7 @@ impl<'t> Splitter<'t> {
                 };
                 let entry = self.opens_entry(next);
                 if entry && open.brackets.len() > 1 {
-                    self.report_open(open);
+                    self.report_open(open, last);
                     open.sound = false;
                     open.brackets.truncate(1);
                 }
@@ -223,11 +223,14 @@ impl<'t> Splitter<'t> {
         }
     }
 
-    fn report_open(&mut self, open: &OpenBrackets) {
+    /// `last`: the last token of the statement or entry.
+    fn report_open(&mut self, open: &OpenBrackets, last: usize) {
         let innermost = open.brackets.last().and_then(|&i| self.get(i).copied());
         if let (true, Some(token)) = (open.sound, innermost) {
+            let end = self.get(last).unwrap_or(&token).span(self.file).after();
             self.errors.push(syntax_errors::unclosed_bracket(
                 token.span(self.file),
+                end,
                 token.text,
                 closing_bracket(token.text),
             ));

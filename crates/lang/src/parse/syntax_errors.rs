@@ -12,6 +12,7 @@ pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
     )
     .at(at, "opened here")
     .help(format!("close it: `{}\"`", text.trim_end()))
+    .fix(at, format!("{}\"", text.trim_end()))
 }
 
 pub fn dangling_dot(at: Span, text: &str) -> Diagnostic {
@@ -22,6 +23,7 @@ pub fn dangling_dot(at: Span, text: &str) -> Diagnostic {
     Diagnostic::error("number-dot", "a number has digits on both sides of its dot")
         .at(at, "digits missing on one side")
         .help(format!("write `{fixed}`"))
+        .fix(at, fixed)
 }
 
 pub fn number_range(at: Span, text: &str) -> Diagnostic {
@@ -38,6 +40,7 @@ pub fn implicit_product(at: Span, left: &str, right: &str) -> Diagnostic {
     Diagnostic::error("implicit-product", "a product needs its `*`")
         .at(at, "no operator between the two")
         .help(format!("write `{left}*{right}`"))
+        .fix(at, format!("{left}*{right}"))
 }
 
 pub fn missing_operator(left: Span, right: Span, first: &str, second: &str) -> Diagnostic {
@@ -46,7 +49,9 @@ pub fn missing_operator(left: Span, right: Span, first: &str, second: &str) -> D
         format!("no operator between `{first}` and `{second}`"),
     )
     .at(right, "an operator or a comma is missing before this")
-    .also(left, "after this");
+    .also(left, "after this")
+    .fix(Span::new(left.file, left.end, right.start), "*")
+    .fix(Span::new(left.file, left.end, right.start), ", ");
     let whole = !first.contains('…') && !second.contains('…');
     if whole {
         d.help(format!(
@@ -64,6 +69,7 @@ pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
     )
     .at(at, format!("write `{ascii}`"))
     .help(format!("replace `{text}` by `{ascii}`"))
+    .fix(at, ascii)
 }
 
 pub fn index(at: Span) -> Diagnostic {
@@ -84,10 +90,12 @@ pub fn strange_character(at: Span, c: char) -> Diagnostic {
     )
     .at(at, "not expected here");
     match c {
-        '%' | '!' | '?' | '\\' => d.help("a comment begins with `#`"),
-        '.' => d.help("a range is written with two dots: `0..3`"),
+        '%' | '!' | '?' | '\\' => d.help("a comment begins with `#`").fix(at, "#"),
+        '.' => d
+            .help("a range is written with two dots: `0..3`")
+            .fix(at, ".."),
         '$' | '@' | '&' | '|' => d.help("names have letters, digits and `_`"),
-        _ => d.help("delete it"),
+        _ => d.help("delete it").fix(at, ""),
     }
 }
 
@@ -95,6 +103,7 @@ pub fn double_equals(at: Span) -> Diagnostic {
     Diagnostic::error("unexpected-character", "`==` has no meaning in a model")
         .at(at, "equality is one sign")
         .help("write `=`")
+        .fix(at, "=")
 }
 
 pub fn too_deep(at: Span, limit: usize) -> Diagnostic {
@@ -106,18 +115,21 @@ pub fn too_deep(at: Span, limit: usize) -> Diagnostic {
     .help("name an inner part with `let`")
 }
 
-pub fn unclosed_bracket(at: Span, open: &str, close: &str) -> Diagnostic {
+/// `end`: behind the last word that the bracket may hold.
+pub fn unclosed_bracket(at: Span, end: Span, open: &str, close: &str) -> Diagnostic {
     Diagnostic::error("unclosed-bracket", format!("`{open}` is never closed"))
         .at(at, "opened here")
         .help(format!(
             "add the missing `{close}` before the next statement"
         ))
+        .fix(end, close)
 }
 
 pub fn stray_bracket(at: Span, close: &str) -> Diagnostic {
     Diagnostic::error("unclosed-bracket", format!("`{close}` closes nothing"))
         .at(at, "no bracket is open here")
         .help(format!("delete the `{close}`, or open it before"))
+        .fix(at, "")
 }
 
 pub fn wrong_bracket(open: Span, close: Span, opening: &str, closing: &str) -> Diagnostic {
@@ -131,6 +143,8 @@ pub fn wrong_bracket(open: Span, close: Span, opening: &str, closing: &str) -> D
     .help(format!(
         "write `{wanted}` before the `{closing}`, or instead of it"
     ))
+    .fix(close, wanted)
+    .fix(close.before(), wanted)
 }
 
 /// The bracket that closes another.
@@ -155,17 +169,21 @@ pub fn double_power(at: Span, base: &str, first: &str, second: &str) -> Diagnost
         .help(format!(
             "write `({base}^{first})^{second}` or `{base}^({first}^{second})`"
         ))
+        .fix(at, format!("({base}^{first})^{second}"))
+        .fix(at, format!("{base}^({first}^{second})"))
 }
 
 /// `sin 2*theta`, `exp sin x`: `readings` are the ways to write what may be meant.
 pub fn ambiguous_argument(at: Span, function: &str, readings: &[String]) -> Diagnostic {
-    let readings: Vec<String> = readings.iter().map(|r| format!("`{r}`")).collect();
-    Diagnostic::error(
+    let quoted: Vec<String> = readings.iter().map(|r| format!("`{r}`")).collect();
+    let d = Diagnostic::error(
         "ambiguous-argument",
         format!("where does the argument of `{function}` end?"),
     )
     .at(at, "without parentheses a function takes one name")
-    .help(format!("write {}", readings.join(" or ")))
+    .help(format!("write {}", quoted.join(" or ")));
+    let whole = readings.iter().filter(|r| !r.contains('…'));
+    whole.fold(d, |d, reading| d.fix(at, reading))
 }
 
 pub fn unexpected(at: Span, found: &str, expected: &str) -> Diagnostic {

@@ -74,6 +74,7 @@ pub fn unquoted_column(at: Span, text: &str) -> Diagnostic {
     Diagnostic::error("unquoted-column", format!("`{text}` is no number"))
         .at(at, "columns stand in quotes")
         .help(format!("write `\"{text}\"` for the column of that name"))
+        .fix(at, format!("\"{text}\""))
 }
 
 pub fn period(at: Span, value: f64) -> Diagnostic {

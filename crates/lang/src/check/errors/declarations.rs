@@ -91,7 +91,8 @@ pub fn declared_derivative(at: Span, name: &str) -> Diagnostic {
     .help(format!("write `state {base} : order {order}`"))
 }
 
-pub fn two_names(at: Span, keyword: &str, first: &str, second: &str) -> Diagnostic {
+/// `gap`: between the two words.
+pub fn two_names(at: Span, gap: Span, keyword: &str, first: &str, second: &str) -> Diagnostic {
     let d = Diagnostic::error(
         "syntax",
         format!("no comma or colon between `{first}` and `{second}`"),
@@ -101,10 +102,12 @@ pub fn two_names(at: Span, keyword: &str, first: &str, second: &str) -> Diagnost
         d.help(format!(
             "attributes follow a colon: `{keyword} {first} : {second}`"
         ))
+        .fix(gap, " : ")
     } else {
         d.help(format!(
             "names are separated by commas: `{keyword} {first}, {second}`"
         ))
+        .fix(gap, ", ")
     }
 }
 
@@ -129,7 +132,7 @@ pub fn too_many_variables(at: Span, limit: usize) -> Diagnostic {
 pub fn unknown_attribute(at: Span, key: &str, known: &[&str]) -> Diagnostic {
     let d = Diagnostic::error("unknown-attribute", format!("no attribute named `{key}`"));
     let d = match did_you_mean(key, known.iter().copied()) {
-        Some(near) => d.at(at, format!("did you mean `{near}`?")),
+        Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
         None => d.at(at, "not known"),
     };
     d.fact("attributes: order 2, noise 0.01 or 2%, unit \"m\"; for inputs hold or linear; for inputs and states delay 0.09; for states memory 0.3 or hidden")
@@ -213,6 +216,7 @@ pub fn negative_delay(at: Span, seconds: f64) -> Diagnostic {
         "if the record may be late, let it be sought: `delay in {seconds} .. {}`",
         -seconds
     ))
+    .fix(at, format!("in {seconds}..{}", -seconds))
 }
 
 /// `delay in 0.2 .. 0.1`
@@ -220,7 +224,9 @@ pub fn empty_delay_range(at: Span, from: f64, to: f64) -> Diagnostic {
     let d = Diagnostic::error("attribute-value", "a range of delays ends above its start");
     let d = d.at(at, format!("{from} is not below {to}"));
     match from > to {
-        true => d.help(format!("write `delay in {to} .. {from}`")),
+        true => d
+            .help(format!("write `delay in {to} .. {from}`"))
+            .fix(at, format!("{to}..{from}")),
         false => d.help(format!("for a delay that is known write `delay {from}`")),
     }
 }
@@ -250,6 +256,7 @@ pub fn attribute_without_value(at: Span, key: &str) -> Diagnostic {
     Diagnostic::error("attribute-value", format!("`{key}` takes no value"))
         .at(at, "remove this")
         .help(format!("write `{key}`"))
+        .fix(at, "")
 }
 
 pub fn hold_and_linear(at: Span) -> Diagnostic {
@@ -329,6 +336,7 @@ pub fn product_without_sign(at: Span, name: &str, fixed: &str) -> Diagnostic {
     Diagnostic::error("implicit-product", format!("`{name}` is not a function"))
         .at(at, "a product needs its `*`, a list its comma")
         .help(format!("write `{fixed}`"))
+        .fix(at, fixed)
 }
 
 /// Two lines of a list, and nothing between them.
@@ -339,6 +347,7 @@ pub fn missing_comma(at: Span, left: &str, right: &str) -> Diagnostic {
     )
     .at(at, "the line ends without one")
     .help(format!("for two items of a list write `{left},`"))
+    .fix(at.after(), ",")
 }
 
 pub fn unknown_function(
@@ -354,7 +363,7 @@ pub fn unknown_function(
     };
     let d = Diagnostic::error("unknown-function", format!("no {what} named `{name}`"));
     let d = match near {
-        Some(near) => d.at(at, format!("did you mean `{near}`?")),
+        Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
         None => d
             .at(at, "not known")
             .help("write it with the functions there are: sec(x) is `1/cos(x)`"),
@@ -372,6 +381,7 @@ pub fn empty_unknown_range(at: Span, from: f64, to: f64) -> Diagnostic {
     Diagnostic::error("empty-range", "the range of an unknown holds no number")
         .at(at, "the second end is to be above the first")
         .help(format!("write `in {}..{}`", to.min(from), from.max(to)))
+        .fix(at, format!("{}..{}", to.min(from), from.max(to)))
 }
 
 pub fn unknown_attribute_of_unknown(at: Span, key: &str) -> Diagnostic {

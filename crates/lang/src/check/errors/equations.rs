@@ -51,12 +51,13 @@ pub fn wrong_target(at: Span, name: &str, var: &Var, discrete: bool) -> Diagnost
     )
     .also_if_known(var.span, "declared here");
     match var.kind {
-        VarKind::State if discrete => d.help(format!("write `next {} ~ …`", var.name)),
-        VarKind::State => d.help(format!(
-            "write `{}{} ~ …`",
-            "d".repeat(usize::from(var.order)),
-            var.name
-        )),
+        VarKind::State => {
+            let target = match discrete {
+                true => format!("next {}", var.name),
+                false => "d".repeat(usize::from(var.order)) + &var.name,
+            };
+            d.help(format!("write `{target} ~ …`")).fix(at, target)
+        }
         VarKind::Input => d.help(format!(
             "what is to be explained is declared as `output {}`",
             var.name
@@ -172,12 +173,14 @@ pub fn no_equation(at: Option<Span>, model: &Model, file: FileId) -> Diagnostic 
             format!("{target} ~ poly({}; 2)", names.join(", "))
         }
     };
-    Diagnostic::error("no-equation", "the model has no equation")
-        .at(
-            at.unwrap_or(Span::new(file, 0, 0)),
-            "nothing is asked up to here",
-        )
-        .help(format!("add a line such as `{example}`"))
+    let at = at.unwrap_or(Span::new(file, 0, 0));
+    let d = Diagnostic::error("no-equation", "the model has no equation")
+        .at(at, "nothing is asked up to here")
+        .help(format!("add a line such as `{example}`"));
+    match states.is_empty() {
+        true => d,
+        false => d.fix(at.after(), format!("\n{example}")),
+    }
 }
 
 /// Notes on states without an equation and on names that nothing uses: legal, but perhaps not meant.

@@ -49,6 +49,7 @@ pub fn share_elsewhere(at: Span, share: f64) -> Diagnostic {
     )
     .at(at, "a share of what?")
     .help(format!("write {share:?} for the number"))
+    .fix(at, format!("{share:?}"))
 }
 
 pub fn text_in_model(at: Span, text: &str) -> Diagnostic {
@@ -208,23 +209,29 @@ pub fn shift_of_expression(at: Span) -> Diagnostic {
         .help("shift the names inside: `sin(lag(x, 1))`")
 }
 
+/// `poly(x, 2)`: `last` is the last argument, and whether it is a number; `comma` what stands before that.
 pub fn numbers_missing(
     at: Span,
     name: &str,
     usage: &str,
     last: Option<(Span, bool)>,
+    comma: Option<Span>,
 ) -> Diagnostic {
     let d = Diagnostic::error(
         "generator-form",
         format!("`{name}` needs a number after a `;`"),
     );
-    match last {
+    let d = match last {
         Some((span, true)) => d
             .at(span, "a `;` goes before this, not a comma")
             .also(at, "in this library"),
         _ => d.at(at, "the number is missing"),
     }
-    .help(format!("the form is `{usage}`"))
+    .help(format!("the form is `{usage}`"));
+    match (last, comma) {
+        (Some((_, true)), Some(comma)) => d.fix(comma, "; "),
+        _ => d,
+    }
 }
 
 /// `r - y` between sets; `text` is what was written.
@@ -235,4 +242,5 @@ pub fn arithmetic_outside_list(whole: Span, text: &str) -> Diagnostic {
     )
     .at(whole, "sets of terms, not numbers")
     .help(format!("for the number {text} write `<{text}>`"))
+    .fix(whole, format!("<{text}>"))
 }

@@ -65,7 +65,7 @@ pub fn too_many_constraints(at: Span, limit: usize) -> Diagnostic {
 pub fn unknown_limit(at: Span, key: &str) -> Diagnostic {
     let d = Diagnostic::error("unknown-attribute", format!("no limit named `{key}`"));
     match did_you_mean(key, ["degree"]) {
-        Some(near) => d.at(at, format!("did you mean `{near}`?")),
+        Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
         None => d.at(at, "not known"),
     }
     .help("write `limit degree 4`")
@@ -80,7 +80,7 @@ pub fn unknown_norm(key: &Attribute, known: &[&'static str]) -> Diagnostic {
     }
     let d = Diagnostic::error("unknown-attribute", format!("no norm named `{text}`"));
     match did_you_mean(text, known.iter().copied()) {
-        Some(near) => d.at(at, format!("did you mean `{near}`?")),
+        Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
         None => d.at(at, "not known"),
     }
     .help("write `prefer degree` or `prefer plain`")

@@ -20,6 +20,7 @@ pub fn unit_unknown(at: Span, suspect: &Misspelling) -> Diagnostic {
         format!("`{word}` is taken for a unit of its own"),
     )
     .at(at, format!("did you mean `{meant}`?"))
+    .fix(at, meant.as_str())
 }
 
 /// A part of a sum, or an argument that is compared with others.

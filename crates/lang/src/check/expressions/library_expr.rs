@@ -264,7 +264,13 @@ impl Checker<'_> {
                     matches!(a.kind, ExprKind::Number(_) | ExprKind::Range(..)),
                 )
             });
-            return self.fail(errors::numbers_missing(e.span, &name.text, usage, last));
+            let comma = match call.args.as_slice() {
+                [.., a, b] => Some(Span::new(e.span.file, a.span.end, b.span.start)),
+                _ => None,
+            };
+            return self.fail(errors::numbers_missing(
+                e.span, &name.text, usage, last, comma,
+            ));
         }
         let numbers = call.numbers.iter().flatten();
         let numbers = every(numbers.map(|n| self.number_arg(n)));

@@ -3,7 +3,7 @@
 //! In: constraints and equations. Out: `Σ weight · coef + constant RELATION 0` for each relation. Does not check that a library has
 //! the term.
 
-use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
+use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, Statement, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::model::{Coefficient, Constraint, Equation, Relation, RightSide};
@@ -188,6 +188,21 @@ impl Checker<'_> {
         Some(out)
     }
 
+    /// Whether the equation of a target was written, and left out because something in it is wrong, which is reported already.
+    fn has_wrong_equation(&self, target: &Ast) -> bool {
+        let signal = |e: &Ast| e.as_name().and_then(|name| self.scope.signal(name));
+        let same = |e: &Ast| match &e.kind {
+            ExprKind::Range(..) => true,
+            ExprKind::Name(_) => signal(e).is_some() && signal(e) == signal(target),
+            _ => self.text(e.span) == self.text(target.span),
+        };
+        let written = |s: &Statement| match &s.kind {
+            StatementKind::Equation { targets, .. } => targets.iter().any(same),
+            _ => false,
+        };
+        self.file.broken.iter().any(|b| b.keyword.is_none()) || self.statements().any(written)
+    }
+
     /// `coef(TARGET, TERM)`
     fn coefficient(&mut self, e: &Ast, call: &Call, equations: &[Equation]) -> Option<Linear> {
         let [target, term] = call.args.as_slice() else {
@@ -199,6 +214,9 @@ impl Checker<'_> {
             .iter()
             .find(|q| signal == crate::term::Expr::signal(q.target));
         let Some(equation) = equation else {
+            if self.has_wrong_equation(target) {
+                return None;
+            }
             return self.fail(errors::coefficient_of_no_equation(
                 target.span,
                 &self.example_target(),

@@ -131,7 +131,9 @@ impl Checker<'_> {
             }
             ExprKind::Call(call) if call.juxtaposed => {
                 let second = call.args.first().and_then(Expr::as_name).unwrap_or("");
-                let d = errors::two_names(e.span, keyword.text(), &call.name.text, second);
+                let gap = call.args.first().map_or(e.span.end, |a| a.span.start);
+                let gap = Span::new(e.span.file, call.name.span.end, gap);
+                let d = errors::two_names(e.span, gap, keyword.text(), &call.name.text, second);
                 self.scope.poisoned.insert(call.name.text.clone());
                 self.scope.poisoned.insert(second.to_string());
                 self.fail(d)

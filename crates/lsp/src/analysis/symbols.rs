@@ -1,0 +1,223 @@
+//! What a text declares, read off its tokens, so that half-typed statements count too.
+//!
+//! In: tokens and statements. Out: every declared name with its kind, order, unit and place, and the spellings that it makes. The first
+//! of two declarations of a name counts.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use sidc_lang::ast::Keyword;
+use sidc_lang::parse::lexer::{Token, TokenKind};
+use sidc_lang::parse::normalise;
+use sidc_lang::parse::statements::StatementTokens;
+
+use crate::thresholds::EDITOR;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SymbolKind {
+    Time,
+    State,
+    Input,
+    Output,
+    Param,
+    Unknown,
+    Let,
+}
+
+/// One declared name.
+#[derive(Clone, Debug)]
+pub struct Symbol {
+    pub name: String,
+    pub kind: SymbolKind,
+    /// How many derivatives exist.
+    pub order: usize,
+    /// As written, without quotes.
+    pub unit: Option<String>,
+    /// Bytes of the name where it is declared; of the range that declares it, for `x1..x12`.
+    pub place: Range<usize>,
+    /// Bytes of the statement.
+    pub statement: Range<usize>,
+    pub by_range: bool,
+}
+
+/// A name as used: whose it is, and how often differentiated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Use {
+    pub symbol: usize,
+    pub derivative: usize,
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct Symbols {
+    pub all: Vec<Symbol>,
+    spellings: BTreeMap<String, Use>,
+}
+
+impl Symbols {
+    pub fn of(tokens: &[Token], statements: &[StatementTokens]) -> Symbols {
+        let mut symbols = Symbols::default();
+        let discrete = tokens
+            .iter()
+            .any(|t| t.kind == TokenKind::Name && t.text == "next");
+        for statement in statements {
+            symbols.read(tokens, statement, discrete);
+        }
+        symbols
+    }
+
+    /// Whose name this is, primes included.
+    pub fn find(&self, written: &str) -> Option<Use> {
+        let base = written.trim_end_matches('\'');
+        let primes = written.len() - base.len();
+        let found = match base.is_ascii() {
+            true => *self.spellings.get(base)?,
+            false => *self.spellings.get(&normalise(base))?,
+        };
+        let derivative = found.derivative + primes;
+        let symbol = self.all.get(found.symbol)?;
+        (primes == 0 || derivative <= symbol.order).then_some(Use {
+            derivative,
+            ..found
+        })
+    }
+
+    pub fn get(&self, used: Use) -> Option<&Symbol> {
+        self.all.get(used.symbol)
+    }
+
+    /// All spellings without primes, with what they mean.
+    pub fn spellings(&self) -> impl Iterator<Item = (&str, Use)> {
+        self.spellings.iter().map(|(name, u)| (name.as_str(), *u))
+    }
+
+    fn read(&mut self, tokens: &[Token], statement: &StatementTokens, discrete: bool) {
+        let own = tokens.get(statement.tokens.clone()).unwrap_or(&[]);
+        let own: Vec<&Token> = own.iter().filter(|t| t.is_code()).collect();
+        let kind = match statement.keyword {
+            Some(Keyword::State) => SymbolKind::State,
+            Some(Keyword::Input) => SymbolKind::Input,
+            Some(Keyword::Output) => SymbolKind::Output,
+            Some(Keyword::Param) => SymbolKind::Param,
+            Some(Keyword::Unknown) => SymbolKind::Unknown,
+            Some(Keyword::Let) => SymbolKind::Let,
+            _ => return,
+        };
+        let (Some(first), Some(last)) = (own.first(), own.last()) else {
+            return;
+        };
+        let mut symbol = Symbol {
+            name: String::new(),
+            kind,
+            order: usize::from(kind == SymbolKind::State && !discrete),
+            unit: None,
+            place: 0..0,
+            statement: first.start..last.end,
+            by_range: false,
+        };
+        let after = match kind {
+            SymbolKind::Let => own.len().min(2),
+            _ => names_end(&own),
+        };
+        for pair in own.get(after..).unwrap_or(&[]).windows(2) {
+            let [key, value] = pair else { continue };
+            match (key.text, value.kind) {
+                ("order", TokenKind::Number) if !discrete => {
+                    let order = value.text.parse().unwrap_or(symbol.order);
+                    symbol.order = order.min(9);
+                }
+                ("unit", TokenKind::Text) => {
+                    symbol.unit = Some(value.text.trim_matches('"').to_string());
+                }
+                _ => {}
+            }
+        }
+        self.names(own.get(1..after).unwrap_or(&[]), &symbol);
+    }
+
+    /// The names of a declaration: `x, y, z1..z3`.
+    fn names(&mut self, names: &[&Token], symbol: &Symbol) {
+        let mut i = 0;
+        while let Some(token) = names.get(i) {
+            i += 1;
+            if token.kind != TokenKind::Name {
+                continue;
+            }
+            let to = names
+                .get(i)
+                .filter(|t| t.is(".."))
+                .and_then(|_| names.get(i + 1));
+            match to {
+                Some(to) => {
+                    for name in range_of_names(token.text, to.text) {
+                        self.add(Symbol {
+                            name,
+                            place: token.start..to.end,
+                            by_range: true,
+                            ..symbol.clone()
+                        });
+                    }
+                    i += 2;
+                }
+                None => self.add(Symbol {
+                    name: normalise(token.text),
+                    place: token.start..token.end,
+                    ..symbol.clone()
+                }),
+            }
+        }
+    }
+
+    fn add(&mut self, mut symbol: Symbol) {
+        if symbol.name == "t" && symbol.kind == SymbolKind::Input {
+            symbol.kind = SymbolKind::Time;
+        }
+        let taken = |name: &str| self.spellings.contains_key(name);
+        if symbol.name.contains('\'') || symbol.name == "pi" || taken(&symbol.name) {
+            return;
+        }
+        let id = self.all.len();
+        for derivative in 0..=symbol.order {
+            let name = "d".repeat(derivative) + &symbol.name;
+            self.spellings.entry(name).or_insert(Use {
+                symbol: id,
+                derivative,
+            });
+        }
+        self.all.push(symbol);
+    }
+}
+
+/// The number of tokens of a declaration up to the end of its names.
+fn names_end(own: &[&Token]) -> usize {
+    let ends = |(i, t): (usize, &&Token)| {
+        let next = own.get(i + 1);
+        let said = t.text == "unit" && next.is_some_and(|n| n.kind == TokenKind::Text)
+            || t.text == "per" && next.is_some_and(|n| n.text == "run")
+            || t.text == "in" && next.is_some_and(|n| n.kind == TokenKind::Number || n.is("-"));
+        i > 0 && (t.is(":") || said)
+    };
+    own.iter().enumerate().position(ends).unwrap_or(own.len())
+}
+
+/// `x1` to `x12`: one stem, ascending numbers.
+fn range_of_names(from: &str, to: &str) -> Vec<String> {
+    let split = |name: &str| {
+        let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let digits = name.get(stem.len()..)?.to_string();
+        Some((normalise(stem), digits.parse::<usize>().ok()?, digits))
+    };
+    let (Some((stem, first, digits)), Some((other, last, _))) = (split(from), split(to)) else {
+        return Vec::new();
+    };
+    if stem != other || first > last {
+        return Vec::new();
+    }
+    let width = match digits.starts_with('0') {
+        true => digits.len(),
+        false => 1,
+    };
+    let last = last.min(first.saturating_add(EDITOR.range));
+    (first..=last)
+        .map(|i| format!("{stem}{i:0width$}"))
+        .collect()
+}

@@ -1,0 +1,63 @@
+//! The help of a diagnostic as an action: every fix that changes the text.
+//!
+//! In: a range. Out: an action for each fix of each diagnostic that the range touches.
+
+use std::collections::HashMap;
+
+use lsp_types::{
+    CodeAction, CodeActionKind, CodeActionOrCommand, Range, TextEdit, Uri, WorkspaceEdit,
+};
+use sidc_lang::diagnostic::{Diagnostic, Fix};
+
+use super::diagnostics;
+use crate::text::document::Document;
+
+pub fn actions(document: &Document, uri: &Uri, range: Range) -> Vec<CodeActionOrCommand> {
+    let (start, end) = (document.offset(range.start), document.offset(range.end));
+    let touched = |d: &&Diagnostic| {
+        let touches = |from: usize, to: usize| from <= end && start <= to;
+        d.labels.iter().any(|l| touches(l.span.start, l.span.end))
+    };
+    let found = document.analysis().found.iter().filter(touched);
+    let each = found.flat_map(|d| d.fixes.iter().map(move |fix| (d, fix)));
+    let actions = each.map(|(d, fix)| CodeAction {
+        title: title(document, fix),
+        kind: Some(CodeActionKind::QUICKFIX),
+        diagnostics: Some(vec![diagnostics::diagnostic(document, uri, d)]),
+        edit: Some(edit(document, uri, fix)),
+        is_preferred: Some(d.fixes.len() == 1),
+        ..CodeAction::default()
+    });
+    actions.map(CodeActionOrCommand::from).collect()
+}
+
+#[allow(
+    clippy::mutable_key_type,
+    reason = "the protocol's type; a URI never changes"
+)]
+fn edit(document: &Document, uri: &Uri, fix: &Fix) -> WorkspaceEdit {
+    let range = document.range(fix.span.start..fix.span.end);
+    let edit = TextEdit::new(range, fix.text.clone());
+    WorkspaceEdit::new(HashMap::from([(uri.clone(), vec![edit])]))
+}
+
+/// ``replace `x` by `y` ``, on one line.
+fn title(document: &Document, fix: &Fix) -> String {
+    let old = document.slice(fix.span.start..fix.span.end).trim();
+    let new = fix.text.trim();
+    match (old.is_empty(), new.is_empty(), fix.text.contains('\n')) {
+        (_, _, true) => format!("add the line `{new}`"),
+        (true, false, _) => format!("insert `{new}`"),
+        (false, true, _) => format!("delete `{}`", short(old)),
+        _ => format!("replace `{}` by `{}`", short(old), short(new)),
+    }
+}
+
+fn short(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let line = text.lines().next().unwrap_or("");
+    match line.chars().count() > LONGEST || line.len() < text.len() {
+        true => line.chars().take(LONGEST).collect::<String>() + "…",
+        false => line.to_string(),
+    }
+}

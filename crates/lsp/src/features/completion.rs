@@ -1,0 +1,291 @@
+//! What may be typed at a place.
+//!
+//! In: a place, the tables beside the model, whether the editor fills in snippets. Out: words of the language that fit the context, names that
+//! the text declares, columns. The context is read off the tokens before the place, so that half a statement is enough.
+
+use std::ops::Range;
+
+use lsp_types::{
+    CompletionItem, CompletionItemKind as Kind, CompletionTextEdit, Documentation,
+    InsertTextFormat, MarkupContent, MarkupKind, Position, TextEdit,
+};
+use sidc_lang::ast::Keyword;
+use sidc_lang::library::GENERATORS;
+use sidc_lang::term::FUNCTIONS;
+
+use crate::analysis::symbols::{Symbol, SymbolKind};
+use crate::analysis::tables::TableHeader;
+use crate::analysis::words::{Role, Word};
+use crate::features::completion_context::{Context, context};
+use crate::text::document::Document;
+use crate::vocabulary::{self, Entry};
+
+pub fn items(
+    document: &Document,
+    at: Position,
+    snippets: bool,
+    tables: impl Fn() -> Vec<TableHeader>,
+) -> Vec<CompletionItem> {
+    let at = document.offset(at);
+    let mut list = List {
+        document,
+        snippets,
+        replaced: replaced(document, at),
+        out: Vec::new(),
+    };
+    match context(document, at) {
+        Context::Nothing => {}
+        Context::Statement => list.statements(),
+        Context::Attributes(keyword) => list.attributes(keyword),
+        Context::Norm => list.entries(&[vocabulary::DEGREE, vocabulary::PLAIN], Kind::PROPERTY),
+        Context::Limit => list.entries(&[vocabulary::DEGREE], Kind::PROPERTY),
+        Context::DataEntry => list.data_entries(),
+        Context::Column { quoted } => list.columns(&tables(), quoted),
+        Context::Variables => list.variables(),
+        Context::Target => list.targets(),
+        Context::Expression => list.expression(),
+    }
+    list.out
+}
+
+/// The bytes of the word that is being typed. Inside quotes, all up to the quote.
+fn replaced(document: &Document, at: usize) -> Range<usize> {
+    match document.analysis().typed(at) {
+        Some(w) if w.role == Role::Text => {
+            let text = document.slice(w.bytes.clone());
+            let closed = text.len() > 1 && text.ends_with('"');
+            w.bytes.start + 1..w.bytes.end - usize::from(closed)
+        }
+        Some(w) if is_name(w) => w.bytes.start..at,
+        _ => at..at,
+    }
+}
+
+fn is_name(word: &Word) -> bool {
+    !matches!(
+        word.role,
+        Role::Symbol | Role::Number | Role::Comment | Role::Text
+    )
+}
+
+struct List<'a> {
+    document: &'a Document,
+    snippets: bool,
+    replaced: Range<usize>,
+    out: Vec<CompletionItem>,
+}
+
+impl List<'_> {
+    /// `form` may have places to fill in; `group` orders the groups.
+    fn push(&mut self, label: &str, form: &str, kind: Kind, detail: String, group: u8) {
+        let (format, text) = match self.snippets && form.contains("${") {
+            true => (InsertTextFormat::SNIPPET, form.to_string()),
+            false => (InsertTextFormat::PLAIN_TEXT, vocabulary::plain(form)),
+        };
+        self.add(label, (format, text), kind, detail, group);
+    }
+
+    /// A text as it stands, whatever is in it.
+    fn literal(&mut self, text: &str, kind: Kind, detail: String, group: u8) {
+        let inserted = (InsertTextFormat::PLAIN_TEXT, text.to_string());
+        self.add(text, inserted, kind, detail, group);
+    }
+
+    fn add(
+        &mut self,
+        label: &str,
+        (format, text): (InsertTextFormat, String),
+        kind: Kind,
+        detail: String,
+        group: u8,
+    ) {
+        let range = self.document.range(self.replaced.clone());
+        self.out.push(CompletionItem {
+            label: label.to_string(),
+            kind: Some(kind),
+            detail: Some(detail).filter(|d| !d.is_empty()),
+            sort_text: Some(format!("{group}{label}")),
+            insert_text_format: Some(format),
+            text_edit: Some(CompletionTextEdit::Edit(TextEdit::new(range, text))),
+            ..CompletionItem::default()
+        });
+    }
+
+    fn explain(&mut self, text: &str) {
+        if let Some(item) = self.out.last_mut() {
+            item.documentation = Some(Documentation::MarkupContent(MarkupContent {
+                kind: MarkupKind::Markdown,
+                value: text.to_string(),
+            }));
+        }
+    }
+
+    fn entries<'e>(&mut self, entries: impl IntoIterator<Item = &'e Entry>, kind: Kind) {
+        for e in entries {
+            self.push(e.word, e.form, kind, vocabulary::plain(e.form), 2);
+            self.explain(e.meaning);
+        }
+    }
+
+    /// Equations that are missing, then keywords.
+    fn statements(&mut self) {
+        let analysis = self.document.analysis();
+        let equations: Vec<&str> = analysis
+            .statements
+            .iter()
+            .filter(|s| s.keyword.is_none())
+            .filter_map(|s| {
+                self.document
+                    .slice(s.bytes.clone())
+                    .split(['~', '='])
+                    .next()
+            })
+            .collect();
+        let has = |target: &str| {
+            let mut targets = equations.iter().flat_map(|left| left.split(','));
+            targets.any(|t| t.trim() == target)
+        };
+        for symbol in &analysis.symbols.all {
+            let target = target_of(symbol, self.is_discrete());
+            if let Some(target) = target.filter(|t| !has(t)) {
+                let form = format!("{target} ~ ${{1:library}}");
+                self.push(
+                    &format!("{target} ~"),
+                    &form,
+                    Kind::EVENT,
+                    "equation".into(),
+                    1,
+                );
+            }
+        }
+        self.entries(&vocabulary::STATEMENTS, Kind::KEYWORD);
+    }
+
+    fn is_discrete(&self) -> bool {
+        let next = |w: &&Word| self.document.slice(w.bytes.clone()) == "next";
+        self.document.analysis().words.iter().any(|w| next(&w))
+    }
+
+    fn attributes(&mut self, keyword: Keyword) {
+        let known = vocabulary::attributes(keyword);
+        let fits = |e: &&Entry| known.contains(&e.word);
+        let entries: Vec<&Entry> = vocabulary::ATTRIBUTES.iter().filter(fits).collect();
+        self.entries(entries, Kind::PROPERTY);
+        if keyword == Keyword::Unknown || keyword == Keyword::Coef {
+            let about = "a value of its own in each run".to_string();
+            self.push("per run", "per run", Kind::PROPERTY, about, 2);
+        }
+    }
+
+    fn data_entries(&mut self) {
+        self.push("t", "t = ${1:\"Time\"}", Kind::VARIABLE, "time".into(), 1);
+        let symbols: Vec<Symbol> = self.document.analysis().symbols.all.clone();
+        let measured = |s: &&Symbol| !matches!(s.kind, SymbolKind::Let | SymbolKind::Unknown);
+        for symbol in symbols.iter().filter(measured) {
+            let form = format!("{} = ${{1:\"Column\"}}", symbol.name);
+            self.push(&symbol.name, &form, Kind::VARIABLE, kind(symbol).into(), 1);
+        }
+        let [step, run, _] = &vocabulary::DATA;
+        self.entries([step, run], Kind::PROPERTY);
+    }
+
+    /// Columns of the tables beside the model, each once, and what may stand around one.
+    fn columns(&mut self, tables: &[TableHeader], quoted: bool) {
+        let mut seen = std::collections::BTreeSet::new();
+        for (place, table) in tables.iter().enumerate() {
+            for column in table.columns.iter().filter(|c| !c.is_empty()) {
+                // A header with a quote or a line end cannot be written in a model.
+                if column.contains(['"', '\n']) || !seen.insert(column) {
+                    continue;
+                }
+                let text = match quoted {
+                    true => column.clone(),
+                    false => format!("\"{column}\""),
+                };
+                let group = u8::from(place > 0);
+                self.literal(&text, Kind::FIELD, table.file.clone(), group);
+            }
+        }
+        if !quoted {
+            let [.., none] = &vocabulary::DATA;
+            let unwrap = vocabulary::FORMS.iter().filter(|e| e.word == "unwrap");
+            let entries: Vec<&Entry> = unwrap.chain([none]).collect();
+            self.entries(entries, Kind::FUNCTION);
+        }
+    }
+
+    fn variables(&mut self) {
+        let symbols: Vec<Symbol> = self.document.analysis().symbols.all.clone();
+        for symbol in symbols.iter().filter(|s| s.kind != SymbolKind::Let) {
+            let about = kind(symbol).to_string();
+            self.push(&symbol.name, &symbol.name, Kind::VARIABLE, about, 1);
+        }
+    }
+
+    fn targets(&mut self) {
+        let symbols: Vec<Symbol> = self.document.analysis().symbols.all.clone();
+        let discrete = self.is_discrete();
+        for target in symbols.iter().filter_map(|s| target_of(s, discrete)) {
+            self.push(&target, &target, Kind::VARIABLE, "target".into(), 1);
+        }
+    }
+
+    fn expression(&mut self) {
+        let analysis = self.document.analysis();
+        let names: Vec<(String, usize)> = analysis
+            .symbols
+            .spellings()
+            .map(|(name, used)| (name.to_string(), used.symbol))
+            .collect();
+        for (name, symbol) in names {
+            let Some(symbol) = analysis.symbols.all.get(symbol) else {
+                continue;
+            };
+            let detail = match name == symbol.name {
+                true => kind(symbol).to_string(),
+                false => format!("derivative of {}", symbol.name),
+            };
+            self.push(&name, &name, Kind::VARIABLE, detail, 1);
+        }
+        for (name, about) in [("t", "time"), ("pi", "π")] {
+            self.push(name, name, Kind::CONSTANT, about.into(), 3);
+        }
+        for g in GENERATORS {
+            let form = vocabulary::form_of_usage(g.usage());
+            self.push(g.name(), &form, Kind::SNIPPET, g.usage().into(), 2);
+            self.explain(g.about());
+        }
+        for f in FUNCTIONS {
+            let form = match f.arity {
+                (1, 1) => format!("{}(${{1:x}})", f.name),
+                _ => format!("{}(${{1:x}}, ${{2:y}})", f.name),
+            };
+            self.push(f.name, &form, Kind::FUNCTION, vocabulary::plain(&form), 3);
+        }
+        let inside = |e: &&Entry| e.word != "unwrap";
+        let forms: Vec<&Entry> = vocabulary::FORMS.iter().filter(inside).collect();
+        self.entries(forms, Kind::FUNCTION);
+    }
+}
+
+/// `ddx` for a state of order 2, `next x` in discrete time, the name of an output.
+fn target_of(symbol: &Symbol, discrete: bool) -> Option<String> {
+    match symbol.kind {
+        SymbolKind::State if discrete => Some(format!("next {}", symbol.name)),
+        SymbolKind::State => Some("d".repeat(symbol.order) + &symbol.name),
+        SymbolKind::Output => Some(symbol.name.clone()),
+        _ => None,
+    }
+}
+
+fn kind(symbol: &Symbol) -> &'static str {
+    match symbol.kind {
+        SymbolKind::Time => "time",
+        SymbolKind::State => "state",
+        SymbolKind::Input => "input",
+        SymbolKind::Output => "output",
+        SymbolKind::Param => "parameter",
+        SymbolKind::Unknown => "unknown constant",
+        SymbolKind::Let => "let",
+    }
+}

@@ -1,0 +1,64 @@
+//! What the compiler finds, as the protocol shows it.
+//!
+//! In: an analysed document. Out: its diagnostics, the gravest first. Message, label, facts and help are one text, as on a terminal.
+
+use lsp_types::{
+    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location,
+    NumberOrString, Uri,
+};
+use sidc_lang::diagnostic as lang;
+
+use crate::text::document::Document;
+use crate::thresholds::EDITOR;
+
+pub fn diagnostics(document: &Document, uri: &Uri) -> Vec<Diagnostic> {
+    let analysis = document.analysis();
+    if analysis.too_large {
+        return vec![too_large(document)];
+    }
+    let found = analysis.found.iter().take(EDITOR.findings);
+    found.map(|d| diagnostic(document, uri, d)).collect()
+}
+
+pub fn diagnostic(document: &Document, uri: &Uri, d: &lang::Diagnostic) -> Diagnostic {
+    let main = d.labels.iter().find(|l| l.primary).or(d.labels.first());
+    let range = main.map_or(0..0, |l| l.span.start..l.span.end);
+    let others = d.labels.iter().filter(|l| main != Some(*l));
+    let related = others.map(|l| DiagnosticRelatedInformation {
+        location: Location::new(uri.clone(), document.range(l.span.start..l.span.end)),
+        message: l.text.clone(),
+    });
+    let mut message = d.message.clone();
+    let label = main.map(|l| l.text.clone()).filter(|t| !t.is_empty());
+    for line in label.iter().chain(&d.notes) {
+        message.push_str(&format!("\n{line}"));
+    }
+    if let Some(help) = &d.help {
+        message.push_str(&format!("\nhelp: {help}"));
+    }
+    Diagnostic {
+        range: document.range(range),
+        severity: Some(match d.severity {
+            lang::Severity::Error => DiagnosticSeverity::ERROR,
+            lang::Severity::Warning => DiagnosticSeverity::WARNING,
+            lang::Severity::Note => DiagnosticSeverity::INFORMATION,
+        }),
+        code: Some(NumberOrString::String(d.code.into())),
+        source: Some("sidc".into()),
+        message,
+        related_information: Some(related.collect()),
+        tags: (d.code == "unused-name").then(|| vec![DiagnosticTag::UNNECESSARY]),
+        ..Diagnostic::default()
+    }
+}
+
+fn too_large(document: &Document) -> Diagnostic {
+    let limit = EDITOR.text >> 20;
+    Diagnostic {
+        range: document.range(0..0),
+        severity: Some(DiagnosticSeverity::ERROR),
+        source: Some("sidc".into()),
+        message: format!("larger than {limit} MiB, the limit of a model"),
+        ..Diagnostic::default()
+    }
+}

@@ -1,0 +1,98 @@
+//! A variable or `let` gets another name, everywhere, its derivatives too.
+//!
+//! In: a place and the new name. Out: the changes, or why the name is not possible. What the name was in a table stays: columns are matched by
+//! name, so a renamed signal gets an entry in the data block by hand.
+
+use std::collections::HashMap;
+
+use lsp_types::{Position, PrepareRenameResponse, TextEdit, Uri, WorkspaceEdit};
+use sidc_lang::parse::{is_name, normalise};
+
+use crate::analysis::symbols::{Symbol, SymbolKind, Use};
+use crate::analysis::words::Word;
+use crate::features::navigation::occurrences;
+use crate::text::document::Document;
+
+/// The part of the word at a place that would be renamed: `theta` of `ddtheta`.
+///
+/// # Errors
+/// Nothing there has a name that can be changed.
+pub fn prepare(document: &Document, at: Position) -> Result<PrepareRenameResponse, String> {
+    let (word, symbol, used) = target(document, at)?;
+    let base = base(document, word, used);
+    Ok(PrepareRenameResponse::RangeWithPlaceholder {
+        range: document.range(base),
+        placeholder: symbol.name.clone(),
+    })
+}
+
+/// # Errors
+/// The new name is none, or is taken.
+#[allow(
+    clippy::mutable_key_type,
+    reason = "the protocol's type; a URI never changes"
+)]
+pub fn rename(
+    document: &Document,
+    uri: &Uri,
+    at: Position,
+    new: &str,
+) -> Result<WorkspaceEdit, String> {
+    let (_, symbol, _) = target(document, at)?;
+    let new = normalise(new.trim());
+    if !is_name(&new) {
+        return Err(format!(
+            "`{new}` is no name: letters, digits and `_`, a letter first"
+        ));
+    }
+    if new == "t" || new == "pi" {
+        return Err(format!("`{new}` has a meaning in every model"));
+    }
+    free(document, symbol, &new)?;
+    let words = occurrences(document, document.offset(at)).into_iter();
+    let edits = words.filter_map(|word| {
+        let range = document.range(base(document, word, word.used()?));
+        Some(TextEdit::new(range, new.clone()))
+    });
+    let edits = edits.collect();
+    Ok(WorkspaceEdit::new(HashMap::from([(uri.clone(), edits)])))
+}
+
+fn target(document: &Document, at: Position) -> Result<(&Word, &Symbol, Use), String> {
+    let analysis = document.analysis();
+    let found = analysis.name(document.offset(at));
+    let found = found.and_then(|(word, used)| Some((word, analysis.symbols.get(used)?, used)));
+    let (word, symbol, used) = found.ok_or("no name that this model declares")?;
+    match symbol.kind {
+        SymbolKind::Time => Err("`t` is time in every model".into()),
+        _ if symbol.by_range => Err(format!("`{}` is declared by a range", symbol.name)),
+        _ => Ok((word, symbol, used)),
+    }
+}
+
+/// The bytes of the variable's own name in a word: without the `d`s of a derivative and without primes.
+fn base(document: &Document, word: &Word, used: Use) -> std::ops::Range<usize> {
+    let text = document.slice(word.bytes.clone());
+    let primes = text.len() - text.trim_end_matches('\'').len();
+    let letters = used.derivative.saturating_sub(primes);
+    word.bytes.start + letters..word.bytes.end - primes
+}
+
+/// Whether no other name is, and none would become, one of the new spellings.
+fn free(document: &Document, symbol: &Symbol, new: &str) -> Result<(), String> {
+    let symbols = &document.analysis().symbols;
+    for derivative in 0..=symbol.order {
+        let spelling = "d".repeat(derivative) + new;
+        let taken = symbols.find(&spelling).and_then(|used| symbols.get(used));
+        if let Some(other) = taken.filter(|other| other.place != symbol.place) {
+            return Err(match derivative {
+                0 => format!("`{new}` is taken: it belongs to `{}`", other.name),
+                _ => format!(
+                    "its derivative `{spelling}` would be that of `{}`",
+                    other.name
+                ),
+            });
+        }
+    }
+    Ok(())
+}

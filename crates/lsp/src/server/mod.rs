@@ -1,0 +1,87 @@
+//! The protocol: messages in, messages out.
+//!
+//! [`Server`] has the open texts and answers one message at a time; [`serve`] reads messages until the editor says goodbye. What the compiler
+//! finds is sent when no message waits, so that fast typing is answered once and not letter by letter; no clock is asked.
+
+mod answers;
+mod capabilities;
+mod connection;
+mod documents;
+
+pub use connection::serve;
+
+use lsp_server::{Message, Notification};
+use lsp_types::{InitializeParams, InitializeResult, PublishDiagnosticsParams, ServerInfo};
+
+use crate::analysis::tables::Tables;
+use crate::features::diagnostics;
+use crate::text::positions::Encoding;
+use documents::Documents;
+
+/// The texts that are open, and how their editor speaks.
+pub struct Server<'t> {
+    tables: &'t dyn Tables,
+    documents: Documents,
+    /// Whether the editor fills in snippets.
+    snippets: bool,
+    /// `shutdown` was asked; nothing but `exit` is to follow.
+    down: bool,
+}
+
+impl<'t> Server<'t> {
+    pub fn new(tables: &'t dyn Tables) -> Server<'t> {
+        Server {
+            tables,
+            documents: Documents::default(),
+            snippets: false,
+            down: false,
+        }
+    }
+
+    /// Learns what the editor can do, and says what this server can.
+    pub fn initialize(&mut self, params: &InitializeParams) -> InitializeResult {
+        let general = params.capabilities.general.as_ref();
+        let kinds = general.and_then(|g| g.position_encodings.as_ref());
+        let encoding = Encoding::offered(kinds);
+        self.documents.encoding = encoding;
+        let text = params.capabilities.text_document.as_ref();
+        let item = text.and_then(|t| t.completion.as_ref()?.completion_item.as_ref());
+        self.snippets = item.and_then(|i| i.snippet_support).unwrap_or(false);
+        InitializeResult {
+            capabilities: capabilities::capabilities(encoding),
+            server_info: Some(ServerInfo {
+                name: "sidc".into(),
+                version: Some(env!("CARGO_PKG_VERSION").into()),
+            }),
+        }
+    }
+
+    /// Answers one message. A notification has no answer; its diagnostics come with [`Server::due`].
+    pub fn receive(&mut self, message: Message) -> Vec<Message> {
+        match message {
+            Message::Request(request) => vec![self.answer(request).into()],
+            Message::Notification(notification) => {
+                self.documents.notice(notification);
+                Vec::new()
+            }
+            Message::Response(_) => Vec::new(),
+        }
+    }
+
+    /// Diagnostics of every text that changed since they were last sent. To be asked when no message waits.
+    pub fn due(&mut self) -> Vec<Message> {
+        let changed = self.documents.take_changed();
+        let each = changed.into_iter().map(|uri| {
+            let document = self.documents.get(&uri);
+            let params = PublishDiagnosticsParams {
+                diagnostics: document
+                    .map(|d| diagnostics::diagnostics(d, &uri))
+                    .unwrap_or_default(),
+                version: document.map(|d| d.version),
+                uri,
+            };
+            Notification::new("textDocument/publishDiagnostics".into(), params).into()
+        });
+        each.collect()
+    }
+}

@@ -1,0 +1,52 @@
+//! Help that can be applied: what it changes is right.
+
+use super::session::{Session, corpus, edited};
+use serde_json::Value;
+
+/// A change that a help offers takes its error away, and leaves no more of the same kind than there were.
+#[test]
+fn every_fix_removes_what_it_is_offered_for() {
+    let mut session = Session::new(&["utf-16"]);
+    let mut useless = Vec::new();
+    let (mut offered, mut helped, mut errors) = (0, 0, 0);
+    for (name, text) in corpus() {
+        session.open(&text);
+        let before = session.diagnostics();
+        let actions = session.whole("codeAction");
+        let actions = actions.as_array().unwrap().clone();
+        for action in &actions {
+            let title = action["title"].as_str().unwrap();
+            let own = &action["diagnostics"][0];
+            let edits = action["edit"]["changes"][super::session::URI]
+                .as_array()
+                .unwrap();
+            let after = edited(&text, edits);
+            assert_ne!(after, text, "{name}: {title} changes nothing");
+            session.open(&after);
+            let now = session.diagnostics();
+            let same = |found: &[Value]| {
+                found
+                    .iter()
+                    .filter(|d| d["message"] == own["message"])
+                    .count()
+            };
+            if same(&now) >= same(&before) {
+                let message = own["message"].as_str().unwrap();
+                useless.push(format!("{name}: {title}\nagainst {message}\nin\n{after}"));
+            }
+            offered += 1;
+        }
+        for d in before.iter().filter(|d| d["severity"] == 1) {
+            errors += 1;
+            let own = |a: &Value| a["diagnostics"][0] == *d;
+            helped += usize::from(actions.iter().any(own));
+        }
+    }
+    assert!(session.end());
+    assert!(useless.is_empty(), "{}", useless.join("\n----\n"));
+    assert!(offered >= 130, "only {offered} fixes in the corpus");
+    assert!(
+        helped * 3 > errors,
+        "only {helped} of {errors} errors have one"
+    );
+}

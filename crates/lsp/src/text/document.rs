@@ -1,0 +1,71 @@
+//! One text that is open in the editor.
+//!
+//! In: the text, then changes of parts of it. Out: the text as the editor has it. What the analysis made of it is kept until it changes.
+
+use std::cell::OnceCell;
+use std::ops::Range as Bytes;
+
+use lsp_types::{Position, Range, TextDocumentContentChangeEvent};
+
+use crate::analysis::Analysis;
+use crate::text::positions::{Encoding, Lines};
+
+pub struct Document {
+    pub text: String,
+    /// The editor's number of this state of the text.
+    pub version: i32,
+    pub encoding: Encoding,
+    lines: Lines,
+    analysis: OnceCell<Analysis>,
+}
+
+impl Document {
+    pub fn new(text: String, version: i32, encoding: Encoding) -> Document {
+        Document {
+            lines: Lines::of(&text),
+            text,
+            version,
+            encoding,
+            analysis: OnceCell::new(),
+        }
+    }
+
+    /// Applies one change; changes of one message are applied in their order.
+    pub fn apply(&mut self, change: TextDocumentContentChangeEvent) {
+        match change.range {
+            None => self.text = change.text,
+            Some(range) => {
+                let (a, b) = (self.offset(range.start), self.offset(range.end));
+                self.text
+                    .replace_range(a.min(b)..a.max(b), change.text.as_str());
+            }
+        }
+        self.lines = Lines::of(&self.text);
+        self.analysis = OnceCell::new();
+    }
+
+    /// What the text means; found at the first question after a change.
+    pub fn analysis(&self) -> &Analysis {
+        self.analysis.get_or_init(|| Analysis::of(&self.text))
+    }
+
+    pub fn lines(&self) -> &Lines {
+        &self.lines
+    }
+
+    pub fn offset(&self, position: Position) -> usize {
+        self.lines.offset(&self.text, position, self.encoding)
+    }
+
+    pub fn position(&self, offset: usize) -> Position {
+        self.lines.position(&self.text, offset, self.encoding)
+    }
+
+    pub fn range(&self, bytes: Bytes<usize>) -> Range {
+        self.lines.positions(&self.text, bytes, self.encoding)
+    }
+
+    pub fn slice(&self, bytes: Bytes<usize>) -> &str {
+        self.text.get(bytes).unwrap_or("")
+    }
+}

@@ -1,0 +1,144 @@
+-- Run by tests/it/editor: the plugin of editors/neovim on real files. Prints one line of JSON, and ends with the status 1 after an error.
+-- From the environment: the job, the model, and for `type` the steps in JSON.
+local job, path = vim.env.SIDC_JOB, vim.env.SIDC_MODEL
+
+-- As with a plugin for snippets, which Neovim 0.7 lacks.
+local capabilities = vim.lsp.protocol.make_client_capabilities
+vim.lsp.protocol.make_client_capabilities = function()
+  local all = capabilities()
+  all.textDocument.completion.completionItem.snippetSupport = true
+  return all
+end
+
+local function wait(what, ready)
+  if not vim.wait(30000, ready, 5) then error("waited in vain for " .. what) end
+end
+
+-- The cursor may stand behind the last character, as while typing.
+vim.o.virtualedit = "onemore"
+
+local buffer
+
+-- Diagnostics of the text as it is now: the server has named its version.
+local latest = {}
+vim.lsp.handlers["textDocument/publishDiagnostics"] = function(_, result)
+  latest = { version = result.version, found = result.diagnostics }
+end
+
+local function diagnostics()
+  local version = vim.lsp.util.buf_versions[buffer]
+  wait("diagnostics", function() return latest.version == version end)
+  local codes = {}
+  for _, d in ipairs(latest.found) do table.insert(codes, d.code) end
+  table.sort(codes)
+  return codes
+end
+
+local function ask(method, params)
+  local answers = vim.lsp.buf_request_sync(buffer, method, params, 30000)
+  for _, answer in pairs(answers or {}) do
+    if answer.error then error(method .. ": " .. answer.error.message) end
+    return answer.result
+  end
+end
+
+local function open()
+  vim.cmd("edit " .. vim.fn.fnameescape(path))
+  buffer = vim.api.nvim_get_current_buf()
+  assert(vim.bo.filetype == "sid", "no file type")
+  wait("the server", function() return #vim.lsp.buf_get_clients(buffer) > 0 end)
+end
+
+local function lines() return vim.api.nvim_buf_get_lines(buffer, 0, -1, false) end
+
+local jobs = {}
+
+-- What is found in a file, its number of symbols and hints, and the file after formatting.
+function jobs.read()
+  open()
+  local document = { textDocument = vim.lsp.util.make_text_document_params() }
+  local found = diagnostics()
+  local symbols = ask("textDocument/documentSymbol", document) or {}
+  vim.lsp.buf.formatting_sync(nil, 30000)
+  return { found = found, symbols = #symbols, text = table.concat(lines(), "\n") }
+end
+
+-- Goes to a definition, renames by the name under the cursor, breaks a line, and mends it by its quick fix.
+function jobs.change()
+  open()
+  diagnostics()
+  vim.fn.search("ddtheta \\~")
+  local place = ask("textDocument/definition", vim.lsp.util.make_position_params())
+  local params = vim.lsp.util.make_position_params()
+  params.newName = "phi"
+  local edit = ask("textDocument/rename", params)
+  vim.lsp.util.apply_workspace_edit(edit, "utf-16")
+  local renamed = diagnostics()
+  vim.api.nvim_buf_set_lines(buffer, -1, -1, false, { "symetry y, phi -> -(y, phi)" })
+  local broken = diagnostics()
+  local range = { start = { line = 0, character = 0 }, ["end"] = { line = 1000, character = 0 } }
+  local actions = ask("textDocument/codeAction", {
+    textDocument = vim.lsp.util.make_text_document_params(),
+    range = range,
+    context = { diagnostics = {} },
+  })
+  vim.lsp.util.apply_workspace_edit(actions[1].edit, "utf-16")
+  return {
+    line = place.range.start.line,
+    renamed = renamed,
+    broken = broken,
+    title = actions[1].title,
+    mended = diagnostics(),
+    text = table.concat(lines(), "\n"),
+  }
+end
+
+-- Types a model from nothing. Each step is a label that completion must offer, and what fills its places in turn; `|` is where the cursor
+-- goes on. A step of three stays on its line.
+function jobs.type()
+  open()
+  local function filled(text, values)
+    return (text:gsub("%${(%d+)[:|]([^}]*)}", function(place, default)
+      return values[tonumber(place)] or default:match("^[^,|]*")
+    end))
+  end
+  -- Puts text there, and the cursor at its `|` or behind it.
+  local function put(range, text)
+    local goes_on = text:find("|", 1, true) or #text + 1
+    local typed = vim.split(text:sub(1, goes_on - 1), "\n", { plain = true })
+    local edit = { range = range, newText = (text:gsub("|", "")) }
+    vim.lsp.util.apply_text_edits({ edit }, buffer, "utf-16")
+    local before = #typed == 1 and range.start.character or 0
+    vim.api.nvim_win_set_cursor(0, { range.start.line + #typed, before + #typed[#typed] })
+  end
+  local function complete(label, values)
+    local row, column = unpack(vim.api.nvim_win_get_cursor(0))
+    local items = ask("textDocument/completion", {
+      textDocument = vim.lsp.util.make_text_document_params(),
+      position = { line = row - 1, character = column },
+    })
+    for _, item in ipairs(items) do
+      if item.label == label then return put(item.textEdit.range, filled(item.textEdit.newText, values)) end
+    end
+    local labels = vim.tbl_map(function(item) return item.label end, items)
+    error(("no %s is offered in %s: %s"):format(label, vim.inspect(lines()), table.concat(labels, ", ")))
+  end
+  for number, step in ipairs(vim.fn.json_decode(vim.env.SIDC_STEPS)) do
+    if number > 1 and not step[3] then
+      local row = vim.api.nvim_buf_line_count(buffer)
+      vim.api.nvim_buf_set_lines(buffer, row, row, false, { "" })
+      vim.api.nvim_win_set_cursor(0, { row + 1, 0 })
+    end
+    complete(step[1], step[2])
+  end
+  return { found = diagnostics(), text = table.concat(lines(), "\n") }
+end
+
+local ok, result = pcall(jobs[job])
+if ok then
+  io.stdout:write(vim.fn.json_encode(result) .. "\n")
+  vim.cmd("qall!")
+else
+  io.stderr:write(result .. "\n")
+  vim.cmd("cquit!")
+end
