@@ -17,6 +17,7 @@ mod library_probe;
 pub(crate) mod no_fit;
 mod pooled_search;
 mod report;
+mod search_with_constants;
 mod stated_constraints;
 pub(crate) mod thresholds;
 mod unknown_constants;
@@ -30,14 +31,13 @@ use crate::constrained::constraint_check::{doubt_broken, doubt_equations};
 use crate::doubts::dependent_states::doubt_dependent_states;
 use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
-use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
+use crate::joint::constrained_search::{ConstrainedAnswer, Settled};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
-use crate::joint::disturbances::with_disturbances;
 use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
-use crate::joint::weak_start::weak_start;
+use crate::joint::search_with_constants::{Searched, search_with_constants};
 use crate::known_terms::{fixed_terms, stated};
 use crate::options::Options;
 use crate::redundancy::doubt_redundant_equations;
@@ -75,18 +75,19 @@ pub fn discover_jointly(
     let watcher = &mut watcher;
     let delays = declared_delays::settle((model, libraries), dataset, problem, options, watcher);
     let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
-    let constants = unknown_constants::settle(
+    let starts = unknown_constants::settle(
         (model, libraries),
         (&dataset, problem.as_ref()),
         options,
         watcher,
     );
-    let problem = constants.started(&problem, watcher);
-    let dataset = constants.dataset(&dataset);
+    let data = (dataset.as_ref(), problem.as_ref());
+    let searched = search_with_constants((model, libraries), data, starts, options, watcher);
+    let Some(Searched { settled, constants }) = searched else {
+        return Ok(None);
+    };
     let problem = problem.as_ref();
-    let start = weak_start((model, libraries), &dataset, problem, options, watcher);
-    let settled = search_under_constraints((model, problem), start, options, watcher);
-    match with_disturbances((model, problem), settled, watcher) {
+    match settled {
         Settled::Answer(mut answer) => {
             let scales = hidden_states::settle_scales(&mut answer, watcher);
             // A search that was cut short shows no contradiction.

@@ -231,12 +231,17 @@ impl Report<'_> {
             all
         };
         let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
+        let price = self.found.penalty / self.found.inefficiency;
+        let one_more = match self.model.unknowns.is_empty() {
+            true => JOINT.larger_tie,
+            false => price - JOINT.omitted_gain,
+        };
         for (support, value) in &self.found.rivals {
             let larger = support.len() > best.support().len();
-            let within = if larger {
-                JOINT.larger_tie
-            } else {
-                TERM_SELECTION.tie
+            let within = match larger {
+                true if support.len() == best.support().len() + 1 => one_more,
+                true => JOINT.larger_tie,
+                false => TERM_SELECTION.tie,
             };
             let near = *value < best.value + within * self.found.inefficiency;
             let rival = part(support);
