@@ -1,4 +1,4 @@
-"""What an unknown constant costs: prints the tables "Cost" of docs/odebench.md.
+"""What an unknown constant costs: prints two tables.
 
     python3 crates/studies/families/cost.py [target/release/sidc] [--draws 3] [--large]
 

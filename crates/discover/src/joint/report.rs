@@ -243,11 +243,14 @@ impl Report<'_> {
                 true => JOINT.larger_tie,
                 false => TERM_SELECTION.tie,
             };
+            // Beside unknown constants a support with a term more is another law: the constants are others.
+            let moves_constants = larger && !self.model.unknowns.is_empty();
             let near = *value < best.value + within * self.found.inefficiency;
             let rival = part(support);
             // Rivals come best first, so the first that shows a support of this law is its best.
             let new = rival != own && seen.iter().all(|(s, _)| *s != rival);
-            if near && new && !same_laws(&terms(&own), &terms(&rival)) {
+            let other = || moves_constants || !same_laws(&terms(&own), &terms(&rival));
+            if near && new && other() {
                 seen.push((rival, value - best.value));
             }
         }

@@ -158,12 +158,12 @@ impl Known {
 
     fn is_of(&self, fit: &JointFit) -> bool {
         let best = &fit.found.best;
-        let near = (best.value - self.value).abs() <= CONSTANTS.moved.powi(2);
+        let near = (best.value - self.value).abs() <= CONSTANTS.settled;
         fit.late.is_none() && best.process().is_none() && best.support() == self.support && near
     }
 }
 
-/// Whether a law is another one and better, or the same at other values than the answer's.
+/// Whether a law is another one and better, or the same at other values than the answer's: ten times as far as a fit settles.
 fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Constants) -> bool {
     let best = &answer.fit.found.best;
     let terms: Vec<usize> = law.terms.iter().map(|t| t.0).collect();
@@ -172,7 +172,7 @@ fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Const
     }
     let values = constants.sought().iter().zip(&law.constants);
     let mut moved = values.zip(&law.standard_errors);
-    moved.any(|((a, b), e)| (a.value - b.value).abs() > CONSTANTS.moved * e)
+    moved.any(|((a, b), e)| (a.value - b.value).abs() > 10.0 * CONSTANTS.settled * e)
 }
 
 /// Laws with their likeliest constants are rivals beside those that were fitted at the answer's.

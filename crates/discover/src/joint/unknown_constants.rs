@@ -106,7 +106,7 @@ fn likeliest(
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let likeliest = ranked.into_iter().take(CONSTANTS.starts);
+    let likeliest = ranked.into_iter().take(1);
     likeliest.map(|(_, values)| values).collect()
 }
 

@@ -375,8 +375,6 @@ family! {
     pub(crate) CONSTANTS: Constants {
         /// Points whose likelihood is looked at, with the terms of the weak form, which costs a hundredth of a search.
         ranked: usize = 40, unit "points", source "every start and every end on rows of differentiated noise, which may put the right one anywhere";
-        /// The likeliest of them, from which terms are searched.
-        starts: usize = 1, unit "points", source "each costs a search; laws laid beside its answer lead to other values";
         /// Gauss–Newton steps.
         steps: usize = 12, unit "steps", source "the search on rows starts them within their basin; each step then gains a digit";
         /// Halvings of a step that makes the likelihood smaller.
@@ -393,8 +391,6 @@ family! {
         profiled_loss: f64 = 30.0, unit "criterion", source "five times a tie: the linearised likelihood is that wrong away from its fit";
         /// Difference up to which two values of a constant lead to one.
         same: f64 = 0.05, unit "of the constant", source "set by hand: the fit from either goes farther";
-        /// Step from which terms are searched again at the new values.
-        moved: f64 = 0.1, unit "standard errors", source "ten times `constants.settled`: the likelihood changes by 0.01";
         /// Rounds of a search of terms and a fit of the constants.
         rounds: usize = 3, unit "rounds", source "as `delay_rounds`, and one in which nothing changes";
     }
