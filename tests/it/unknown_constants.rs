@@ -278,3 +278,64 @@ fn terms_that_stand_for_each_other_are_not_both_kept() {
     assert!((value(&found, "r") - 5.0).abs() < 0.05, "{}", run.stdout);
     assert!((value(&found, "s") - 1.5).abs() < 0.01, "{}", run.stdout);
 }
+
+/// Over forty seconds frequencies that differ by a tenth are other columns: of 0.02..50 there are hundreds.
+#[test]
+fn a_frequency_in_a_wide_range_is_found_under_noise() {
+    let mut random = Random::new(4);
+    let law = |t: f64, x: &[f64; 1]| [feed(t) - 0.44 * x[0] - 1.06 * (1.74 * t).sin()];
+    let data = table("x,u", 800, [1.0], &law, |t, x| {
+        vec![x[0] + 0.03 * random.normal(), feed(t)]
+    });
+    let model =
+        "unknown k in 0.02..50\nstate x\ninput u : linear\ndx ~ <1, x, x^2, x^3, u, sin(k*t)>\n";
+    let (run, found) = identify(model, &data, &[]);
+    let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+    assert_eq!(names, ["x", "u", "sin(t*k)"], "{}", run.stdout);
+    let error = unknown(&found, "k")["standard_error"].as_f64().unwrap();
+    let off = value(&found, "k") - 1.74;
+    assert!(off.abs() < 3.5 * error, "{off} {error}");
+}
+
+/// Where x is above 1, exp(-6*x) is nothing: no data show it, and no answer may pass for the law.
+#[test]
+fn a_constant_that_stands_nowhere_is_a_doubt() {
+    let mut random = Random::new(5);
+    let law = |t: f64, x: &[f64; 1]| [feed(t) - 0.3 * x[0] + 1.9 * (-6.0 * x[0]).exp()];
+    let data = table("x,u", 800, [2.0], &law, |t, x| {
+        vec![x[0] + 0.03 * random.normal(), feed(t)]
+    });
+    let model =
+        "unknown k in 0.02..50\nstate x\ninput u : linear\ndx ~ <1, x, x^2, x^3, u, exp(-k*x)>\n";
+    let (run, found) = identify(model, &data, &[]);
+    let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+    assert_eq!(names, ["x", "u"], "{}", run.stdout);
+    assert_eq!(found["equations"][0]["status"], "doubt");
+    assert!(
+        run.stdout.contains("no equation holds k: "),
+        "{}",
+        run.stdout
+    );
+}
+
+/// With K a little off, x^2 stands for x: the law with the likeliest K for each is the better one, or both are named.
+#[test]
+fn no_other_term_passes_for_the_error_of_a_constant() {
+    for seed in 1..=4 {
+        let mut random = Random::new(seed);
+        let law = |t: f64, x: &[f64; 1]| {
+            let u = 1.2 + 0.9 * (0.7 * t).sin() + 0.6 * (1.9 * t + 1.0).sin();
+            [u - 0.355 * x[0] - 1.36 * x[0] / (0.836 + x[0])]
+        };
+        let feed = |t: f64| 1.2 + 0.9 * (0.7 * t).sin() + 0.6 * (1.9 * t + 1.0).sin();
+        let data = table("x,u", 800, [1.0], &law, |t, x| {
+            vec![x[0] + 0.04 * random.normal(), feed(t)]
+        });
+        let model = "unknown K in 0.02..50\nstate x\ninput u : linear\ndx ~ <1, x, x^2, x^3, u, x/(K + x)>\n";
+        let (run, found) = identify(model, &data, &[]);
+        let names: Vec<&str> = terms(&found).iter().map(|t| t.0).collect();
+        let passes = found["equations"][0]["status"] == "pass";
+        let right = names == ["x", "u", "x/(K + x)"];
+        assert!(right || !passes, "seed {seed}: {}", run.stdout);
+    }
+}

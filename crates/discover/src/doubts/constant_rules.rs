@@ -45,6 +45,26 @@ pub fn doubt_constants(
     }
 }
 
+/// The doubt about equations that were sought with unknown constants and hold none: noise hides terms, and of a small one every constant is as
+/// good. `nearest` are the terms of the best law that holds one, with its criterion over that of the answer.
+pub(crate) fn absent(model: &Model, nearest: Option<(Vec<String>, f64)>) -> Reason {
+    let names = model.unknowns.iter().map(|u| model.variable(u.var));
+    let names = names.collect::<Vec<&str>>().join(", ");
+    let seen = match nearest {
+        Some((terms, more)) => format!(
+            "the criterion of {{{}}} is {} higher, which leaves it possible",
+            terms.join(", "),
+            significant(more.max(0.0), 2)
+        ),
+        None => "noise may hide a term that does".into(),
+    };
+    let text = format!("no equation holds {names}: {seen}");
+    let remedy = format!(
+        "record where the terms with {names} matter; if the law has none of them, leave them out of the model"
+    );
+    Reason::new(ReasonCode::UncertainConstant, text).remedy(remedy)
+}
+
 /// The constant as a sentence names it.
 fn named(value: &UnknownValue) -> String {
     match &value.run {

@@ -30,6 +30,21 @@ pub(crate) enum Settled<'a> {
     Nothing,
 }
 
+impl Settled<'_> {
+    /// The same with problems of its own.
+    pub fn into_owned<'b>(self) -> Settled<'b> {
+        match self {
+            Settled::Answer(answer) => Settled::Answer(Box::new(ConstrainedAnswer {
+                fit: answer.fit.into_owned(),
+                free: answer.free.map(JointFit::into_owned),
+                left: answer.left,
+            })),
+            Settled::OnlyFree(free) => Settled::OnlyFree(Box::new(free.into_owned())),
+            Settled::Nothing => Settled::Nothing,
+        }
+    }
+}
+
 /// Searches all equations from `start`. If the run is ended before there is an answer under the constraints, the free one is given.
 pub(crate) fn search_under_constraints<'a>(
     (model, problem): (&Model, &'a Problem),

@@ -49,6 +49,22 @@ pub(crate) fn search_system<'a>(
     Some(fit)
 }
 
+/// Searches all equations and looks for no faults of sensors.
+pub(crate) fn search_terms<'a>(
+    problem: &'a Problem,
+    start: Option<StartingSupport>,
+    watcher: &mut EquationObserver,
+) -> Option<JointFit<'a>> {
+    watcher.during(Stage::Refitting(0));
+    let mut search = DelayOutlierSearch {
+        watcher,
+        start: start.unwrap_or_default(),
+        refits: 0,
+    };
+    let found = search.run(problem)?;
+    Some(JointFit::new(Cow::Borrowed(problem), found, None))
+}
+
 /// Searches under the constraints of a free fit's problem, from that fit on.
 pub(crate) fn search_from<'a>(
     free: &JointFit<'a>,

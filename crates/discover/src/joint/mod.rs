@@ -18,6 +18,7 @@ mod library_probe;
 pub(crate) mod no_fit;
 mod pooled_search;
 mod report;
+mod search_with_constants;
 mod stated_constraints;
 pub(crate) mod thresholds;
 mod unknown_constants;
@@ -32,16 +33,15 @@ use crate::constrained::constraint_check::{doubt_broken, doubt_equations};
 use crate::doubts::dependent_states::doubt_dependent_states;
 use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
-use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
+use crate::joint::constrained_search::{ConstrainedAnswer, Settled};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
 use crate::joint::declared_delays::DeclaredDelays;
-use crate::joint::disturbances::with_disturbances;
 use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
+use crate::joint::search_with_constants::{Searched, search_with_constants};
 use crate::joint::unknown_constants::Constants;
-use crate::joint::weak_start::weak_start;
 use crate::known_terms::{fixed_terms, stated};
 use crate::options::Options;
 use crate::redundancy::doubt_redundant_equations;
@@ -79,7 +79,7 @@ pub fn discover_jointly(
     let mut watcher = EquationObserver::new(observer);
     let discovery = Discovery::of(model);
     let (of, watcher) = ((model, libraries), &mut watcher);
-    let conclude = |searched: Searched, watcher: &mut EquationObserver| match searched.settled {
+    let conclude = |ended: Ended, watcher: &mut EquationObserver| match ended.searched.settled {
         Settled::Answer(mut answer) => {
             let scales = hidden_states::settle_scales(&mut answer, watcher);
             // A search that was cut short shows no contradiction.
@@ -88,13 +88,13 @@ pub fn discover_jointly(
             }
             let (discovery, found) = equations(model, discovery, &answer, watcher);
             let (mut discovery, mut fitted) = weigh(model, discovery, (&answer, &found), watcher);
-            let constants = searched.constants;
+            let constants = &ended.searched.constants;
             fitted.description = Some(Description::of(
                 &answer.fit,
                 constants.sought().len(),
                 watcher,
             ));
-            searched.delays.state(model, &mut discovery);
+            ended.delays.state(model, &mut discovery);
             hidden_states::state(model, &answer.fit, &scales, &mut discovery);
             let known = (model, constants.sought());
             hidden_states::doubt(known, &answer.fit, &mut discovery, watcher);
@@ -118,7 +118,7 @@ pub fn discover_jointly(
                 reasons: vec![early_stop::failure(stop)],
             };
             let mut discovery = discovery;
-            discovery.failed = searched.laws.iter().map(failed).collect();
+            discovery.failed = ended.laws.iter().map(failed).collect();
             (discovery, Fitted::default())
         })),
     };
@@ -134,12 +134,12 @@ pub fn describe_jointly(
 ) -> Option<(Discovery, Description)> {
     let mut watcher = EquationObserver::new(observer);
     let of = (model, libraries);
-    let conclude = |searched: Searched, watcher: &mut EquationObserver| {
-        let Settled::Answer(mut answer) = searched.settled else {
+    let conclude = |ended: Ended, watcher: &mut EquationObserver| {
+        let Settled::Answer(mut answer) = ended.searched.settled else {
             return None;
         };
         hidden_states::settle_scales(&mut answer, watcher);
-        let constants = searched.constants;
+        let constants = ended.searched.constants;
         let (mut discovery, _) = equations(model, Discovery::of(model), &answer, watcher);
         let fit = (&answer.fit.problem, &answer.fit.found);
         constants.state(model, (fit.0, fit.1), &mut discovery, watcher);
@@ -150,37 +150,35 @@ pub fn describe_jointly(
 }
 
 /// What a joint search ended with.
-struct Searched<'a> {
-    settled: Settled<'a>,
+struct Ended<'a> {
+    searched: Searched<'a>,
     delays: &'a DeclaredDelays,
-    constants: &'a Constants,
     laws: &'a [Law],
 }
 
-/// Settles delays, constants, terms and disturbances in turn.
+/// Settles delays, constants, terms and disturbances.
 fn search_jointly<T>(
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
     watcher: &mut EquationObserver,
-    conclude: impl FnOnce(Searched, &mut EquationObserver) -> T,
+    conclude: impl FnOnce(Ended, &mut EquationObserver) -> T,
 ) -> T {
-    let model = of.0;
     let delays = declared_delays::settle(of, dataset, problem, options, watcher);
-    let (problem, dataset) = (delays.problem(problem), delays.dataset(model, dataset));
-    let constants = unknown_constants::settle(of, (&dataset, problem.as_ref()), options, watcher);
-    let problem = constants.started(&problem, watcher);
-    let dataset = constants.dataset(&dataset);
-    let problem = problem.as_ref();
-    let start = weak_start(of, &dataset, problem, options, watcher);
-    let settled = search_under_constraints((model, problem), start, options, watcher);
-    let searched = Searched {
-        settled: with_disturbances((model, problem), settled, watcher),
+    let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
+    let data = (dataset.as_ref(), problem.as_ref());
+    let starts = unknown_constants::settle(of, data, options, watcher);
+    let searched = search_with_constants(of, data, starts, options, watcher);
+    let nothing = || Searched {
+        settled: Settled::Nothing,
+        constants: Constants::none(),
+    };
+    let ended = Ended {
+        searched: searched.unwrap_or_else(nothing),
         delays: &delays,
-        constants: &constants,
         laws: &problem.system.laws,
     };
-    conclude(searched, watcher)
+    conclude(ended, watcher)
 }
 
 /// The equations of an answer, and its fit with the errors that inputs between their samples add.

@@ -231,18 +231,26 @@ impl Report<'_> {
             all
         };
         let mut seen: Vec<(Vec<usize>, f64)> = Vec::new();
+        let price = self.found.penalty / self.found.inefficiency;
+        let one_more = match self.model.unknowns.is_empty() {
+            true => JOINT.larger_tie,
+            false => price - JOINT.omitted_gain,
+        };
         for (support, value) in &self.found.rivals {
             let larger = support.len() > best.support().len();
-            let within = if larger {
-                JOINT.larger_tie
-            } else {
-                TERM_SELECTION.tie
+            let within = match larger {
+                true if support.len() == best.support().len() + 1 => one_more,
+                true => JOINT.larger_tie,
+                false => TERM_SELECTION.tie,
             };
+            // Beside unknown constants a support with a term more is another law: the constants are others.
+            let moves_constants = larger && !self.model.unknowns.is_empty();
             let near = *value < best.value + within * self.found.inefficiency;
             let rival = part(support);
             // Rivals come best first, so the first that shows a support of this law is its best.
             let new = rival != own && seen.iter().all(|(s, _)| *s != rival);
-            if near && new && !same_laws(&terms(&own), &terms(&rival)) {
+            let other = || moves_constants || !same_laws(&terms(&own), &terms(&rival));
+            if near && new && other() {
                 seen.push((rival, value - best.value));
             }
         }

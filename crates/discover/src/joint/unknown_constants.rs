@@ -6,100 +6,66 @@
 
 use std::borrow::Cow;
 
-use crate::joint::constrained_search::{Settled, search_under_constraints};
+use crate::doubts::constant_rules;
 use crate::joint::weak_start::weak_start;
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
-    CONSTANTS, FittedConstants, Found, Parameter, Problem, SoughtConstant, fit_constants,
-    fit_constants_from, fit_proposed, likely_constants, untold_parameters, with_constant_values,
-    with_started_states, without_weak_terms,
+    Answer, CONSTANTS, FittedConstants, Found, Parameter, Problem, SoughtConstant, fit_constants,
+    fit_constants_from, fit_proposed, laws_with_constants, likely_constants, untold_parameters,
+    with_constant_values, with_started_states,
 };
 use crate::unknown_constants::{self, Sought};
 use sidc_data::{ConstantValue, Dataset, Samples, samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
-use sidc_lang::term::{Signal, SignalNames};
+use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_progress::EquationObserver;
 use sidc_system::discovery::{Discovery, UnknownValue};
 
 /// The unknown constants of a model, in order of declaration.
 pub(crate) struct Constants {
     sought: Vec<SoughtConstant>,
+    /// What is sought, of the same length.
+    all: Vec<Sought>,
+    /// Values at which laws are looked for beside an answer.
+    points: Vec<Vec<f64>>,
 }
 
-/// Settles the unknown constants of a model.
+/// Where the search for the unknown constants of a model starts, the likeliest first; at least one.
 pub(crate) fn settle(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
     watcher: &mut EquationObserver,
-) -> Constants {
+) -> Vec<Constants> {
     if model.unknowns.is_empty() {
-        return Constants { sought: Vec::new() };
+        return vec![Constants::none()];
     }
     let of = (model, libraries);
-    let (all, minima) = match problem.system.hidden.is_empty() {
-        true => minima_on_rows(of, (dataset, problem), options, watcher),
-        false => minima_with_hidden_states(model, problem, watcher),
-    };
-    let all = &all[..];
-    let mut constants = Constants { sought: Vec::new() };
-    let mut best: Option<(f64, Option<FittedConstants>)> = None;
-    let mut seen: Vec<Vec<f64>> = Vec::new();
-    for minimum in &minima {
-        let mut start = Constants::new(all, minimum);
-        start.refine_with_hidden_states(problem, watcher);
-        // Minima that the refinement leads to one place are one.
-        let values: Vec<f64> = start.sought.iter().map(|c| c.value).collect();
-        if seen.iter().any(|v| unknown_constants::alike(v, &values)) {
-            continue;
+    if !problem.system.hidden.is_empty() {
+        let (all, minima) = minima_with_hidden_states(model, problem, watcher);
+        let mut starts: Vec<Constants> = Vec::new();
+        for values in &minima {
+            let mut start = Constants::new(&all, values, &[]);
+            start.refine_with_hidden_states(problem, watcher);
+            // Minima that the refinement leads to one place are one.
+            if !starts.iter().any(|s| s.is_at(&start)) {
+                starts.push(start);
+            }
         }
-        seen.push(values);
-        let searched = start.searched(of, (dataset, problem), options, watcher);
-        let better = match (&searched, &best) {
-            (Some(new), Some(old)) => new.0 < old.0,
-            (found, _) => found.is_some() || constants.sought.is_empty(),
-        };
-        if better {
-            (constants, best) = (start, searched);
-        }
+        return starts;
     }
-    for round in 0..CONSTANTS.rounds {
-        if round > 0 {
-            best = constants.searched(of, (dataset, problem), options, watcher);
-        }
-        let Some((_, Some(fitted))) = best.take() else {
-            break;
-        };
-        let near = |(a, (b, e)): (&SoughtConstant, (&SoughtConstant, &f64))| {
-            (a.value - b.value).abs() <= 0.1 * e
-        };
-        let after = fitted.constants.iter().zip(&fitted.standard_errors);
-        let settled = constants.sought.iter().zip(after).all(near);
-        constants.sought = fitted.constants;
-        if settled {
-            break;
-        }
-    }
-    constants
-}
-
-/// Where the constants may be by a search on rows of estimated derivatives.
-fn minima_on_rows(
-    of: (&Model, &[Option<Library>]),
-    (dataset, problem): (&Dataset, &Problem),
-    options: &Options,
-    watcher: &mut EquationObserver,
-) -> (Vec<Sought>, Vec<Vec<f64>>) {
-    let (rows, _, _) = samples(of.0, dataset, &needed_signals(of.0, of.1), watcher);
+    let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
     let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
-    let all = unknown_constants::sought(of.0, &rows);
+    let all = unknown_constants::sought(model, &rows);
+    let points = unknown_constants::points(of, &rows, options);
     let minima = likeliest(of, (dataset, problem), (&all, minima), options, watcher);
-    (all, minima)
+    let starts = minima.iter();
+    starts.map(|v| Constants::new(&all, v, &points)).collect()
 }
 
-/// The same by what the measured laws make of the hidden states. Constants that differ from run to run start alike.
+/// Where they may be by what the measured laws make of the hidden states. Constants that differ from run to run start alike.
 fn minima_with_hidden_states(
     model: &Model,
     problem: &Problem,
@@ -128,7 +94,7 @@ fn likeliest(
 ) -> Vec<Vec<f64>> {
     let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
     for values in points {
-        let constants = Constants::new(all, &values);
+        let constants = Constants::new(all, &values, &[]);
         let (at, acting) = (constants.problem(problem), constants.dataset(dataset));
         let start = weak_start((model, libraries), &acting, &at, options, watcher);
         let fitted =
@@ -144,36 +110,21 @@ fn likeliest(
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let likeliest = ranked.into_iter().take(CONSTANTS.starts);
+    let likeliest = ranked.into_iter().take(1);
     likeliest.map(|(_, values)| values).collect()
 }
 
 impl Constants {
-    /// A search of terms at these values: its criterion, and the values of the largest likelihood for its terms. `None` where nothing fits,
-    /// or the work was ended.
-    fn searched(
-        &self,
-        (model, libraries): (&Model, &[Option<Library>]),
-        (dataset, problem): (&Dataset, &Problem),
-        options: &Options,
-        watcher: &mut EquationObserver,
-    ) -> Option<(f64, Option<FittedConstants>)> {
-        let (at, acting) = (self.started(problem, watcher), self.dataset(dataset));
-        let start = weak_start((model, libraries), &acting, &at, options, watcher);
-        let settled = search_under_constraints((model, &at), start, options, watcher);
-        let Settled::Answer(answer) = settled else {
-            return None;
-        };
-        let (of, found) = (&answer.fit.problem, &answer.fit.found);
-        let fitted = fit_constants(of, &found.best, &self.sought, found.inefficiency, watcher);
-        let fitted = fitted.map(|f| without_weak_terms(of, f, found.inefficiency, watcher));
-        let value = fitted.as_ref().map_or(found.best.value, |f| f.value);
-        watcher.stop().is_none().then_some((value, fitted))
+    pub fn none() -> Constants {
+        Constants::new(&[], &[], &[])
     }
-}
 
-impl Constants {
-    fn new(all: &[Sought], values: &[f64]) -> Constants {
+    fn is_at(&self, other: &Constants) -> bool {
+        let values = |of: &Constants| of.sought.iter().map(|c| c.value).collect::<Vec<f64>>();
+        unknown_constants::alike(&values(self), &values(other))
+    }
+
+    fn new(all: &[Sought], values: &[f64], points: &[Vec<f64>]) -> Constants {
         let one = |(s, value): (&Sought, &f64)| SoughtConstant {
             signal: s.signal(),
             run: s.run.map(|run| run as usize),
@@ -182,7 +133,37 @@ impl Constants {
         };
         Constants {
             sought: all.iter().zip(values).map(one).collect(),
+            all: all.to_vec(),
+            points: points.to_vec(),
         }
+    }
+
+    /// The same at these values.
+    pub fn moved_to(&self, constants: Vec<SoughtConstant>) -> Constants {
+        Constants {
+            sought: constants,
+            all: self.all.clone(),
+            points: self.points.clone(),
+        }
+    }
+
+    /// Laws with the likeliest constants about an answer; of one that does not explain the readings those that may be better alone.
+    pub fn laws_about(
+        &self,
+        (problem, found): (&Problem, &Found),
+        explained: bool,
+        watcher: &mut EquationObserver,
+    ) -> Vec<FittedConstants> {
+        if self.sought.is_empty() {
+            return Vec::new();
+        }
+        let range = |k: usize, value: f64| self.all[k].unknown.range_about(value);
+        let about = Answer {
+            problem,
+            found,
+            explained,
+        };
+        laws_with_constants(&about, &self.sought, &self.points, &range, watcher)
     }
 
     /// Beside hidden states, the likeliest values for the columns that these propose: a delay would be found for what a wrong constant leaves.
@@ -308,5 +289,41 @@ impl Constants {
             UnknownValue::new(model.name(c.signal), c.value, error).of_run(run)
         });
         discovery.unknowns = told.collect();
+        if discovery.unknowns.is_empty() {
+            self.doubt_absent(model, (problem, found), discovery);
+        }
+    }
+
+    /// Doubts the equations whose libraries hold constants, where none stands in an equation.
+    fn doubt_absent(
+        &self,
+        model: &Model,
+        (problem, found): (&Problem, &Found),
+        discovery: &mut Discovery,
+    ) {
+        let system = &problem.system;
+        let holds = |j: &usize| {
+            let term = &system.columns[*j];
+            self.sought.iter().any(|c| term.mentions(c.signal))
+        };
+        let mut rivals = found.rivals.iter();
+        let nearest = rivals.find(|(support, _)| support.iter().any(holds));
+        for law in system
+            .laws
+            .iter()
+            .filter(|l| l.columns.clone().any(|j| holds(&j)))
+        {
+            let terms = nearest.map(|(support, value)| {
+                let own = support.iter().filter(|j| law.columns.contains(j));
+                let language = Language(&*discovery);
+                let names = own.map(|j| language.term(problem.term(*j))).collect();
+                (names, value - found.best.value)
+            });
+            let reason = constant_rules::absent(model, terms);
+            let mut all = discovery.equations.iter_mut();
+            if let Some(equation) = all.find(|e| e.target == law.target) {
+                equation.doubt(reason);
+            }
+        }
     }
 }

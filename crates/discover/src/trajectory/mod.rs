@@ -77,10 +77,10 @@ pub use residuals::{
 };
 pub(crate) use search::minimum;
 pub use search::{
-    BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver, SoughtConstant,
-    StartingSupport, fit_constants, fit_constants_from, search, search_beyond_libraries,
-    search_disturbed, search_from_free, untold_parameters, value_by_innovations,
-    with_constant_values, without_weak_terms,
+    Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver,
+    SoughtConstant, StartingSupport, fit_constants, fit_constants_from, laws_with_constants,
+    search, search_beyond_libraries, search_disturbed, search_from_free, untold_parameters,
+    value_by_innovations, with_constant_values,
 };
 pub use sensor_faults::{
     DelayEstimate, DelayProposal, DelayedInputs, InputLag, SensorOffset, criterion_without_delay,

@@ -375,14 +375,22 @@ family! {
     pub(crate) CONSTANTS: Constants {
         /// Points whose likelihood is looked at, with the terms of the weak form, which costs a hundredth of a search.
         ranked: usize = 40, unit "points", source "every start and every end on rows of differentiated noise, which may put the right one anywhere";
-        /// The likeliest of them, from which terms are searched.
-        starts: usize = 3, unit "points", source "set by hand: each costs a search";
         /// Gauss–Newton steps.
         steps: usize = 12, unit "steps", source "the search on rows starts them within their basin; each step then gains a digit";
         /// Halvings of a step that makes the likelihood smaller.
         halvings: i32 = 6, unit "halvings", source "to a sixty-fourth of the linearised step";
         /// Step at which constants have settled.
         settled: f64 = 0.01, unit "standard errors", source "the likelihood changes by 1e-4";
+        /// Columns of the likelihood on which constants are profiled, terms at many values with their slopes.
+        profiled_columns: usize = 250, unit "columns", source "set by hand: 125 values of one term with its slope";
+        /// Further terms that an answer is fitted with.
+        added_terms: usize = 3, unit "terms", source "set by hand: those of the largest predicted gain";
+        /// Laws of the profile that are fitted.
+        profiled_laws: usize = 6, unit "laws", source "set by hand: each takes some ten fits";
+        /// Predicted loss from which a law of the profile is not fitted.
+        profiled_loss: f64 = 30.0, unit "criterion", source "five times a tie: the linearised likelihood is that wrong away from its fit";
+        /// Difference up to which two values of a constant lead to one.
+        same: f64 = 0.05, unit "of the constant", source "set by hand: the fit from either goes farther";
         /// Rounds of a search of terms and a fit of the constants.
         rounds: usize = 3, unit "rounds", source "as `delay_rounds`, and one in which nothing changes";
     }

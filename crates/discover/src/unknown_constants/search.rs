@@ -39,12 +39,16 @@ pub fn settle(
         profile.forget_errors();
     }
     let large = profile.is_large();
-    let rows = (&profile.samples, profile.most_points());
-    let points = search_points(&profile.sought, &profile.terms(), rows);
-    let whole = all_terms::minima(&mut profile, &points, observer);
+    let most = match large || profile.sought.len() > 1 {
+        true => profile.most_points(),
+        false => UNKNOWNS.most_points_of_whole,
+    };
+    let dense = search_points(&profile.sought, &profile.terms(), (&profile.samples, most));
+    let whole = all_terms::minima(&mut profile, &dense, observer);
+    let every = dense.len().div_ceil(profile.most_points());
     let points = match large {
-        true => priced(&profile, points, observer),
-        false => points,
+        true => priced(&profile, dense, observer),
+        false => dense.into_iter().step_by(every).collect(),
     };
     // One constant is looked at densely.
     let rough = match large || profile.sought.len() < 2 {
@@ -85,6 +89,20 @@ pub fn settle(
         out.push(start);
     }
     out
+}
+
+/// Values of the constants, one of each for all runs, so dense that the columns of neighbours are alike. None where they differ from run to run.
+pub fn points(
+    (model, libraries): (&Model, &[Option<Library>]),
+    samples: &Samples,
+    options: &Options,
+) -> Vec<Vec<f64>> {
+    let profile = Profile::new(model, libraries, (samples, UNKNOWNS.rows), options);
+    if profile.equations.is_empty() || model.unknowns.iter().any(|u| u.per_run) {
+        return Vec::new();
+    }
+    let rows = (&profile.samples, profile.most_points());
+    search_points(&profile.sought, &profile.terms(), rows)
 }
 
 /// The minima that few terms have where the data are taken to be rough: many terms fit small differences at wrong constants as few do at the

@@ -11,7 +11,9 @@ family! {
         least_values: usize = 24, unit "values", source "nine decades then have three values each";
         /// Points that are compared at most, whatever the number of constants.
         most_points: usize = 300, unit "points", source "a library of thirty terms takes some 2 ms at each";
-        /// The same for libraries that are not searched whole at every point.
+        /// Points at which all terms together are fitted, of a single constant.
+        most_points_of_whole: usize = 1500, unit "points", source "sines over forty seconds with frequencies up to 50 differ so often";
+        /// The same as `unknowns.most_points` for libraries that are not searched whole at every point.
         most_points_of_large: usize = 24, unit "points", source "each takes a solution of the basis pursuit on `unknowns.rows` rows";
         /// Terms of an equation by which values are spaced.
         compared_terms: usize = 50, unit "terms", source "set by hand: those of one family change alike";

@@ -4,6 +4,8 @@
 //! support that is proposed. Never doubts an answer.
 
 mod beam_search;
+mod constant_profile;
+mod constant_rivals;
 mod constrained_supports;
 mod disturbed_search;
 mod level;
@@ -16,6 +18,7 @@ mod untold_parameters;
 
 #[cfg(test)]
 pub(crate) use beam_search::best_subsets;
+pub use constant_rivals::{Answer, laws_with_constants};
 pub(crate) use constrained_supports::{ConstrainedForm, minimum};
 pub use disturbed_search::search_disturbed;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
@@ -25,6 +28,5 @@ pub use support_search::{Found, StartingSupport, search, value_by_innovations};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
 pub use unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants, fit_constants_from, with_constant_values,
-    without_weak_terms,
 };
 pub use untold_parameters::{Parameter, untold_parameters};

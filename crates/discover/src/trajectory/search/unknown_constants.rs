@@ -6,7 +6,7 @@
 //! likelihood of (a, δ) that of (a, k + δ) to first order: Gauss–Newton in all of them. The variance of δ is that of k, and those of the
 //! coefficients beside it hold the error of k.
 
-use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit, term_price};
+use crate::trajectory::likelihood::{Fit, PenalizedLikelihood, fit};
 use crate::trajectory::model::{ExtendedProblem, LinearizationPoint, Problem, indicator};
 use crate::trajectory::search::{final_criterion, last_criterion};
 use crate::trajectory::thresholds::CONSTANTS;
@@ -57,33 +57,6 @@ pub fn fit_constants_from(
     fit_constants(problem, &found, constants, inefficiency, observer)
 }
 
-/// The same without the terms that cost more than they explain once the constants may move. At fixed constants such a term makes up for their
-/// error, and no search of terms there lets it go.
-pub fn without_weak_terms(
-    problem: &Problem,
-    mut fitted: FittedConstants,
-    inefficiency: f64,
-    observer: &mut dyn Observer,
-) -> FittedConstants {
-    let price = term_price(problem.measurements() as f64 / inefficiency);
-    while fitted.terms.len() > 1 {
-        let ratios = fitted.terms.iter().zip(&fitted.variances);
-        let ratios = ratios.map(|((_, a), v)| a * a / v).enumerate();
-        let weakest = ratios.min_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((place, _)) = weakest.filter(|(_, ratio)| *ratio < price) else {
-            break;
-        };
-        let mut rest = fitted.terms.clone();
-        rest.remove(place);
-        let next = fit_constants_from(problem, &rest, &fitted.constants, inefficiency, observer);
-        match next.filter(|n| n.value < fitted.value) {
-            Some(next) => fitted = next,
-            None => break,
-        }
-    }
-    fitted
-}
-
 /// One Gauss–Newton step.
 struct Step {
     moves: Vec<f64>,
@@ -99,18 +72,24 @@ pub fn fit_constants(
     inefficiency: f64,
     observer: &mut dyn Observer,
 ) -> Option<FittedConstants> {
+    let from = found.point.clone();
+    fit_constants_at(problem, from, constants, inefficiency, observer)
+}
+
+/// The same from a point with these terms.
+pub(super) fn fit_constants_at(
+    problem: &Problem,
+    from: LinearizationPoint,
+    constants: &[SoughtConstant],
+    inefficiency: f64,
+    observer: &mut dyn Observer,
+) -> Option<FittedConstants> {
     let criterion = last_criterion(problem, inefficiency);
     let mut here = constants.to_vec();
     let runs = constants.iter().filter_map(|c| c.run);
     let problem = &problem.with_indicators(runs);
     let at = |constants: &[SoughtConstant]| with_constant_values(problem, constants);
-    let mut best = fit(
-        &at(&here),
-        found.point.clone(),
-        &criterion,
-        f64::INFINITY,
-        observer,
-    )?;
+    let mut best = fit(&at(&here), from, &criterion, f64::INFINITY, observer)?;
     let mut step = step(&at(&here), &best, &here, &criterion, observer)?;
     for _ in 0..CONSTANTS.steps {
         let small = |(c, (by, e)): (&SoughtConstant, (&f64, &f64))| {

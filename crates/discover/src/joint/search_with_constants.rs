@@ -1,0 +1,197 @@
+//! The search of terms where constants inside them are unknown: terms at given values, then the likeliest values for these and for other terms.
+//!
+//! In: a model, its libraries, a dataset, the problem, where the constants may start. Out: what the search ended with, at which values. Without
+//! unknown constants it is one search.
+
+use std::borrow::Cow;
+
+use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
+use crate::joint::delay_outlier_search::search_terms;
+use crate::joint::disturbances::with_disturbances;
+use crate::joint::joint_fit::{JointFit, unexplained};
+use crate::joint::unknown_constants::Constants;
+use crate::joint::weak_start::weak_start;
+use crate::options::Options;
+use crate::trajectory::{CONSTANTS, FittedConstants, Problem, StartingSupport};
+use sidc_data::Dataset;
+use sidc_lang::library::Library;
+use sidc_lang::model::Model;
+use sidc_progress::EquationObserver;
+
+/// Terms with their constants.
+pub(crate) struct Searched<'a> {
+    pub settled: Settled<'a>,
+    pub constants: Constants,
+}
+
+/// Searches from each start; the best end.
+pub(crate) fn search_with_constants<'a>(
+    of: (&'a Model, &'a [Option<Library>]),
+    data: (&'a Dataset, &'a Problem),
+    starts: Vec<Constants>,
+    options: &'a Options,
+    watcher: &mut EquationObserver,
+) -> Option<Searched<'a>> {
+    let mut best: Option<Searched> = None;
+    let search = ConstantSearch { of, data, options };
+    for start in starts {
+        let searched = search.from(start, watcher);
+        let value = |s: &Searched| match &s.settled {
+            Settled::Answer(a) => a.fit.found.best.value,
+            _ => f64::INFINITY,
+        };
+        if best.as_ref().is_none_or(|b| value(&searched) < value(b)) {
+            best = Some(searched);
+        }
+        if watcher.stop().is_some() {
+            break;
+        }
+    }
+    best
+}
+
+struct ConstantSearch<'a> {
+    of: (&'a Model, &'a [Option<Library>]),
+    data: (&'a Dataset, &'a Problem),
+    options: &'a Options,
+}
+
+impl<'a> ConstantSearch<'a> {
+    /// A search of terms at these values; then at those of a law beside its answer that is better, for as long as there is one. Faults of sensors
+    /// are looked for at the end: a wrong constant looks like one.
+    fn from(&self, mut constants: Constants, watcher: &mut EquationObserver) -> Searched<'a> {
+        let (_, problem) = self.data;
+        let system = &problem.system;
+        let plain = system.constraints.is_empty() && system.hidden.is_empty();
+        let mut careful = !plain || constants.sought().is_empty();
+        let mut start = None;
+        let mut known: Option<Known> = None;
+        let mut round = 0;
+        loop {
+            let mut settled = self.at(&constants, start.take(), careful, watcher);
+            let Settled::Answer(answer) = &mut settled else {
+                return Searched { settled, constants };
+            };
+            let laws = match known.take().filter(|k| k.is_of(&answer.fit)) {
+                Some(known) => known.laws,
+                None => {
+                    let explained = !unexplained(&answer.fit.problem, &answer.fit.found.best);
+                    let of = (answer.fit.problem.as_ref(), &answer.fit.found);
+                    constants.laws_about(of, explained, watcher)
+                }
+            };
+            round += 1;
+            let last = round >= CONSTANTS.rounds || watcher.stop().is_some();
+            let better = laws.first().filter(|l| improves(l, answer, &constants));
+            if let Some(better) = better.filter(|_| !last) {
+                start = Some(better.terms.clone());
+                constants = constants.moved_to(better.constants.clone());
+            } else if !careful && watcher.stop().is_none() {
+                (careful, round) = (true, CONSTANTS.rounds - 2);
+                start = Some(answer.fit.found.best.point.active());
+                known = Some(Known::new(&answer.fit, laws));
+            } else {
+                add_rivals(answer, &laws);
+                return Searched { settled, constants };
+            }
+        }
+    }
+
+    /// One search of terms.
+    fn at(
+        &self,
+        constants: &Constants,
+        start: Option<StartingSupport>,
+        careful: bool,
+        watcher: &mut EquationObserver,
+    ) -> Settled<'a> {
+        let (dataset, problem) = self.data;
+        match constants.started(problem, watcher) {
+            Cow::Borrowed(at) => self.on((dataset, at), start, careful, watcher),
+            Cow::Owned(at) => {
+                let acting = constants.dataset(dataset);
+                let settled = self.on((&acting, &at), start, careful, watcher);
+                settled.into_owned()
+            }
+        }
+    }
+
+    fn on<'b>(
+        &self,
+        (dataset, problem): (&Dataset, &'b Problem),
+        start: Option<StartingSupport>,
+        careful: bool,
+        watcher: &mut EquationObserver,
+    ) -> Settled<'b> {
+        let (model, _) = self.of;
+        let start = start.or_else(|| weak_start(self.of, dataset, problem, self.options, watcher));
+        if careful {
+            let settled = search_under_constraints((model, problem), start, self.options, watcher);
+            return with_disturbances((model, problem), settled, watcher);
+        }
+        match search_terms(problem, start, watcher) {
+            None => Settled::Nothing,
+            Some(fit) => Settled::Answer(Box::new(ConstrainedAnswer {
+                fit,
+                free: None,
+                left: Vec::new(),
+            })),
+        }
+    }
+}
+
+/// The laws about an answer, for another search that ends in the same.
+struct Known {
+    laws: Vec<FittedConstants>,
+    support: Vec<usize>,
+    value: f64,
+}
+
+impl Known {
+    fn new(fit: &JointFit, laws: Vec<FittedConstants>) -> Known {
+        Known {
+            laws,
+            support: fit.found.best.support().to_vec(),
+            value: fit.found.best.value,
+        }
+    }
+
+    fn is_of(&self, fit: &JointFit) -> bool {
+        let best = &fit.found.best;
+        let near = (best.value - self.value).abs() <= CONSTANTS.settled;
+        fit.late.is_none() && best.process().is_none() && best.support() == self.support && near
+    }
+}
+
+/// Whether a law is another one and better, or the same at other values than the answer's: ten times as far as a fit settles.
+fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Constants) -> bool {
+    let best = &answer.fit.found.best;
+    let terms: Vec<usize> = law.terms.iter().map(|t| t.0).collect();
+    if terms != best.support() {
+        return law.value < best.value;
+    }
+    let values = constants.sought().iter().zip(&law.constants);
+    let mut moved = values.zip(&law.standard_errors);
+    moved.any(|((a, b), e)| (a.value - b.value).abs() > 10.0 * CONSTANTS.settled * e)
+}
+
+/// Laws with their likeliest constants are rivals beside those that were fitted at the answer's.
+fn add_rivals(answer: &mut ConstrainedAnswer, laws: &[FittedConstants]) {
+    let found = &mut answer.fit.found;
+    for law in laws {
+        let support: Vec<usize> = law.terms.iter().map(|t| t.0).collect();
+        if support == found.best.support() {
+            continue;
+        }
+        match found.rivals.iter_mut().find(|(s, _)| *s == support) {
+            Some(known) => known.1 = known.1.min(law.value),
+            None => found.rivals.push((support, law.value)),
+        }
+    }
+    let own = found.best.support().to_vec();
+    let rank = |r: &(Vec<usize>, f64)| (r.0 != own, r.1);
+    found.rivals.sort_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+}
