@@ -19,5 +19,6 @@ pub mod random;
 pub mod records;
 pub mod runtimes;
 pub mod stochastic;
+pub mod switched;
 pub mod table;
 pub mod thresholds;

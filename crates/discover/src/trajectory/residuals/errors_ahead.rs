@@ -67,6 +67,7 @@ fn block_errors(
     let integrator = ShootingIntegrator {
         laws,
         all: None,
+        all_by_sides: None,
         coefficients: &at.coefficients,
         spread: &problem.spread,
         accuracy: AHEAD.accuracy,
