@@ -31,7 +31,6 @@ mod row_weights;
 mod selection;
 mod standard_terms;
 mod statistics;
-mod switching_rows;
 mod target_copies;
 mod thresholds;
 pub mod unknown_constants;

@@ -15,18 +15,6 @@ family! {
 }
 
 family! {
-    /// Rows near which a law may jump.
-    pub(crate) SWITCHING_ROWS: SwitchingRows {
-        /// Terms of a library that are looked at for jumps.
-        terms: usize = 20_000, unit "terms", source "products of long lists repeat the factors of the first ones";
-        /// Least share of the rows that has to be left: with fewer, all are used.
-        left: f64 = 0.5, unit "of the rows", source "a body that is mostly at rest says more than none";
-        /// Errors of a guard within which its sign is not known.
-        deviations: f64 = 3.0, unit "standard errors", source "of normal errors three in a thousand are beyond";
-    }
-}
-
-family! {
     /// The estimate of integrated autocorrelation times.
     pub(crate) AUTOCORRELATION: Autocorrelation {
         /// Lags over which autocorrelations are summed.
@@ -51,7 +39,6 @@ pub(crate) fn tables() -> Vec<Table> {
     vec![
         TargetCopies::table(),
         RowWeights::table(),
-        SwitchingRows::table(),
         Autocorrelation::table(),
     ]
 }

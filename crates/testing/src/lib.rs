@@ -19,6 +19,5 @@ pub mod random;
 pub mod records;
 pub mod runtimes;
 pub mod stochastic;
-pub mod switched;
 pub mod table;
 pub mod thresholds;

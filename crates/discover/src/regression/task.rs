@@ -13,7 +13,6 @@ use crate::regression::row_sampling;
 use crate::regression::thresholds::WEAK_FORM;
 use crate::row_weights::Weights;
 use crate::statistics::{product, rms};
-use crate::switching_rows::near_jumps;
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -53,7 +52,7 @@ impl Task<'_> {
             let design = self.weak_design(&weak, whitened);
             return Ok(design.ok_or_else(|| self.motionless(names)));
         }
-        let mut split = row_sampling::split(
+        let split = row_sampling::split(
             self.samples.len(),
             self.library.len(),
             self.options.samples,
@@ -63,10 +62,6 @@ impl Task<'_> {
             memory_limit::exceeded(split.used.len(), self.library, self.options.memory)
         {
             return Ok(Err(self.failed(reason)));
-        }
-        if let Some(near) = near_jumps(self.samples, self.library, self.target) {
-            split.used.retain(|row| !near[*row]);
-            split.held.retain(|row| !near[*row]);
         }
         let used = self.samples.select(&split.used);
         let y = self.target_values(&used);

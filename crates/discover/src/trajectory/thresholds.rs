@@ -81,8 +81,6 @@ family! {
         uphill: f64 = 1.0, unit "criterion", source "set by hand";
         /// Halvings of a step before it is no step.
         max_halvings: usize = 7, unit "halvings", source "a step of one standard deviation of a sensor is then below `state_step`: 2^-7";
-        /// Full steps of laws that switch before a rise of the criterion is mistrusted.
-        switching_steps: usize = 16, unit "steps", source "a drive of 600 samples with twenty reversals settles in some ten";
         /// Further steps of a fit whose steps are halved.
         careful_steps: usize = 12, unit "steps", source "set by hand";
         /// A fit is given up if it stays behind the best one by more than this.

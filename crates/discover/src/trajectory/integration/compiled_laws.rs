@@ -164,11 +164,6 @@ impl CompiledLaws {
         }
     }
 
-    /// Whether a law switches.
-    pub fn has_switches(&self) -> bool {
-        self.switched.is_some()
-    }
-
     /// Writes the rates into their rows of `points`, which has `inputs` rows of `count` points.
     ///
     /// # Errors

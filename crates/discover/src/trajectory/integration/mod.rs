@@ -5,6 +5,7 @@
 
 mod batched_inverse;
 mod compiled_laws;
+mod dense_transition;
 mod parameter_sensitivity;
 mod shooting;
 mod state_transition;

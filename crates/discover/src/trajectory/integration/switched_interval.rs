@@ -1,12 +1,13 @@
 //! One interval in which a law switches: from event to event, with the derivatives of the flow across them.
 //!
 //! In: laws by sides, a record, the state at a sample. Out: the state at the next sample, T and U as of other intervals. At an event the
-//! transition jumps by the saltation matrix 1 + (f⁺ − f⁻) ∇g / ġ⁻ (Aizerman, Gantmakher 1958; Leine, Nijmeijer, "Dynamics and Bifurcations
-//! of Non-Smooth Mechanical Systems", 2004, ch. 7); while a guard is held at zero, the flow and its derivatives are projected on it.
+//! transition jumps by the saltation matrix 1 + (f⁺ − f⁻) ∇g / ġ⁻ (Leine, Nijmeijer, "Dynamics and Bifurcations of Non-Smooth Mechanical
+//! Systems", 2004, ch. 7); while a guard is held at zero, the flow and its derivatives are projected on it.
 
 use std::ops::Range;
 
 use super::compiled_laws::{Diverged, LocalLinearization, Scratch};
+use super::dense_transition::transitions;
 use super::switched_laws::SwitchedLaws;
 use crate::trajectory::model::Record;
 use nalgebra::{DMatrix, DVector};
@@ -234,18 +235,10 @@ impl Run<'_> {
             sum += slope
                 * match *row {
                     i if i < n => rates[i],
-                    i => self.exogenous_slope(i - n - m),
+                    i => (self.own.record).exogenous_slope(i - n - m, self.own.interval),
                 };
         }
         sum
-    }
-
-    fn exogenous_slope(&self, signal: usize) -> f64 {
-        let at = |part| (self.own.record).exogenous_at(signal, self.own.interval, part);
-        match self.own.record.exogenous.get(signal) {
-            Some(signal) if !signal.held => (at(1.0) - at(0.0)) / self.length,
-            _ => 0.0,
-        }
     }
 
     /// Sides at the start. A state that a contact holds has no effect on what comes.
@@ -257,15 +250,14 @@ impl Run<'_> {
             let gradient = self.gradient(k);
             let terms = gradient.iter().zip(self.own.spread);
             let size: f64 = terms.map(|(d, s)| (d * s).abs()).sum();
-            match guard.abs() <= SWITCHING.zero * size {
-                true => contacts.push(k),
-                false => self.modes.0[k] = Mode::of(guard),
+            self.modes.0[k] = Mode::of(guard);
+            if guard.abs() <= SWITCHING.zero * size {
+                contacts.push(k);
             }
         }
         self.decide(contacts)?;
         if self.modes.any_slides() {
-            let projection = self.projection(0.0, &reached.state)?;
-            reached.transition = projection;
+            reached.transition = self.projection(0.0, &reached.state)?;
         }
         Ok(())
     }
@@ -414,17 +406,8 @@ impl Run<'_> {
         let next = self.node(part + reach, &end)?;
         let bend = (&here.rates - &next.rates) * (h / 8.0);
         let middle = self.node(part + 0.5 * reach, &((&reached.state + &end) * 0.5 + bend))?;
-        let n = end.len();
-        let unit = DMatrix::<f64>::identity(n, n);
-        // Runge–Kutta on T' = J T, then the second half by exp(J h/2) to third order, J the mean of the middle and the end.
-        let k1 = here.jacobian.clone();
-        let k2 = &middle.jacobian * (&unit + &k1 * (0.5 * h));
-        let k3 = &middle.jacobian * (&unit + &k2 * (0.5 * h));
-        let k4 = &next.jacobian * (&unit + &k3 * h);
-        let whole = &unit + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
-        let mean = (&middle.jacobian + &next.jacobian) * (0.25 * h);
-        let square = &mean * &mean;
-        let half = &unit + &mean + &square * 0.5 + &square * &mean / 6.0;
+        let jacobians = [&here.jacobian, &middle.jacobian, &next.jacobian];
+        let [whole, half, unit] = transitions(jacobians, h);
         reached.transition = &whole * &reached.transition;
         let mut columns = &whole * &reached.columns;
         let nodes = [
@@ -436,8 +419,8 @@ impl Run<'_> {
             let gain = to_end * &node.gain * (weight * h / 6.0);
             for (l, range) in self.own.ranges.iter().enumerate() {
                 for j in range.clone() {
-                    let value = node.values[j];
-                    columns.column_mut(j).axpy(value, &gain.column(l), 1.0);
+                    let mut column = columns.column_mut(j);
+                    column.axpy(node.values[j], &gain.column(l), 1.0);
                 }
             }
         }

@@ -30,12 +30,7 @@ pub(super) fn undisturbed_fit(
     let mut value = f64::INFINITY;
     let mut found = None;
     let mut halving = StepHalving::default();
-    // Intervals in which a law switches change with the steps: full steps settle them, though some go uphill (semismooth Newton).
-    let mut trusted = match code.has_switches() {
-        true => GAUSS_NEWTON.switching_steps,
-        false => 0,
-    };
-    let mut left = GAUSS_NEWTON.max_steps + trusted;
+    let mut left = GAUSS_NEWTON.max_steps;
     while left > 0 {
         left -= 1;
         let mut qr = IncrementalQr::new(k);
@@ -103,10 +98,9 @@ pub(super) fn undisturbed_fit(
         let hopeless = new - beat
             > GAUSS_NEWTON.hopeless_lag
                 + GAUSS_NEWTON.hopeless_gain * left as f64 * (value - new).abs();
-        if new > value + GAUSS_NEWTON.uphill && trusted == 0 {
+        if new > value + GAUSS_NEWTON.uphill {
             halving.mistrust();
         }
-        trusted = trusted.saturating_sub(1);
         value = new;
         let arrived = still || level;
         found = Some((solved.variances, residual_squares, law_misfit, arrived));

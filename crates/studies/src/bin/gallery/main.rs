@@ -9,13 +9,10 @@
 //! The cart-pendulum's tables come from the example `plant`. A new system is one file and one line in SYSTEMS.
 
 mod allee;
-mod bouncing_ball;
 mod brusselator;
 mod coil;
 mod dc_motor;
 mod diode;
-mod drive;
-mod dry_bearing;
 mod duffing;
 mod falling_ball;
 mod fan;
@@ -36,9 +33,7 @@ mod pendulum_lengths;
 mod reactor;
 mod rlc;
 mod sir;
-mod stick_slip;
 mod stribeck;
-mod thermostat;
 mod two_carts;
 mod two_mass;
 mod van_der_pol;
@@ -55,14 +50,11 @@ type Tables = fn() -> Vec<(&'static str, Table)>;
 #[rustfmt::skip]
 const SYSTEMS: &[(&str, Tables)] = &[
     ("allee",            allee::tables),
-    ("bouncing_ball",    bouncing_ball::tables),
     ("brusselator",      brusselator::tables),
     ("coil",             coil::tables),
     ("dc_motor",         dc_motor::tables),
     ("diode",            diode::tables),
     ("double_pendulum",  double_pendulum::tables),
-    ("drive",            drive::tables),
-    ("dry_bearing",      dry_bearing::tables),
     ("duffing",          duffing::tables),
     ("falling_ball",     falling_ball::tables),
     ("fan",              fan::tables),
@@ -83,9 +75,7 @@ const SYSTEMS: &[(&str, Tables)] = &[
     ("reactor",          reactor::tables),
     ("rlc",              rlc::tables),
     ("sir",              sir::tables),
-    ("stick_slip",       stick_slip::tables),
     ("stribeck",         stribeck::tables),
-    ("thermostat",       thermostat::tables),
     ("two_carts",        two_carts::tables),
     ("two_mass",         two_mass::tables),
     ("van_der_pol",      van_der_pol::tables),
