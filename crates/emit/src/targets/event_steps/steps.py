@@ -36,10 +36,7 @@ def run(times, state, *arguments, **options):
     state = np.array(state, dtype=float)
     states = [state]
     side = settle(times[0], state, *arguments)
-    for stop_from, stop in zip(times[:-1], times[1:]):
-        t = stop_from
-        if callable(arguments[0]) if arguments else False:
-            side = _decide(t, state, arguments, side, np.zeros(len(side), dtype=bool))
+    for t, stop in zip(times[:-1], times[1:]):
         for _ in range(1000):
 
             def rates(t, x, side=side):
@@ -56,7 +53,7 @@ def run(times, state, *arguments, **options):
             state = found.y[:, -1]
             if found.status != 1:
                 break
-            crossed = np.array([len(times) > 0 for times in found.t_events])
+            crossed = np.array([len(at) > 0 for at in found.t_events])
             moved, t = found.t[-1] - t, found.t[-1]
             after = _decide(t, state, arguments, side, crossed)
             if moved <= 0.0 and np.array_equal(after, side):
