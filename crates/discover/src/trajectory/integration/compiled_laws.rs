@@ -6,7 +6,6 @@
 use std::ops::Range;
 
 use super::batched_inverse::invert;
-use super::switched_laws::SwitchedLaws;
 use crate::trajectory::model::System;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::{Expr, Signal, Tape};
@@ -44,8 +43,6 @@ pub(crate) struct CompiledLaws {
     slopes: Tape,
     entries: Vec<PartialDerivative>,
     implicit: Option<ImplicitRates>,
-    /// The laws by the sides of their switches; `None` where none switches.
-    pub(super) switched: Option<Box<SwitchedLaws>>,
 }
 
 /// What laws that contain rates need besides.
@@ -85,30 +82,22 @@ pub(crate) struct Diverged;
 
 impl CompiledLaws {
     pub fn new(system: &System, active: &[usize]) -> CompiledLaws {
-        let columns = active.iter().filter_map(|j| system.columns.get(*j));
-        let columns = columns.map(|term| term.clone().into());
-        let known = system.laws.iter().map(|law| law.known.clone());
-        let values: Vec<Expr> = columns.chain(known).collect();
-        let mut laws =
-            CompiledLaws::of_values(system, active, &values, &system.evaluation_signals());
-        laws.switched = SwitchedLaws::new(system, active, &values).map(Box::new);
-        laws
-    }
-
-    /// The laws with these values of the active columns, then of the known parts.
-    pub(super) fn of_values(
-        system: &System,
-        active: &[usize],
-        values: &[Expr],
-        inputs: &[Signal],
-    ) -> CompiledLaws {
+        let inputs = system.evaluation_signals();
         let (n, m) = (system.states.len(), system.laws.len());
+        let mut values: Vec<Expr> = Vec::new();
         let mut laws = Vec::new();
-        let columns = active.iter().filter(|j| **j < system.columns.len());
-        laws.extend(columns.map(|j| system.law_of(*j)));
-        laws.extend(0..m);
+        for j in active {
+            if let Some(term) = system.columns.get(*j) {
+                values.push(term.clone().into());
+                laws.push(system.law_of(*j));
+            }
+        }
+        for (l, law) in system.laws.iter().enumerate() {
+            values.push(law.known.clone());
+            laws.push(l);
+        }
         let mut entries = Vec::new();
-        let mut slopes = values.to_vec();
+        let mut slopes = values.clone();
         for (row, (value, law)) in values.iter().zip(&laws).enumerate() {
             for (input, signal) in inputs.iter().take(n + m).enumerate() {
                 if value.mentions(*signal) {
@@ -129,9 +118,9 @@ impl CompiledLaws {
             let wanted: Vec<Expr> = wanted.map(|(_, s)| s.clone()).collect();
             let rates = &inputs[n..n + m];
             let linear = !wanted.iter().any(|s| rates.iter().any(|w| s.mentions(*w)));
-            let all = [values, &wanted[..]].concat();
+            let all = [&values[..], &wanted[..]].concat();
             ImplicitRates {
-                tape: tape(&all, inputs),
+                tape: tape(&all, &inputs),
                 slopes: by_rates,
                 linear,
             }
@@ -156,11 +145,10 @@ impl CompiledLaws {
             held: (0..n).filter(|i| !moved(i)).collect(),
             law_states,
             chain,
-            values: tape(values, inputs),
-            slopes: tape(&slopes, inputs),
+            values: tape(&values, &inputs),
+            slopes: tape(&slopes, &inputs),
             entries,
             implicit,
-            switched: None,
         }
     }
 
@@ -366,7 +354,7 @@ fn newton(rates: &mut [f64], inverse: &[f64], gap: &[f64], m: usize, count: usiz
 }
 
 /// Every signal of the expressions is among the inputs by construction, so the default is never taken.
-pub(super) fn tape(outputs: &[Expr], inputs: &[Signal]) -> Tape {
+fn tape(outputs: &[Expr], inputs: &[Signal]) -> Tape {
     Tape::new(outputs, inputs).unwrap_or_default()
 }
 

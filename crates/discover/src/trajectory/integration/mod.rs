@@ -5,13 +5,10 @@
 
 mod batched_inverse;
 mod compiled_laws;
-mod dense_transition;
 mod parameter_sensitivity;
 mod shooting;
 mod state_transition;
 mod step_group;
-mod switched_interval;
-mod switched_laws;
 
 pub(crate) use compiled_laws::{CompiledLaws, Diverged};
 pub(crate) use parameter_sensitivity::INTERVALS_AT_ONCE;

@@ -12,7 +12,6 @@ use super::compiled_laws::{CompiledLaws, Diverged, LocalLinearization, Scratch};
 use super::parameter_sensitivity::{INTERVALS_AT_ONCE, ParameterSensitivity, propagate, scatter};
 use super::state_transition::{StateTransition, unit};
 use super::step_group::StepGroup;
-use super::switched_interval::SwitchedInterval;
 use crate::trajectory::model::Record;
 use crate::trajectory::thresholds::SHOOTING;
 use sidc_lang::term::Tape;
@@ -22,8 +21,6 @@ pub(crate) struct ShootingIntegrator<'a> {
     pub laws: &'a CompiledLaws,
     /// All candidate columns with the range of each law; `None` where U is wanted for the active ones only.
     pub all: Option<(&'a Tape, &'a [Range<usize>])>,
-    /// The same by the sides of switches, where there are any.
-    pub all_by_sides: Option<&'a Tape>,
     /// Coefficients of the active columns.
     pub coefficients: &'a [f64],
     /// Size of each state, for the choice of steps.
@@ -118,8 +115,7 @@ impl ShootingIntegrator<'_> {
         let steps = self.steps(&work.local[0], &all.h)?;
         out.steps = steps.iter().copied().max().unwrap_or(1);
         if out.steps == 1 {
-            self.run(&all, work, out)?;
-            return self.integrate_switched((record, states), intervals, &steps, out);
+            return self.run(&all, work, out);
         }
         let mut number = 1;
         while number <= out.steps {
@@ -130,44 +126,6 @@ impl ShootingIntegrator<'_> {
                 self.run(&group, work, out)?;
             }
             number *= 2;
-        }
-        self.integrate_switched((record, states), intervals, &steps, out)
-    }
-
-    /// Integrates the intervals anew in which a law switches, from event to event.
-    fn integrate_switched(
-        &self,
-        (record, states): (&Record, &[f64]),
-        intervals: Range<usize>,
-        steps: &[usize],
-        out: &mut IntervalBlock,
-    ) -> Result<(), Diverged> {
-        let Some(switched) = &self.laws.switched else {
-            return Ok(());
-        };
-        let (n, p) = (self.laws.states, self.width());
-        let all = self.all.map(|(_, ranges)| ranges);
-        let switching = switched.switching_intervals((record, states), &intervals, &out.end);
-        for b in switching {
-            let k = intervals.start + b;
-            let interval = SwitchedInterval {
-                switched,
-                coefficients: self.coefficients,
-                all: self.all_by_sides.filter(|_| all.is_some()),
-                ranges: all.unwrap_or(&self.laws.ranges),
-                record,
-                interval: k,
-                steps: steps[b],
-                spread: self.spread,
-            };
-            let end = interval.integrate(&states[k * n..(k + 1) * n])?;
-            out.end[b * n..(b + 1) * n].copy_from_slice(end.state.as_slice());
-            for i in 0..n {
-                let row = &mut out.transition[(b * n + i) * n..(b * n + i + 1) * n];
-                (0..n).for_each(|j| row[j] = end.transition[(i, j)]);
-                let row = &mut out.columns[(b * n + i) * p..(b * n + i + 1) * p];
-                (0..p).for_each(|j| row[j] = end.columns[(i, j)]);
-            }
         }
         Ok(())
     }

@@ -127,7 +127,6 @@ impl Problem {
         ShootingIntegrator {
             laws,
             all,
-            all_by_sides: all.and(self.all_by_sides.as_ref()),
             coefficients: &at.coefficients,
             spread: &self.spread,
             accuracy: self.accuracy(&at.sigma),

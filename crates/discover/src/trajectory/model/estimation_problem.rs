@@ -69,8 +69,6 @@ pub struct Problem {
     pub(crate) ranges: Vec<Range<usize>>,
     /// All columns, compiled.
     pub(crate) all: Tape,
-    /// The same with the sides of switches as signals; `None` where nothing switches.
-    pub(crate) all_by_sides: Option<Tape>,
 }
 
 /// A point about which the likelihood is linearised.
@@ -120,7 +118,6 @@ impl Problem {
             growth: Vec::new(),
             ranges: Vec::new(),
             all: Tape::default(),
-            all_by_sides: None,
             names: dataset
                 .trajectories
                 .iter()
@@ -159,7 +156,6 @@ impl Problem {
         let system = &self.system;
         let all: Vec<Expr> = system.columns.iter().map(|t| t.clone().into()).collect();
         self.all = Tape::new(&all, &system.evaluation_signals()).unwrap_or_default();
-        self.all_by_sides = system.columns_by_sides();
         self.ranges = system.laws.iter().map(|l| l.columns.clone()).collect();
     }
 
@@ -214,7 +210,6 @@ impl Problem {
             declared_memory: self.declared_memory.clone(),
             ranges: self.ranges.clone(),
             all: self.all.clone(),
-            all_by_sides: self.all_by_sides.clone(),
             readings: Vec::new(),
             log_new_variance: Vec::new(),
             informative: self.informative.clone(),

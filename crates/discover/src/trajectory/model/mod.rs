@@ -24,7 +24,6 @@ mod sensor_groups;
 mod smoothing;
 mod split_by_run;
 mod subsampling;
-mod switched_columns;
 mod system;
 
 pub use coefficient_constraints::CoefficientConstraints;

@@ -136,16 +136,6 @@ impl Record {
         curved.unwrap_or(here + part * (next - here))
     }
 
-    /// Mean slope of an exogenous signal between sample `k` and the next; held signals have none, since they jump at samples only.
-    pub(crate) fn exogenous_slope(&self, signal: usize, k: usize) -> f64 {
-        let is_held = self.exogenous.get(signal).is_none_or(|s| s.held);
-        let at = |part| self.exogenous_at(signal, k, part);
-        match is_held {
-            true => 0.0,
-            false => (at(1.0) - at(0.0)) / (self.time[k + 1] - self.time[k]),
-        }
-    }
-
     /// Lagrange's cubic through the two samples on either side; `None` at the ends.
     fn cubic_at(&self, values: &[f64], k: usize, part: f64) -> Option<f64> {
         let from = k.checked_sub(1)?;

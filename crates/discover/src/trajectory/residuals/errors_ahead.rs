@@ -67,7 +67,6 @@ fn block_errors(
     let integrator = ShootingIntegrator {
         laws,
         all: None,
-        all_by_sides: None,
         coefficients: &at.coefficients,
         spread: &problem.spread,
         accuracy: AHEAD.accuracy,

@@ -1,6 +1,5 @@
 //! Filter, forms, beam and integration against plain versions of themselves: dense least squares, finite differences, series, brute force.
 
-mod switching;
 mod windows;
 
 use super::integration::{
@@ -260,7 +259,6 @@ fn flow(system: &System, active: &[usize], a: &[f64], states: &[f64]) -> Interva
     let flow = ShootingIntegrator {
         laws: &code,
         all: None,
-        all_by_sides: None,
         coefficients: a,
         spread: &vec![1.0; n],
         accuracy: 1e-9,
