@@ -235,9 +235,9 @@ impl Plant {
         work.known = false;
         switches.run(work, given);
         let mut contacts = Vec::new();
-        for k in 0..switches.count {
+        for (k, size) in sizes.iter().enumerate() {
             let g = switches.value(work, k);
-            let is_zero = g.abs() <= SWITCHING.zero * sizes[k];
+            let is_zero = g.abs() <= SWITCHING.zero * size;
             match is_zero || work.modes.0[k] == Mode::Sliding || events.contains(&k) {
                 true => contacts.push(k),
                 false => work.modes.0[k] = Mode::of(g),
