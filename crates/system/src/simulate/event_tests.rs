@@ -12,8 +12,8 @@ use sidc_progress::Unwatched;
 
 const INPUT: Signal = Signal::new(VarId(90));
 
-fn call(name: &str, args: &[Expr]) -> Expr {
-    Expr::call(Func::named(name).unwrap(), args.to_vec())
+fn call(name: &str, args: impl Into<Vec<Expr>>) -> Expr {
+    Expr::call(Func::named(name).unwrap(), args.into())
 }
 
 fn position(body: usize) -> Expr {
@@ -160,7 +160,7 @@ fn bisected(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
 #[test]
 fn an_oscillator_with_dry_friction_stops() {
     let mu = 0.4;
-    let friction = call("sign", &[velocity(0)]).scale(-mu);
+    let friction = call("sign", [velocity(0)]).scale(-mu);
     let plant = bodies(&[position(0).scale(-1.0) + friction]);
     let known = |t: f64| {
         let (mut x, mut begun) = (5.3f64, 0.0);
@@ -194,11 +194,11 @@ fn an_oscillator_with_dry_friction_stops() {
 fn a_mass_on_a_belt_sticks_and_slips() {
     let (force, rise, belt) = (1.0, 0.15, 0.3);
     let slip = velocity(0) - number(belt);
-    let friction = call("sign", &[slip.clone()]).scale(-force) + slip.scale(rise);
+    let friction = call("sign", [slip.clone()]).scale(-force) + slip.scale(rise);
     let plant = bodies(&[position(0).scale(-1.0) + friction]);
     // Sliding behind the belt: ẍ = −x + s ẋ + F − s V.
     let centre = force - rise * belt;
-    let rate = (1.0 - 0.25 * rise * rise as f64).sqrt();
+    let rate = (1.0f64 - 0.25 * rise * rise).sqrt();
     let sliding = move |x0: f64, v0: f64, t: f64| {
         let a = x0 - centre;
         let b = (v0 - 0.5 * rise * a) / rate;
@@ -232,7 +232,7 @@ fn a_mass_on_a_belt_sticks_and_slips() {
 /// A block under a force in steps: rests while it is below the friction, slides evenly accelerated, comes to rest again.
 #[test]
 fn a_block_rests_until_the_force_exceeds_its_friction() {
-    let plant = bodies(&[Expr::signal(INPUT) + call("sign", &[velocity(0)]).scale(-1.0)]);
+    let plant = bodies(&[Expr::signal(INPUT) + call("sign", [velocity(0)]).scale(-1.0)]);
     let forces = [0.9, 1.5, 0.2, 0.2, -0.99, -1.25, 0.0, 0.0, 1.0, 0.3];
     let known = |t: f64| {
         let (mut x, mut v) = (0.0, 0.0f64);
@@ -265,7 +265,7 @@ fn a_block_rests_until_the_force_exceeds_its_friction() {
 #[test]
 fn a_ball_bounces_on_a_springy_floor() {
     let (g, k, c) = (9.81, 4000.0f64, 6.0);
-    let floor = call("step", &[position(0).scale(-1.0)]);
+    let floor = call("step", [position(0).scale(-1.0)]);
     let force = position(0).scale(k) + velocity(0).scale(c);
     let plant = bodies(&[number(-g) + (floor * force).scale(-1.0)]);
     let rate = (k - 0.25 * c * c).sqrt();
@@ -306,12 +306,12 @@ fn a_ball_bounces_on_a_springy_floor() {
 #[test]
 fn a_relay_slides_and_a_dead_zone_bends() {
     let x = || Expr::signal(Signal::new(VarId(1)));
-    let relay = call("step", &[number(1.0) - x()]).scale(2.0);
+    let relay = call("step", [number(1.0) - x()]).scale(2.0);
     let plant = first_order(x().scale(-0.5) + relay);
     let known = |t: f64| vec![(4.0 - 3.8 * (-0.5 * t).exp()).min(1.0)];
     agree("relay", &plant, &instants(40, 0.05), &[], &[0.2], &known);
     // ẋ = −max(x − 1, 0) − 1: exponential down to 1, then straight.
-    let zone = call("max", &[x() - number(1.0), number(0.0)]);
+    let zone = call("max", [x() - number(1.0), number(0.0)]);
     let plant = first_order(zone.scale(-1.0) - number(1.0));
     let known = |t: f64| {
         let down = 3.0f64.ln();
@@ -337,12 +337,12 @@ fn a_relay_slides_and_a_dead_zone_bends() {
 fn coupled_contacts_stick_one_by_one() {
     let rate = |i: usize| Expr::signal(Signal::derivative(VarId(1 + i as u16), 2));
     let spring = |i: usize, j: usize| (position(j) - position(i)).scale(3.0);
-    let dry = |i: usize, mu: f64| call("sign", &[velocity(i)]).scale(-mu);
+    let dry = |i: usize, mu: f64| call("sign", [velocity(i)]).scale(-mu);
     // A lever between two bodies couples their inertia.
     let laws = [
         spring(0, 1) - position(0) + dry(0, 0.5) + rate(1).scale(0.2),
         spring(1, 0) + spring(1, 2) + dry(1, 0.3) + rate(0).scale(0.2),
-        spring(2, 1) + dry(2, 0.4) + call("sign", &[velocity(2) - velocity(1)]).scale(-0.1),
+        spring(2, 1) + dry(2, 0.4) + call("sign", [velocity(2) - velocity(1)]).scale(-0.1),
     ];
     let plant = bodies(&laws);
     let start = [2.0, 0.0, -1.0, 0.5, 1.5, 0.0];

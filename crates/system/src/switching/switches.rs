@@ -187,8 +187,8 @@ mod tests {
     const X: Signal = Signal::new(VarId(1));
     const V: Signal = Signal::derivative(VarId(1), 1);
 
-    fn call(name: &str, args: &[Expr]) -> Expr {
-        Expr::call(Func::named(name).unwrap(), args.to_vec())
+    fn call(name: &str, args: impl Into<Vec<Expr>>) -> Expr {
+        Expr::call(Func::named(name).unwrap(), args.into())
     }
 
     /// The rewritten expression has the old value on every side of every guard.
@@ -197,20 +197,20 @@ mod tests {
         let (x, v) = (Expr::signal(X), Expr::signal(V));
         let one = Expr::number(1.0);
         let cases = [
-            call("sign", &[v.clone()]),
-            call("sign", &[v.clone().scale(-2.0)]),
-            call("sign", &[v.clone()]).pow(2.0) * x.clone(),
-            call("sign", &[v.clone()]).pow(3.0),
-            call("step", &[x.clone() - one.clone()]).pow(2.0) * v.clone(),
-            call("abs", &[v.clone()]) * v.clone(),
-            call("abs", &[v.clone()]).pow(0.5) * call("sign", &[v.clone()]),
-            call("abs", &[x.clone() + v.clone()]).pow(3.0),
-            call("min", &[x.clone(), v.clone()]),
-            call("max", &[x.clone(), v.clone(), one.clone()]),
-            call("sin", &[call("abs", &[x.clone()])]),
-            call("sqrt", &[call("abs", &[x.clone()])]),
-            call("sign", &[call("abs", &[x.clone()]) - one.clone()]),
-            one.clone() / call("max", &[x.clone(), one.clone()]),
+            call("sign", [v.clone()]),
+            call("sign", [v.clone().scale(-2.0)]),
+            call("sign", [v.clone()]).pow(2.0) * x.clone(),
+            call("sign", [v.clone()]).pow(3.0),
+            call("step", [x.clone() - one.clone()]).pow(2.0) * v.clone(),
+            call("abs", [v.clone()]) * v.clone(),
+            call("abs", [v.clone()]).pow(0.5) * call("sign", [v.clone()]),
+            call("abs", [x.clone() + v.clone()]).pow(3.0),
+            call("min", [x.clone(), v.clone()]),
+            call("max", [x.clone(), v.clone(), one.clone()]),
+            call("sin", [call("abs", [x.clone()])]),
+            call("sqrt", [call("abs", [x.clone()])]),
+            call("sign", [call("abs", [x.clone()]) - one.clone()]),
+            one.clone() / call("max", [x.clone(), one.clone()]),
         ];
         for e in cases {
             let mut switches = Switches::default();
@@ -238,10 +238,10 @@ mod tests {
     fn multiples_share_a_guard_and_rates_have_none() {
         let mut switches = Switches::default();
         let v = Expr::signal(V);
-        switches.rewritten(&call("sign", &[v.clone()]), &[]);
-        switches.rewritten(&call("abs", &[v.clone().scale(-3.0)]), &[]);
+        switches.rewritten(&call("sign", [v.clone()]), &[]);
+        switches.rewritten(&call("abs", [v.clone().scale(-3.0)]), &[]);
         assert_eq!((switches.len(), switches.jumps.clone()), (1, vec![true]));
-        let rate = call("sign", &[v.clone()]);
+        let rate = call("sign", [v.clone()]);
         let mut none = Switches::default();
         assert_eq!(none.rewritten(&rate, &[V]), rate);
         assert!(none.is_empty());
