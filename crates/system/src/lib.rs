@@ -11,6 +11,7 @@ pub mod predict;
 pub mod ranked_reasons;
 pub mod result;
 pub mod simulate;
+pub mod switching;
 pub mod validate;
 pub mod verdict;
 
@@ -20,6 +21,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         discovery::thresholds::tables(),
         algebra::thresholds::tables(),
         simulate::thresholds::tables(),
+        switching::thresholds::tables(),
         predict::thresholds::tables(),
         validate::thresholds::tables(),
     ];

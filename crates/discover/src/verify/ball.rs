@@ -226,6 +226,14 @@ impl Ball {
                 // Zero lies in the ball: either sign is possible.
                 error: if e > 0.0 && x.hi.abs() <= e { 2.0 } else { 0.0 },
             },
+            // ½ + ½ sign
+            "step" => {
+                let side = self.call("sign");
+                Ball {
+                    value: DoubleDouble::from(0.5 + 0.5 * side.value.hi),
+                    error: 0.5 * side.error,
+                }
+            }
             _ => unknown(),
         }
     }

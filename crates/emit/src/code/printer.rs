@@ -80,6 +80,11 @@ pub(crate) trait Language: Syntax + Sized + Sync {
 
     /// The helpers that the code calls.
     fn helpers(&self, program: &Program) -> String;
+
+    /// What stands behind all functions.
+    fn last(&self, _program: &Program) -> String {
+        String::new()
+    }
 }
 
 impl<L: Language> Target for L {
@@ -102,7 +107,7 @@ impl<L: Language> Target for L {
         if L::DIALECT.helpers_first {
             parts.reverse();
         }
-        Ok(self.header(d, &program) + &parts.concat())
+        Ok(self.header(d, &program) + &parts.concat() + &self.last(&program))
     }
 }
 
@@ -208,4 +213,16 @@ pub(crate) fn commented(mark: &str, lines: impl Iterator<Item = String>) -> Stri
 pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
     let used = all.iter().filter(|(used, _)| *used);
     used.map(|(_, text)| *text).collect()
+}
+
+/// A text of steps from event to event with the sizes and the arguments of a program; empty where nothing jumps.
+pub(crate) fn event_steps(program: &Program, text: &str, arguments: (String, String)) -> String {
+    if program.switches.is_empty() {
+        return String::new();
+    }
+    let (declared, passed) = arguments;
+    text.replace("@N@", &program.form.state.len().to_string())
+        .replace("@K@", &program.switches.len().to_string())
+        .replace("@ARGS@", &declared)
+        .replace("@PASS@", &passed)
 }

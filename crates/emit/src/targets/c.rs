@@ -6,7 +6,7 @@
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::{Infix, Syntax};
-use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
+use crate::code::printer::{Dialect, Language, Printer, commented, event_steps, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Solve, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -47,6 +47,15 @@ impl Language for C {
         for f in &program.functions {
             out.push_str(&format!(" * {};\n", signature(program, f)));
         }
+        if !program.switches.is_empty() {
+            let other = program.arguments.iter().skip(1);
+            let other: String = other
+                .map(|a| format!(", const double *{}", a.name))
+                .collect();
+            out.push_str(&format!(
+                " * void sidc_settle(double t, const double *state{other}, double *side);\n * void sidc_advance(double t, double h, double *state{other}, double *side);\n"
+            ));
+        }
         out.push_str(" */\n#include <math.h>\n\n");
         out.push_str(&format!(
             "#define SIDC_VERDICT \"{}\"\n",
@@ -82,7 +91,7 @@ impl Language for C {
         if !f.body.mentions_time() {
             out.push_str("    (void)t;\n");
         }
-        for a in &program.arguments {
+        for a in program.arguments_of(f.kind) {
             if !f.body.reads.iter().any(|r| r.argument == a.name) {
                 out.push_str(&format!("    (void){};\n", a.name));
             }
@@ -143,6 +152,13 @@ impl Language for C {
         format!("{}[{}]", result(f.kind), columns * row + column)
     }
 
+    fn last(&self, program: &Program) -> String {
+        let other = program.arguments.iter().skip(1);
+        let declared = other.clone().map(|a| format!(", const double *{}", a.name));
+        let passed = other.map(|a| format!(", {}", a.name));
+        event_steps(program, STEPS, (declared.collect(), passed.collect()))
+    }
+
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let sign = program.calls().iter().any(|f| f.spelling.c == "sidc_sign");
@@ -175,9 +191,8 @@ impl Syntax for C {
 }
 
 fn signature(program: &Program, f: &Function) -> String {
-    let arguments: String = program
-        .arguments
-        .iter()
+    let arguments = program.arguments_of(f.kind);
+    let arguments: String = arguments
         .map(|a| format!(", const double *{}", a.name))
         .collect();
     format!(
@@ -190,7 +205,8 @@ fn signature(program: &Program, f: &Function) -> String {
 /// The array that a function writes.
 fn result(kind: Kind) -> &'static str {
     match kind {
-        Kind::Rates => "rate",
+        Kind::Rates | Kind::RatesBySide | Kind::GuardRates => "rate",
+        Kind::Guards => "guard",
         Kind::Jacobian | Kind::InputJacobian => "slope",
         Kind::Outputs => "output",
     }
@@ -223,6 +239,9 @@ fn solver(n: usize) -> String {
         n => format!("sidc_solve({n}, "),
     }
 }
+
+/// Steps from event to event.
+const STEPS: &str = include_str!("event_steps/steps.c");
 
 const SOLVE_1: &str = "
 /* Solves a times x = b (1 x columns) in place of b; NaN where a is zero. */
@@ -354,7 +373,8 @@ const RESERVED: &[&str] = &[
     "M_PI_4", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2", "linux", "unix", "i386", "near", "far", "NULL", "signgam",
     "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
     "i", "sidc_solve", "sidc_solve_1", "sidc_solve_2", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
-    "sidc_jacobian_input", "sidc_outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
+    "sidc_jacobian_input", "sidc_outputs", "sidc_guards", "sidc_rates_by_side", "sidc_guard_rates", "sidc_settle", "sidc_advance",
+    "side", "guard", "sidc_states", "sidc_switches", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
     "SIDC_CONSTANTS",
 ];
 

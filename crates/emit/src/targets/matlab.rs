@@ -7,7 +7,7 @@ use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{Identifiers, ascii, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::{Dialect, Language, Printer, commented};
-use crate::code::program::{Function, Kind, Newton, Program, Solve};
+use crate::code::program::{Argument, Function, Kind, Newton, Program, Solve};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
 
@@ -40,7 +40,7 @@ impl Language for Matlab {
             "\nfunction {} = {}(t{})\n",
             result(f.kind),
             f.kind.name(program.discrete),
-            arguments(program)
+            listed(program.arguments_of(f.kind))
         )
     }
 
@@ -90,6 +90,9 @@ impl Language for Matlab {
         let powers =
             program.computes(|n| matches!(n, Node::Root(_) | Node::Power(..) | Node::Raised(..)));
         let mut out = String::new();
+        if !program.switches.is_empty() {
+            out.push_str(STEPS);
+        }
         if solves {
             out.push_str(SOLVE);
         }
@@ -126,17 +129,18 @@ impl Syntax for Matlab {
 }
 
 fn arguments(program: &Program) -> String {
-    program
-        .arguments
-        .iter()
-        .map(|a| format!(", {}", a.name))
-        .collect()
+    listed(program.arguments.iter())
+}
+
+fn listed<'a>(arguments: impl Iterator<Item = &'a Argument>) -> String {
+    arguments.map(|a| format!(", {}", a.name)).collect()
 }
 
 /// The variable that a function returns.
 fn result(kind: Kind) -> &'static str {
     match kind {
-        Kind::Rates => "rate",
+        Kind::Rates | Kind::RatesBySide | Kind::GuardRates => "rate",
+        Kind::Guards => "guard",
         Kind::Jacobian => "slope",
         Kind::InputJacobian => "slope_input",
         Kind::Outputs => "output",
@@ -157,8 +161,13 @@ fn main(d: &Discovery, program: &Program) -> String {
     let name = Identifiers::new([], RESERVED.iter().copied()).fresh(&own);
     let arguments = arguments(program);
     let results = KINDS.map(result).join(", ");
+    let has_events = !program.switches.is_empty();
+    let taken = match has_events {
+        true => "varargin".to_string(),
+        false => format!("t{arguments}"),
+    };
     let mut out = format!(
-        "function [{results}] = {name}(t{arguments})\n% Written by sidc: the identified system{system} as code, for MATLAB and Octave.\n"
+        "function [{results}] = {name}({taken})\n% Written by sidc: the identified system{system} as code, for MATLAB and Octave.\n"
     );
     out.push_str(&commented("% ", caveats(d).into_iter()));
     out.push_str("% Without arguments, rate is a struct with the verdict and the delays of the inputs in seconds.\n%\n");
@@ -175,6 +184,12 @@ fn main(d: &Discovery, program: &Program) -> String {
                 kind.about(program.discrete).replace('`', "")
             ));
         }
+    }
+    if has_events {
+        let other = listed(program.arguments.iter().skip(1));
+        out.push_str(&format!(
+            "% The equations jump where a guard is zero. From event to event go\n%   [state, side] = {name}('advance', t, state, h, side{other}), a fixed step, and\n%   [times, states] = {name}('run', times, state{other}), ode45 stopped at events.\n"
+        ));
     }
     let outputs = program.outputs(d);
     if !outputs.is_empty() {
@@ -196,7 +211,9 @@ fn main(d: &Discovery, program: &Program) -> String {
         verdict_summary(d),
         delays.join(", ")
     ));
-    if !program.constants.is_empty() {
+    if has_events {
+        out.push_str(&unpacked(program));
+    } else if !program.constants.is_empty() {
         let given = 1 + program.given().count();
         out.push_str(&format!(
             "  if nargin <= {given}\n    constant = [{values}];\n  end\n"
@@ -219,6 +236,25 @@ fn main(d: &Discovery, program: &Program) -> String {
     out
 }
 
+/// The arguments of the main function where steps from event to event are asked for by name.
+fn unpacked(program: &Program) -> String {
+    let mut out = String::from(
+        "  if ischar(varargin{1})\n    [rate, slope] = feval(str2func(varargin{1}), varargin{2:end});\n    return\n  end\n  t = varargin{1};\n",
+    );
+    let values = program.constant_values();
+    for (i, a) in program.arguments.iter().enumerate() {
+        let value = format!("  {} = varargin{{{}}};\n", a.name, i + 2);
+        out.push_str(&match a.name == "constant" {
+            false => value,
+            true => format!(
+                "  if nargin < {}\n    constant = [{values}];\n  else\n  {value}  end\n",
+                i + 2
+            ),
+        });
+    }
+    out
+}
+
 fn system(
     infix: &Infix<Matlab>,
     mass: &[Vec<usize>],
@@ -236,6 +272,9 @@ fn system(
         matrix(right)
     )
 }
+
+/// Steps from event to event.
+const STEPS: &str = include_str!("event_steps/steps.m");
 
 /// Prefix of functions that guard against complex values.
 const REAL: &str = "real_";
@@ -290,7 +329,8 @@ const RESERVED: &[&str] = &[
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "abs", "sign", "min", "max", "zeros",
     "NaN", "Inf", "size", "isreal", "real_asin", "real_acos", "real_log", "real_sqrt", "real_power", "small_solve",
     "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "slope_input", "output", "solved", "unknown", "settled", "step",
-    "derivatives", "next", "jacobian", "jacobian_input", "outputs",
+    "derivatives", "next", "jacobian", "jacobian_input", "outputs", "side", "guard", "guards", "rates_by_side", "guard_rates",
+    "advance", "run", "stops", "first_sides", "contacts", "decide", "held_sides", "least_sides", "margins", "classical",
 ];
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
-use crate::code::program::{Function, Kind, Newton, Program, Step};
+use crate::code::program::{Function, Kind, Newton, Program, SIDES, Step};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
 
@@ -46,6 +46,13 @@ impl Language for Python {
             out.push_str(&format!(
                 "\n    scipy.integrate.solve_ivp(derivatives, (t0, t1), state{args}, jac=jacobian)\n"
             ));
+            if !program.switches.is_empty() {
+                let arguments = program.given().skip(1).map(|a| format!(", {}", a.name));
+                let arguments: String = arguments.collect();
+                out.push_str(&format!(
+                    "\nThe equations jump where a guard is zero. From event to event go\n\n    run(times, state{arguments})  # solve_ivp, stopped at events\n    advance(t, state, h{arguments}, side=None)  # a fixed step\n"
+                ));
+            }
             if others.contains(&"input") {
                 out.push_str("\n`input` is the inputs, or a function of time that gives them.\n");
                 if !delays(d, &program.form.inputs).is_empty() {
@@ -69,7 +76,9 @@ impl Language for Python {
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
-        let given = program.given().map(|a| format!(", {}", a.name));
+        let sides = program.arguments_of(f.kind).filter(|a| a.name == SIDES);
+        let given = program.given().chain(sides);
+        let given = given.map(|a| format!(", {}", a.name));
         let constants = Some(", constant=SIDC_CONSTANTS".to_string());
         let arguments = given.chain(constants.filter(|_| !program.constants.is_empty()));
         let mut out = format!(
@@ -78,7 +87,7 @@ impl Language for Python {
             arguments.collect::<String>(),
             f.kind.about(program.discrete)
         );
-        for a in &program.arguments {
+        for a in program.arguments_of(f.kind) {
             if f.body.reads.iter().any(|r| r.argument == a.name) {
                 let numbers = if a.name == "input" && program.is_delayed {
                     "_inputs"
@@ -145,6 +154,7 @@ impl Language for Python {
             (reads && program.is_delayed, INPUTS),
             (program.solves(|_| true), SOLVE),
             (newton, NEWTON),
+            (!program.switches.is_empty(), STEPS),
         ])
     }
 }
@@ -176,6 +186,9 @@ fn tuple(name: &str, all: &[String]) -> String {
     };
     format!("{} = ({all})\n", name.to_uppercase())
 }
+
+/// Steps from event to event.
+const STEPS: &str = include_str!("event_steps/steps.py");
 
 const NUMBERS: &str = "
 
@@ -223,5 +236,5 @@ const RESERVED: &[&str] = &[
     "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
     "return", "try", "while", "with", "yield",
     "np", "t", "state", "input", "parameter", "history", "constant", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
-    "outputs", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
+    "outputs", "side", "guards", "rates_by_side", "guard_rates", "advance", "run", "settle", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
 ];

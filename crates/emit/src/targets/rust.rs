@@ -7,7 +7,7 @@ use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
+use crate::code::printer::{Dialect, Language, Printer, commented, event_steps, used_helpers};
 use crate::code::program::{Function, Newton, Program, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -67,7 +67,7 @@ impl Language for Rust {
 
     fn opening(&self, program: &Program, f: &Function) -> String {
         let (rows, columns) = f.size;
-        let arguments = program.arguments.iter();
+        let arguments = program.arguments_of(f.kind);
         let arguments = arguments.map(|a| format!(", {}: &[f64; {}]", a.name, a.signals.len()));
         let result = match f.kind.is_matrix() {
             true => format!("[[f64; {columns}]; {rows}]"),
@@ -122,7 +122,14 @@ impl Language for Rust {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let sign = program.calls().iter().any(|f| f.spelling.rust == "sign");
+        let other = program.arguments.iter().skip(1);
+        let declared = other
+            .clone()
+            .map(|a| format!(", {}: &[f64; {}]", a.name, a.signals.len()));
+        let passed = other.map(|a| format!(", {}", a.name));
+        let steps = event_steps(program, STEPS, (declared.collect(), passed.collect()));
         used_helpers(&[
+            (!program.switches.is_empty(), steps.as_str()),
             (program.solves(|n| n == 2), SOLVE_2),
             (program.solves(|n| n != 2), SOLVE),
             (newton, NEWTON),
@@ -151,6 +158,9 @@ impl Syntax for Rust {
         format!("f64::powf({x}, {p})")
     }
 }
+
+/// Steps from event to event.
+const STEPS: &str = include_str!("event_steps/steps.rs.txt");
 
 /// Without loops, three times as fast as `SOLVE`.
 const SOLVE_2: &str = "
@@ -265,6 +275,7 @@ const RESERVED: &[&str] = &[
     "super", "trait", "true", "type", "unsafe", "use", "where", "while", "abstract", "become", "box", "do", "final", "macro",
     "override", "priv", "try", "typeof", "unsized", "virtual", "yield", "union", "Some", "None", "Ok", "Err", "f64", "t", "state", "input", "parameter", "history", "constant",
     "slope", "solve", "solve_2", "newton", "root", "sign", "derivatives", "next", "jacobian", "jacobian_input", "outputs",
+    "side", "guards", "rates_by_side", "guard_rates", "settle", "advance", "eliminate", "Held", "Vec",
     "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
 ];
 
@@ -280,6 +291,9 @@ mod tests {
             Kind::Jacobian,
             Kind::InputJacobian,
             Kind::Outputs,
+            Kind::Guards,
+            Kind::RatesBySide,
+            Kind::GuardRates,
         ] {
             for discrete in [false, true] {
                 assert!(RESERVED.contains(&kind.name(discrete)));

@@ -246,7 +246,7 @@ fn bend(d: &Discovery, b: &NonsmoothPoint, l: &Linear) -> String {
 fn argument(b: &NonsmoothPoint) -> Option<&Expr> {
     let (_, term) = b.call.terms().next()?;
     match term.factors().next()? {
-        (Atom::Call(f, args), _) if matches!(f.name, "abs" | "sign") => args.first(),
+        (Atom::Call(f, args), _) if matches!(f.name, "abs" | "sign" | "step") => args.first(),
         _ => None,
     }
 }

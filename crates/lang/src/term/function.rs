@@ -16,7 +16,7 @@ pub struct Function {
     /// Value; NaN or ±∞ outside the domain.
     pub eval: fn(&[f64]) -> f64,
     /// Partial derivative by the argument of that number, as an expression of the arguments. At a kink it is the mean of
-    /// both sides; of `sign` it is 0, at the jump too.
+    /// both sides; of `sign` and `step` it is 0, at the jump too.
     pub slope: fn(&[Expr], usize) -> Expr,
     /// Where it is real and finite, in words; empty if everywhere.
     pub domain: &'static str,
@@ -132,6 +132,11 @@ fn sign<T: Float>(x: T) -> T {
     if x == T::zero() { x } else { x.signum() }
 }
 
+/// 0, ½ or 1: the part of a law that acts beyond a threshold. Code computes it by `sign`.
+fn step(x: f64) -> f64 {
+    0.5 * (1.0 + sign(x))
+}
+
 /// The call of a function of one argument by name, for slopes. NaN for a name that is not in the table.
 fn of(name: &str, x: &Expr) -> Expr {
     match Func::named(name) {
@@ -186,6 +191,7 @@ pub static FUNCTIONS: &[Function] = &[
     one("sqrt", |x| x[0].sqrt(), |x, _| of("sqrt", &x[0]).pow(-1.0).scale(0.5), "arguments of zero or more", r"\sqrt", spelled("sqrt", "sqrt", "sqrt", "sqrt", "real_sqrt")).with_units(UnitRule::Root),
     one("abs",  |x| x[0].abs(),  |x, _| of("sign", &x[0]), "", r"\operatorname{abs}", spelled("abs", "fabs", "abs", "Abs", "abs")).even().with_units(UnitRule::Kept),
     one("sign", |x| sign(x[0]),  |_, _| Expr::zero(), "", r"\operatorname{sign}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).odd().with_units(UnitRule::Lost),
+    one("step", |x| step(x[0]), |_, _| Expr::zero(), "", r"\operatorname{step}", spelled("sign", "sidc_sign", "sign", "sign", "sign")).with_units(UnitRule::Lost),
     Function { name: "min", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::min), slope: |x, i| picks("min", -1.0, x, i), domain: "", latex: r"\min", spelling: spelled("min", "fmin", "fmin", "Min", "min"), symmetry: Symmetry::None, units: UnitRule::Kept },
     Function { name: "max", arity: (2, 16), eval: |x| x.iter().copied().fold(f64::NAN, f64::max), slope: |x, i| picks("max", 1.0, x, i), domain: "", latex: r"\max", spelling: spelled("max", "fmax", "fmax", "Max", "max"), symmetry: Symmetry::None, units: UnitRule::Kept },
 ];

@@ -1,4 +1,4 @@
-//! Kinks: where `abs` and `sign` are at zero, or `min` and `max` at a tie, and equations have no derivative.
+//! Kinks: where `abs`, `sign` and `step` are at zero, or `min` and `max` at a tie, and equations have no derivative.
 //!
 //! In: a form and a point. Out: each kink there, with the form on either side. Kinks whose sides agree, such as
 //! `x*abs(x)` at zero, are listed too; the caller compares the sides.
@@ -41,7 +41,7 @@ pub fn kinks(form: &Form, point: &Point) -> Vec<Kink> {
     let mut found = Vec::new();
     for (f, args) in calls {
         let choices = match (f.name, args.as_slice()) {
-            ("abs" | "sign", [x])
+            ("abs" | "sign" | "step", [x])
                 if x.eval(&at).abs() <= KINKS.at_kink && arguments.insert(x.clone()) =>
             {
                 vec![x.clone(), x.clone().scale(-1.0)]
@@ -63,7 +63,7 @@ fn collect(e: &Expr, calls: &mut BTreeSet<(Func, Vec<Expr>)>) {
             Atom::Sum(inner) => collect(inner, calls),
             Atom::Call(f, args) => {
                 args.iter().for_each(|a| collect(a, calls));
-                if matches!(f.name, "abs" | "sign" | "min" | "max") {
+                if matches!(f.name, "abs" | "sign" | "step" | "min" | "max") {
                     calls.insert((*f, args.to_vec()));
                 }
             }
@@ -88,11 +88,14 @@ fn kink(form: &Form, f: Func, args: Vec<Expr>, choices: Vec<Expr>) -> Kink {
             -1.0
         };
         let swap = |atom: &Atom| match (atom, f.name) {
-            (Atom::Call(g, a), "abs" | "sign") if a.as_ref() == args.as_slice() => match g.name {
-                "abs" => Some(chosen.clone()),
-                "sign" => Some(Expr::number(sign)),
-                _ => None,
-            },
+            (Atom::Call(g, a), "abs" | "sign" | "step") if a.as_ref() == args.as_slice() => {
+                match g.name {
+                    "abs" => Some(chosen.clone()),
+                    "sign" => Some(Expr::number(sign)),
+                    "step" => Some(Expr::number(0.5 + 0.5 * sign)),
+                    _ => None,
+                }
+            }
             (Atom::Call(g, a), _) if *g == f && a.as_ref() == args.as_slice() => {
                 Some(chosen.clone())
             }

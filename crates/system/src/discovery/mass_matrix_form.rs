@@ -214,7 +214,7 @@ impl Form {
         }
     }
 
-    fn row(&self, right: Expr, target: Signal) -> Row {
+    pub(crate) fn row(&self, right: Expr, target: Signal) -> Row {
         let slopes = self.unknowns.iter().map(|q| right.derivative(*q));
         let slopes: Vec<Expr> = slopes.collect();
         let mut force = right.clone();

@@ -4,6 +4,7 @@ use crate::simulate::compiled::plant::{Plant, Workspace};
 use crate::simulate::fault::FaultKind;
 use crate::simulate::inputs::interpolation::InputSegment;
 use crate::simulate::thresholds::EXPLICIT;
+use crate::switching::thresholds::SWITCHING;
 use sidc_lang::term::Signal;
 use sidc_progress::{Activity, Observer};
 
@@ -17,12 +18,20 @@ pub(super) struct Flow<'a> {
     lines: Vec<InputSegment>,
     /// Inputs that vary along the stretch.
     moving: Vec<usize>,
+    /// Sizes of the guards of all switches; empty where none is.
+    guard_sizes: Vec<f64>,
+    /// Margins of all switches, and their rates, where the present step begins.
+    pub(super) margins: Vec<f64>,
+    pub(super) margin_rates: Vec<f64>,
+    /// Events since time last moved.
+    events_at_once: usize,
 }
 
 impl<'a> Flow<'a> {
     /// `params` in the order of the form.
     pub fn new(plant: &'a Plant, params: &[f64]) -> Flow<'a> {
         let mut work = plant.work();
+        work.is_pinned = true;
         let given: Vec<f64> = vec![0.0; plant.form.inputs.len()];
         plant.give(&mut work, &[&given, params].concat());
         Flow {
@@ -30,6 +39,10 @@ impl<'a> Flow<'a> {
             work,
             lines: Vec::new(),
             moving: Vec::new(),
+            guard_sizes: Vec::new(),
+            margins: Vec::new(),
+            margin_rates: Vec::new(),
+            events_at_once: 0,
         }
     }
 
@@ -40,6 +53,7 @@ impl<'a> Flow<'a> {
         self.moving.clear();
         for (i, line) in self.lines.iter().enumerate() {
             self.plant.give_one(&mut self.work, i, line.value);
+            self.work.input_slopes[i] = line.slope;
             if line.slope != 0.0 {
                 self.moving.push(i);
             }
@@ -69,6 +83,77 @@ impl<'a> Flow<'a> {
         self.plant.solve(&mut self.work, t, x)?;
         let outputs = self.plant.outputs(&mut self.work);
         Ok((&self.work.q, outputs))
+    }
+
+    /// Whether a law switches along the way.
+    pub fn has_switches(&self) -> bool {
+        self.plant.has_switches()
+    }
+
+    /// Sets the side of every switch after the inputs or the state jumped, or after `events`. States of these sizes.
+    pub fn settle(
+        &mut self,
+        (t, x): (f64, &mut [f64]),
+        sizes: &[f64],
+        events: &[usize],
+    ) -> Result<(), FaultKind> {
+        if !self.has_switches() {
+            return Ok(());
+        }
+        self.at(t);
+        if self.guard_sizes.is_empty() {
+            self.guard_sizes = self.plant.guard_sizes(&mut self.work, x, sizes);
+        }
+        let sizes = &self.guard_sizes;
+        self.plant.settle(&mut self.work, (t, x), sizes, events)?;
+        self.begin_step(t, x)
+    }
+
+    /// Passes an event: sides are settled at `x`. Where they stay as they are although the step from there, to `end`, crosses a guard at its
+    /// start, the other side is taken.
+    pub fn pass(
+        &mut self,
+        (t, x): (f64, &mut [f64]),
+        sizes: &[f64],
+        (part, switches, end): (f64, &[usize], &[f64]),
+    ) -> Result<(), FaultKind> {
+        let before = self.work.modes.clone();
+        let sides = self.work.sides.clone();
+        if part > SWITCHING.located {
+            self.events_at_once = 0;
+        }
+        self.events_at_once += 1;
+        if self.events_at_once > SWITCHING.at_once {
+            return Err(FaultKind::StepTooSmall);
+        }
+        self.settle((t, x), sizes, switches)?;
+        if part == 0.0 && self.work.modes == before {
+            self.plant.cross(&mut self.work, (switches, &sides), end);
+            self.begin_step(t, x)?;
+        }
+        Ok(())
+    }
+
+    /// Notes the margins at the start of a step.
+    pub fn begin_step(&mut self, t: f64, x: &[f64]) -> Result<(), FaultKind> {
+        let mut margins = std::mem::take(&mut self.margins);
+        let found = self.margins(t, x, &mut margins);
+        self.margins = margins;
+        let mut rates = std::mem::take(&mut self.margin_rates);
+        self.plant.margin_rates(&self.work, &mut rates);
+        self.margin_rates = rates;
+        found
+    }
+
+    /// Margins of all switches at a point.
+    pub fn margins(&mut self, t: f64, x: &[f64], out: &mut Vec<f64>) -> Result<(), FaultKind> {
+        self.at(t);
+        self.plant.margins(&mut self.work, t, x, out)
+    }
+
+    /// The rates of the margins where they were last evaluated.
+    pub fn margin_rates(&self, out: &mut Vec<f64>) {
+        self.plant.margin_rates(&self.work, out);
     }
 
     #[inline]

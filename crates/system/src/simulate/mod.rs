@@ -22,6 +22,9 @@ mod segment_runs;
 mod stiff;
 pub mod thresholds;
 
+#[cfg(test)]
+mod event_tests;
+
 pub use fault::{Fault, FaultKind};
 pub use record_simulation::simulate;
 pub use required_signals::reads;

@@ -178,7 +178,7 @@ pub(super) fn has_kinks(term: &Term, by: Signal) -> bool {
         Atom::Signal(_) => false,
         Atom::Sum(e) => of_expr(e),
         Atom::Call(f, args) => {
-            let kinked = matches!(f.name, "abs" | "sign" | "min" | "max");
+            let kinked = matches!(f.name, "abs" | "sign" | "step" | "min" | "max");
             (kinked && args.iter().any(|a| a.mentions(by))) || args.iter().any(of_expr)
         }
     })

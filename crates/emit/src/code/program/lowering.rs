@@ -12,7 +12,7 @@ use sidc_lang::term::{Expr, Node, Signal};
 
 /// What a function is made from.
 pub(crate) struct Scope<'a> {
-    pub arguments: &'a [Argument],
+    pub arguments: &'a [&'a Argument],
     /// Every signal that an argument or an equation gives, with its name.
     pub names: &'a [(Signal, String)],
     /// Unknown constants, which alone stand in exponents.

@@ -19,6 +19,7 @@ use crate::code::identifiers::{harmless, plain};
 use crate::unknown_constants;
 use sidc_lang::term::{Expr, Func, Node, Signal, SignalNames};
 use sidc_system::discovery::{Discovery, Form, Rate};
+use sidc_system::switching::Switches;
 
 const NOT_GIVEN: &str =
     "an equation mentions a signal that is neither state, input, parameter nor earlier sample";
@@ -34,6 +35,10 @@ pub(crate) struct Program {
     /// State, inputs, parameters, history, constants; those that are not empty, and always the state.
     pub arguments: Vec<Argument>,
     pub functions: Vec<Function>,
+    /// Where the equations jump; empty if they nowhere do.
+    pub switches: Switches,
+    /// The sides of switches, an argument of functions that take them as given.
+    sides: Argument,
     /// The unknown constants that stand in the equations.
     pub constants: Vec<Constant>,
     /// Every signal with the user's name.
@@ -64,6 +69,12 @@ pub(crate) enum Kind {
     /// Rates by inputs.
     InputJacobian,
     Outputs,
+    /// Where each is zero, an equation jumps.
+    Guards,
+    /// ẋ for given sides of all switches.
+    RatesBySide,
+    /// ġ for given sides.
+    GuardRates,
 }
 
 impl Kind {
@@ -75,6 +86,9 @@ impl Kind {
             (Kind::Jacobian, _) => "jacobian",
             (Kind::InputJacobian, _) => "jacobian_input",
             (Kind::Outputs, _) => "outputs",
+            (Kind::Guards, _) => "guards",
+            (Kind::RatesBySide, _) => "rates_by_side",
+            (Kind::GuardRates, _) => "guard_rates",
         }
     }
 
@@ -96,7 +110,17 @@ impl Kind {
                 "The partial derivatives of `next` (rows) by the input (columns)."
             }
             (Kind::Outputs, _) => "The outputs.",
+            (Kind::Guards, _) => "Where each of these is zero, an equation jumps.",
+            (Kind::RatesBySide, _) => {
+                "The time derivative of the state with the sides of all guards given, -1 to 1."
+            }
+            (Kind::GuardRates, _) => "The rates of the guards with their sides given.",
         }
+    }
+
+    /// True if it takes the sides of all switches.
+    pub fn takes_sides(self) -> bool {
+        matches!(self, Kind::RatesBySide | Kind::GuardRates)
     }
 
     /// True if the result is a matrix.
@@ -144,7 +168,14 @@ impl Program {
             })
             .collect();
         let known = arguments.iter().flat_map(|a| &a.signals);
-        let names = known.chain(&form.unknowns).map(named).collect();
+        let mut names: Vec<(Signal, String)> = known.chain(&form.unknowns).map(named).collect();
+        let (smooth, mut switches) = Switches::of(&form);
+        // Equations that only bend need no events: their rates are continuous.
+        if !switches.jumps.contains(&true) {
+            switches = Switches::default();
+        }
+        let side = |k: usize| format!("side_{}", k + 1);
+        names.extend((switches.signals().into_iter().enumerate()).map(|(k, s)| (s, side(k))));
         let mut program = Program {
             system: d.system.clone(),
             discrete: d.discrete,
@@ -154,12 +185,21 @@ impl Program {
             functions: Vec::new(),
             names,
             form,
+            sides: Argument {
+                name: SIDES,
+                about: "the sides of the guards",
+                names: (0..switches.len()).map(side).collect(),
+                signals: switches.signals(),
+            },
+            switches,
         };
-        program.functions = program.all_functions().map_err(|_| NOT_GIVEN.to_string())?;
+        program.functions = program
+            .all_functions(&smooth)
+            .map_err(|_| NOT_GIVEN.to_string())?;
         Ok(program)
     }
 
-    fn all_functions(&mut self) -> Result<Vec<Function>, Signal> {
+    fn all_functions(&mut self, smooth: &Form) -> Result<Vec<Function>, Signal> {
         let form = self.form.clone();
         let mut all = Vec::new();
         if !form.rows.is_empty() {
@@ -182,7 +222,40 @@ impl Program {
             let values = form.outputs.iter().map(|(_, e)| vec![e.clone()]).collect();
             all.push(self.function(Kind::Outputs, Definitions::new(&form), values)?);
         }
+        if !self.switches.is_empty() {
+            all.extend(self.functions_by_side(smooth)?);
+        }
         Ok(all)
+    }
+
+    /// What steps from event to event need.
+    fn functions_by_side(&self, smooth: &Form) -> Result<Vec<Function>, Signal> {
+        let guards = self.switches.guards.iter();
+        let rates = smooth.rates.iter().map(|r| rate_signal(smooth, *r));
+        let rates: Vec<Expr> = rates.collect();
+        let moves = |guard: &Expr| {
+            let along = smooth.state.iter().zip(&rates);
+            let along = along.map(|(x, rate)| guard.derivative(*x) * rate.clone());
+            vec![along.chain([guard.derivative(Signal::TIME)]).sum()]
+        };
+        let moving = guards.clone().map(moves).collect();
+        let none = Definitions::default();
+        let column = |e: &Expr| vec![e.clone()];
+        Ok(vec![
+            self.function(Kind::Guards, none, guards.map(column).collect())?,
+            self.function(
+                Kind::RatesBySide,
+                Definitions::new(smooth),
+                rates.iter().map(column).collect(),
+            )?,
+            self.function(Kind::GuardRates, Definitions::new(smooth), moving)?,
+        ])
+    }
+
+    /// The arguments of a function.
+    pub fn arguments_of(&self, kind: Kind) -> impl Iterator<Item = &Argument> {
+        let sides = kind.takes_sides().then_some(&self.sides);
+        self.arguments.iter().chain(sides)
     }
 
     fn function(
@@ -192,7 +265,8 @@ impl Program {
         results: Vec<Vec<Expr>>,
     ) -> Result<Function, Signal> {
         let size = (results.len(), results.first().map_or(0, Vec::len));
-        let body = self.scope().lower(definitions, results)?;
+        let arguments: Vec<&Argument> = self.arguments_of(kind).collect();
+        let body = self.scope(&arguments).lower(definitions, results)?;
         Ok(Function { kind, body, size })
     }
 
@@ -209,13 +283,14 @@ impl Program {
         };
         let outputs = self.form.outputs.iter().map(|(_, e)| vec![e.clone()]);
         let rows = self.form.rows.iter().map(row).chain(outputs).collect();
-        let body = self.scope().lower(Definitions::default(), rows);
+        let arguments: Vec<&Argument> = self.arguments.iter().collect();
+        let body = self.scope(&arguments).lower(Definitions::default(), rows);
         body.map_err(|_| NOT_GIVEN.to_string())
     }
 
-    fn scope(&self) -> Scope<'_> {
+    fn scope<'a>(&'a self, arguments: &'a [&'a Argument]) -> Scope<'a> {
         Scope {
-            arguments: &self.arguments,
+            arguments,
             names: &self.names,
             constants: &self.form.constants,
         }
@@ -312,6 +387,8 @@ impl Program {
     }
 }
 
+/// The name of the argument that holds the sides of guards.
+pub(crate) const SIDES: &str = "side";
 /// The name of the argument that holds the constants.
 const CONSTANTS: &str = "constant";
 

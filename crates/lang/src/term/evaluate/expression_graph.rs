@@ -129,7 +129,15 @@ impl Graph {
                     return Ok(self.add(Node::Raised(base, exponent)));
                 }
                 let args: Result<Vec<usize>, Signal> = args.iter().map(|a| self.expr(a)).collect();
-                Ok(self.add(Node::Call(*f, args?)))
+                match (f.name, Func::named("sign")) {
+                    // No language has a step that is ½ at zero.
+                    ("step", Some(sign)) => {
+                        let half = 0.5f64.to_bits();
+                        let side = self.add(Node::Call(sign, args?));
+                        Ok(self.add(Node::Sum(half, vec![(half, side)])))
+                    }
+                    _ => Ok(self.add(Node::Call(*f, args?))),
+                }
             }
             Atom::Sum(e) => self.expr(e),
         }

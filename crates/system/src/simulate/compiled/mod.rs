@@ -2,3 +2,4 @@
 
 mod gaussian_elimination;
 pub(crate) mod plant;
+mod switched_plant;

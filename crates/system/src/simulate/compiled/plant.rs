@@ -9,15 +9,19 @@ use nalgebra::DMatrix;
 
 use crate::discovery::{Form, Rate};
 use crate::simulate::compiled::gaussian_elimination;
+use crate::simulate::compiled::switched_plant::CompiledSwitches;
 use crate::simulate::fault::FaultKind;
+use crate::switching::{Mode, Modes, Switches};
 use sidc_lang::term::{Expr, PointTape, Signal};
 
 /// A compiled system.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Plant {
     pub form: Form,
-    /// What the slots hold, in order: time, state, inputs, parameters, history, unknowns.
+    /// What the slots hold, in order: time, state, inputs, parameters, history, unknowns, sides of switches.
     pub signals: Vec<Signal>,
+    /// Where laws switch; `None` where none does, and in discrete time.
+    pub(super) switches: Option<CompiledSwitches>,
     /// M by rows, then f; f alone if no equation contains another's unknown.
     rates: PointTape,
     coupled: bool,
@@ -31,7 +35,7 @@ pub(crate) struct Plant {
 /// Buffers of one run, and the last unknowns, from which Newton's method starts.
 #[derive(Clone, Debug)]
 pub(crate) struct Workspace {
-    slots: Vec<f64>,
+    pub(super) slots: Vec<f64>,
     slopes: Vec<f64>,
     outputs: Vec<f64>,
     matrix: Vec<f64>,
@@ -39,7 +43,17 @@ pub(crate) struct Workspace {
     /// The unknowns of the last point.
     pub q: Vec<f64>,
     /// True if `q` belongs to the values in the slots.
-    known: bool,
+    pub(super) known: bool,
+    /// Guards and their gradients at the point in the slots.
+    pub(super) guards: Vec<f64>,
+    /// The side of every switch.
+    pub modes: Modes,
+    /// σ of every switch at the last point.
+    pub sides: Vec<f64>,
+    /// Whether the modes hold until an event; else they are those of each point.
+    pub is_pinned: bool,
+    /// Slopes of the inputs in time.
+    pub input_slopes: Vec<f64>,
     /// Points at which the equations were evaluated.
     pub calls: u64,
 }
@@ -47,20 +61,22 @@ pub(crate) struct Workspace {
 impl Plant {
     /// `Err` is a signal that no argument gives.
     pub fn new(form: Form) -> Result<Plant, Signal> {
+        let (smooth, switches) = Switches::of(&form);
         let mut signals = vec![Signal::TIME];
         for part in [&form.state, &form.inputs, &form.params, &form.history] {
             signals.extend(part);
         }
         signals.extend(&form.unknowns);
+        signals.extend(switches.signals());
         let coupled = form.coupled();
-        let masses = || form.rows.iter().flat_map(|r| r.mass.iter().cloned());
-        let forces = form.rows.iter().map(|r| r.force.clone());
+        let masses = || smooth.rows.iter().flat_map(|r| r.mass.iter().cloned());
+        let forces = smooth.rows.iter().map(|r| r.force.clone());
         let rates: Vec<Expr> = match coupled {
             true => masses().chain(forces).collect(),
             false => forces.collect(),
         };
         let (mut entries, mut slopes) = (Vec::new(), masses().collect::<Vec<_>>());
-        for (i, row) in form.rows.iter().enumerate() {
+        for (i, row) in smooth.rows.iter().enumerate() {
             for (j, x) in form.state.iter().enumerate() {
                 if row.right.mentions(*x) {
                     slopes.push(row.right.derivative(*x));
@@ -68,11 +84,12 @@ impl Plant {
                 }
             }
         }
-        let outputs: Vec<Expr> = form.outputs.iter().map(|(_, e)| e.clone()).collect();
+        let outputs: Vec<Expr> = smooth.outputs.iter().map(|(_, e)| e.clone()).collect();
         Ok(Plant {
             rates: PointTape::new(&rates, &signals)?,
             slopes: PointTape::new(&slopes, &signals)?,
             outputs: PointTape::new(&outputs, &signals)?,
+            switches: CompiledSwitches::new(&switches, &form, &signals)?,
             coupled,
             entries,
             signals,
@@ -82,7 +99,14 @@ impl Plant {
 
     pub fn work(&self) -> Workspace {
         let n = self.form.rows.len();
+        let switches = self.switches.as_ref();
+        let count = switches.map_or(0, |s| s.count);
         Workspace {
+            guards: switches.map(CompiledSwitches::slots).unwrap_or_default(),
+            modes: Modes(vec![Mode::Level; count]),
+            sides: vec![0.0; count],
+            is_pinned: false,
+            input_slopes: vec![0.0; self.form.inputs.len()],
             slots: self.rates.slots(),
             slopes: self.slopes.slots(),
             outputs: self.outputs.slots(),
@@ -124,13 +148,16 @@ impl Plant {
         work.calls += 1;
         work.slots[0] = t;
         work.slots[1..=states].copy_from_slice(x);
-        let solved = self.evaluate(work);
+        let solved = match &self.switches {
+            None => self.evaluate(work),
+            Some(switches) => self.evaluate_switched(switches, work),
+        };
         work.known = solved.is_ok();
         solved
     }
 
     /// Computes the unknowns for the values in the slots.
-    fn evaluate(&self, work: &mut Workspace) -> Result<(), FaultKind> {
+    pub(super) fn evaluate(&self, work: &mut Workspace) -> Result<(), FaultKind> {
         if !self.coupled {
             self.rates.run(&mut work.slots);
             for (q, slot) in work.q.iter_mut().zip(&self.rates.outputs) {
@@ -188,6 +215,8 @@ impl Plant {
         let given = 1 + n + self.given();
         work.slopes[..given].copy_from_slice(&work.slots[..given]);
         work.slopes[given..given + m].copy_from_slice(&work.q);
+        let last = given + m..given + m + work.sides.len();
+        work.slopes[last].copy_from_slice(&work.sides);
         self.slopes.run(&mut work.slopes);
         out.fill(0.0);
         for (i, rate) in self.form.rates.iter().enumerate() {
@@ -215,6 +244,9 @@ impl Plant {
                 }
             }
         }
+        if let Some(switches) = self.switches.as_ref().filter(|_| work.modes.any_slides()) {
+            self.hold_guards(switches, work, out)?;
+        }
         match out.iter().position(|v| !v.is_finite()) {
             Some(place) => Err(FaultKind::NotFinite(self.target_of(place / n))),
             None => Ok(()),
@@ -227,6 +259,8 @@ impl Plant {
         let to = given + work.q.len();
         work.outputs[..given].copy_from_slice(&work.slots[..given]);
         work.outputs[given..to].copy_from_slice(&work.q);
+        let last = to..to + work.sides.len();
+        work.outputs[last].copy_from_slice(&work.sides);
         self.outputs.run(&mut work.outputs);
         let slots = self.outputs.outputs.iter();
         slots.map(|slot| work.outputs[*slot]).collect()
@@ -240,7 +274,7 @@ impl Plant {
     }
 
     /// How many inputs, parameters and lagged samples there are.
-    fn given(&self) -> usize {
+    pub(super) fn given(&self) -> usize {
         let f = &self.form;
         f.inputs.len() + f.params.len() + f.history.len()
     }

@@ -68,14 +68,14 @@ impl Integration<'_> {
         guard.check(*first, &self.x, 0)?;
         let mut row = 0;
         while row < last {
-            self.turn(time[row]);
+            self.turn(time[row], guard)?;
             self.record(row)?;
             let cuts = self.cuts(time[row], time[row + 1]);
             let mut from = time[row];
             for cut in &cuts {
                 self.reach(from, &[*cut], guard)?;
                 from = *cut;
-                self.turn(from);
+                self.turn(from, guard)?;
             }
             let end = if cuts.is_empty() {
                 self.unchanged(row)
@@ -85,7 +85,7 @@ impl Integration<'_> {
             self.reach_rows(from, row + 1..=end, guard)?;
             row = end;
         }
-        self.turn(time[last]);
+        self.turn(time[last], guard)?;
         self.record(last)
     }
 
@@ -96,10 +96,12 @@ impl Integration<'_> {
     }
 
     /// Switches the inputs to their segments from `t` on.
-    fn turn(&mut self, t: f64) {
+    fn turn(&mut self, t: f64, guard: &Guard) -> Result<(), Ended> {
         let (drives, sampled) = (self.leg.drives, self.leg.sampled);
         self.flow.drive(drives.iter().map(|d| d.line(sampled, t)));
         self.explicit.restart();
+        let settled = self.flow.settle((t, &mut self.x), &guard.sizes, &[]);
+        settled.map_err(|kind| (kind, t))
     }
 
     /// Knots of delayed inputs strictly between two rows.

@@ -2,5 +2,6 @@
 
 pub(crate) mod continuous_time;
 pub(crate) mod discrete_time;
+pub(crate) mod passage;
 mod runge_kutta;
 pub(crate) mod trajectory;

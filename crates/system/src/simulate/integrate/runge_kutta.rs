@@ -7,6 +7,7 @@
 
 use crate::simulate::fault::FaultKind;
 use crate::simulate::flow::{Ended, Flow, Guard};
+use crate::simulate::integrate::passage::{Passage, passage};
 use crate::simulate::thresholds::EXPLICIT;
 
 /// Nodes and weights of the Dormand–Prince tableau (c and A), stage by stage.
@@ -139,6 +140,33 @@ impl RungeKutta {
                 continue;
             }
             failed = None;
+            if flow.has_switches() {
+                match self
+                    .passage(flow, (t, h), x, guard)
+                    .map_err(|kind| (kind, t))?
+                {
+                    Passage::Free => flow
+                        .begin_step(end, &self.end)
+                        .map_err(|kind| (kind, end))?,
+                    Passage::Touches(part) => {
+                        self.h = part * h;
+                        continue;
+                    }
+                    Passage::Event {
+                        part,
+                        state,
+                        switches,
+                    } => {
+                        let there = self.end.clone();
+                        x.copy_from_slice(&state);
+                        t = if part == 1.0 { end } else { t + part * h };
+                        flow.pass((t, x), &guard.sizes, (part, &switches, &there))
+                            .map_err(|kind| (kind, t))?;
+                        self.fresh = false;
+                        continue;
+                    }
+                }
+            }
             if watch {
                 let stiff = self.stretch(h, guard) > EXPLICIT.stability;
                 // At the limit of stability step sizes oscillate, so a single calm step does not count.
@@ -166,6 +194,29 @@ impl RungeKutta {
         Ok(Reached::Stop)
     }
 
+    /// What the step that was just tried passes. The state at its end stays in `end`.
+    fn passage(
+        &mut self,
+        flow: &mut Flow,
+        (t, h): (f64, f64),
+        x: &[f64],
+        guard: &Guard,
+    ) -> Result<Passage, FaultKind> {
+        let end = self.end.clone();
+        let slopes = self.slopes.clone();
+        let mut state_at = |flow: &mut Flow, part: f64| match part {
+            0.0 => Ok(x.to_vec()),
+            part => {
+                self.attempt(flow, (t, t + part * h), x, part * h, guard)?;
+                Ok(self.end.clone())
+            }
+        };
+        let found = passage(flow, (t, h), &end, &mut state_at);
+        self.end = end;
+        self.slopes = slopes;
+        found
+    }
+
     /// Integrates from `t` to `stop` in equal steps of at most `h` of the classical method.
     pub fn fixed(
         &mut self,
@@ -182,10 +233,55 @@ impl RungeKutta {
         while k < count {
             let at = t + k * h;
             guard.check(at, x, flow.work.calls)?;
-            self.classical(flow, at, x, h).map_err(|kind| (kind, at))?;
+            match flow.has_switches() {
+                false => self.classical(flow, at, x, h),
+                true => self.classical_between_events(flow, at, x, (h, guard)),
+            }
+            .map_err(|kind| (kind, at))?;
             k += 1.0;
         }
         guard.check(stop, x, flow.work.calls)
+    }
+
+    /// One fixed step, cut at the events within it.
+    fn classical_between_events(
+        &mut self,
+        flow: &mut Flow,
+        t: f64,
+        x: &mut [f64],
+        (h, guard): (f64, &Guard),
+    ) -> Result<(), FaultKind> {
+        let mut done = 0.0;
+        while done < 1.0 {
+            let (from, left) = (t + done * h, (1.0 - done) * h);
+            let start = x.to_vec();
+            self.classical(flow, from, x, left)?;
+            let end = x.to_vec();
+            let mut state_at = |flow: &mut Flow, part: f64| {
+                let mut state = start.clone();
+                if part > 0.0 {
+                    self.classical(flow, from, &mut state, part * left)?;
+                }
+                Ok(state)
+            };
+            match passage(flow, (from, left), &end, &mut state_at)? {
+                Passage::Free | Passage::Touches(_) => {
+                    flow.begin_step(from + left, &end)?;
+                    done = 1.0;
+                }
+                Passage::Event {
+                    part,
+                    state,
+                    switches,
+                } => {
+                    x.copy_from_slice(&state);
+                    done += part * (1.0 - done);
+                    let at = t + done * h;
+                    flow.pass((at, x), &guard.sizes, (part, &switches, &end))?;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Chooses a first step over which the state changes by a hundredth of its size.

@@ -11,6 +11,7 @@ mod tableau;
 
 use super::fault::FaultKind;
 use super::flow::{Ended, Flow, Guard};
+use super::integrate::passage::{Passage, passage};
 use super::thresholds::IMPLICIT;
 use radau::{Outcome, Radau, Span, norm};
 use tableau::STAGES;
@@ -80,6 +81,27 @@ pub(super) fn advance(
                 radau.accept(span.h, x);
                 t = span.end;
                 guard.check(t, x, flow.work.calls)?;
+                if let Some((part, switches)) =
+                    event(flow, &radau, (from, span.h), &before, x).map_err(|kind| (kind, from))?
+                {
+                    t = if part == 1.0 {
+                        span.end
+                    } else {
+                        from + part * span.h
+                    };
+                    while let Some(stop) = stops.next_if(|stop| *stop < t) {
+                        reached.push(radau.within((stop - from) / span.h, &before));
+                    }
+                    let there = x.to_vec();
+                    x.copy_from_slice(&radau.within(part, &before));
+                    flow.pass((t, x), &guard.sizes, (part, &switches, &there))
+                        .map_err(|kind| (kind, t))?;
+                    allow(&mut scale, x, guard);
+                    radau = Radau::new(x.len());
+                    let slope = radau.begin(flow, t, x).map_err(|kind| (kind, t))?.to_vec();
+                    control = StepControl::new(first(&radau.jacobian, &slope, &scale));
+                    continue;
+                }
                 while let Some(stop) = stops.next_if(|stop| *stop < t) {
                     reached.push(radau.within((stop - from) / span.h, &before));
                 }
@@ -88,6 +110,41 @@ pub(super) fn advance(
         }
     }
     Ok(())
+}
+
+/// The first event of the step that was just accepted, as a part of it; the flow begins its next step at the end if there is none.
+fn event(
+    flow: &mut Flow,
+    radau: &Radau,
+    (from, h): (f64, f64),
+    before: &[f64],
+    end: &[f64],
+) -> Result<Option<(f64, Vec<usize>)>, FaultKind> {
+    if !flow.has_switches() {
+        return Ok(None);
+    }
+    let mut state_at = |_: &mut Flow, part: f64| match part {
+        0.0 => Ok(before.to_vec()),
+        part => Ok(radau.within(part, before)),
+    };
+    match passage(flow, (from, h), end, &mut state_at)? {
+        Passage::Event { part, switches, .. } => Ok(Some((part, switches))),
+        Passage::Touches(part) => {
+            // The polynomial tells what is between: one more look there is enough.
+            let middle = radau.within(part, before);
+            let found = passage(flow, (from, part * h), &middle, &mut |_, within| {
+                Ok(radau.within(within * part, before))
+            })?;
+            if let Passage::Event {
+                part: p, switches, ..
+            } = found
+            {
+                return Ok(Some((p * part, switches)));
+            }
+            flow.begin_step(from + h, end).map(|()| None)
+        }
+        Passage::Free => flow.begin_step(from + h, end).map(|()| None),
+    }
 }
 
 /// The allowed error of each component.

@@ -1,0 +1,359 @@
+//! Switches of compiled equations: their guards, what holds a guard at zero, and the rates and the Jacobian meanwhile.
+//!
+//! In: a form, a point with the sides of all switches. Out: the form without switches; q and σ at the point. What a side means is decided
+//! in [`crate::switching`].
+
+use nalgebra::DMatrix;
+
+use crate::discovery::Form;
+use crate::simulate::compiled::plant::{Plant, Workspace};
+use crate::simulate::fault::FaultKind;
+use crate::switching::thresholds::SWITCHING;
+use crate::switching::{GuardRates, Mode, SlidingRates, Switches, least_norm};
+use sidc_lang::term::{Expr, PointTape, Signal};
+
+/// Guards and their gradients, compiled.
+#[derive(Clone, Debug)]
+pub(crate) struct CompiledSwitches {
+    pub count: usize,
+    /// Guards, then the derivatives of `by_state`, `by_input`, `by_time`.
+    tape: PointTape,
+    /// Guard and state of each derivative.
+    by_state: Vec<(usize, usize)>,
+    /// Guard and input of each derivative.
+    by_input: Vec<(usize, usize)>,
+    /// Guards that move with time alone.
+    by_time: Vec<usize>,
+}
+
+impl CompiledSwitches {
+    /// `None` where nothing switches; `Err` is a signal that no argument gives.
+    pub fn new(
+        switches: &Switches,
+        form: &Form,
+        signals: &[Signal],
+    ) -> Result<Option<CompiledSwitches>, Signal> {
+        if switches.is_empty() {
+            return Ok(None);
+        }
+        let mut outputs: Vec<Expr> = switches.guards.clone();
+        let mut slopes = |signals: &[Signal]| {
+            let mut entries = Vec::new();
+            for (k, guard) in switches.guards.iter().enumerate() {
+                for (i, s) in signals.iter().enumerate() {
+                    if guard.mentions(*s) {
+                        outputs.push(guard.derivative(*s));
+                        entries.push((k, i));
+                    }
+                }
+            }
+            entries
+        };
+        let by_state = slopes(&form.state);
+        let by_input = slopes(&form.inputs);
+        let by_time = slopes(&[Signal::TIME]);
+        Ok(Some(CompiledSwitches {
+            count: switches.len(),
+            tape: PointTape::new(&outputs, signals)?,
+            by_state,
+            by_input,
+            by_time: by_time.into_iter().map(|(k, _)| k).collect(),
+        }))
+    }
+
+    pub fn slots(&self) -> Vec<f64> {
+        self.tape.slots()
+    }
+
+    /// Guards at the point in the slots of `work`.
+    fn run(&self, work: &mut Workspace, given: usize) {
+        work.guards[..given].copy_from_slice(&work.slots[..given]);
+        self.tape.run(&mut work.guards);
+    }
+
+    fn value(&self, work: &Workspace, output: usize) -> f64 {
+        work.guards[self.tape.outputs[output]]
+    }
+
+    /// ∂g/∂x · v for every guard.
+    fn along(&self, work: &Workspace, v: &dyn Fn(usize) -> f64, out: &mut [f64]) {
+        out.fill(0.0);
+        for (e, (k, i)) in self.by_state.iter().enumerate() {
+            out[*k] += self.value(work, self.count + e) * v(*i);
+        }
+    }
+
+    /// ġ of every guard, given q.
+    fn rates(&self, form: &Form, work: &Workspace, out: &mut [f64]) {
+        let x = &work.slots[1..=form.state.len()];
+        self.along(work, &|i| form.rates[i].value(x, &work.q), out);
+        let first = self.count + self.by_state.len();
+        for (e, (k, j)) in self.by_input.iter().enumerate() {
+            out[*k] += self.value(work, first + e) * work.input_slopes[*j];
+        }
+        let first = first + self.by_input.len();
+        for (e, k) in self.by_time.iter().enumerate() {
+            out[*k] += self.value(work, first + e);
+        }
+    }
+}
+
+/// Laws at the point in the slots.
+struct AtPoint<'a> {
+    plant: &'a Plant,
+    switches: &'a CompiledSwitches,
+    work: &'a mut Workspace,
+}
+
+impl GuardRates for AtPoint<'_> {
+    type Error = FaultKind;
+
+    fn guard_rates(&mut self, sides: &[f64], out: &mut [f64]) -> Result<(), FaultKind> {
+        self.plant.give_sides(self.work, sides);
+        self.plant.evaluate(self.work)?;
+        self.work.calls += 1;
+        self.switches.rates(&self.plant.form, self.work, out);
+        Ok(())
+    }
+}
+
+impl Plant {
+    /// q at the point in the slots, and σ of every switch.
+    pub(super) fn evaluate_switched(
+        &self,
+        switches: &CompiledSwitches,
+        work: &mut Workspace,
+    ) -> Result<(), FaultKind> {
+        switches.run(work, 1 + self.states() + self.given());
+        if !work.is_pinned {
+            for k in 0..switches.count {
+                work.modes.0[k] = Mode::of(switches.value(work, k));
+            }
+            let zero: Vec<usize> = (0..switches.count)
+                .filter(|k| work.modes.0[*k] == Mode::Level)
+                .collect();
+            if !zero.is_empty() {
+                self.decide(switches, work, zero)?;
+            }
+        }
+        let mut sides: Vec<f64> = std::mem::take(&mut work.sides);
+        for (side, mode) in sides.iter_mut().zip(&work.modes.0) {
+            *side = mode.side();
+        }
+        let held = match work.modes.any_slides() {
+            true => self.hold(switches, work, &mut sides),
+            false => Ok(()),
+        };
+        self.give_sides(work, &sides);
+        work.sides = sides;
+        held?;
+        self.evaluate(work)
+    }
+
+    /// Sets the σ that keep all sliding guards at zero.
+    fn hold(
+        &self,
+        switches: &CompiledSwitches,
+        work: &mut Workspace,
+        sides: &mut [f64],
+    ) -> Result<(), FaultKind> {
+        let contacts: Vec<usize> = work.modes.sliding().collect();
+        let mut laws = AtPoint {
+            plant: self,
+            switches,
+            work,
+        };
+        let rates = SlidingRates::measure(&mut laws, contacts, sides)?;
+        match rates.hold(sides) {
+            true => Ok(()),
+            false => Err(FaultKind::Singular),
+        }
+    }
+
+    /// Decides the modes of contacts at the point in the slots.
+    fn decide(
+        &self,
+        switches: &CompiledSwitches,
+        work: &mut Workspace,
+        contacts: Vec<usize>,
+    ) -> Result<(), FaultKind> {
+        let mut modes = std::mem::take(&mut work.modes);
+        let mut sides: Vec<f64> = modes.0.iter().map(|m| m.side()).collect();
+        let mut laws = AtPoint {
+            plant: self,
+            switches,
+            work,
+        };
+        let rates = SlidingRates::measure(&mut laws, contacts, &mut sides);
+        let decided = rates.map(|rates| rates.decide(&mut modes, &mut sides));
+        work.modes = modes;
+        work.known = false;
+        decided
+    }
+
+    fn give_sides(&self, work: &mut Workspace, sides: &[f64]) {
+        let from = 1 + self.states() + self.given() + work.q.len();
+        work.slots[from..from + sides.len()].copy_from_slice(sides);
+    }
+
+    pub fn has_switches(&self) -> bool {
+        self.switches.is_some()
+    }
+
+    /// Guards and sizes that they reach for states of these sizes.
+    pub fn guard_sizes(&self, work: &mut Workspace, x: &[f64], sizes: &[f64]) -> Vec<f64> {
+        let Some(switches) = &self.switches else {
+            return Vec::new();
+        };
+        work.slots[1..=x.len()].copy_from_slice(x);
+        work.known = false;
+        switches.run(work, 1 + self.states() + self.given());
+        let mut out: Vec<f64> = (0..switches.count)
+            .map(|k| switches.value(work, k).abs())
+            .collect();
+        for (e, (k, i)) in switches.by_state.iter().enumerate() {
+            out[*k] += (switches.value(work, switches.count + e) * sizes[*i]).abs();
+        }
+        out
+    }
+
+    /// Sets the sides of all switches at a point: those of `events`, of guards at zero and of sliding ones by what the laws do there, the
+    /// others by their guards. Guards that slide are set to zero in `x`.
+    pub fn settle(
+        &self,
+        work: &mut Workspace,
+        (t, x): (f64, &mut [f64]),
+        sizes: &[f64],
+        events: &[usize],
+    ) -> Result<(), FaultKind> {
+        let Some(switches) = &self.switches else {
+            return Ok(());
+        };
+        let given = 1 + self.states() + self.given();
+        work.slots[0] = t;
+        work.slots[1..=x.len()].copy_from_slice(x);
+        work.known = false;
+        switches.run(work, given);
+        let mut contacts = Vec::new();
+        for (k, size) in sizes.iter().enumerate() {
+            let g = switches.value(work, k);
+            let is_zero = g.abs() <= SWITCHING.zero * size;
+            match is_zero || work.modes.0[k] == Mode::Sliding || events.contains(&k) {
+                true => contacts.push(k),
+                false => work.modes.0[k] = Mode::of(g),
+            }
+        }
+        if contacts.is_empty() {
+            return Ok(());
+        }
+        self.decide(switches, work, contacts)?;
+        let sliding: Vec<usize> = work.modes.sliding().collect();
+        for k in sliding {
+            project(switches, work, k, x);
+        }
+        Ok(())
+    }
+
+    /// Puts switches on the sides that their guards have at `end`; sliding ones, on the side of the σ that leaves its bounds.
+    pub fn cross(&self, work: &mut Workspace, (which, sides): (&[usize], &[f64]), end: &[f64]) {
+        let Some(switches) = &self.switches else {
+            return;
+        };
+        work.slots[1..=end.len()].copy_from_slice(end);
+        work.known = false;
+        switches.run(work, 1 + self.states() + self.given());
+        for k in which {
+            work.modes.0[*k] = match work.modes.0[*k] {
+                Mode::Sliding => Mode::of(sides[*k]),
+                _ => Mode::of(switches.value(work, *k)),
+            };
+        }
+    }
+
+    /// How far each switch is from its next event: what stays at or above zero while its mode holds.
+    pub fn margins(
+        &self,
+        work: &mut Workspace,
+        t: f64,
+        x: &[f64],
+        out: &mut Vec<f64>,
+    ) -> Result<(), FaultKind> {
+        out.clear();
+        let Some(switches) = &self.switches else {
+            return Ok(());
+        };
+        self.solve(work, t, x)?;
+        switches.run(work, 1 + self.states() + self.given());
+        for k in 0..switches.count {
+            let guard = switches.value(work, k);
+            out.push(work.modes.0[k].margin(guard, work.sides[k]));
+        }
+        Ok(())
+    }
+
+    /// The rates of the margins of guards that are not at zero, after [`Plant::margins`]; 0 for the others.
+    pub fn margin_rates(&self, work: &Workspace, out: &mut Vec<f64>) {
+        out.clear();
+        if let Some(switches) = &self.switches {
+            out.resize(switches.count, 0.0);
+            switches.rates(&self.form, work, out);
+            let modes = out.iter_mut().zip(&work.modes.0);
+            modes.for_each(|(rate, mode)| *rate *= mode.side());
+        }
+    }
+
+    /// The Jacobian of a flow that keeps guards at zero, from that at fixed σ: J − F (G F)⁻¹ G J, with F = ∂ẋ/∂σ and G = ∂g/∂x.
+    pub(super) fn hold_guards(
+        &self,
+        switches: &CompiledSwitches,
+        work: &mut Workspace,
+        out: &mut [f64],
+    ) -> Result<(), FaultKind> {
+        let n = self.states();
+        let contacts: Vec<usize> = work.modes.sliding().collect();
+        let (sides, q) = (work.sides.clone(), work.q.clone());
+        let x: Vec<f64> = work.slots[1..=n].to_vec();
+        switches.run(work, 1 + n + self.given());
+        let mut by_side = DMatrix::zeros(n, contacts.len());
+        for (c, k) in contacts.iter().enumerate() {
+            for (value, weight) in [(1.0, 1.0), (0.0, -1.0)] {
+                let mut moved = sides.clone();
+                moved[*k] = value;
+                self.give_sides(work, &moved);
+                self.evaluate(work)?;
+                for (i, rate) in self.form.rates.iter().enumerate() {
+                    by_side[(i, c)] += weight * rate.value(&x, &work.q);
+                }
+            }
+        }
+        self.give_sides(work, &sides);
+        work.q = q;
+        let mut gradient = DMatrix::zeros(contacts.len(), n);
+        for (e, (k, i)) in switches.by_state.iter().enumerate() {
+            if let Some(c) = contacts.iter().position(|at| at == k) {
+                gradient[(c, *i)] = switches.value(work, switches.count + e);
+            }
+        }
+        let jacobian = DMatrix::from_row_slice(n, n, out);
+        let right = &gradient * &jacobian;
+        let held = least_norm(&gradient * &by_side, &right);
+        let held = jacobian - &by_side * held.ok_or(FaultKind::Singular)?;
+        let rows = out.iter_mut().enumerate();
+        rows.for_each(|(at, value)| *value = held[(at / n, at % n)]);
+        Ok(())
+    }
+}
+
+/// Moves `x` along the gradient of a guard to where it is zero.
+fn project(switches: &CompiledSwitches, work: &Workspace, k: usize, x: &mut [f64]) {
+    let own = switches.by_state.iter().enumerate();
+    let own = own.filter(|(_, (guard, _))| *guard == k);
+    let gradient: Vec<(usize, f64)> = own
+        .map(|(e, (_, i))| (*i, switches.value(work, switches.count + e)))
+        .collect();
+    let square: f64 = gradient.iter().map(|(_, d)| d * d).sum();
+    if square > 0.0 {
+        let part = switches.value(work, k) / square;
+        gradient.iter().for_each(|(i, d)| x[*i] -= part * d);
+    }
+}

@@ -1,0 +1,108 @@
+//! Whether a step crosses an event, and where.
+//!
+//! In: a step that is exact enough, and the state at any part of it. Out: the first event within it. Never chooses a step.
+
+use crate::simulate::fault::FaultKind;
+use crate::simulate::flow::Flow;
+use crate::switching::{Located, Mode, locate};
+
+/// What a step passes.
+#[derive(Clone, Debug)]
+pub(crate) enum Passage {
+    /// No event.
+    Free,
+    /// An event of these switches at this part of the step, and the state there.
+    Event {
+        part: f64,
+        state: Vec<f64>,
+        switches: Vec<usize>,
+    },
+    /// A guard that touches zero near this part of the step: the step should end there.
+    Touches(f64),
+}
+
+/// The state at a part of the step, from 0 to 1.
+pub(crate) type StateAt<'a> = &'a mut dyn FnMut(&mut Flow, f64) -> Result<Vec<f64>, FaultKind>;
+
+/// The first event of a step from `t` of length `h` to `end`.
+///
+/// # Errors
+/// Those of the right side.
+pub(crate) fn passage(
+    flow: &mut Flow,
+    (t, h): (f64, f64),
+    end: &[f64],
+    state_at: StateAt,
+) -> Result<Passage, FaultKind> {
+    // A guard that begins at zero, to rounding, has its zero there.
+    let floor: Vec<f64> = flow.margins.iter().map(|m| m.min(0.0)).collect();
+    let mut margins = Vec::new();
+    flow.margins(t + h, end, &mut margins)?;
+    let over = |margins: &[f64]| {
+        let above = margins.iter().zip(&floor).map(|(m, f)| m - f);
+        above.fold(f64::INFINITY, f64::min)
+    };
+    let last = over(&margins);
+    if last >= 0.0 {
+        return Ok(touch(flow, &margins, h));
+    }
+    let crossed: Vec<usize> = (0..margins.len())
+        .filter(|k| margins[*k] < floor[*k])
+        .collect();
+    let mut margin = |part: f64| {
+        let state = state_at(flow, part)?;
+        let mut margins = Vec::new();
+        flow.margins(t + part * h, &state, &mut margins)?;
+        Ok(over(&margins))
+    };
+    Ok(match locate(last, &mut margin)? {
+        Located::At(part) => {
+            let state = state_at(flow, part)?;
+            flow.margins(t + part * h, &state, &mut margins)?;
+            let nearest = |k: &usize| margins[*k] - floor[*k];
+            let first = crossed
+                .iter()
+                .copied()
+                .min_by(|a, b| nearest(a).total_cmp(&nearest(b)));
+            Passage::Event {
+                part,
+                state,
+                switches: first.into_iter().collect(),
+            }
+        }
+        Located::Start => {
+            let state = state_at(flow, 0.0)?;
+            Passage::Event {
+                part: 0.0,
+                state,
+                switches: crossed,
+            }
+        }
+    })
+}
+
+/// A guard that goes down to zero and up again within a step has no sign to show it: the cubic through both ends tells.
+fn touch(flow: &Flow, end: &[f64], h: f64) -> Passage {
+    let mut rates = Vec::new();
+    flow.margin_rates(&mut rates);
+    for (k, mode) in flow.work.modes.0.iter().enumerate() {
+        let (down, up) = (h * flow.margin_rates[k], h * rates[k]);
+        let is_bowl = down < 0.0 && up > 0.0 && matches!(mode, Mode::Above | Mode::Below);
+        if !is_bowl {
+            continue;
+        }
+        let (from, to) = (flow.margins[k].max(0.0), end[k]);
+        // Hermite's cubic a s³ + b s² + down·s + from has its least value at the larger zero of its derivative.
+        let (a, b) = (
+            2.0 * (from - to) + down + up,
+            3.0 * (to - from) - 2.0 * down - up,
+        );
+        let root = (b * b - 3.0 * a * down).max(0.0).sqrt();
+        let s = -down / (b + root);
+        let least = ((a * s + b) * s + down) * s + from;
+        if s > 1e-6 && s < 1.0 - 1e-6 && least < 0.0 {
+            return Passage::Touches(s);
+        }
+    }
+    Passage::Free
+}

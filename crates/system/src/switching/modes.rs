@@ -1,0 +1,61 @@
+//! On which side of its guard each switch is.
+
+/// The side of a switch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// g < 0, σ = −1.
+    Below,
+    /// g > 0, σ = 1.
+    Above,
+    /// g = 0 and stays there: σ is whatever keeps it.
+    Sliding,
+    /// g = 0, and no σ moves it: σ is 0 until it does.
+    #[default]
+    Level,
+}
+
+/// The sides of all switches.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Modes(pub Vec<Mode>);
+
+impl Mode {
+    /// The side on which a guard of this value is.
+    pub fn of(guard: f64) -> Mode {
+        match guard {
+            g if g > 0.0 => Mode::Above,
+            g if g < 0.0 => Mode::Below,
+            _ => Mode::Level,
+        }
+    }
+
+    /// σ; where it slides, before that is solved for.
+    pub fn side(self) -> f64 {
+        match self {
+            Mode::Below => -1.0,
+            Mode::Above => 1.0,
+            Mode::Sliding | Mode::Level => 0.0,
+        }
+    }
+
+    /// What stays at or above zero as long as the mode holds.
+    pub fn margin(self, guard: f64, side: f64) -> f64 {
+        match self {
+            Mode::Below => -guard,
+            Mode::Above => guard,
+            Mode::Sliding => 1.0 - side.abs(),
+            Mode::Level => -guard.abs(),
+        }
+    }
+}
+
+impl Modes {
+    /// Switches that slide.
+    pub fn sliding(&self) -> impl Iterator<Item = usize> {
+        let all = self.0.iter().enumerate();
+        all.filter(|(_, m)| **m == Mode::Sliding).map(|(k, _)| k)
+    }
+
+    pub fn any_slides(&self) -> bool {
+        self.0.contains(&Mode::Sliding)
+    }
+}

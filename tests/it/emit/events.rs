@@ -1,0 +1,250 @@
+//! Exported steps that stick, slip and switch, run in each language along inputs that jump, against our own runs.
+//!
+//! Two systems: a drive with dry friction under a force in steps, and two bodies on dry ground and on each other, coupled by their masses.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use super::languages::finished;
+use sidc_testing::program::sidc;
+use sidc_testing::runtimes;
+
+const STEP: f64 = 0.005;
+const ROWS: usize = 800;
+
+struct System {
+    name: &'static str,
+    document: serde_json::Value,
+    states: usize,
+}
+
+fn systems() -> [System; 2] {
+    let variable = |name: &str, kind: &str, order: u8| serde_json::json!({"name": name, "kind": kind, "order": order});
+    let equation = |target: &str, terms: &[(&str, f64)]| {
+        let terms: Vec<_> = terms
+            .iter()
+            .map(|(term, c)| serde_json::json!({"term": term, "coefficient": c}))
+            .collect();
+        serde_json::json!({"target": target, "terms": terms, "status": "pass"})
+    };
+    let document = |variables: Vec<serde_json::Value>, equations: Vec<serde_json::Value>| {
+        serde_json::json!({
+            "sidc_result": 1, "time": "continuous", "variables": variables, "equations": equations
+        })
+    };
+    [
+        System {
+            name: "drive",
+            document: document(
+                vec![variable("x1", "state", 2), variable("u", "input", 0)],
+                vec![equation(
+                    "ddx1",
+                    &[("1", 0.15), ("dx1", -2.0), ("sign(dx1)", -1.0), ("u", 1.0)],
+                )],
+            ),
+            states: 2,
+        },
+        System {
+            name: "bodies",
+            document: document(
+                vec![
+                    variable("x1", "state", 2),
+                    variable("x2", "state", 2),
+                    variable("u", "input", 0),
+                ],
+                vec![
+                    equation(
+                        "ddx1",
+                        &[
+                            ("u", 1.0),
+                            ("x1", -4.0),
+                            ("sign(dx1)", -0.6),
+                            ("ddx2", 0.3),
+                            ("sign(dx1 - dx2)", -0.2),
+                        ],
+                    ),
+                    equation(
+                        "ddx2",
+                        &[
+                            ("x2 - x1", -9.0),
+                            ("sign(dx2)", -0.4),
+                            ("ddx1", 0.3),
+                            ("sign(dx1 - dx2)", 0.2),
+                            ("step(x2 - 0.3)*(x2 - 0.3)", -40.0),
+                        ],
+                    ),
+                ],
+            ),
+            states: 4,
+        },
+    ]
+}
+
+/// Forces in steps, some of which move nothing.
+fn forces() -> Vec<f64> {
+    let levels = [0.5, 2.4, 0.0, -1.9, 0.9, -0.3, 3.0, 0.0];
+    (0..ROWS).map(|k| levels[k / 100 % levels.len()]).collect()
+}
+
+/// Our own run, by fixed steps of the same length.
+fn ours(system: &System, folder: &Path) -> Vec<Vec<f64>> {
+    let path = |name: &str| folder.join(name).display().to_string();
+    fs::write(path("R.json"), system.document.to_string()).unwrap();
+    let rows = forces()
+        .iter()
+        .enumerate()
+        .map(|(k, u)| format!("{:?},{u:?}\n", k as f64 * STEP))
+        .collect::<String>();
+    fs::write(path("data.csv"), format!("t,u\n{rows}")).unwrap();
+    let starts = (1..=system.states / 2).map(|i| format!("x{i}=0,dx{i}=0"));
+    let starts = starts.collect::<Vec<_>>().join(",");
+    let (document, data, out) = (path("R.json"), path("data.csv"), path("run.csv"));
+    let args = [
+        "simulate", &document, &data, "--start", &starts, "--step", "0.005", "-o", &out,
+    ];
+    let run = sidc(&args);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let text = fs::read_to_string(out).unwrap();
+    let numbers = |line: &str| {
+        let cells = line.split(',').skip(1).take(system.states);
+        cells.map(|c| c.parse().unwrap()).collect()
+    };
+    text.lines().skip(1).map(numbers).collect()
+}
+
+fn compare(system: &System, language: &str, ours: &[Vec<f64>], printed: &str) {
+    let rows: Vec<Vec<f64>> = (printed.lines().filter(|l| !l.trim().is_empty()))
+        .map(|l| l.split_whitespace().map(|x| x.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), ROWS, "{language}: {}", system.name);
+    for (k, (a, b)) in ours.iter().zip(&rows).enumerate() {
+        for (x, y) in a.iter().zip(b) {
+            let near = (x - y).abs() < 1e-8;
+            assert!(near, "{language}: {} at row {k}: {a:?} {b:?}", system.name);
+        }
+    }
+    // The way there must have rested, or it tells nothing.
+    let rests = ours.iter().filter(|row| row[1].abs() < 1e-12).count();
+    assert!(rests > 50 && rests < ROWS - 200, "{}: {rests}", system.name);
+}
+
+/// Each system with its run and its code in a language.
+fn for_each(target: &str, mut run: impl FnMut(&System, &str, &Path) -> String) {
+    for system in systems() {
+        let folder = tempfile::tempdir().unwrap();
+        let ours = ours(&system, folder.path());
+        let document = folder.path().join("R.json").display().to_string();
+        let exported = sidc(&["export", &document, "--to", target]);
+        assert_eq!(exported.status, 0, "{}", exported.stderr);
+        let printed = run(&system, &exported.stdout, folder.path());
+        compare(&system, target, &ours, &printed);
+    }
+}
+
+fn list() -> String {
+    let all: Vec<String> = forces().iter().map(|u| format!("{u:?}")).collect();
+    all.join(", ")
+}
+
+#[test]
+fn rust_steps_from_event_to_event() {
+    for_each("rust", |system, code, folder| {
+        let n = system.states;
+        let main = format!(
+            "#[allow(dead_code)] mod m {{\n{code}\n}}\nfn show(x: &[f64]) {{ let t: Vec<String> = x.iter().map(|x| format!(\"{{x:e}}\")).collect(); println!(\"{{}}\", t.join(\" \")); }}\n\
+             fn main() {{\n let forces = [{}];\n let mut state = [0.0; {n}];\n let mut side = m::settle(0.0, &state, &[forces[0]]);\n show(&state);\n \
+             for k in 0..{} {{ (state, side) = m::advance(k as f64 * {STEP}, {STEP}, &state, &[forces[k]], &side); show(&state); }}\n}}\n",
+            list(),
+            ROWS - 1
+        );
+        fs::write(folder.join("main.rs"), main).unwrap();
+        let compiler = std::env::var("RUSTC").unwrap_or_else(|_| "rustc".into());
+        let mut build = Command::new(compiler);
+        finished(
+            build
+                .current_dir(folder)
+                .args(["--edition", "2021", "-O", "main.rs"]),
+        );
+        finished(&mut Command::new(folder.join("main")))
+    });
+}
+
+#[test]
+fn c_steps_from_event_to_event() {
+    let Some(compiler) = runtimes::c_compiler() else {
+        return;
+    };
+    for_each("c", |system, code, folder| {
+        let (n, last) = (system.states, ROWS - 1);
+        let main = format!(
+            "#include <stdio.h>\n{code}\nstatic void show(const double *x) {{ for (int i = 0; i < {n}; i++) printf(\"%.17g \", x[i]); printf(\"\\n\"); }}\n\
+             int main(void)\n{{\n const double forces[] = {{{}}};\n double state[{n}] = {{0}}, side[sidc_switches];\n sidc_settle(0.0, state, forces, side);\n show(state);\n \
+             for (int k = 0; k < {last}; k++) {{ sidc_advance(k * {STEP}, {STEP}, state, forces + k, side); show(state); }}\n return 0;\n}}\n",
+            list()
+        );
+        fs::write(folder.join("main.c"), main).unwrap();
+        let mut build = Command::new(&compiler);
+        let strict = [
+            "-std=c99",
+            "-O1",
+            "-Wall",
+            "-Wextra",
+            "-pedantic",
+            "-Werror",
+        ];
+        let strict = build.current_dir(folder).args(strict);
+        finished(strict.args(["-Wno-missing-prototypes", "main.c", "-o", "main", "-lm"]));
+        finished(&mut Command::new(folder.join("main")))
+    });
+}
+
+/// By fixed steps, and by `solve_ivp` from event to event.
+#[test]
+fn python_steps_from_event_to_event() {
+    let Some(python) = runtimes::python("numpy, scipy") else {
+        return;
+    };
+    for_each("python", |system, code, folder| {
+        fs::write(folder.join("model.py"), code).unwrap();
+        let script = format!(
+            "import numpy as np, model\nforces = [{}]\nstate, side = np.zeros({n}), None\nstates = [state]\n\
+             for k in range({last}):\n    state, side = model.advance(k * {STEP}, state, {STEP}, [forces[k]], side=side)\n    states.append(state)\n\
+             for x in states:\n    print(*(repr(float(v)) for v in x))\n\
+             at = 0\nrun = [np.zeros({n})]\n\
+             for at in range(0, {ROWS}, 100):\n    times = {STEP} * np.arange(at, min(at + 101, {ROWS}), 10)\n    run.extend(model.run(times, run[-1], [forces[at]])[1:])\n\
+             off = np.max(np.abs(np.array(run)[:70] - np.array(states)[::10][:70]))\nassert off < 1e-6, off\n",
+            list(),
+            n = system.states,
+            last = ROWS - 1
+        );
+        fs::write(folder.join("main.py"), script).unwrap();
+        finished(Command::new(&python).current_dir(folder).arg("main.py"))
+    });
+}
+
+/// By fixed steps, and by `ode45` from event to event.
+#[test]
+fn octave_steps_from_event_to_event() {
+    let Some(octave) = runtimes::octave() else {
+        return;
+    };
+    for_each("matlab", |system, code, folder| {
+        fs::write(folder.join("model.m"), code).unwrap();
+        let script = format!(
+            "forces = [{}];\nstate = zeros({n}, 1);\nside = [];\nstates = zeros({ROWS}, {n});\n\
+             for k = 1:{last}\n  [state, side] = model('advance', (k - 1) * {STEP}, state, {STEP}, side, forces(k));\n  states(k + 1, :) = state.';\nend\n\
+             for k = 1:{ROWS}\n  disp(sprintf('%.17g ', states(k, :)));\nend\n\
+             [times, run] = model('run', {STEP} * (100:10:200), states(101, :), forces(101));\noff = max(max(abs(run - states(101:10:201, :))));\nif ~(off < 1e-6)\n  error('%g', off);\nend\n",
+            list(),
+            n = system.states,
+            last = ROWS - 1
+        );
+        fs::write(folder.join("main.m"), script).unwrap();
+        finished(Command::new(&octave).current_dir(folder).args([
+            "--quiet",
+            "--no-init-file",
+            "main.m",
+        ]))
+    });
+}
