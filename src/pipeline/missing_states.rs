@@ -220,7 +220,7 @@ fn described(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<(Discovery, Description)> {
-    let mut search = options.search.clone();
+    let mut search = options.search;
     search.method = Method::Joint;
     let of = (&program.model, &program.libraries[..]);
     let targets: Vec<_> = program.model.equations.iter().map(|e| e.target).collect();

@@ -22,7 +22,10 @@ fn sound(before: &str, added: Option<AddedState>) -> AddedState {
         assert_eq!(old.name, new.name, "{}", added.text);
     }
     let hidden = after.hidden_states().map(|(_, v)| v.name.clone());
-    assert_eq!(hidden.collect::<Vec<_>>(), [added.state.clone()]);
+    assert_eq!(
+        hidden.collect::<Vec<_>>(),
+        std::slice::from_ref(&added.state)
+    );
     added
 }
 
@@ -98,7 +101,7 @@ fn a_sensor_of_which_more_is_said_has_no_lag() {
     ] {
         let model = compiled(text);
         let hidden = model.hidden_states().next().map(|(id, _)| id);
-        let place = hidden.unwrap_or_else(|| VarId(1));
+        let place = hidden.unwrap_or(VarId(1));
         assert_eq!(
             behind_sensor(text, &model, place, (0.1, 20.0)),
             None,
