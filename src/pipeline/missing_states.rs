@@ -42,7 +42,9 @@ pub(super) fn propose(
     observer: &mut dyn Observer,
 ) {
     let doubted = doubted(found);
-    if doubted.is_empty() || found.was_stopped() || !may_have_more_states(program) {
+    // A delay that was sought in too short a range looks like a lag: the range comes first.
+    let cut_off = found.doubt_codes().contains(&ReasonCode::DelayRange);
+    if doubted.is_empty() || cut_off || found.was_stopped() || !may_have_more_states(program) {
         return;
     }
     // What is tried has other equations: only whether to go on is asked.

@@ -192,7 +192,7 @@ const FINE: f64 = 0.01;
 const SLOW: f64 = 0.06;
 
 /// A stiffening follower of a command in steps; the command or the sensor lags.
-fn lagged(at_sensor: bool, seed: u64) -> String {
+pub fn lagged(at_sensor: bool, seed: u64) -> String {
     let mut random = Random::new(seed);
     let (mut state, mut level) = ([0.0, 0.0], 0.0);
     let mut text = String::from("t,x,u\n");

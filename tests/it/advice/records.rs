@@ -198,21 +198,8 @@ pub fn constant_range() -> Scenario {
 
 /// A command that acts through a lag.
 pub fn missing_state() -> Scenario {
-    let step = 0.02;
-    let level = |t: f64| f64::from([1, -1, 2, -2, 0][(t / 0.8 + 0.01).floor() as usize % 5]);
-    let rate = move |t: f64, z: &[f64; 2]| {
-        [
-            -2.0 * z[0] - 3.0 * z[0].powi(3) + 4.0 * z[1],
-            (level(t) - z[1]) / 0.15,
-        ]
-    };
-    let [x, _] = motion(rate, [0.0, 0.0], step, 800);
-    let u: Vec<f64> = (0..800).map(|k| level(f64::from(k) * step)).collect();
-    let data = record(step, &[("x", &read(&x, 0.005, 8)), ("u", &u)]);
-    Scenario::change(Case::new(
-        "state x\ninput u : hold\ndx ~ <1, x, x^2, x^3, u>\n",
-        data,
-    ))
+    let model = "state x\ninput u : hold\ndx ~ <1, x, x^2, x^3, x^4, u>\n";
+    Scenario::change(Case::new(model, crate::hidden_states::lagged(false, 8)))
 }
 
 pub fn unidentifiable() -> Scenario {

@@ -8,8 +8,8 @@ use crate::simulate::thresholds::MASS_MATRIX;
 use nalgebra::DMatrix;
 
 use crate::discovery::{Form, Rate};
+use crate::simulate::compiled::compiled_switches::CompiledSwitches;
 use crate::simulate::compiled::gaussian_elimination;
-use crate::simulate::compiled::switched_plant::CompiledSwitches;
 use crate::simulate::fault::FaultKind;
 use crate::switching::{Mode, Modes, Switches};
 use sidc_lang::term::{Expr, PointTape, Signal};
