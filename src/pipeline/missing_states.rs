@@ -44,13 +44,16 @@ pub(super) fn propose(
     let doubted = doubted(found);
     // A delay that was sought in too short a range looks like a lag: the range comes first.
     let cut_off = found.doubt_codes().contains(&ReasonCode::DelayRange);
-    if doubted.is_empty() || cut_off || found.was_stopped() || !may_have_more_states(program) {
+    let possible = may_have_more_states(program) && work(program, dataset) <= MISSING.work;
+    if doubted.is_empty() || cut_off || found.was_stopped() || !possible {
         return;
     }
     // What is tried has other equations: only whether to go on is asked.
     let mut quiet = |_: Activity| observer.hear(Activity::Working);
     let own = description.or_else(|| Some(described((program, dataset), options, &mut quiet)?.1));
-    let Some(own) = own else { return };
+    let Some(own) = own.filter(|o| o.leaves_more_than_noise() || is_late(found)) else {
+        return;
+    };
     let of = (program, dataset);
     let mut tried = tried(lagged(of, &doubted), of, options, &mut quiet);
     let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
@@ -144,6 +147,16 @@ fn may_have_more_states(program: &Program) -> bool {
     !model.discrete && model.per_run.is_empty() && model.constraints.is_empty()
 }
 
+/// Values of columns that one search evaluates.
+fn work(program: &Program, dataset: &Dataset) -> usize {
+    let samples = dataset.trajectories.iter().map(|t| t.time.len());
+    samples.sum::<usize>() * columns(program)
+}
+
+fn columns(program: &Program) -> usize {
+    program.libraries.iter().flatten().map(Library::len).sum()
+}
+
 /// Lags of inputs and, in small models, of the sensors of doubted states.
 fn lagged(
     (program, dataset): (&Program, &Dataset),
@@ -187,9 +200,8 @@ fn driving(program: &Program, doubted: &[Signal]) -> Option<(String, AddedState)
 
 /// Whether laws may be searched along a course that nothing measures: with few columns, and no other such course.
 fn is_small(program: &Program) -> bool {
-    let columns = program.libraries.iter().flatten().map(Library::len);
     let hidden = program.model.hidden_states().next().is_some();
-    !hidden && columns.sum::<usize>() <= MISSING.columns
+    !hidden && columns(program) <= MISSING.columns
 }
 
 /// The time constants that records can tell, from the shortest step to the length of the longest.

@@ -35,6 +35,8 @@ family! {
         sensors: usize = 2, unit "sensors", source "each costs a search of its own, from many time constants";
         /// Columns of a model up to which a state with a library of its own is tried.
         columns: usize = 60, unit "columns", source "so many more are searched, along a course that nothing measures";
+        /// Samples times columns up to which anything is tried.
+        work: usize = 100_000, unit "values", source "half a minute for all searches together";
         /// Shortest lag that is tried.
         shortest_lag: f64 = 0.1, unit "of the step between samples", source "what is faster follows its input from sample to sample";
         /// Digits of coefficients in a sentence.

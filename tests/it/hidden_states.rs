@@ -263,9 +263,9 @@ fn a_lag_that_the_model_lacks_is_proposed_where_it_is() {
 /// An epidemic of which only the infectious are seen.
 fn epidemic(seed: u64) -> String {
     let mut random = Random::new(seed);
-    let mut state = [0.99, 0.0, 0.01];
+    let mut state = [0.999, 0.0, 0.001];
     let mut text = String::from("t,I\n");
-    for t in grid(500, 0.25) {
+    for t in grid(640, 0.25) {
         text += &format!("{t},{:.6}\n", state[2] + 0.0003 * random.normal());
         let f = |_: f64, &[s, e, i]: &[f64; 3]| {
             [-0.5 * s * i, 0.5 * s * i - 0.2 * e, 0.2 * e - 0.1 * i]
@@ -279,7 +279,7 @@ fn epidemic(seed: u64) -> String {
 fn rates_that_can_change_places_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let model = "unknown b in 0.05..5\nunknown s in 0.02..2\nstate I\nstate S, E : hidden\n\
-                 dS = -b*S*I\ndE = b*S*I - s*E\ndI ~ known(s*E) + <I, I^2>\n";
+                 dS = -b*S*I\ndE = b*S*I - s*E\ndI ~ known(s*E) + <1, I, I^2>\n";
     let (run, _) = identify(folder.path(), model, &epidemic(9), &[]);
     assert_eq!(run.status, 3, "{}", run.stdout);
     assert!(

@@ -6,7 +6,7 @@ use std::fs;
 use std::process::{Command, Output};
 
 use super::random;
-use super::reference::{Case, check, compare, number};
+use super::reference::{Case, check, check_to, compare, number};
 use super::{constants, systems};
 use crate::hostile::corpus;
 use sidc_emit as emit;
@@ -281,7 +281,11 @@ fn sympy_agrees_with_the_evaluator() {
                 let got: Vec<f64> = line.split_whitespace().map(number).collect();
                 assert_eq!(got.len(), expected.len(), "{}", place());
                 if got.iter().chain(expected).all(|x| x.is_finite()) {
-                    check(&got, expected, true, &place);
+                    // Rates that SymPy solves for in symbols lose a digit that elimination keeps.
+                    match side == 3 && case.form.linear && case.form.coupled() {
+                        true => check_to(1e-11, &got, expected, &place),
+                        false => check(&got, expected, true, &place),
+                    }
                     compared += 1;
                 } else {
                     undefined += 1;

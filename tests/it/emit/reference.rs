@@ -247,8 +247,14 @@ pub fn check(got: &[f64], expected: &[f64], explicit: bool, place: &impl Fn() ->
         assert!(fine, "{}: {got:?} is not {expected:?}", place());
         return;
     }
+    check_to(1e-12, got, expected, place);
+}
+
+/// Finite numbers to a part of their size, or of one.
+pub fn check_to(part: f64, got: &[f64], expected: &[f64], place: &impl Fn() -> String) {
     for (a, b) in got.iter().zip(expected) {
-        assert!(near(*a, *b), "{}: {a:e} is not {b:e}", place());
+        let near = (a - b).abs() <= part * (1.0 + b.abs());
+        assert!(near, "{}: {a:e} is not {b:e}", place());
     }
 }
 

@@ -48,6 +48,11 @@ impl Description {
         }
     }
 
+    /// Whether the laws leave more than the noise of the sensors, or something else drives them.
+    pub fn leaves_more_than_noise(&self) -> bool {
+        self.unexplained || self.disturbed
+    }
+
     /// Whether the criterion prefers this to another by more than a tie.
     pub fn is_better_than(&self, other: &Description) -> bool {
         self.gain_over(other) > TERM_SELECTION.tie

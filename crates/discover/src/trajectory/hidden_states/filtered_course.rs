@@ -140,9 +140,12 @@ impl<'a> Filters<'a> {
                 .map_or(0.0, |(b, a)| b - a)
         };
         let longest = self.problem.records.iter().map(length).fold(0.0, f64::max);
-        let times = std::iter::successors(Some(step), |t| Some(t * HIDDEN.time_ratio));
+        // A record of one row has no step; times that no clock has would make a list without end.
+        let first = (step.is_normal() && longest.is_normal()).then_some(step);
+        let times = std::iter::successors(first, |t| Some(t * HIDDEN.time_ratio));
         times
             .take_while(|t| *t <= HIDDEN.longest * longest)
+            .take(HIDDEN.times)
             .collect()
     }
 

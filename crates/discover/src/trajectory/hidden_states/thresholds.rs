@@ -33,6 +33,8 @@ family! {
         exchanges: usize = 12, unit "pairs", source "each costs a fit of all laws";
         /// How far another value of a constant is another one.
         other: f64 = 0.1, unit "of the value", source "a tenth is more than a settled fit moves";
+        /// Most time constants tried.
+        times: usize = 100, unit "time constants", source "from the step of a million samples to three times their record";
         /// Longest time constant tried.
         longest: f64 = 3.0, unit "length of the longest record", source "beyond, a lag and an integral look alike";
         /// Most Runge-Kutta steps of a guess between two samples.

@@ -110,7 +110,7 @@ static int sidc_holds(double t, const double *state@ARGS@, const double *side, i
 static void sidc_decide(double t, const double *state@ARGS@, double *side, const int *crossed)
 {
     int contact[sidc_switches] = {0}, held[sidc_switches] = {0}, m = 0;
-    double start[sidc_switches], slope[sidc_switches][sidc_switches], own[sidc_switches], rate[sidc_switches];
+    double start[sidc_switches], slope[sidc_switches][sidc_switches], own[sidc_switches] = {0}, rate[sidc_switches];
     for (int k = 0; k < sidc_switches; k++) {
         if (crossed[k] || side[k] == 0.0) {
             contact[m++] = k;

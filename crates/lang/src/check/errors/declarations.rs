@@ -362,11 +362,18 @@ pub fn unknown_function(
         "function or generator"
     };
     let d = Diagnostic::error("unknown-function", format!("no {what} named `{name}`"));
-    let d = match near {
+    let reciprocal = match name {
+        "cot" => Some("cot(x) is `1/tan(x)`"),
+        "csc" | "cosec" => Some("csc(x) is `1/sin(x)`"),
+        "sec" => Some("sec(x) is `1/cos(x)`"),
+        _ => None,
+    };
+    let d = match near.filter(|_| reciprocal.is_none()) {
         Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
-        None => d
-            .at(at, "not known")
-            .help("write it with the functions there are: sec(x) is `1/cos(x)`"),
+        None => d.at(at, "not known").help(format!(
+            "write it with the functions there are: {}",
+            reciprocal.unwrap_or("sec(x) is `1/cos(x)`")
+        )),
     };
     let functions: Vec<&str> = crate::term::FUNCTIONS.iter().map(|f| f.name).collect();
     let d = d.fact(format!("functions: {}", functions.join(", ")));
