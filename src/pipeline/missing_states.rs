@@ -45,7 +45,12 @@ pub(super) fn propose(
     // A delay that was sought in too short a range looks like a lag: the range comes first.
     let cut_off = found.doubt_codes().contains(&ReasonCode::DelayRange);
     let possible = may_have_more_states(program) && work(program, dataset) <= MISSING.work;
-    if doubted.is_empty() || cut_off || found.was_stopped() || !possible {
+    if doubted.is_empty()
+        || cut_off
+        || explained_by_delay(found)
+        || found.was_stopped()
+        || !possible
+    {
         return;
     }
     // What is tried has other equations: only whether to go on is asked.
@@ -110,6 +115,16 @@ fn is_driven(found: &Discovery, state: &str) -> bool {
             .for_each(|t| t.term.for_each_signal(&mut others));
         driven
     })
+}
+
+/// Whether a delay that was found is explanation enough: with it no misfit is left, and nothing else drives the laws.
+fn explained_by_delay(found: &Discovery) -> bool {
+    let driven = |e: &Equation| {
+        let together = e.evidence.as_ref().and_then(|v| v.together.as_ref());
+        together.is_some_and(|t| t.disturbance.is_some())
+    };
+    let misfit = found.doubt_codes().contains(&ReasonCode::Misfit);
+    is_late(found) && !misfit && !found.equations.iter().any(driven)
 }
 
 /// Whether the answer is that to inputs which act later than recorded.
