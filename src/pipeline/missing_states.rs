@@ -117,14 +117,16 @@ fn is_driven(found: &Discovery, state: &str) -> bool {
     })
 }
 
+/// Whether something besides its terms drives an equation.
+fn is_disturbed(equation: &Equation) -> bool {
+    let together = equation.evidence.as_ref().and_then(|v| v.together.as_ref());
+    together.is_some_and(|t| t.disturbance.is_some())
+}
+
 /// Whether a delay that was found is explanation enough: with it no misfit is left, and nothing else drives the laws.
 fn explained_by_delay(found: &Discovery) -> bool {
-    let driven = |e: &Equation| {
-        let together = e.evidence.as_ref().and_then(|v| v.together.as_ref());
-        together.is_some_and(|t| t.disturbance.is_some())
-    };
     let misfit = found.doubt_codes().contains(&ReasonCode::Misfit);
-    is_late(found) && !misfit && !found.equations.iter().any(driven)
+    is_late(found) && !misfit && !found.equations.iter().any(is_disturbed)
 }
 
 /// Whether the answer is that to inputs which act later than recorded.
@@ -146,11 +148,8 @@ fn doubted(found: &Discovery) -> Vec<Signal> {
         Misfit,
         PoorFit,
     ];
-    let driven = |e: &Equation| {
-        let together = e.evidence.as_ref().and_then(|v| v.together.as_ref());
-        together.is_some_and(|t| t.disturbance.is_some())
-    };
-    let doubted = |e: &Equation| e.reasons.iter().any(|r| codes.contains(&r.code)) || driven(e);
+    let doubted =
+        |e: &Equation| e.reasons.iter().any(|r| codes.contains(&r.code)) || is_disturbed(e);
     let equations = found.equations.iter();
     let searched = equations.filter(|e| e.status != Status::Known);
     searched.filter(|e| doubted(e)).map(|e| e.target).collect()
