@@ -40,7 +40,7 @@ use crate::joint::joint_fit::JointFit;
 use crate::joint::library_probe::probe_libraries;
 use crate::joint::no_fit::measured_states;
 use crate::joint::report::Report;
-use crate::joint::search_with_constants::{Searched, search_with_constants};
+use crate::joint::search_with_constants::{Searched, search_with_constants, sketch_with_constants};
 use crate::joint::unknown_constants::Constants;
 use crate::known_terms::{fixed_terms, stated};
 use crate::options::Options;
@@ -122,10 +122,13 @@ pub fn discover_jointly(
             (discovery, Fitted::default())
         })),
     };
-    search_jointly(of, (dataset, problem), options, watcher, conclude)
+    let data = (dataset, problem);
+    search_jointly(search_with_constants, of, data, options, watcher, conclude)
 }
 
-/// The equations alone, without evidence for them, and how well they describe the readings. `None` if nothing could be fitted.
+/// The equations that a short search finds, without evidence for them, and how well they describe the readings. `None` if nothing could be fitted.
+///
+/// It looks for no faults of sensors and no disturbances: it tells whether a model is worth a search of its own.
 pub fn describe_jointly(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
@@ -146,7 +149,15 @@ pub fn describe_jointly(
         let description = Description::of(&answer.fit, constants.sought().len(), watcher);
         watcher.stop().is_none().then_some((discovery, description))
     };
-    search_jointly(of, (dataset, problem), options, &mut watcher, conclude)
+    let data = (dataset, problem);
+    search_jointly(
+        sketch_with_constants,
+        of,
+        data,
+        options,
+        &mut watcher,
+        conclude,
+    )
 }
 
 /// What a joint search ended with.
@@ -156,8 +167,18 @@ struct Ended<'a> {
     laws: &'a [Law],
 }
 
+/// A search of terms with the unknown constants inside them.
+type Search = for<'a> fn(
+    (&'a Model, &'a [Option<Library>]),
+    (&'a Dataset, &'a Problem),
+    Vec<Constants>,
+    &'a Options,
+    &mut EquationObserver,
+) -> Option<Searched<'a>>;
+
 /// Settles delays, constants, terms and disturbances.
 fn search_jointly<T>(
+    search: Search,
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
@@ -168,7 +189,7 @@ fn search_jointly<T>(
     let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
     let data = (dataset.as_ref(), problem.as_ref());
     let starts = unknown_constants::settle(of, data, options, watcher);
-    let searched = search_with_constants(of, data, starts, options, watcher);
+    let searched = search(of, data, starts, options, watcher);
     let nothing = || Searched {
         settled: Settled::Nothing,
         constants: Constants::none(),

@@ -36,11 +36,7 @@ pub(crate) fn search_with_constants<'a>(
     let search = ConstantSearch { of, data, options };
     for start in starts {
         let searched = search.from(start, watcher);
-        let value = |s: &Searched| match &s.settled {
-            Settled::Answer(a) => a.fit.found.best.value,
-            _ => f64::INFINITY,
-        };
-        if best.as_ref().is_none_or(|b| value(&searched) < value(b)) {
+        if best.as_ref().is_none_or(|b| searched.value() < b.value()) {
             best = Some(searched);
         }
         if watcher.stop().is_some() {
@@ -48,6 +44,55 @@ pub(crate) fn search_with_constants<'a>(
         }
     }
     best
+}
+
+/// The best of one short search from each start, which says how well a model may describe the readings: terms at the values that hidden states
+/// start from, then at the likeliest values for these. No disturbances, no other laws.
+pub(crate) fn sketch_with_constants<'a>(
+    of: (&'a Model, &'a [Option<Library>]),
+    data: (&'a Dataset, &'a Problem),
+    starts: Vec<Constants>,
+    options: &'a Options,
+    watcher: &mut EquationObserver,
+) -> Option<Searched<'a>> {
+    let search = ConstantSearch { of, data, options };
+    let mut sketches = Vec::new();
+    for mut constants in starts {
+        let mut settled = search.at(&constants, None, Depth::Terms, watcher);
+        if let Settled::Answer(answer) = &settled {
+            let of = (answer.fit.problem.as_ref(), &answer.fit.found);
+            if let Some(likelier) = constants.likeliest_in(of, watcher) {
+                constants = likelier;
+                let start = answer.fit.found.best.point.active();
+                settled = search.at(&constants, Some(start), Depth::Sensors, watcher);
+            }
+        }
+        sketches.push(Searched { settled, constants });
+        if watcher.stop().is_some() {
+            break;
+        }
+    }
+    let sketches = sketches.into_iter();
+    sketches.min_by(|a, b| a.value().total_cmp(&b.value()))
+}
+
+impl Searched<'_> {
+    fn value(&self) -> f64 {
+        match &self.settled {
+            Settled::Answer(a) => a.fit.found.best.value,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// What one search of terms looks for.
+#[derive(Clone, Copy, PartialEq)]
+enum Depth {
+    Terms,
+    /// Faults of sensors too: outliers, delays, offsets.
+    Sensors,
+    /// And what drives the laws besides their terms.
+    Disturbances,
 }
 
 struct ConstantSearch<'a> {
@@ -68,7 +113,12 @@ impl<'a> ConstantSearch<'a> {
         let mut known: Option<Known> = None;
         let mut round = 0;
         loop {
-            let mut settled = self.at(&constants, start.take(), careful, watcher);
+            let depth = if careful {
+                Depth::Disturbances
+            } else {
+                Depth::Terms
+            };
+            let mut settled = self.at(&constants, start.take(), depth, watcher);
             let Settled::Answer(answer) = &mut settled else {
                 return Searched { settled, constants };
             };
@@ -102,15 +152,15 @@ impl<'a> ConstantSearch<'a> {
         &self,
         constants: &Constants,
         start: Option<StartingSupport>,
-        careful: bool,
+        depth: Depth,
         watcher: &mut EquationObserver,
     ) -> Settled<'a> {
         let (dataset, problem) = self.data;
         match constants.started(problem, watcher) {
-            Cow::Borrowed(at) => self.on((dataset, at), start, careful, watcher),
+            Cow::Borrowed(at) => self.on((dataset, at), start, depth, watcher),
             Cow::Owned(at) => {
                 let acting = constants.dataset(dataset);
-                let settled = self.on((&acting, &at), start, careful, watcher);
+                let settled = self.on((&acting, &at), start, depth, watcher);
                 settled.into_owned()
             }
         }
@@ -120,14 +170,18 @@ impl<'a> ConstantSearch<'a> {
         &self,
         (dataset, problem): (&Dataset, &'b Problem),
         start: Option<StartingSupport>,
-        careful: bool,
+        depth: Depth,
         watcher: &mut EquationObserver,
     ) -> Settled<'b> {
         let (model, _) = self.of;
         let start = start.or_else(|| weak_start(self.of, dataset, problem, self.options, watcher));
-        if careful {
-            let settled = search_under_constraints((model, problem), start, self.options, watcher);
-            return with_disturbances((model, problem), settled, watcher);
+        let of = (model, problem);
+        if depth != Depth::Terms {
+            let settled = search_under_constraints(of, start, self.options, watcher);
+            return match depth {
+                Depth::Disturbances => with_disturbances(of, settled, watcher),
+                _ => settled,
+            };
         }
         match search_terms(problem, start, watcher) {
             None => Settled::Nothing,

@@ -166,6 +166,17 @@ impl Constants {
         laws_with_constants(&about, &self.sought, &self.points, &range, watcher)
     }
 
+    /// The likeliest values for the terms of an answer, where that tells them.
+    pub fn likeliest_in(
+        &self,
+        (problem, found): (&Problem, &Found),
+        watcher: &mut EquationObserver,
+    ) -> Option<Constants> {
+        let (best, inefficiency) = (&found.best, found.inefficiency);
+        let fitted = fit_constants(problem, best, &self.sought, inefficiency, watcher)?;
+        Some(self.moved_to(fitted.constants))
+    }
+
     /// Beside hidden states, the likeliest values for the columns that these propose: a delay would be found for what a wrong constant leaves.
     /// Constants that the readings do not tell stay where they are, of each direction in which nothing is read the one that moves most: a fit
     /// of all of them would run along it.
