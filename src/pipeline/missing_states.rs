@@ -9,7 +9,7 @@
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
-use sidc_discover::{Description, Method};
+use sidc_discover::{Depth, Description, Method};
 use sidc_lang::added_state::{AddedState, behind_lag, behind_sensor, driven_by_state};
 use sidc_lang::library::{Library, MEMORY};
 use sidc_lang::model::{Var, VarKind};
@@ -25,6 +25,7 @@ use crate::options::Options;
 
 /// A model with one more state, and what is found with it.
 struct Proposal {
+    program: Program,
     /// What is added, in words: `a first-order lag of u`.
     what: String,
     added: AddedState,
@@ -55,25 +56,37 @@ pub(super) fn propose(
     }
     // What is tried has other equations: only whether to go on is asked.
     let mut quiet = |_: Activity| observer.hear(Activity::Working);
-    let own = description.or_else(|| Some(described((program, dataset), options, &mut quiet)?.1));
+    let mut trial = Trial {
+        dataset,
+        options,
+        observer: &mut quiet,
+    };
+    let own = description.or_else(|| Some(trial.describe(program, Depth::Disturbances)?.1));
     let Some(own) = own.filter(|o| o.leaves_more_than_noise() || is_late(found)) else {
         return;
     };
-    let of = (program, dataset);
-    let mut tried = tried(lagged(of, &doubted), of, options, &mut quiet);
+    let mut tried = trial.each(lagged((program, dataset), &doubted), program);
     let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
     if !tried.iter().any(explains) {
         let states = driving(program, &doubted).into_iter().collect();
-        tried.extend(self::tried(states, of, options, &mut quiet));
+        tried.extend(trial.each(states, program));
     }
     // Of those that the readings do not tell apart the first is given.
     let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
-    let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best });
-    let Some(best) = best.filter(|_| quiet.go_on()) else {
+    let places = 0..tried.len();
+    let best = places.reduce(|best, one| match better(&tried[one], &tried[best]) {
+        true => one,
+        false => best,
+    });
+    let Some(best) = best else {
         return;
     };
-    let others = tried.iter().filter(|o| o.added != best.added);
-    let alike: Vec<&Proposal> = others.filter(|o| !better(best, o)).collect();
+    let others = (0..tried.len()).filter(|o| *o != best && !better(&tried[best], &tried[*o]));
+    let alike: Vec<String> = others.map(|o| tried[o].what.clone()).collect();
+    let best = trial.deepened(tried.swap_remove(best));
+    if !trial.observer.go_on() {
+        return;
+    }
     let explains = !best.description.unexplained;
     if best.description.is_better_than(&own) {
         let gain = best.description.gain_over(&own);
@@ -83,24 +96,55 @@ pub(super) fn propose(
     }
 }
 
-/// What is found with each added state that something moves.
-fn tried(
-    states: Vec<(String, AddedState)>,
-    (program, dataset): (&Program, &Dataset),
-    options: &Options,
-    observer: &mut dyn Observer,
-) -> Vec<Proposal> {
-    let proposal = |(what, added): (String, AddedState)| {
-        let program = compiled(&added.text, program)?;
-        let (found, description) = described((&program, dataset), options, observer)?;
-        is_driven(&found, &added.state).then_some(Proposal {
-            what,
-            added,
-            found,
-            description,
-        })
-    };
-    states.into_iter().filter_map(proposal).collect()
+/// What programs are tried on.
+struct Trial<'a> {
+    dataset: &'a Dataset,
+    options: &'a Options,
+    observer: &'a mut dyn Observer,
+}
+
+impl Trial<'_> {
+    /// What is found with each added state that something moves, if nothing but its terms drives a law.
+    fn each(&mut self, states: Vec<(String, AddedState)>, given: &Program) -> Vec<Proposal> {
+        let proposal = |(what, added): (String, AddedState)| {
+            let program = compiled(&added.text, given)?;
+            let (found, description) = self.describe(&program, Depth::Sensors)?;
+            is_driven(&found, &added.state).then_some(Proposal {
+                what,
+                added,
+                program,
+                found,
+                description,
+            })
+        };
+        states.into_iter().filter_map(proposal).collect()
+    }
+
+    /// Where more than noise is left, the same with what else may drive the laws.
+    fn deepened(&mut self, proposal: Proposal) -> Proposal {
+        if !proposal.description.unexplained {
+            return proposal;
+        }
+        match self.describe(&proposal.program, Depth::Disturbances) {
+            Some((found, description)) if is_driven(&found, &proposal.added.state) => Proposal {
+                found,
+                description,
+                ..proposal
+            },
+            _ => proposal,
+        }
+    }
+
+    /// The equations of a program with their trajectory, and how well they describe the readings.
+    fn describe(&mut self, program: &Program, depth: Depth) -> Option<(Discovery, Description)> {
+        let mut search = self.options.search;
+        search.method = Method::Joint;
+        let of = (&program.model, &program.libraries[..]);
+        let targets: Vec<_> = program.model.equations.iter().map(|e| e.target).collect();
+        let dataset = &self.dataset.without(&targets).with_unknowns_of(of.0);
+        let problem = discover::joint(of.0, of.1, dataset, &search, self.observer).ok()?;
+        discover::describe_jointly(of, (dataset, &problem), depth, &search, self.observer)
+    }
 }
 
 /// Whether something moves the added state. One that only fades or grows by itself is a disturbance that lasts.
@@ -242,28 +286,13 @@ fn compiled(text: &str, given: &Program) -> Option<Program> {
     Some(program)
 }
 
-/// The equations of a program with their trajectory, and how well they describe the readings.
-fn described(
-    (program, dataset): (&Program, &Dataset),
-    options: &Options,
-    observer: &mut dyn Observer,
-) -> Option<(Discovery, Description)> {
-    let mut search = options.search;
-    search.method = Method::Joint;
-    let of = (&program.model, &program.libraries[..]);
-    let targets: Vec<_> = program.model.equations.iter().map(|e| e.target).collect();
-    let dataset = &dataset.without(&targets).with_unknowns_of(of.0);
-    let problem = discover::joint(of.0, of.1, dataset, &search, observer).ok()?;
-    discover::describe_jointly(of, (dataset, &problem), &search, observer)
-}
-
 impl Proposal {
-    fn reason(&self, gain: f64, alike: &[&Proposal]) -> Reason {
+    fn reason(&self, gain: f64, alike: &[String]) -> Reason {
         let left = match self.description.unexplained {
             true => "",
             false => ", and nothing but noise is left",
         };
-        let or = alike.iter().map(|o| format!(" or {}", o.what));
+        let or = alike.iter().map(|o| format!(" or {o}"));
         let or: String = or.collect();
         let which = if alike.is_empty() {
             ""

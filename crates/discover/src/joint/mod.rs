@@ -26,6 +26,7 @@ mod weak_start;
 
 pub use applicability::{NotJoint, joint};
 pub use description::Description;
+pub use search_with_constants::Depth;
 
 use std::sync::Arc;
 
@@ -123,15 +124,16 @@ pub fn discover_jointly(
         })),
     };
     let data = (dataset, problem);
-    search_jointly(search_with_constants, of, data, options, watcher, conclude)
+    search_jointly(None, of, data, options, watcher, conclude)
 }
 
 /// The equations that a short search finds, without evidence for them, and how well they describe the readings. `None` if nothing could be fitted.
 ///
-/// It looks for no faults of sensors and no disturbances: it tells whether a model is worth a search of its own.
+/// It tells whether a model is worth a search of its own.
 pub fn describe_jointly(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
+    depth: Depth,
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<(Discovery, Description)> {
@@ -150,14 +152,7 @@ pub fn describe_jointly(
         watcher.stop().is_none().then_some((discovery, description))
     };
     let data = (dataset, problem);
-    search_jointly(
-        sketch_with_constants,
-        of,
-        data,
-        options,
-        &mut watcher,
-        conclude,
-    )
+    search_jointly(Some(depth), of, data, options, &mut watcher, conclude)
 }
 
 /// What a joint search ended with.
@@ -167,18 +162,9 @@ struct Ended<'a> {
     laws: &'a [Law],
 }
 
-/// A search of terms with the unknown constants inside them.
-type Search = for<'a> fn(
-    (&'a Model, &'a [Option<Library>]),
-    (&'a Dataset, &'a Problem),
-    Vec<Constants>,
-    &'a Options,
-    &mut EquationObserver,
-) -> Option<Searched<'a>>;
-
-/// Settles delays, constants, terms and disturbances.
+/// Settles delays, constants, terms and disturbances; by a short search, if its depth is given.
 fn search_jointly<T>(
-    search: Search,
+    depth: Option<Depth>,
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
@@ -189,7 +175,10 @@ fn search_jointly<T>(
     let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
     let data = (dataset.as_ref(), problem.as_ref());
     let starts = unknown_constants::settle(of, data, options, watcher);
-    let searched = search(of, data, starts, options, watcher);
+    let searched = match depth {
+        None => search_with_constants(of, data, starts, options, watcher),
+        Some(depth) => sketch_with_constants(of, data, (starts, depth), options, watcher),
+    };
     let nothing = || Searched {
         settled: Settled::Nothing,
         constants: Constants::none(),

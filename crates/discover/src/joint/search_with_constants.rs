@@ -12,7 +12,7 @@ use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::unknown_constants::Constants;
 use crate::joint::weak_start::weak_start;
 use crate::options::Options;
-use crate::trajectory::{CONSTANTS, FittedConstants, Problem, StartingSupport};
+use crate::trajectory::{CONSTANTS, FittedConstants, HIDDEN, Problem, StartingSupport};
 use sidc_data::Dataset;
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
@@ -46,28 +46,19 @@ pub(crate) fn search_with_constants<'a>(
     best
 }
 
-/// The best of one short search from each start, which says how well a model may describe the readings: terms at the values that hidden states
-/// start from, then at the likeliest values for these. No disturbances, no other laws.
+/// The best of one short search from each start, which says how well a model may describe the readings: terms at the values and courses that hidden
+/// states start from, then, as deep as asked, at the likeliest values for these terms. No other laws are looked for.
 pub(crate) fn sketch_with_constants<'a>(
     of: (&'a Model, &'a [Option<Library>]),
     data: (&'a Dataset, &'a Problem),
-    starts: Vec<Constants>,
+    (starts, depth): (Vec<Constants>, Depth),
     options: &'a Options,
     watcher: &mut EquationObserver,
 ) -> Option<Searched<'a>> {
     let search = ConstantSearch { of, data, options };
     let mut sketches = Vec::new();
-    for mut constants in starts {
-        let mut settled = search.at(&constants, None, Depth::Terms, watcher);
-        if let Settled::Answer(answer) = &settled {
-            let of = (answer.fit.problem.as_ref(), &answer.fit.found);
-            if let Some(likelier) = constants.likeliest_in(of, watcher) {
-                constants = likelier;
-                let start = answer.fit.found.best.point.active();
-                settled = search.at(&constants, Some(start), Depth::Sensors, watcher);
-            }
-        }
-        sketches.push(Searched { settled, constants });
+    for start in starts {
+        sketches.push(search.sketch(start, depth, watcher));
         if watcher.stop().is_some() {
             break;
         }
@@ -87,7 +78,8 @@ impl Searched<'_> {
 
 /// What one search of terms looks for.
 #[derive(Clone, Copy, PartialEq)]
-enum Depth {
+pub enum Depth {
+    /// Nothing else.
     Terms,
     /// Faults of sensors too: outliers, delays, offsets.
     Sensors,
@@ -147,6 +139,31 @@ impl<'a> ConstantSearch<'a> {
         }
     }
 
+    /// Terms from few courses of the hidden states, then once more about the likeliest constants for them.
+    fn sketch(
+        &self,
+        constants: Constants,
+        depth: Depth,
+        watcher: &mut EquationObserver,
+    ) -> Searched<'a> {
+        let (dataset, problem) = self.data;
+        let at = constants.started(problem, HIDDEN.judged, watcher);
+        let acting = constants.dataset(dataset);
+        let settled = self.on((&acting, &at), None, Depth::Terms, watcher);
+        let Settled::Answer(answer) = settled else {
+            let settled = Settled::Nothing;
+            return Searched { settled, constants };
+        };
+        let of = (answer.fit.problem.as_ref(), &answer.fit.found);
+        let constants = constants.likeliest_in(of, watcher).unwrap_or(constants);
+        let at = constants.problem(of.0);
+        let acting = constants.dataset(dataset);
+        let start = answer.fit.found.best.point.active();
+        let settled = self.on((&acting, &at), Some(start), depth, watcher);
+        let settled = settled.into_owned();
+        Searched { settled, constants }
+    }
+
     /// One search of terms.
     fn at(
         &self,
@@ -156,7 +173,7 @@ impl<'a> ConstantSearch<'a> {
         watcher: &mut EquationObserver,
     ) -> Settled<'a> {
         let (dataset, problem) = self.data;
-        match constants.started(problem, watcher) {
+        match constants.started(problem, HIDDEN.courses, watcher) {
             Cow::Borrowed(at) => self.on((dataset, at), start, depth, watcher),
             Cow::Owned(at) => {
                 let acting = constants.dataset(dataset);

@@ -11,9 +11,9 @@ use crate::joint::weak_start::weak_start;
 use crate::needed_signals::needed_signals;
 use crate::options::Options;
 use crate::trajectory::{
-    Answer, CONSTANTS, FittedConstants, Found, Parameter, Problem, SoughtConstant, fit_constants,
-    fit_constants_from, fit_proposed, laws_with_constants, likely_constants, untold_parameters,
-    with_constant_values, with_started_states,
+    Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, SoughtConstant,
+    fit_constants, fit_constants_from, fit_proposed, laws_with_constants, likely_constants,
+    untold_parameters, with_constant_values, with_started_states,
 };
 use crate::unknown_constants::{self, Sought};
 use sidc_data::{ConstantValue, Dataset, Samples, samples};
@@ -184,7 +184,7 @@ impl Constants {
         if problem.system.hidden.is_empty() {
             return;
         }
-        let at = self.started(problem, watcher);
+        let at = self.started(problem, HIDDEN.courses, watcher);
         let Some(fit) = fit_proposed(&at, watcher) else {
             return;
         };
@@ -225,16 +225,17 @@ impl Constants {
         }
     }
 
-    /// The same, with a start for its hidden states.
+    /// The same, with a start for its hidden states: the best of so many courses.
     pub fn started<'a>(
         &self,
         problem: &'a Problem,
+        most: usize,
         watcher: &mut EquationObserver,
     ) -> Cow<'a, Problem> {
         let at = self.problem(problem);
         match at.system.hidden.is_empty() {
             true => at,
-            false => Cow::Owned(with_started_states(&at, watcher)),
+            false => Cow::Owned(with_started_states(&at, most, watcher)),
         }
     }
 

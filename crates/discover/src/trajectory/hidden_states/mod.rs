@@ -18,4 +18,5 @@ pub(crate) use constant_values::likely_constants;
 pub use scale::ToldScale;
 pub(crate) use scale::with_told_scales;
 pub(crate) use start::{fit_proposed, with_started_states};
+pub(crate) use thresholds::HIDDEN;
 pub(crate) use twins::{exchanged_constants, exchanged_lags};

@@ -14,12 +14,16 @@ use crate::trajectory::model::{HiddenCourse, LinearizationPoint, Problem};
 use crate::trajectory::search::final_criterion;
 use sidc_progress::Observer;
 
-/// The problem with a start for its hidden states, and for the columns: of all that are proposed the one from which a fit of all laws is best.
+/// The problem with a start for its hidden states, and for the columns: of so many that are proposed the one from which a fit of all laws is best.
 /// Fits that do not settle count where there is no other: with nothing to hold a hidden state they may run off.
-pub(crate) fn with_started_states(problem: &Problem, observer: &mut dyn Observer) -> Problem {
+pub(crate) fn with_started_states(
+    problem: &Problem,
+    most: usize,
+    observer: &mut dyn Observer,
+) -> Problem {
     let free = of_free_scale(problem);
     let problem = with_given_courses(problem, &free);
-    let Some((fit, started)) = best_start(&problem, &free, HIDDEN.courses, observer) else {
+    let Some((fit, started)) = best_start(&problem, &free, most, observer) else {
         return problem;
     };
     let mut started = started.with_hidden_of(&fit, &free);
