@@ -25,7 +25,6 @@ use crate::options::Options;
 
 /// A model with one more state, and what is found with it.
 struct Proposal {
-    program: Program,
     /// What is added, in words: `a first-order lag of u`.
     what: String,
     added: AddedState,
@@ -59,34 +58,30 @@ pub(super) fn propose(
     let mut trial = Trial {
         dataset,
         options,
+        depth: Depth::Disturbances,
         observer: &mut quiet,
     };
-    let own = description.or_else(|| Some(trial.describe(program, Depth::Disturbances)?.1));
+    let own = description.or_else(|| Some(trial.describe(program)?.1));
     let Some(own) = own.filter(|o| o.leaves_more_than_noise() || is_late(found)) else {
         return;
     };
+    if !own.is_disturbed() {
+        trial.depth = Depth::Sensors;
+    }
     let mut tried = trial.each(lagged((program, dataset), &doubted), program);
     let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
     if !tried.iter().any(explains) {
-        let states = driving(program, &doubted).into_iter().collect();
+        let states = driving((program, dataset), &doubted).into_iter().collect();
         tried.extend(trial.each(states, program));
     }
     // Of those that the readings do not tell apart the first is given.
     let better = |a: &Proposal, b: &Proposal| a.description.is_better_than(&b.description);
-    let places = 0..tried.len();
-    let best = places.reduce(|best, one| match better(&tried[one], &tried[best]) {
-        true => one,
-        false => best,
-    });
-    let Some(best) = best else {
+    let best = (tried.iter()).reduce(|best, one| if better(one, best) { one } else { best });
+    let Some(best) = best.filter(|_| trial.observer.go_on()) else {
         return;
     };
-    let others = (0..tried.len()).filter(|o| *o != best && !better(&tried[best], &tried[*o]));
-    let alike: Vec<String> = others.map(|o| tried[o].what.clone()).collect();
-    let best = trial.deepened(tried.swap_remove(best));
-    if !trial.observer.go_on() {
-        return;
-    }
+    let others = tried.iter().filter(|o| o.added != best.added);
+    let alike: Vec<&Proposal> = others.filter(|o| !better(best, o)).collect();
     let explains = !best.description.unexplained;
     if best.description.is_better_than(&own) {
         let gain = best.description.gain_over(&own);
@@ -96,23 +91,25 @@ pub(super) fn propose(
     }
 }
 
-/// What programs are tried on.
+/// What programs are tried on, and how.
 struct Trial<'a> {
     dataset: &'a Dataset,
     options: &'a Options,
+    /// Disturbances are looked for beside an added state where the answer has some: each can stand for the other.
+    depth: Depth,
     observer: &'a mut dyn Observer,
 }
 
 impl Trial<'_> {
-    /// What is found with each added state that something moves, if nothing but its terms drives a law.
+    /// What is found with each added state that something moves.
     fn each(&mut self, states: Vec<(String, AddedState)>, given: &Program) -> Vec<Proposal> {
         let proposal = |(what, added): (String, AddedState)| {
             let program = compiled(&added.text, given)?;
-            let (found, description) = self.describe(&program, Depth::Sensors)?;
-            is_driven(&found, &added.state).then_some(Proposal {
+            let (found, description) = self.describe(&program)?;
+            let told = is_driven(&found, &added.state) && !is_at_end(&found, &program);
+            told.then_some(Proposal {
                 what,
                 added,
-                program,
                 found,
                 description,
             })
@@ -120,30 +117,16 @@ impl Trial<'_> {
         states.into_iter().filter_map(proposal).collect()
     }
 
-    /// Where more than noise is left, the same with what else may drive the laws.
-    fn deepened(&mut self, proposal: Proposal) -> Proposal {
-        if !proposal.description.unexplained {
-            return proposal;
-        }
-        match self.describe(&proposal.program, Depth::Disturbances) {
-            Some((found, description)) if is_driven(&found, &proposal.added.state) => Proposal {
-                found,
-                description,
-                ..proposal
-            },
-            _ => proposal,
-        }
-    }
-
     /// The equations of a program with their trajectory, and how well they describe the readings.
-    fn describe(&mut self, program: &Program, depth: Depth) -> Option<(Discovery, Description)> {
+    fn describe(&mut self, program: &Program) -> Option<(Discovery, Description)> {
         let mut search = self.options.search;
         search.method = Method::Joint;
         let of = (&program.model, &program.libraries[..]);
         let targets: Vec<_> = program.model.equations.iter().map(|e| e.target).collect();
         let dataset = &self.dataset.without(&targets).with_unknowns_of(of.0);
         let problem = discover::joint(of.0, of.1, dataset, &search, self.observer).ok()?;
-        discover::describe_jointly(of, (dataset, &problem), depth, &search, self.observer)
+        let data = (dataset, &problem);
+        discover::describe_jointly(of, data, self.depth, &search, self.observer)
     }
 }
 
@@ -158,6 +141,22 @@ fn is_driven(found: &Discovery, state: &str) -> bool {
             .iter()
             .for_each(|t| t.term.for_each_signal(&mut others));
         driven
+    })
+}
+
+/// Whether a constant ended at the end of its range, as a time constant does where an input is integrated or followed at once.
+fn is_at_end(found: &Discovery, program: &Program) -> bool {
+    let unknowns = program.model.unknowns.iter();
+    let ends = unknowns.flat_map(|u| {
+        u.ranges()
+            .into_iter()
+            .map(|r| (program.model.var(u.var), r))
+    });
+    let mut ends = ends.filter_map(|(var, range)| Some((&var?.name, range)));
+    let near = |a: f64, b: f64| (a - b).abs() <= MISSING.end * b.abs();
+    ends.any(|(name, (from, to))| {
+        let mut own = found.unknowns.iter().filter(|u| u.name == *name);
+        own.any(|u| near(u.value, from) || near(u.value, to))
     })
 }
 
@@ -239,7 +238,7 @@ fn lagged(
     let sensors = doubted
         .iter()
         .take(MISSING.sensors)
-        .filter(|_| is_small(program));
+        .filter(|_| is_small(program, dataset));
     inputs
         .filter_map(input)
         .chain(sensors.filter_map(sensor))
@@ -247,19 +246,26 @@ fn lagged(
 }
 
 /// A state that drives the doubted laws, in small models.
-fn driving(program: &Program, doubted: &[Signal]) -> Option<(String, AddedState)> {
+fn driving(
+    (program, dataset): (&Program, &Dataset),
+    doubted: &[Signal],
+) -> Option<(String, AddedState)> {
     let equations = program.model.equations.iter().enumerate();
     let driven = equations.filter(|(_, e)| doubted.contains(&e.target));
     let driven: Vec<usize> = driven.map(|(i, _)| i).collect();
     let added = driven_by_state(&program.text, &program.model, &driven)?;
     let what = format!("a state {} that nothing measures", added.state);
-    is_small(program).then_some((what, added))
+    is_small(program, dataset).then_some((what, added))
 }
 
-/// Whether laws may be searched along a course that nothing measures: with few columns, and no other such course.
-fn is_small(program: &Program) -> bool {
+/// Whether laws may be searched along a course that nothing measures: with little work, no other such course, and rates that need not be solved for
+/// at every step.
+fn is_small(program: &Program, dataset: &Dataset) -> bool {
     let hidden = program.model.hidden_states().next().is_some();
-    !hidden && columns(program) <= MISSING.columns
+    let targets: Vec<Signal> = program.model.equations.iter().map(|e| e.target).collect();
+    let mut libraries = program.libraries.iter().flatten();
+    let implicit = libraries.any(|l| l.signals().iter().any(|s| targets.contains(s)));
+    !hidden && !implicit && work(program, dataset) <= MISSING.work_along_course
 }
 
 /// The time constants that records can tell, from the shortest step to the length of the longest.
@@ -287,12 +293,12 @@ fn compiled(text: &str, given: &Program) -> Option<Program> {
 }
 
 impl Proposal {
-    fn reason(&self, gain: f64, alike: &[String]) -> Reason {
+    fn reason(&self, gain: f64, alike: &[&Proposal]) -> Reason {
         let left = match self.description.unexplained {
             true => "",
             false => ", and nothing but noise is left",
         };
-        let or = alike.iter().map(|o| format!(" or {o}"));
+        let or = alike.iter().map(|o| format!(" or {}", o.what));
         let or: String = or.collect();
         let which = if alike.is_empty() {
             ""

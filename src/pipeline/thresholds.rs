@@ -33,10 +33,12 @@ family! {
         inputs: usize = 4, unit "inputs", source "each costs a search of its own";
         /// Sensors that are tried with a lag.
         sensors: usize = 2, unit "sensors", source "each costs a search of its own, from many time constants";
-        /// Columns of a model up to which a state with a library of its own is tried.
-        columns: usize = 60, unit "columns", source "so many more are searched, along a course that nothing measures";
-        /// Samples times columns up to which anything is tried.
-        work: usize = 100_000, unit "values", source "half a minute for all searches together";
+        /// Samples times columns up to which lags of inputs are tried.
+        work: usize = 50_000, unit "values", source "each costs some seconds there, two to five times the search for the answer";
+        /// Samples times columns up to which a state with a law that is sought is tried.
+        work_along_course: usize = 20_000, unit "values", source "each costs up to ten seconds there: its law is searched too";
+        /// How near to the end of its range a time constant is none.
+        end: f64 = 0.02, unit "of the end", source "a fit that settles at the end stays there; one that a record tells is a fifth of its length or less";
         /// Shortest lag that is tried.
         shortest_lag: f64 = 0.1, unit "of the step between samples", source "what is faster follows its input from sample to sample";
         /// Digits of coefficients in a sentence.

@@ -48,6 +48,11 @@ impl Description {
         }
     }
 
+    /// Whether something else drives the laws.
+    pub fn is_disturbed(&self) -> bool {
+        self.disturbed
+    }
+
     /// Whether the laws leave more than the noise of the sensors, or something else drives them.
     pub fn leaves_more_than_noise(&self) -> bool {
         self.unexplained || self.disturbed
