@@ -1,6 +1,8 @@
 //! What was measured, as arrays.
 
-use sidc_data::{ArrayFault, Table};
+use std::io::Read;
+
+use sidc_data::{ArrayFault, Limits, Table};
 use sidc_lang::source::Sources;
 
 use crate::error::{Error, ErrorKind};
@@ -64,6 +66,29 @@ impl Data {
         let table = Table::from_arrays(name, columns);
         self.tables
             .push(table.map_err(|fault| refused(name, fault))?);
+        Ok(self)
+    }
+
+    /// Adds a record from a table of text, as `sidc identify` reads files: names in the first line, separated by commas, semicolons or
+    /// tabs. `name` is what messages and results call it.
+    ///
+    /// ```
+    /// let data = sidc::Data::new().csv("decay.csv", "t,x\n0,2\n0.1,1.9\n".as_bytes())?;
+    /// assert_eq!(data.runs(), 1);
+    /// # Ok::<(), sidc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ErrorKind::Data`]: every fault of the table, with its line.
+    pub fn csv(mut self, name: &str, reader: impl Read) -> Result<Data, Error> {
+        let mut sources = Sources::default();
+        let limits = Limits {
+            taken: self.tables.iter().map(Table::bytes).sum(),
+            ..Limits::default()
+        };
+        let table = sidc_data::read(name, reader, &limits, &mut sources);
+        self.tables
+            .push(table.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?);
         Ok(self)
     }
 

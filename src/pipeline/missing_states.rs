@@ -45,7 +45,10 @@ pub(super) fn propose(
     // A delay that was sought in too short a range looks like a lag: the range comes first.
     let cut_off = found.doubt_codes().contains(&ReasonCode::DelayRange);
     let possible = may_have_more_states(program) && work(program, dataset) <= MISSING.work;
+    // A sum of many terms is no law that lacks one state, and each of its terms makes the trials longer.
+    let dense = (found.equations.iter()).any(|e| e.terms.len() > MISSING.terms);
     if doubted.is_empty()
+        || dense
         || cut_off
         || explained_by_delay(found)
         || found.was_stopped()

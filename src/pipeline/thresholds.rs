@@ -36,7 +36,9 @@ family! {
         /// Samples times columns up to which lags of inputs are tried.
         work: usize = 50_000, unit "values", source "each costs some seconds there, two to five times the search for the answer";
         /// Samples times columns up to which a state with a law that is sought is tried.
-        work_along_course: usize = 20_000, unit "values", source "each costs up to ten seconds there: its law is searched too";
+        work_along_course: usize = 10_000, unit "values", source "each costs up to ten seconds there: its law is searched too";
+        /// Terms of an equation up to which something is tried.
+        terms: usize = 10, unit "terms", source "more take a minute: the first draft of models/data/pendulum.csv has 13, the rigs of docs/rigs.md at most 7";
         /// How near to the end of its range a time constant is none.
         end: f64 = 0.02, unit "of the end", source "a fit that settles at the end stays there; one that a record tells is a fifth of its length or less";
         /// Shortest lag that is tried.

@@ -35,7 +35,7 @@ fn is_used_as_it_stands(table: &Path, folder: &Path) {
     assert_eq!(check.status, 0, "{table}: {}\n{text}", check.stderr);
     let layout = sidc(&["fmt", "--check", model]);
     assert_eq!(layout.status, 0, "{table}: {text}");
-    let found = sidc(&["identify", model, table, "-q", "--time-limit", "20s"]);
+    let found = sidc(&["identify", model, table, "-q", "--time-limit", "5s"]);
     assert!(
         matches!(found.status, 0 | 3),
         "{table}: {}\n{text}",

@@ -16,6 +16,6 @@ mod thresholds;
 mod vocabulary;
 
 pub use analysis::tables::{TableHeader, Tables};
-pub use lsp_server::{Connection, ProtocolError};
+pub use lsp_server::{Connection, Message, ProtocolError, Response};
 pub use server::{Server, serve};
 pub use text::positions::Encoding;

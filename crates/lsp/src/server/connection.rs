@@ -1,7 +1,6 @@
 //! A conversation from `initialize` to `exit`.
 
 use lsp_server::{Connection, Message, ProtocolError};
-use lsp_types::InitializeParams;
 
 use super::Server;
 use crate::analysis::tables::Tables;
@@ -12,11 +11,8 @@ use crate::analysis::tables::Tables;
 /// The editor breaks the protocol before the first text is open.
 pub fn serve(connection: &Connection, tables: &dyn Tables) -> Result<bool, ProtocolError> {
     let (id, params) = connection.initialize_start()?;
-    let params: InitializeParams = serde_json::from_value(params).unwrap_or_default();
     let mut server = Server::new(tables);
-    let result = server.initialize(&params);
-    let result = serde_json::to_value(result).unwrap_or_default();
-    connection.initialize_finish(id, result)?;
+    connection.initialize_finish(id, server.introduce(params))?;
     while let Ok(message) = connection.receiver.recv() {
         if let Message::Notification(n) = &message
             && n.method == "exit"

@@ -12,6 +12,7 @@ pub use connection::serve;
 
 use lsp_server::{Message, Notification};
 use lsp_types::{InitializeParams, InitializeResult, PublishDiagnosticsParams, ServerInfo};
+use serde_json::Value;
 
 use crate::analysis::tables::Tables;
 use crate::features::diagnostics;
@@ -38,8 +39,13 @@ impl<'t> Server<'t> {
         }
     }
 
-    /// Learns what the editor can do, and says what this server can.
-    pub fn initialize(&mut self, params: &InitializeParams) -> InitializeResult {
+    /// The answer to `initialize`: learns what the editor can do, and says what this server can.
+    pub fn introduce(&mut self, params: Value) -> Value {
+        let params = serde_json::from_value(params).unwrap_or_default();
+        serde_json::to_value(self.initialize(&params)).unwrap_or_default()
+    }
+
+    fn initialize(&mut self, params: &InitializeParams) -> InitializeResult {
         let general = params.capabilities.general.as_ref();
         let kinds = general.and_then(|g| g.position_encodings.as_ref());
         let encoding = Encoding::offered(kinds);

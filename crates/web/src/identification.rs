@@ -1,0 +1,113 @@
+//! From a model and data to equations, and what follows from them.
+
+use serde_json::Value;
+use sidc::{HoldOutRange, Model, Options, Target};
+use wasm_bindgen::prelude::*;
+
+use crate::data::Data;
+use crate::progress::Progress;
+
+/// Φ of one equation takes at most so much: a page has 4 GB at most, and shares them.
+const MEMORY: u64 = 1 << 30;
+
+/// Equations with their evidence.
+#[wasm_bindgen]
+pub struct Discovery {
+    inner: sidc::Discovery,
+}
+
+/// Compiles a model.
+///
+/// # Errors
+/// What is wrong with it, as the program prints it.
+#[wasm_bindgen]
+pub fn check(name: &str, text: &str) -> Result<(), String> {
+    let model = Model::named(name, text);
+    model.map(|_| ()).map_err(|e| e.to_string())
+}
+
+/// Finds the equations. `settings` is an object of JSON: `holdout`, a part of every record from its end, between 0 and 1. `progress` is
+/// called with words for people.
+///
+/// # Errors
+/// What is wrong with model, data or settings, as the program prints it.
+#[wasm_bindgen]
+pub fn identify(
+    name: &str,
+    text: &str,
+    data: &Data,
+    settings: &str,
+    progress: js_sys::Function,
+) -> Result<Discovery, String> {
+    let model = Model::named(name, text).map_err(|e| e.to_string())?;
+    let options = options(settings)?;
+    let mut observer = Progress::new(model.targets(), progress);
+    let found = model.identify_watched(&data.inner, &options, &mut observer);
+    let inner = found.map_err(|e| e.to_string())?;
+    Ok(Discovery { inner })
+}
+
+fn options(settings: &str) -> Result<Options, String> {
+    let settings: Value = serde_json::from_str(settings).map_err(|e| e.to_string())?;
+    let options = Options::default().memory(MEMORY);
+    Ok(match settings.get("holdout").and_then(Value::as_f64) {
+        Some(part) if part > 0.0 && part < 1.0 => options.hold_out(HoldOutRange::Last(part)),
+        Some(part) if part != 0.0 => {
+            return Err(format!(
+                "error[bad-settings]: holdout is {part}, which is no part of a record\n  = help: give a number between 0 and 1"
+            ));
+        }
+        _ => options,
+    })
+}
+
+/// What [`Discovery::export`] takes.
+#[wasm_bindgen]
+pub fn targets() -> Vec<String> {
+    Target::ALL.map(|t| t.name().to_string()).to_vec()
+}
+
+#[wasm_bindgen]
+impl Discovery {
+    /// The result document.
+    ///
+    /// # Errors
+    /// A fault of this program.
+    pub fn document(&self) -> Result<String, String> {
+        self.inner.to_json().map_err(|e| e.to_string())
+    }
+
+    /// The answer as the program prints it.
+    pub fn answer(&self) -> String {
+        self.inner.answer()
+    }
+
+    /// True if every equation was found and none has a doubt.
+    pub fn passes(&self) -> bool {
+        self.inner.passes()
+    }
+
+    /// Equations, verdict and coefficients as a part of a page.
+    pub fn html(&self) -> String {
+        self.inner.html()
+    }
+
+    /// The report as a page, with runs along the data.
+    ///
+    /// # Errors
+    /// Data that lack what a run needs.
+    pub fn report(&self, data: &Data, progress: js_sys::Function) -> Result<String, String> {
+        let mut observer = Progress::new(Vec::new(), progress);
+        let page = self.inner.report(&data.inner, &mut observer);
+        page.map_err(|e| e.to_string())
+    }
+
+    /// The equations in another language.
+    ///
+    /// # Errors
+    /// No such language, or an equation that it cannot express.
+    pub fn export(&self, target: &str) -> Result<String, String> {
+        let written = Target::named(target).and_then(|t| self.inner.export(t));
+        written.map_err(|e| e.to_string())
+    }
+}

@@ -1,0 +1,135 @@
+// The editor of the model: CodeMirror, with the language server for all that it knows.
+import { EditorView, basicSetup } from "codemirror";
+import { EditorState } from "@codemirror/state";
+import { keymap } from "@codemirror/view";
+import { setDiagnostics } from "@codemirror/lint";
+import { LSPClient, LSPPlugin, languageServerExtensions } from "@codemirror/lsp-client";
+import { colours } from "./colours.js";
+
+const URI = "file:///model.sid";
+
+/** Milliseconds without a key after which the text goes to the server. */
+const PAUSE = 50;
+
+/** Elements of the server's explanations; what else a model's text may smuggle in becomes text. */
+const ALLOWED = new Set(["P", "PRE", "CODE", "EM", "STRONG", "UL", "OL", "LI", "BR", "SPAN", "TABLE", "THEAD", "TBODY", "TR", "TH", "TD", "HR"]);
+
+function sanitized(html) {
+  const { body } = new DOMParser().parseFromString(html, "text/html");
+  for (const element of body.querySelectorAll("*")) {
+    if (!ALLOWED.has(element.tagName)) element.replaceWith(element.textContent);
+    else for (const { name } of [...element.attributes]) if (name !== "class") element.removeAttribute(name);
+  }
+  return body.innerHTML;
+}
+
+/** The language server in a worker, as the client of CodeMirror speaks to it. */
+class Transport {
+  #compiler;
+  #handlers = new Set();
+
+  constructor(compiler) {
+    this.#compiler = compiler;
+  }
+
+  send(message) {
+    const tell = (answers) => {
+      for (const answer of answers) for (const handler of this.#handlers) handler(answer);
+    };
+    // Without its server the editor is a plain one.
+    this.#compiler.call("message", message).then(tell, () => {});
+  }
+
+  subscribe(handler) {
+    this.#handlers.add(handler);
+  }
+
+  unsubscribe(handler) {
+    this.#handlers.delete(handler);
+  }
+}
+
+const SEVERITIES = ["error", "error", "warning", "info", "hint"];
+
+/** Shows diagnostics, each with its fixes. */
+async function show(client, { uri, version, diagnostics }) {
+  const file = client.workspace.getFile(uri);
+  const view = file?.getView();
+  const plugin = view && LSPPlugin.get(view);
+  if (!plugin || (version ?? file.version) !== file.version) return;
+  const ask = ({ range }) =>
+    client.request("textDocument/codeAction", { textDocument: { uri }, range, context: { diagnostics: [] } });
+  const fixes = await Promise.all(diagnostics.map(ask));
+  if (version !== undefined && version !== file.version) return;
+  const offset = (position) => plugin.unsyncedChanges.mapPos(plugin.fromPosition(position, plugin.syncedDoc));
+  const action = ({ title, edit }) => ({
+    name: title,
+    apply(view) {
+      const changes = edit.changes[uri].map(({ range, newText }) => ({
+        from: offset(range.start),
+        to: offset(range.end),
+        insert: newText,
+      }));
+      view.dispatch({ changes });
+    },
+  });
+  const found = diagnostics.map((d, place) => ({
+    from: offset(d.range.start),
+    to: offset(d.range.end),
+    severity: SEVERITIES[d.severity ?? 1],
+    message: d.message,
+    source: d.code,
+    actions: (fixes[place] ?? []).filter((fix) => fix.diagnostics.some((of) => of.message === d.message)).map(action),
+  }));
+  view.dispatch(setDiagnostics(view.state, found));
+}
+
+export class Editor {
+  #view;
+  #client;
+  #pause;
+
+  /** `changed` is called after each change of the text, `run` where the user asks for a run by the keyboard. */
+  constructor(parent, compiler, { changed, run }) {
+    const publish = (client, params) => (show(client, params), true);
+    this.#client = new LSPClient({
+      sanitizeHTML: sanitized,
+      timeout: 30000,
+      extensions: languageServerExtensions(),
+      notificationHandlers: { "textDocument/publishDiagnostics": publish },
+    }).connect(new Transport(compiler));
+    const changes = EditorView.updateListener.of((update) => {
+      if (!update.docChanged) return;
+      clearTimeout(this.#pause);
+      this.#pause = setTimeout(() => this.refresh(), PAUSE);
+      changed();
+    });
+    this.#view = new EditorView({
+      parent,
+      state: EditorState.create({
+        extensions: [
+          keymap.of([{ key: "Mod-Enter", run: () => (run(), true) }]),
+          basicSetup,
+          EditorView.lineWrapping,
+          EditorView.contentAttributes.of({ "aria-label": "Model", "aria-describedby": "keys" }),
+          this.#client.plugin(URI, "sid"),
+          colours(this.#client, URI),
+          changes,
+        ],
+      }),
+    });
+  }
+
+  /** Sends what was typed to the server. */
+  refresh() {
+    this.#client.sync();
+  }
+
+  get text() {
+    return this.#view.state.doc.toString();
+  }
+
+  set text(text) {
+    this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: text } });
+  }
+}

@@ -1,0 +1,196 @@
+// The page: what is given, a run, what was found.
+import { Cancelled, Compiler, Refusal } from "./compiler.js";
+import { Editor } from "./editor.js";
+import { pack, unpack } from "./link.js";
+import { Results } from "./results.js";
+
+const element = (id) => document.getElementById(id);
+
+const START = "state x\n\ndx ~ poly(x; 3)\n";
+
+const module = compiled();
+const language = new Compiler(module);
+const runner = new Compiler(module, (words) => say(`${words} …`));
+const results = new Results(runner, say);
+
+/** The data files, in the order of their runs. */
+let files = [];
+/** The example whose text and data are shown, as long as nobody changed either. */
+let example = "";
+let name = "model.sid";
+
+/** The compiler, unpacked and compiled while it comes in. */
+async function compiled() {
+  const { body } = await fetched("sidc.wasm.gz");
+  const unpacked = body.pipeThrough(new DecompressionStream("gzip"));
+  return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "content-type": "application/wasm" } }));
+}
+
+function say(words) {
+  const status = element("status");
+  if (status.textContent !== words) status.textContent = words;
+}
+
+const editor = new Editor(element("editor"), language, { changed: () => results.outdate(), run });
+
+// Data
+
+function setFiles(given) {
+  files = given;
+  const items = files.map((file, place) => {
+    const item = document.createElement("li");
+    const remove = document.createElement("button");
+    remove.type = "button";
+    remove.textContent = "Remove";
+    remove.setAttribute("aria-label", `Remove ${file.name}`);
+    remove.addEventListener("click", () => changeFiles(files.filter((_, other) => other !== place)));
+    item.append(`${file.name}, ${size(file.size)} `, remove);
+    return item;
+  });
+  element("tables").replaceChildren(...items);
+  element("draft").hidden = files.length === 0;
+  language.call("tables", files).then(() => editor.refresh()).catch(() => {});
+}
+
+function size(bytes) {
+  if (bytes < 1e6) return `${(bytes / 1e3).toPrecision(2)} kB`;
+  return `${(bytes / 1e6).toPrecision(3)} MB`;
+}
+
+function changeFiles(given) {
+  example = "";
+  element("examples").value = "";
+  results.outdate();
+  setFiles(given);
+}
+
+/** Takes files that were chosen or dropped: a model is opened, tables take the place of those of an example. */
+async function take(given) {
+  const models = given.filter((file) => file.name.endsWith(".sid"));
+  const tables = given.filter((file) => !file.name.endsWith(".sid"));
+  if (models.length > 0) {
+    setName(models[0].name);
+    editor.text = await models[0].text();
+  }
+  if (tables.length > 0) changeFiles(example === "" ? [...files, ...tables] : tables);
+}
+
+element("files").addEventListener("change", ({ target }) => {
+  take([...target.files]);
+  target.value = "";
+});
+addEventListener("dragover", (event) => event.preventDefault());
+addEventListener("drop", (event) => {
+  if (event.dataTransfer.files.length === 0) return;
+  event.preventDefault();
+  take([...event.dataTransfer.files]);
+}, true);
+
+element("draft").addEventListener("click", () =>
+  work(async () => {
+    editor.text = await runner.call("draft", files);
+    setName("model.sid");
+    say("a first model, guessed from the data; read it before you run it");
+  }),
+);
+
+// Models
+
+function setName(given) {
+  name = given;
+  element("model-name").textContent = name;
+}
+
+async function fetched(path) {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+  return answer;
+}
+
+/** Opens an example: its model unless another text is given, and its data. */
+async function open({ model, data }, text) {
+  const read = async (file) => new File([await (await fetched(`gallery/${file}`)).arrayBuffer()], file);
+  const [own, ...tables] = await Promise.all([read(model), ...data.map(read)]);
+  setName(model);
+  editor.text = text ?? (await own.text());
+  setFiles(tables);
+  example = model;
+  element("examples").value = model;
+}
+
+// Runs
+
+/** Does one piece of work, with its end in the status line. */
+async function work(piece) {
+  if (element("run").disabled) return;
+  element("run").disabled = true;
+  element("cancel").disabled = false;
+  document.body.classList.add("working");
+  try {
+    await piece();
+  } catch (error) {
+    if (error instanceof Cancelled) say("cancelled");
+    else if (error instanceof Refusal) {
+      results.refuse(error.message);
+      say("no answer: see the message");
+    } else {
+      say(`a fault of this page: ${error.message}`);
+      throw error;
+    }
+  } finally {
+    element("run").disabled = false;
+    element("cancel").disabled = true;
+    document.body.classList.remove("working");
+  }
+}
+
+function run() {
+  work(async () => {
+    say("running …");
+    const began = performance.now();
+    const settings = { holdout: Number(element("holdout").value) };
+    const found = await runner.call("identify", { name, text: editor.text }, files, settings);
+    const seconds = (performance.now() - began) / 1000;
+    results.show(found, name);
+    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s`);
+  });
+}
+
+element("run").addEventListener("click", run);
+element("cancel").addEventListener("click", () => runner.cancel());
+element("holdout").addEventListener("change", () => results.outdate());
+element("share").addEventListener("click", async () => {
+  const hash = await pack({ text: editor.text, holdout: Number(element("holdout").value), example });
+  history.replaceState(null, "", hash);
+  try {
+    await navigator.clipboard.writeText(location.href);
+    say("the link is copied; it holds the model and the settings, not the data");
+  } catch {
+    say("the link is in the address bar; it holds the model and the settings, not the data");
+  }
+});
+
+/** The page as its link or the first example has it. */
+async function begin() {
+  const examples = await (await fetched("gallery/index.json")).json();
+  for (const { model } of examples) element("examples").add(new Option(model.slice(0, -4), model));
+  const byName = (model) => examples.find((e) => e.model === model);
+  element("examples").addEventListener("change", async ({ target }) => {
+    const chosen = byName(target.value);
+    results.outdate();
+    if (chosen) await open(chosen);
+    else changeFiles(files);
+  });
+  const linked = await unpack(location.hash);
+  if (linked) element("holdout").value = String(linked.holdout);
+  const chosen = linked ? byName(linked.example) : examples[0];
+  if (chosen) await open(chosen, linked?.text);
+  else {
+    editor.text = linked?.text ?? START;
+    setFiles([]);
+  }
+  results.setTargets(await runner.ready);
+  say("ready");
+}
+
+begin().catch((error) => say(`this page could not be loaded: ${error.message}`));

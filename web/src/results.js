@@ -1,0 +1,138 @@
+// What was found, in four views, one of which is shown.
+
+const element = (id) => document.getElementById(id);
+
+const VIEWS = ["answer", "report", "code", "document"];
+
+/** Extensions of the files that languages are saved in. */
+const EXTENSIONS = { latex: "tex", rust: "rs", c: "c", python: "py", sympy: "py", matlab: "m", text: "txt" };
+
+function save(name, text, kind) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type: kind }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+export class Results {
+  #runner;
+  #say;
+  #found;
+  #report;
+  #code = "";
+  #stem = "model";
+
+  constructor(runner, say) {
+    this.#runner = runner;
+    this.#say = say;
+    VIEWS.forEach((view, place) => {
+      const tab = element(`tab-${view}`);
+      tab.addEventListener("click", () => this.#choose(view));
+      tab.addEventListener("keydown", ({ key }) => {
+        const step = { ArrowRight: 1, ArrowLeft: -1 }[key];
+        if (step) this.#choose(VIEWS[(place + step + VIEWS.length) % VIEWS.length]);
+      });
+    });
+    element("target").addEventListener("change", () => this.#write());
+    element("save-report").addEventListener("click", () => save(`${this.#stem}.html`, this.#report, "text/html"));
+    element("save-code").addEventListener("click", () => {
+      const extension = EXTENSIONS[element("target").value] ?? "txt";
+      save(`${this.#stem}.${extension}`, this.#code, "text/plain");
+    });
+    element("save-document").addEventListener("click", () => save("result.json", this.#found.document, "application/json"));
+  }
+
+  setTargets(targets) {
+    element("target").replaceChildren(...targets.map((target) => new Option(target, target)));
+    element("target").value = "python";
+  }
+
+  /** Shows what a run found. */
+  show(found, model) {
+    this.#found = found;
+    this.#report = undefined;
+    this.#stem = model.replace(/\.sid$/, "");
+    this.#verdict(found.passes ? "Passes" : "Doubted: see the reasons", found.passes ? "passes" : "doubted");
+    element("answer").textContent = found.answer;
+    element("document").textContent = found.document;
+    element("save-document").disabled = false;
+    document.body.classList.remove("outdated");
+    this.#choose(VIEWS.find((view) => element(`tab-${view}`).ariaSelected === "true"), false);
+  }
+
+  /** Shows why there is nothing. */
+  refuse(message) {
+    this.#clear();
+    this.#verdict("No answer", "doubted");
+    element("answer").textContent = message;
+    this.#choose("answer", false);
+  }
+
+  /** Marks what is shown as that of another model or other data. */
+  outdate() {
+    if (this.#found) document.body.classList.add("outdated");
+  }
+
+  #clear() {
+    this.#found = undefined;
+    this.#report = undefined;
+    element("report").src = "frame.html";
+    element("code").textContent = "";
+    element("document").textContent = "";
+    for (const button of ["save-report", "save-code", "save-document"]) element(button).disabled = true;
+    document.body.classList.remove("outdated");
+  }
+
+  #verdict(words, kind) {
+    element("verdict").textContent = words;
+    element("verdict").className = kind;
+  }
+
+  #choose(view, focus = true) {
+    for (const other of VIEWS) {
+      const tab = element(`tab-${other}`);
+      tab.ariaSelected = String(other === view);
+      tab.tabIndex = other === view ? 0 : -1;
+      element(`panel-${other}`).hidden = other !== view;
+    }
+    if (focus) element(`tab-${view}`).focus();
+    if (view === "report") this.#draw();
+    if (view === "code") this.#write();
+  }
+
+  /** The report, written when it is first looked at. */
+  async #draw() {
+    if (!this.#found || this.#report !== undefined) return;
+    const found = this.#found;
+    this.#report = "";
+    try {
+      const page = await this.#runner.call("report");
+      if (found !== this.#found) return;
+      this.#report = page;
+      const frame = element("report");
+      frame.onload = () => {
+        frame.onload = null;
+        frame.contentWindow.postMessage(page, "*");
+      };
+      frame.src = "frame.html";
+      element("save-report").disabled = false;
+      this.#say("the report is written");
+    } catch (error) {
+      this.#report = undefined;
+      this.#say(error.message);
+    }
+  }
+
+  async #write() {
+    if (!this.#found) return;
+    try {
+      this.#code = await this.#runner.call("export", element("target").value);
+      element("code").textContent = this.#code;
+      element("save-code").disabled = false;
+    } catch (error) {
+      element("code").textContent = error.message;
+      element("save-code").disabled = true;
+    }
+  }
+}

@@ -1,0 +1,65 @@
+// The compiler in a worker. A page has two: one answers the editor, one runs; a run is cancelled by ending its worker.
+//
+// In: {id, call, args}. Out: {id, value} or {id, fault}, and {progress} on the way.
+import initialize, { Data, Editor, check, identify, targets } from "sidc-bindings";
+
+/** First bytes of a data file, in which its header ends. */
+const HEADER = 1 << 16;
+
+let editor;
+let data;
+let found;
+
+const progress = (words) => postMessage({ progress: words });
+
+async function read(files) {
+  const all = new Data();
+  for (const file of files) {
+    progress(`reading ${file.name}`);
+    all.add(file.name, new Uint8Array(await file.arrayBuffer()));
+  }
+  return all;
+}
+
+const calls = {
+  async start(module) {
+    await initialize({ module_or_path: module });
+    return targets();
+  },
+  message(text) {
+    editor ??= new Editor();
+    return editor.receive(text);
+  },
+  async tables(files) {
+    editor ??= new Editor();
+    editor.clear();
+    for (const file of files) {
+      editor.table(file.name, new Uint8Array(await file.slice(0, HEADER).arrayBuffer()));
+    }
+  },
+  async draft(files) {
+    return (await read(files.slice(0, 1))).draft();
+  },
+  async identify(model, files, settings) {
+    // Mistakes in the model come before long reading.
+    check(model.name, model.text);
+    data = await read(files);
+    found = identify(model.name, model.text, data, JSON.stringify(settings), progress);
+    return { answer: found.answer(), passes: found.passes(), document: found.document() };
+  },
+  report() {
+    return found.report(data, progress);
+  },
+  export(target) {
+    return found.export(target);
+  },
+};
+
+onmessage = async ({ data: { id, call, args } }) => {
+  try {
+    postMessage({ id, value: await calls[call](...args) });
+  } catch (fault) {
+    // The compiler's faults are texts; anything else broke the worker: memory that ran out, most likely.
+    postMessage(typeof fault === "string" ? { id, fault } : { id, fault: String(fault), broken: true });
+  }
+};

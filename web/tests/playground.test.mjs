@@ -1,0 +1,211 @@
+// The page as people use it: files, mistakes, links, cancelling, keys; and what it tells the network.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { choose, example, root, run, start, status, write } from "./page.mjs";
+
+let site;
+before(async () => (site = await start()));
+after(() => site.stop());
+
+/** A test on a page of its own, which must end without faults and without a word to the network beyond the page's own files. */
+function scene(name, act, options = {}) {
+  test(name, async () => {
+    const page = await site.open(options);
+    await act(page);
+    assert.deepEqual(page.faults, []);
+    assert.deepEqual(page.requests.filter((url) => !url.startsWith(`${site.origin}/`) && !url.startsWith("blob:")), []);
+    await page.context().close();
+  });
+}
+
+const DECAY = ["t,x", ...Array.from({ length: 80 }, (_, k) => `${k / 10},${2 * Math.exp(-0.05 * k)}`)].join("\n");
+
+scene("nothing is asked of the network once the page is ready, whatever is run", async (page) => {
+  const before = page.requests.length;
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  assert.match(await run(page), /^found, in/);
+  assert.match(await page.textContent("#answer"), /^dx = -0\.5\*x\n/);
+  // The frame of the report is a file of the page itself.
+  await page.click("#tab-report");
+  await status(page, /written/);
+  await page.click("#tab-code");
+  await page.waitForFunction(() => document.getElementById("code").textContent.includes("def "));
+  const later = page.requests.slice(before).filter((url) => !url.startsWith("blob:"));
+  assert.deepEqual(new Set(later), new Set([`${site.origin}/frame.html`]));
+});
+
+scene("mistakes are shown while they are typed, with fixes that mend them", async (page) => {
+  await write(page, "state theta : order 2\nddtheta ~ poly(theta, dthta; 2)\n");
+  await page.hover(".cm-lintRange-error");
+  const message = page.locator(".cm-diagnostic-error");
+  assert.match(await message.innerText(), /no signal named `dthta`/);
+  await message.locator(".cm-diagnosticAction", { hasText: "dtheta" }).click();
+  await page.waitForFunction(() => document.querySelectorAll(".cm-lintRange-error").length === 0);
+  assert.match(await page.innerText(".cm-content"), /poly\(theta, dtheta; 2\)/);
+});
+
+scene("columns of the data are completed", async (page) => {
+  await choose(page, [{ name: "log.csv", text: "time_s,Winkel\n0,1\n1,2\n" }]);
+  await write(page, 'state theta\ndata { theta = "');
+  await page.keyboard.press("Control+Space");
+  await page.waitForSelector(".cm-tooltip-autocomplete >> text=Winkel");
+});
+
+scene("a model is drafted from a table", async (page) => {
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  await page.click("#draft");
+  await status(page, /first model/);
+  assert.match(await page.innerText(".cm-content"), /state x/);
+  assert.match(await run(page), /^found/);
+});
+
+scene("what is wrong with a model or a table is said as the program says it", async (page) => {
+  await choose(page, [{ name: "bad.csv", text: "t,x\n0,1\n1,2,3\n2,zwei\n" }]);
+  await write(page, "state x\ndx ~ poly(x; 2)\n");
+  assert.match(await run(page), /^no answer/);
+  assert.match(await page.textContent("#answer"), /^error\[ragged-row\][^]*bad\.csv:3/);
+  await write(page, "state x\ndx ~ poly(y; 2)\n");
+  await run(page);
+  assert.match(await page.textContent("#answer"), /error\[unknown-signal\]/);
+});
+
+scene("names from files are text, wherever they are shown", async (page) => {
+  const name = `<img src=x onerror=alert(1)>.csv`;
+  await choose(page, [{ name, text: DECAY.replace("t,x", "t,<script>alert(1)</script>") }]);
+  await write(page, 'state x\ndata { x = "<script>alert(1)</script>" }\ndx ~ poly(x; 2)\n');
+  assert.match(await run(page), /^found/);
+  await page.click("#tab-report");
+  await status(page, /written/);
+  assert.equal(await page.locator("img, b").count(), 0);
+  assert.equal(await page.locator("#tables li").count(), 1);
+});
+
+for (const [what, text] of Object.entries({
+  "no table": "\u0000\u0001\u0002",
+  "an empty file": "",
+  "one line of a megabyte": "x".repeat(1e6),
+  "ten thousand columns": Array.from({ length: 10001 }, (_, k) => `c${k}`).join(","),
+  "quotes that never end": 't,x\n0,"1\n1,2\n',
+})) {
+  scene(`${what} is refused with a reason`, async (page) => {
+    await choose(page, [{ name: "odd.csv", text }]);
+    await write(page, "state x\ndx ~ poly(x; 2)\n");
+    assert.match(await run(page), /^no answer/);
+    assert.match(await page.textContent("#answer"), /^error\[/);
+  });
+}
+
+scene("a table of 50 MB is dropped and read", async (page) => {
+  await write(page, "state x\ndx ~ poly(x; 2)\n");
+  await page.evaluate(() => {
+    const rows = ["t,x"];
+    for (let k = 0; k < 1_250_000; k += 1) {
+      const t = k / 1e4;
+      rows.push(`${t.toFixed(12)},${(2 * Math.exp(-0.05 * t)).toFixed(20)}`);
+    }
+    const transfer = new DataTransfer();
+    transfer.items.add(new File([rows.join("\n")], "long.csv"));
+    dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, cancelable: true }));
+  });
+  await page.waitForFunction(() => /long\.csv, (4[5-9]|5\d)\.\d MB/.test(document.getElementById("tables").textContent));
+  assert.match(await run(page), /^found/);
+  assert.match(await page.textContent("#answer"), /^dx = -0\.05\*x/);
+});
+
+scene("a run is cancelled, and the next one works", async (page) => {
+  await example(page, "double_pendulum.sid", 1);
+  await page.click("#run");
+  await status(page, /…$/);
+  await page.click("#cancel");
+  await status(page, /^cancelled$/);
+  await example(page, "lorenz.sid", 1);
+  assert.match(await run(page), /^found, in/);
+});
+
+scene("a link brings model and settings to another page", async (page) => {
+  await write(page, "# mine\nstate x\ndx ~ poly(x; 2)\n");
+  await page.selectOption("#holdout", "0.25");
+  await page.click("#share");
+  await status(page, /^the link is/);
+  const other = await site.open({}, new URL(page.url()).hash);
+  assert.match(await other.innerText(".cm-content"), /^# mine/);
+  assert.equal(await other.inputValue("#holdout"), "0.25");
+  await other.context().close();
+});
+
+test("a broken link opens the page as it is without one", async () => {
+  for (const hash of ["#m=abc", "#m=", `#m=${"A".repeat(9000)}`, "#x"]) {
+    const page = await site.open({}, hash);
+    assert.equal(await page.textContent("#model-name"), "pendulum.sid");
+    await page.context().close();
+  }
+});
+
+scene("everything is reached by the keyboard", async (page) => {
+  await page.focus(".cm-content");
+  await page.keyboard.press("Control+Enter");
+  await status(page, /^found/);
+  await page.keyboard.press("Tab");
+  assert.notEqual(await page.evaluate(() => document.activeElement.className), "cm-content");
+  await page.focus("#tab-answer");
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "tab-report");
+  await status(page, /written/);
+});
+
+scene("a screen reader finds a name for everything that can be used", async (page) => {
+  const nameless = await page.evaluate(() => {
+    const named = (e) => e.ariaLabel || e.title || e.textContent.trim() || e.labels?.length;
+    return [...document.querySelectorAll("button, select, input, iframe, [role=tab], [role=textbox]")]
+      .filter((e) => !named(e))
+      .map((e) => e.outerHTML);
+  });
+  assert.deepEqual(nameless, []);
+  assert.equal(await page.locator("[role=status]").count(), 1);
+});
+
+for (const width of [390, 1280]) {
+  for (const colorScheme of ["light", "dark"]) {
+    scene(`nothing overflows at ${width} px, ${colorScheme}`, async (page) => {
+      await run(page);
+      assert.equal(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth), 0);
+      const low = await page.evaluate(() => {
+        // Contrast of WCAG 2 of every text against the first opaque ground behind it.
+        const channels = (colour) => colour.match(/[\d.]+/g).map(Number);
+        const light = ([r, g, b]) => {
+          const linear = [r, g, b].map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+          return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2];
+        };
+        const ground = (e) => {
+          for (let at = e; at; at = at.parentElement) {
+            const colour = channels(getComputedStyle(at).backgroundColor);
+            if (colour.length === 3) return colour;
+          }
+          return [255, 255, 255];
+        };
+        const texts = [...document.querySelectorAll("p, h1, h2, label, button, li, pre, option, .cm-line span, .cm-gutterElement")];
+        const shown = texts.filter((e) => e.textContent.trim() && e.checkVisibility() && !e.disabled && !e.closest("[hidden]"));
+        return shown
+          .map((e) => {
+            const [a, b] = [light(channels(getComputedStyle(e).color)), light(ground(e))];
+            return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), e.outerHTML.slice(0, 80)];
+          })
+          .filter(([contrast]) => contrast < 4.5);
+      });
+      assert.deepEqual(low, []);
+      // For the eye: `SIDC_PICTURES=1 npm test` draws the pictures of docs/ anew.
+      const picture = { "1280 light": "playground-desk-light", "390 dark": "playground-phone-dark" }[`${width} ${colorScheme}`];
+      if (picture && process.env.SIDC_PICTURES) await page.screenshot({ path: join(root, `docs/${picture}.png`) });
+    }, { viewport: { width, height: width === 390 ? 844 : 900 }, colorScheme });
+  }
+}
+
+test("the page is 5 MB at most", () => {
+  const files = ["index.html", "main.js", "worker.js", "style.css", "frame.html", "sidc.wasm.gz"];
+  const sizes = files.map((name) => readFileSync(join(root, "web/dist", name)).length);
+  const all = sizes.reduce((a, b) => a + b);
+  assert.ok(all <= 5e6, `${all} bytes`);
+});
