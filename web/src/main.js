@@ -148,8 +148,8 @@ function run() {
   work(async () => {
     say("running …");
     const began = performance.now();
-    const settings = { holdout: Number(element("holdout").value) };
-    const found = await runner.call("identify", { name, text: editor.text }, files, settings);
+    const holdout = Number(element("holdout").value);
+    const found = await runner.call("identify", { name, text: editor.text }, files, holdout);
     const seconds = (performance.now() - began) / 1000;
     results.show(found, name);
     say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s`);

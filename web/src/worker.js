@@ -40,11 +40,11 @@ const calls = {
   async draft(files) {
     return (await read(files.slice(0, 1))).draft();
   },
-  async identify(model, files, settings) {
+  async identify(model, files, holdout) {
     // Mistakes in the model come before long reading.
     check(model.name, model.text);
     data = await read(files);
-    found = identify(model.name, model.text, data, JSON.stringify(settings), progress);
+    found = identify(model.name, model.text, data, holdout, progress);
     return { answer: found.answer(), passes: found.passes(), document: found.document() };
   },
   report() {

@@ -1,6 +1,5 @@
 //! From a model and data to equations, and what follows from them.
 
-use serde_json::Value;
 use sidc::{HoldOutRange, Model, Options, Target};
 use wasm_bindgen::prelude::*;
 
@@ -26,39 +25,28 @@ pub fn check(name: &str, text: &str) -> Result<(), String> {
     model.map(|_| ()).map_err(|e| e.to_string())
 }
 
-/// Finds the equations. `settings` is an object of JSON: `holdout`, a part of every record from its end, between 0 and 1. `progress` is
-/// called with words for people.
+/// Finds the equations. `holdout`: the part of every record, from its end, that they are run on; 0 for none. `progress` is called with words
+/// for people.
 ///
 /// # Errors
-/// What is wrong with model, data or settings, as the program prints it.
+/// What is wrong with model or data, as the program prints it.
 #[wasm_bindgen]
 pub fn identify(
     name: &str,
     text: &str,
     data: &Data,
-    settings: &str,
+    holdout: f64,
     progress: js_sys::Function,
 ) -> Result<Discovery, String> {
     let model = Model::named(name, text).map_err(|e| e.to_string())?;
-    let options = options(settings)?;
+    let mut options = Options::default().memory(MEMORY);
+    if holdout > 0.0 && holdout < 1.0 {
+        options = options.hold_out(HoldOutRange::Last(holdout));
+    }
     let mut observer = Progress::new(model.targets(), progress);
     let found = model.identify_watched(&data.inner, &options, &mut observer);
     let inner = found.map_err(|e| e.to_string())?;
     Ok(Discovery { inner })
-}
-
-fn options(settings: &str) -> Result<Options, String> {
-    let settings: Value = serde_json::from_str(settings).map_err(|e| e.to_string())?;
-    let options = Options::default().memory(MEMORY);
-    Ok(match settings.get("holdout").and_then(Value::as_f64) {
-        Some(part) if part > 0.0 && part < 1.0 => options.hold_out(HoldOutRange::Last(part)),
-        Some(part) if part != 0.0 => {
-            return Err(format!(
-                "error[bad-settings]: holdout is {part}, which is no part of a record\n  = help: give a number between 0 and 1"
-            ));
-        }
-        _ => options,
-    })
 }
 
 /// What [`Discovery::export`] takes.

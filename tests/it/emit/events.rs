@@ -13,13 +13,13 @@ use sidc_testing::runtimes;
 const STEP: f64 = 0.005;
 const ROWS: usize = 800;
 
-struct System {
+pub(super) struct System {
     name: &'static str,
-    document: serde_json::Value,
+    pub(super) document: serde_json::Value,
     states: usize,
 }
 
-fn systems() -> [System; 2] {
+pub(super) fn systems() -> [System; 2] {
     let variable = |name: &str, kind: &str, order: u8| serde_json::json!({"name": name, "kind": kind, "order": order});
     let equation = |target: &str, terms: &[(&str, f64)]| {
         let terms: Vec<_> = terms

@@ -1,16 +1,15 @@
-//! The programs that docs/exports.md shows print what it shows. `SIDC_WRITE_DOCS=1` writes the outputs anew.
+//! The programs that docs/exports.md and docs/friction.md show print what is shown. `SIDC_WRITE_DOCS=1` writes the outputs anew.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use super::events::systems;
 use super::languages::finished;
 use super::pendulum;
 use sidc_emit as emit;
-use sidc_testing::program::{file, root};
+use sidc_testing::program::{file, root, sidc};
 use sidc_testing::runtimes;
-
-const PAGE: &str = "docs/exports.md";
 
 /// A program, and what is shown to come out.
 struct Example {
@@ -83,25 +82,14 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
     }
 }
 
-#[test]
-fn shown_programs_print_what_is_shown() {
-    let folder = tempfile::tempdir().unwrap();
-    let files = [
-        ("c", "pendulum.c"),
-        ("python", "pendulum.py"),
-        ("sympy", "pendulum_sympy.py"),
-        ("matlab", "pendulum_on_cart.m"),
-    ];
-    for (target, name) in files {
-        let code = emit::target(target).unwrap().emit(&pendulum()).unwrap();
-        fs::write(folder.path().join(name), code).unwrap();
-    }
+/// Runs the programs of a page in a folder with the code that they use.
+fn check_page(name: &str, programs: usize, folder: &Path) {
     let write = std::env::var_os("SIDC_WRITE_DOCS").is_some();
-    let mut page = file(PAGE);
+    let mut page = file(name);
     let all = examples(&page);
-    assert_eq!(all.len(), 4);
+    assert_eq!(all.len(), programs);
     for example in all {
-        let Some(printed) = run(&example, folder.path()) else {
+        let Some(printed) = run(&example, folder) else {
             continue;
         };
         let trimmed: String = printed
@@ -116,6 +104,33 @@ fn shown_programs_print_what_is_shown() {
         }
     }
     if write {
-        fs::write(root().join(PAGE), page).unwrap();
+        fs::write(root().join(name), page).unwrap();
     }
+}
+
+#[test]
+fn shown_programs_print_what_is_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("c", "pendulum.c"),
+        ("python", "pendulum.py"),
+        ("sympy", "pendulum_sympy.py"),
+        ("matlab", "pendulum_on_cart.m"),
+    ];
+    for (target, name) in files {
+        let code = emit::target(target).unwrap().emit(&pendulum()).unwrap();
+        fs::write(folder.path().join(name), code).unwrap();
+    }
+    check_page("docs/exports.md", 4, folder.path());
+}
+
+#[test]
+fn the_shown_drive_sticks_and_is_let_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let [drive, _] = systems();
+    let document = folder.path().join("drive.json").display().to_string();
+    fs::write(&document, drive.document.to_string()).unwrap();
+    let code = sidc(&["export", &document, "--to", "python"]).stdout;
+    fs::write(folder.path().join("drive.py"), code).unwrap();
+    check_page("docs/friction.md", 1, folder.path());
 }
