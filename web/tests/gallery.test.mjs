@@ -7,7 +7,8 @@ import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
 import { example, root, run, start } from "./page.mjs";
 
-const program = process.env.SIDC ?? join(root, "target/release/sidc");
+// SIDC names the program; without it, that of `cargo test` is used.
+const program = process.env.SIDC ?? join(root, "target/debug/sidc");
 const folder = mkdtempSync(join(tmpdir(), "sidc-"));
 
 /** Difference that rounding makes: functions like `sin` differ in the last digit between a browser and the program. */
