@@ -2,7 +2,7 @@
 //
 // The compiler as WebAssembly (crates/web), the page and its worker in one file each, the gallery as it is in models/.
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -37,7 +37,7 @@ await build({
 });
 for (const name of ["index.html", "frame.html", "style.css"]) cpSync(join(web, "src", name), join(dist, name));
 
-const examples = gallery(readdirSync(join(root, "models")));
+const examples = gallery(join(root, "models"));
 mkdirSync(join(dist, "gallery"));
 for (const { model, data } of examples) {
   cpSync(join(root, "models", model), join(dist, "gallery", model));

@@ -1,21 +1,16 @@
-// The models of the gallery with their data.
+// The models of the gallery with their data, as the comments at their heads name them.
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
 
-/** Models whose data have another name: models/README.md. */
-const DATA = {
-  pendulum_768: ["pendulum"],
-  pendulum_symmetry: ["pendulum"],
-  sir: ["sir_a", "sir_b"],
-  michaelis_menten_unknown: ["michaelis_menten"],
-  forced_frequency: ["forced_pendulum"],
-};
-
-/** `{model, data}` for each `.sid` among the names of files, by name; the pendulum first. */
-export function gallery(files) {
-  const models = files.filter((name) => name.endsWith(".sid")).map((name) => name.slice(0, -4));
-  const first = (name) => (name === "pendulum" ? "" : name);
+/** `{model, data}` for each `.sid` of a folder, by name; the pendulum first. */
+export function gallery(folder) {
+  const models = readdirSync(folder).filter((name) => name.endsWith(".sid"));
+  const first = (name) => (name === "pendulum.sid" ? "" : name);
   models.sort((a, b) => (first(a) < first(b) ? -1 : 1));
-  return models.map((name) => ({
-    model: `${name}.sid`,
-    data: (DATA[name] ?? [name]).map((data) => `${data}.csv`),
-  }));
+  return models.map((model) => {
+    const text = readFileSync(join(folder, model), "utf8");
+    const heads = [...text.matchAll(/^#.*$/gm)];
+    const named = heads.flatMap(([line]) => [...line.matchAll(/models\/data\/(\w+\.csv)/g)]);
+    return { model, data: [...new Set(named.map(([, name]) => name))] };
+  });
 }

@@ -3,9 +3,9 @@
 //! In: a program, its data, the answer with its doubts. Out: one doubt more, if a model with one more state describes the readings better: which,
 //! what would be found with it, the lines to paste. The answer itself stays as it is.
 //!
-//! Tried are a first-order lag of each input and, in models without hidden states and with few columns, one of each doubted state's sensor and a
-//! state that drives the doubted laws and has a library like theirs. All are estimated as they would be if a user had written them, and the
-//! criterion compares them with the answer and with each other.
+//! Tried are a first-order lag of each input and, in small models without hidden states, one of each doubted state's sensor and a state that
+//! drives the doubted laws and has a library like theirs. All are estimated by a short search, and the criterion compares them with the
+//! answer and with each other.
 
 use sidc_data::Dataset;
 use sidc_discover as discover;

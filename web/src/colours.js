@@ -3,8 +3,9 @@ import { RangeSetBuilder, StateEffect, StateField } from "@codemirror/state";
 import { Decoration, EditorView, ViewPlugin } from "@codemirror/view";
 import { LSPPlugin } from "@codemirror/lsp-client";
 
-/** Milliseconds after a change at which colours are asked for anew; until then the old ones move with the text. */
-const PAUSE = 60;
+/** Milliseconds without a change after which the text goes to the server, and with it the question for colours; until then the old ones move
+ * with the text. */
+const PAUSE = 50;
 
 const marked = StateEffect.define();
 

@@ -8,9 +8,6 @@ import { colours } from "./colours.js";
 
 const URI = "file:///model.sid";
 
-/** Milliseconds without a key after which the text goes to the server. */
-const PAUSE = 50;
-
 /** Elements of the server's explanations; what else a model's text may smuggle in becomes text. */
 const ALLOWED = new Set(["P", "PRE", "CODE", "EM", "STRONG", "UL", "OL", "LI", "BR", "SPAN", "TABLE", "THEAD", "TBODY", "TR", "TH", "TD", "HR"]);
 
@@ -86,23 +83,18 @@ async function show(client, { uri, version, diagnostics }) {
 
 export class Editor {
   #view;
-  #client;
-  #pause;
 
   /** `changed` is called after each change of the text, `run` where the user asks for a run by the keyboard. */
   constructor(parent, compiler, { changed, run }) {
     const publish = (client, params) => (show(client, params), true);
-    this.#client = new LSPClient({
+    const client = new LSPClient({
       sanitizeHTML: sanitized,
       timeout: 30000,
       extensions: languageServerExtensions(),
       notificationHandlers: { "textDocument/publishDiagnostics": publish },
     }).connect(new Transport(compiler));
     const changes = EditorView.updateListener.of((update) => {
-      if (!update.docChanged) return;
-      clearTimeout(this.#pause);
-      this.#pause = setTimeout(() => this.refresh(), PAUSE);
-      changed();
+      if (update.docChanged) changed();
     });
     this.#view = new EditorView({
       parent,
@@ -112,17 +104,12 @@ export class Editor {
           basicSetup,
           EditorView.lineWrapping,
           EditorView.contentAttributes.of({ "aria-label": "Model", "aria-describedby": "keys" }),
-          this.#client.plugin(URI, "sid"),
-          colours(this.#client, URI),
+          client.plugin(URI, "sid"),
+          colours(client, URI),
           changes,
         ],
       }),
     });
-  }
-
-  /** Sends what was typed to the server. */
-  refresh() {
-    this.#client.sync();
   }
 
   get text() {

@@ -49,7 +49,7 @@ function setFiles(given) {
   });
   element("tables").replaceChildren(...items);
   element("draft").hidden = files.length === 0;
-  language.call("tables", files).then(() => editor.refresh()).catch(() => {});
+  language.call("tables", files).catch(() => {});
 }
 
 function size(bytes) {

@@ -1,7 +1,7 @@
 // The compiler in a worker. A page has two: one answers the editor, one runs; a run is cancelled by ending its worker.
 //
 // In: {id, call, args}. Out: {id, value} or {id, fault}, and {progress} on the way.
-import initialize, { Data, Editor, check, identify, targets } from "sidc-bindings";
+import initialize, { Data, Editor, Model, targets } from "sidc-bindings";
 
 /** First bytes of a data file, in which its header ends. */
 const HEADER = 1 << 16;
@@ -42,9 +42,9 @@ const calls = {
   },
   async identify(model, files, holdout) {
     // Mistakes in the model come before long reading.
-    check(model.name, model.text);
+    const compiled = new Model(model.name, model.text);
     data = await read(files);
-    found = identify(model.name, model.text, data, holdout, progress);
+    found = compiled.identify(data, holdout, progress);
     return { answer: found.answer(), passes: found.passes(), document: found.document() };
   },
   report() {

@@ -1,6 +1,6 @@
 //! From a model and data to equations, and what follows from them.
 
-use sidc::{HoldOutRange, Model, Options, Target};
+use sidc::{HoldOutRange, Options, Target};
 use wasm_bindgen::prelude::*;
 
 use crate::data::Data;
@@ -15,38 +15,46 @@ pub struct Discovery {
     inner: sidc::Discovery,
 }
 
-/// Compiles a model.
-///
-/// # Errors
-/// What is wrong with it, as the program prints it.
+/// A checked model.
 #[wasm_bindgen]
-pub fn check(name: &str, text: &str) -> Result<(), String> {
-    let model = Model::named(name, text);
-    model.map(|_| ()).map_err(|e| e.to_string())
+pub struct Model {
+    inner: sidc::Model,
 }
 
-/// Finds the equations. `holdout`: the part of every record, from its end, that they are run on; 0 for none. `progress` is called with words
-/// for people.
-///
-/// # Errors
-/// What is wrong with model or data, as the program prints it.
 #[wasm_bindgen]
-pub fn identify(
-    name: &str,
-    text: &str,
-    data: &Data,
-    holdout: f64,
-    progress: js_sys::Function,
-) -> Result<Discovery, String> {
-    let model = Model::named(name, text).map_err(|e| e.to_string())?;
-    let mut options = Options::default().memory(MEMORY);
-    if holdout > 0.0 && holdout < 1.0 {
-        options = options.hold_out(HoldOutRange::Last(holdout));
+impl Model {
+    /// Compiles a text.
+    ///
+    /// # Errors
+    /// What is wrong with it, as the program prints it.
+    #[wasm_bindgen(constructor)]
+    pub fn new(name: &str, text: &str) -> Result<Model, String> {
+        let inner = sidc::Model::named(name, text).map_err(|e| e.to_string())?;
+        Ok(Model { inner })
     }
-    let mut observer = Progress::new(model.targets(), progress);
-    let found = model.identify_watched(&data.inner, &options, &mut observer);
-    let inner = found.map_err(|e| e.to_string())?;
-    Ok(Discovery { inner })
+
+    /// Finds the equations. `holdout`: the part of every record, from its end, that they are run on; 0 for none. `progress` is called with
+    /// words for people.
+    ///
+    /// # Errors
+    /// What is wrong with the data, as the program prints it.
+    pub fn identify(
+        &self,
+        data: &Data,
+        holdout: f64,
+        progress: js_sys::Function,
+    ) -> Result<Discovery, String> {
+        let mut options = Options::default().memory(MEMORY);
+        if holdout > 0.0 && holdout < 1.0 {
+            options = options.hold_out(HoldOutRange::Last(holdout));
+        }
+        let mut observer = Progress::new(self.inner.targets(), progress);
+        let found = self
+            .inner
+            .identify_watched(&data.inner, &options, &mut observer);
+        let inner = found.map_err(|e| e.to_string())?;
+        Ok(Discovery { inner })
+    }
 }
 
 /// What [`Discovery::export`] takes.

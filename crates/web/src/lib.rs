@@ -10,4 +10,4 @@ mod progress;
 
 pub use data::Data;
 pub use editor::Editor;
-pub use identification::{Discovery, check, identify, targets};
+pub use identification::{Discovery, Model, targets};
