@@ -7,6 +7,7 @@
 use sidc_data::Dataset;
 use sidc_discover as discover;
 use sidc_discover::Method;
+use sidc_discover::identifiability::leaves_motion;
 use sidc_discover::trajectory::Problem;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
@@ -26,6 +27,9 @@ pub(super) fn better_way(
     observer: &mut dyn Observer,
 ) -> Discovery {
     if first.passes() || !options.search.chooses_way() || !may_be_settled(&first) {
+        return first;
+    }
+    if library_falls_short(program, measured, &first) {
         return first;
     }
     let Some(dataset) = without_targets(program, &measured.dataset) else {
@@ -67,6 +71,22 @@ fn may_be_settled(first: &Discovery) -> bool {
         TimeLimit,
     ];
     first.doubt_codes().iter().all(|c| !others.contains(c))
+}
+
+/// Whether a library leaves motion that it cannot explain, of rates that agree with their states: then it leaves that of the
+/// trajectory too.
+fn library_falls_short(program: &Program, measured: &Measured, first: &Discovery) -> bool {
+    let poor = |target: Signal| {
+        let doubted = first.equations.iter().filter(|e| e.target == target);
+        let mut reasons = doubted.flat_map(|e| &e.reasons);
+        reasons.any(|r| r.code == ReasonCode::PoorFit)
+    };
+    let stated = program.model.equations.iter().zip(&program.libraries);
+    let mut sought = stated.filter_map(|(e, library)| Some((e.target, library.as_ref()?)));
+    measured.dataset.rate_faults.is_empty()
+        && sought.any(|(target, library)| {
+            poor(target) && leaves_motion(library, target, &measured.samples)
+        })
 }
 
 /// The data as if no target had been measured; `None` where none was.

@@ -7,10 +7,13 @@ use sidc::pipeline;
 use sidc_data as data;
 use sidc_data::Limits;
 use sidc_data::draft::draft;
+use sidc_lang::model::{Model, Var, VarKind};
 use sidc_lang::source::Sources;
 
+use super::gallery::Header;
 use sidc_testing::plants::rigs;
-use sidc_testing::program::{root, sidc, sidc_in};
+use sidc_testing::program::{file, models, root, sidc, sidc_in};
+use sidc_testing::random::Random;
 
 /// Rows that a record of other people's is used from.
 const ROWS: usize = 1500;
@@ -106,6 +109,122 @@ fn shapes_and_headers_decide() {
         model.contains("dAngle = \"rate\" * pi/180 * 1e3"),
         "{model}"
     );
+}
+
+/// Laws of other order than their positions show, at any noise: a state that acts on or through a hidden one, and a rate that no
+/// polynomial comes near.
+const UNSEEN_ORDERS: [(&str, &str); 3] = [("predator", "prey"), ("seir", "I"), ("allee", "x")];
+
+/// The table of a gallery model without rates, with noise of this part of its spread on each state.
+fn positions(table: &str, states: &[String], noise: f64, random: &mut Random) -> String {
+    let mut lines = table.lines().filter(|l| !l.starts_with('#'));
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let is_rate = |h: &str| {
+        states
+            .iter()
+            .any(|s| h != s && h.trim_start_matches('d') == s)
+    };
+    let kept: Vec<usize> = (0..header.len()).filter(|i| !is_rate(header[*i])).collect();
+    let cells = |l: &str| -> Vec<f64> {
+        let all: Vec<&str> = l.split(',').collect();
+        let number = |i: &usize| all[*i].parse().unwrap_or(f64::NAN);
+        kept.iter().map(number).collect()
+    };
+    let mut rows: Vec<Vec<f64>> = lines.map(cells).collect();
+    for (place, _) in kept
+        .iter()
+        .enumerate()
+        .filter(|(_, i)| states.iter().any(|s| s == header[**i]))
+    {
+        let column = || rows.iter().map(|r| r[place]).filter(|v| v.is_finite());
+        let n = column().count() as f64;
+        let mean = column().sum::<f64>() / n;
+        let spread = (column().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt();
+        for row in &mut rows {
+            row[place] += noise * spread * random.normal();
+        }
+    }
+    let mut text: String = kept
+        .iter()
+        .map(|i| header[*i])
+        .collect::<Vec<_>>()
+        .join(",")
+        + "\n";
+    for row in rows {
+        let cells: Vec<String> = row.iter().map(f64::to_string).collect();
+        text.push_str(&(cells.join(",").replace("NaN", "") + "\n"));
+    }
+    text
+}
+
+fn compiled(text: &str) -> Model {
+    let mut sources = Sources::default();
+    let file = sources.add("m.sid", text);
+    let (program, said) = pipeline::compile(file, &sources, 1 << 30);
+    program.unwrap_or_else(|| panic!("{said:?}\n{text}")).model
+}
+
+fn orders(model: &Model) -> Vec<(String, u8)> {
+    let seen = |v: &&Var| v.kind == VarKind::State && !v.hidden;
+    let states = model.vars.iter().filter(seen);
+    states.map(|v| (v.name.clone(), v.order)).collect()
+}
+
+/// Whether a state has a law of first or second order, from noisy positions alone.
+#[test]
+fn orders_are_guessed_from_positions() {
+    let mut random = Random::new(7);
+    let mut wrong = Vec::new();
+    let mut guessed = 0;
+    for (path, text) in models("models") {
+        let name = path.trim_start_matches("models/").trim_end_matches(".sid");
+        let model = compiled(&text);
+        let declared = orders(&model);
+        let states: Vec<String> = declared.iter().map(|(s, _)| s.clone()).collect();
+        let data = Header::of(name, &text).data;
+        let table = file(&data[0]);
+        let renamed = model.discrete || !states.iter().all(|s| table.contains(s.as_str()));
+        for noise in [0.0, 0.01, 0.05].into_iter().filter(|_| !renamed) {
+            let drafted = model_of(&positions(&table, &states, noise, &mut random)).unwrap();
+            let drafted = orders(&compiled(&drafted));
+            for (state, order) in &declared {
+                let unseen = UNSEEN_ORDERS.contains(&(name, &state[..]));
+                let found = drafted.iter().find(|(s, _)| s == state);
+                if let Some((_, guess)) = found.filter(|_| !unseen) {
+                    guessed += 1;
+                    if guess != order {
+                        wrong.push(format!(
+                            "{name}: {state} is of order {order}, guessed {guess} at noise {noise}"
+                        ));
+                    }
+                }
+            }
+        }
+    }
+    assert!(guessed > 150, "{guessed}");
+    assert!(wrong.is_empty(), "of {guessed}:\n{}", wrong.join("\n"));
+}
+
+/// Of bodies on bodies the first model holds the law, whatever was measured of their motion.
+#[test]
+fn coupled_bodies_are_found_from_first_models() {
+    let folder = tempfile::tempdir().unwrap();
+    for (table, terms) in [
+        ("pendulum", 7),
+        ("pendulum_positions", 7),
+        ("double_pendulum", 20),
+    ] {
+        let model = folder.path().join(table).with_extension("sid");
+        let (model, table) = (model.to_str().unwrap(), format!("models/data/{table}.csv"));
+        let new = sidc(&["new", &table, "-o", model]);
+        assert_eq!(new.status, 0, "{}", new.stderr);
+        let found = sidc(&["identify", model, &table, "--json"]);
+        assert_eq!(found.status, 0, "{table}: {}", found.stderr);
+        let document: serde_json::Value = serde_json::from_str(&found.stdout).unwrap();
+        let equations = document["equations"].as_array().unwrap();
+        let count = |e: &serde_json::Value| e["terms"].as_array().unwrap().len();
+        assert_eq!(equations.iter().map(count).sum::<usize>(), terms, "{table}");
+    }
 }
 
 #[test]

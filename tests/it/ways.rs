@@ -16,15 +16,15 @@ fn law([x, y]: [f64; 2]) -> [f64; 2] {
     [x - 0.5 * x * y, -0.8 * y + 0.4 * x * y]
 }
 
-/// States with noise `sigma`, and their rates: the first reads 0.3 too much.
-fn table(sigma: f64) -> String {
+/// States with noise `sigma`, and their rates: the first reads `bias` too much.
+fn table(sigma: f64, bias: f64) -> String {
     let mut random = Random::new(11);
     let (mut z, h) = ([1.0, 1.0], STEP / 8.0);
     let mut text = String::from("t,x,y,dx,dy\n");
     for row in 0..ROWS {
         let [dx, dy] = law(z);
         let mut read = |v: f64| v + sigma * random.normal();
-        let (x, y, dx, dy) = (read(z[0]), read(z[1]), read(dx) + 0.3, read(dy));
+        let (x, y, dx, dy) = (read(z[0]), read(z[1]), read(dx) + bias, read(dy));
         text.push_str(&format!("{},{x},{y},{dx},{dy}\n", row as f64 * STEP));
         for _ in 0..8 {
             let ahead = |k: [f64; 2], h: f64| law([z[0] + h * k[0], z[1] + h * k[1]]);
@@ -39,9 +39,14 @@ fn table(sigma: f64) -> String {
     text
 }
 
+const MODEL: &str = "state x, y\ndx, dy ~ poly(x, y; 2)\n";
+
 fn identify(folder: &Path, sigma: f64, more: &[&str]) -> (Run, Value) {
-    let model = "state x, y\ndx, dy ~ poly(x, y; 2)\n";
-    let paths = [("m.sid", model.to_string()), ("run.csv", table(sigma))];
+    identified(folder, MODEL, table(sigma, 0.3), more)
+}
+
+fn identified(folder: &Path, model: &str, table: String, more: &[&str]) -> (Run, Value) {
+    let paths = [("m.sid", model.to_string()), ("run.csv", table)];
     let paths = paths.map(|(name, text)| {
         let path = folder.join(name);
         fs::write(&path, text).unwrap();
@@ -87,6 +92,27 @@ fn a_way_that_was_asked_for_is_the_only_one() {
     assert_eq!(run.status, 3, "{}", run.stderr);
     assert!(ways(&document).is_null());
     assert!(!run.stderr.contains("other-way"), "{}", run.stderr);
+}
+
+/// What a library without x*y leaves of the rates is motion, and it would leave that of the trajectory too.
+#[test]
+fn a_library_that_leaves_motion_has_one_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let model = "state x, y\ndx, dy ~ <x, y>\n";
+    let (run, document) = identified(folder.path(), model, table(0.005, 0.0), &[]);
+    assert_eq!(run.status, 3, "{}", run.stderr);
+    assert!(ways(&document).is_null());
+    assert!(run.stdout.contains("x*y"), "{}", run.stdout);
+}
+
+/// Half of these rates is noise, which is not the library's fault.
+#[test]
+fn rates_that_are_mostly_noise_have_two_ways() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, document) = identified(folder.path(), MODEL, table(0.3, 0.0), &[]);
+    let first = ways(&document)["first_doubts"].as_array();
+    let first = first.unwrap_or_else(|| panic!("{}{}", run.stdout, run.stderr));
+    assert!(first.iter().any(|c| c == "poor-fit"), "{first:?}");
 }
 
 /// Without noise the likelihood of the readings cannot tell a law from a close approximation; regression can.

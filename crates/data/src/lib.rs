@@ -32,7 +32,7 @@ pub use dataset::{
     Trajectory, Window, hold_out, keep_window,
 };
 pub use delays::{InputValue, KnownDelay, with_acting_inputs, with_true_readings};
-pub use derivatives::is_smooth;
+pub use derivatives::{difference_noise, is_smooth};
 pub use sample_assembly::{Provenance, samples};
 pub use segmentation::{Break, breaks};
 pub use smoothing::{Smoothed, smooth};

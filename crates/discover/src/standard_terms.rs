@@ -32,7 +32,7 @@ pub(crate) fn standard_terms(signals: &[Signal]) -> Vec<Term> {
 }
 
 /// Every function of every signal.
-fn calls(names: &[&str], signals: &[Signal]) -> Vec<Term> {
+pub(crate) fn calls(names: &[&str], signals: &[Signal]) -> Vec<Term> {
     let functions = names.iter().filter_map(|name| Func::named(name));
     let of = |f, s: &Signal| Expr::call(f, vec![Expr::signal(*s)]).into_term().1;
     functions

@@ -101,6 +101,49 @@ pub fn poor_fit() -> Scenario {
     Scenario::change(Case::new(model, record(0.05, &[("x", &x)])))
 }
 
+/// A pendulum on a cart, without the accelerations by which the two act on each other.
+pub fn coupled_bodies() -> Scenario {
+    let rate = |t: f64, z: &[f64; 4]| {
+        let [_, dx, q, dq] = *z;
+        let force = 3.0 * (1.3 * t).sin() + 2.0 * (3.1 * t).sin() - 0.2 * dx;
+        // 2 ddx + ddq cos q = force + dq² sin q,  ddx cos q + ddq = −9.8 sin q − 0.1 dq
+        let (cart, rod) = (force + dq * dq * q.sin(), -9.8 * q.sin() - 0.1 * dq);
+        let det = 2.0 - q.cos() * q.cos();
+        [
+            dx,
+            (cart - rod * q.cos()) / det,
+            dq,
+            (2.0 * rod - cart * q.cos()) / det,
+        ]
+    };
+    let step = 0.04;
+    let states = motion(rate, [0.0, 0.0, 0.5, 0.0], step, 400);
+    let rates: Vec<[f64; 4]> = (0..400)
+        .map(|k| rate(k as f64 * step, &states.each_ref().map(|s| s[k])))
+        .collect();
+    let read = |of: usize| -> Vec<f64> { rates.iter().map(|r| r[of]).collect() };
+    let force: Vec<f64> = (0..400)
+        .map(|k| k as f64 * step)
+        .map(|t| 3.0 * (1.3 * t).sin() + 2.0 * (3.1 * t).sin())
+        .collect();
+    let [x, dx, q, dq] = &states;
+    let table = record(
+        step,
+        &[
+            ("x", x),
+            ("dx", dx),
+            ("q", q),
+            ("dq", dq),
+            ("ddx", &read(1)),
+            ("ddq", &read(3)),
+            ("F", &force),
+        ],
+    );
+    let own = "<dx, dq, F> + <1, dq^2> * <sin q, cos q>";
+    let model = format!("state x, q : order 2\ninput F : linear\nddx, ddq ~ {own}\n");
+    Scenario::change(Case::new(&model, table))
+}
+
 /// A pendulum that falls until soft stops throw it back.
 pub fn run_leaves_data() -> Scenario {
     let rate = |_: f64, z: &[f64; 2]| {

@@ -71,6 +71,12 @@ followed! {
     UncertainConstant: records::uncertain_constant, "record where tanh(x/k) bends";
 }
 
+#[test]
+fn coupled_bodies() {
+    let words = "add ddq*cos(q) to the library";
+    follow(&ReasonCode::PoorFit, words, &library::coupled_bodies());
+}
+
 /// Codes whose advice no case can follow, with the reason. What they advise is tested where they are made.
 const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
     (ReasonCode::Interrupted, "a user ends the search"),

@@ -53,6 +53,21 @@ pub fn is_smooth(time: &[f64], values: &[f64], part: f64) -> bool {
         && (NOISE.min_order..=NOISE.max_order).rev().any(vanish)
 }
 
+/// Standard deviation of white noise on series of even steps, from the median of their third differences; NaN counts as missing. Zero
+/// where there are none. What moves within four samples, jumps too, counts as noise where it is more than half of the differences.
+pub fn difference_noise<'a>(series: impl Iterator<Item = &'a [f64]>) -> f64 {
+    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
+    let all = series.flat_map(|c| c.windows(4).map(third));
+    let mut all: Vec<f64> = all.filter(|v| v.is_finite()).collect();
+    if all.is_empty() {
+        return 0.0;
+    }
+    let middle = all.len() / 2;
+    let median = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
+    // 1² + 3² + 3² + 1² = 20.
+    median / (20_f64.sqrt() * MEDIAN_OF_ABS_NORMAL)
+}
+
 fn contrasts(grid: &TimeGrid, values: &[f64], segments: &[Segment], k: usize) -> Vec<f64> {
     let total: usize = segments.iter().map(|s| s.len().saturating_sub(k)).sum();
     let stride = total.div_ceil(NOISE.max_places).max(1);

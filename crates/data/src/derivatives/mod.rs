@@ -19,8 +19,8 @@ mod orthonormal_polynomials;
 mod quantization_noise;
 pub(crate) mod thresholds;
 
-pub use difference_noise::is_smooth;
 pub(crate) use difference_noise::{MEDIAN_OF_ABS_NORMAL, noise_level};
+pub use difference_noise::{difference_noise, is_smooth};
 pub(crate) use estimate::{Estimate, Stopped};
 pub(crate) use quantization_noise::quantization_noise;
 

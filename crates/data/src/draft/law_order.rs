@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::table_column::Column;
 use super::thresholds::LAW_ORDER;
+use crate::derivatives::difference_noise;
 
 /// 1 if products of two signals and cubes explain the state's central differences, else 2.
 ///
@@ -57,9 +58,11 @@ pub(super) fn law_order(state: &Column, signals: &[&Column], time: Option<&Colum
     }
 }
 
-/// Samples in which the state moves visibly, in the mean: 1, 2, 4, 8 or 16.
+/// Samples in which the state moves visibly, in the mean, and by more than the noise of a difference.
 fn reach(values: &[f64]) -> usize {
     let scaled = scaled(values);
+    let noise = difference_noise(std::iter::once(&scaled[..]));
+    let visible = LAW_ORDER.visible.max(LAW_ORDER.visible_noise * noise);
     let moved = |k: usize| {
         let steps = scaled
             .iter()
@@ -68,11 +71,14 @@ fn reach(values: &[f64]) -> usize {
         let steps: Vec<f64> = steps.filter(|s| s.is_finite()).collect();
         steps.iter().sum::<f64>() / steps.len().max(1) as f64
     };
-    let reaches = [1, 2, 4, 8, 16];
-    reaches
-        .into_iter()
-        .find(|k| moved(2 * k) > LAW_ORDER.visible)
-        .unwrap_or(16)
+    let longest = scaled.len().saturating_sub(LAW_ORDER.min_rows) / 2;
+    let reaches = [1, 2, 4, 8, 16, 32].into_iter();
+    let mut reaches = reaches.filter(|k| *k <= longest.max(1)).peekable();
+    let mut last = 1;
+    while let Some(k) = reaches.next_if(|k| moved(2 * k) <= visible) {
+        last = k;
+    }
+    reaches.next().unwrap_or(last)
 }
 
 /// Values less their mean, in standard deviations.

@@ -3,11 +3,13 @@
 //! In: a [`Table`]. Out: the text of a `.sid` file, whose comments say what was guessed and what to change. All guesses come
 //! from headers and the shapes of columns; nothing is identified. Reads no file.
 //!
-//! Flow: `table_column` → `column_roles` (with `rate_detection`) → `states` (with `law_order`) → `model_text`.
+//! Flow: `table_column` → `column_roles` (with `rate_detection`) → `states` (with `law_order`) → `candidate_terms` → `model_text`.
 
+mod candidate_terms;
 mod column_roles;
 mod law_order;
 mod model_text;
+mod parts;
 mod rate_detection;
 mod states;
 mod table_column;
@@ -15,7 +17,8 @@ pub(crate) mod thresholds;
 
 use crate::csv::Table;
 use column_roles::roles;
-use model_text::{Parts, model_text};
+use model_text::model_text;
+use parts::Parts;
 use states::states;
 use table_column::columns;
 

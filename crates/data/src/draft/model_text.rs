@@ -1,24 +1,15 @@
 //! The text of a first model, with comments that teach.
 //!
-//! In: columns, roles, states. Out: text in the language. Guesses nothing but the size of the library.
+//! In: columns, roles, states. Out: text in the language. Guesses nothing.
 
 use std::collections::BTreeSet;
 
-use super::column_roles::Roles;
-use super::states::{State, derivative};
+use super::candidate_terms::CandidateTerms;
+use super::parts::Parts;
+use super::states::derivative;
 use super::table_column::Column;
-use super::thresholds::DRAFT;
 use sidc_lang::source::printable;
 use sidc_lang::units;
-
-/// What the text is made of.
-pub(super) struct Parts<'a> {
-    pub table: &'a str,
-    pub all: &'a [Column],
-    pub roles: &'a Roles,
-    pub states: &'a [State<'a>],
-    pub left_out: &'a [String],
-}
 
 pub(super) fn model_text(p: &Parts) -> String {
     let mut out = String::from("sidc 1\n");
@@ -36,19 +27,15 @@ fn comment(text: &str) -> String {
     printable(text).replace(['\n', '\t'], " ")
 }
 
-fn is_discrete(p: &Parts) -> bool {
-    p.roles.time.is_none()
-}
-
 fn declarations(p: &Parts) -> String {
     let mut out = String::new();
-    match is_discrete(p) {
+    match p.is_discrete() {
         true => out.push_str("# States: what evolves.\n"),
         false => out.push_str("# States: what evolves. With `order 2` the acceleration is sought, with `order 1` the rate.\n"),
     }
     for s in p.states {
         let mut attributes = Vec::new();
-        if !is_discrete(p) {
+        if !p.is_discrete() {
             attributes.push(format!("order {}", s.order));
         }
         match s.angle {
@@ -66,7 +53,7 @@ fn declarations(p: &Parts) -> String {
     }
     for (column, held) in inputs {
         let mut attributes = Vec::new();
-        if !is_discrete(p) {
+        if !p.is_discrete() {
             attributes.push(if held { "hold" } else { "linear" }.to_string());
         }
         attributes.extend(unit(column));
@@ -137,7 +124,7 @@ fn data(p: &Parts) -> String {
         out.push_str(&format!("  {} = {from}\n", s.name));
         for (column, rate) in s.rates.iter().filter(|(_, rate)| rate.order <= s.order) {
             let name = derivative(&s.name, rate.order);
-            if is_discrete(p) {
+            if p.is_discrete() {
                 let header = comment(&column.header);
                 out.push_str(&format!(
                     "  # \"{header}\" seems to be {name}, which a law from sample to sample has not.\n"
@@ -167,7 +154,7 @@ fn data(p: &Parts) -> String {
     for why in p.left_out {
         out.push_str(&format!("# Left out: {}.\n", comment(why)));
     }
-    if is_discrete(p) {
+    if p.is_discrete() {
         out.push_str("# No column is time, so this is a law from sample to sample. Of a motion say `step 0.01` (seconds)\n# in the data block, give the states an order, and ask for dx instead of next x.\n");
     }
     out + "\n"
@@ -192,62 +179,26 @@ fn times(factor: &str) -> String {
 }
 
 fn equations(p: &Parts) -> String {
-    let mut atoms: Vec<String> = Vec::new();
-    let mut angles: Vec<&str> = Vec::new();
-    for s in p.states {
-        match s.angle {
-            Some(_) if !is_discrete(p) => angles.push(&s.name),
-            _ => atoms.push(s.name.clone()),
-        }
-        if !is_discrete(p) {
-            atoms.extend((1..s.order).map(|k| derivative(&s.name, k)));
-        }
-    }
-    let others = p.roles.inputs.iter().map(|(i, _)| i).chain(&p.roles.params);
-    atoms.extend(others.filter_map(|i| p.all.get(*i)).map(Column::declared));
-    let trig: String = (angles.iter())
-        .map(|a| format!(" * <1, sin({a}), cos({a})>"))
-        .collect();
-    let (atoms, degree) = sized(atoms, 3usize.saturating_pow(angles.len() as u32));
-    let library = match atoms.is_empty() {
-        true => trig.trim_start_matches(" * ").to_string(),
-        false => format!("poly({}; {degree}){trig}", atoms.join(", ")),
-    };
+    let candidates = CandidateTerms::of(p);
     let targets: BTreeSet<String> = (p.states.iter())
-        .map(|s| match is_discrete(p) {
+        .map(|s| match p.is_discrete() {
             true => format!("next {}", s.name),
             false => derivative(&s.name, s.order),
         })
         .collect();
     let mut out = String::from("# Candidate terms: products of signals up to a degree");
-    if !angles.is_empty() {
+    if !candidates.trigonometric.is_empty() {
         out.push_str(", times sines and cosines of the angles");
     }
     out.push_str(".\n# Add what you suspect, such as + <x*abs(x), exp(-x), x/(1 + x)> with names of your own.\n");
-    let bodies: Vec<&State> = p.states.iter().filter(|s| s.order > 1).collect();
-    if let ([_, other, ..], false) = (bodies.as_slice(), is_discrete(p)) {
-        let rate = derivative(&other.name, other.order);
-        let name = &other.name;
-        out.push_str(&format!(
-            "# Of coupled bodies the accelerations of the others belong in too: + {rate} * <1, cos({name})>\n"
-        ));
+    if candidates.are_coupled() {
+        out.push_str("# The accelerations of the others are among them: a body that turns acts on the others by these.\n");
     }
     for target in targets {
-        out.push_str(&format!("{target} ~ {library}\n"));
+        let right = candidates.right_side(&target);
+        out.push_str(&format!("{target} ~ {right}\n"));
     }
     out
-}
-
-/// Signals and the degree of their products, so that the number of terms stays within `DRAFT.max_candidate_terms`.
-fn sized(mut atoms: Vec<String>, times: usize) -> (Vec<String>, usize) {
-    // Beyond so many signals even their plain list is long.
-    atoms.truncate(DRAFT.max_candidate_terms - 1);
-    let n = atoms.len() as u128;
-    let count = |degree: u128| (1..=degree).fold(1u128, |c, k| c * (n + k) / k) * times as u128;
-    let degree = [3, 2]
-        .into_iter()
-        .find(|d| count(*d) <= DRAFT.max_candidate_terms as u128);
-    (atoms, degree.unwrap_or(1) as usize)
 }
 
 #[cfg(test)]

@@ -26,13 +26,41 @@ pub(super) struct Angle {
 }
 
 const ANGLE_NAMES: [&str; 8] = ["theta", "phi", "psi", "angle", "th", "θ", "φ", "winkel"];
+/// Of places along a line, in a table that has an angle too; numbers may follow.
+const PLACE_NAMES: [&str; 13] = [
+    "x",
+    "y",
+    "z",
+    "q",
+    "s",
+    "r",
+    "pos",
+    "position",
+    "cart",
+    "displacement",
+    "distance",
+    "height",
+    "place",
+];
 const LENGTH_UNITS: [&str; 6] = ["m", "mm", "cm", "µm", "um", "km"];
+
+fn is_named_as_place(column: &Column) -> bool {
+    PLACE_NAMES.contains(&&stem(column)[..])
+}
+
+/// The name without the number at its end.
+fn stem(column: &Column) -> String {
+    let number = |c: char| c.is_ascii_digit() || c == '_';
+    column.word().trim_end_matches(number).to_owned()
+}
 
 pub(super) fn states<'a>(all: &'a [Column], roles: &Roles) -> Vec<State<'a>> {
     let time = roles.time.and_then(|t| all.get(t));
     let inputs = roles.inputs.iter().filter_map(|(i, _)| all.get(*i));
     let moving = roles.states.iter().filter_map(|i| all.get(*i));
     let signals: Vec<&Column> = moving.chain(inputs).collect();
+    let states = || roles.states.iter().filter_map(|i| all.get(*i));
+    let turns = states().any(|c| angle(c).is_some());
     let one = |i: &usize| -> Option<State<'a>> {
         let column = all.get(*i)?;
         let own = roles.rates.iter().filter(|r| r.state == *i);
@@ -40,13 +68,13 @@ pub(super) fn states<'a>(all: &'a [Column], roles: &Roles) -> Vec<State<'a>> {
             own.filter_map(|r| Some((all.get(r.column)?, *r))).collect();
         let measured = rates.iter().map(|(_, r)| r.order).max().unwrap_or(0);
         let angle = angle(column);
-        let is_place = angle.is_some() || column.unit_is(&LENGTH_UNITS);
+        let is_place = angle.is_some()
+            || column.unit_is(&LENGTH_UNITS)
+            || turns && column.unit.is_none() && is_named_as_place(column);
         let order = match measured {
-            // A rate that is measured is part of the state.
-            1 => 2,
             2.. => measured,
-            0 if is_place => 2,
-            0 => law_order(column, &signals, time),
+            _ if is_place => 2,
+            _ => law_order(column, &signals, time),
         };
         Some(State {
             name: column.declared(),
@@ -61,8 +89,6 @@ pub(super) fn states<'a>(all: &'a [Column], roles: &Roles) -> Vec<State<'a>> {
 
 /// An angle by its unit, or by its name if it has no unit.
 fn angle(c: &Column) -> Option<Angle> {
-    let word = c.word();
-    let stem = word.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_');
     let degrees = c.is_degrees();
     let radians = c.unit_is(&["rad", "radian", "radians"]);
     let (low, high) = c.range();
@@ -75,7 +101,7 @@ fn angle(c: &Column) -> Option<Angle> {
     } else {
         std::f64::consts::TAU
     };
-    let named = ANGLE_NAMES.contains(&stem) && c.unit.is_none();
+    let named = ANGLE_NAMES.contains(&&stem(c)[..]) && c.unit.is_none();
     (degrees || radians || named).then(|| Angle {
         degrees,
         wraps: wraps(turn),

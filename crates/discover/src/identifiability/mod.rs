@@ -11,4 +11,5 @@ mod periodogram;
 pub(crate) mod thresholds;
 
 pub use assessment::{Assessment, Rows, assess, attach, misspecification, needs_measured_targets};
+pub use diagnosis::leaves_motion;
 pub use diagnosis::remedies::{advise, remedy};

@@ -185,6 +185,22 @@ family! {
 }
 
 family! {
+    /// When what a library leaves of a measured target is motion, which another method leaves too.
+    pub(crate) UNEXPLAINED_MOTION: UnexplainedMotion {
+        /// Part of the target that all terms leave.
+        least: f64 = 0.1, unit "of the target", source "what `poor-fit` doubts";
+        /// White noise in it, at most.
+        noise: f64 = 0.3333333333333333, unit "of its root mean square", source "eight ninths of its square are motion then, and no noise of sensors explains it";
+        /// Largest library.
+        max_terms: usize = 500, unit "terms", source "set by hand: 0.4 s";
+        /// Rows that are used.
+        max_rows: usize = 3000, unit "rows", source "set by hand";
+        /// Rows for each term, at least.
+        rows: usize = 2, unit "rows", source "half the noise of a target is left then, whatever the terms";
+    }
+}
+
+family! {
     /// A series that comes near a law which the library lacks, on data almost without error.
     pub(crate) SERIES: SeriesOfLaw {
         /// Residual that one missing term of the law leaves.
@@ -257,6 +273,7 @@ pub(crate) fn tables() -> Vec<Table> {
         RelationIdentity::table(),
         SeriesOfLaw::table(),
         MisspecificationThresholds::table(),
+        UnexplainedMotion::table(),
         ExperimentAdvice::table(),
         ExcitationThresholds::table(),
         FindingThresholds::table(),

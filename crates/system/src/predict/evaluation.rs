@@ -18,7 +18,7 @@ use super::thresholds::STATE_FIT;
 use super::window_choice::{Trial, choose_rows};
 use crate::discovery::{Discovery, Form, Notice};
 use crate::simulate::{SegmentRuns, Source};
-use sidc_data::{Dataset, Trajectory};
+use sidc_data::{Dataset, Trajectory, difference_noise};
 use sidc_lang::model::Model;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames};
@@ -262,20 +262,6 @@ fn predicted(model: &Model, runs: Option<&SegmentRuns>, all: &[&Trajectory]) -> 
         })
     };
     state.iter().enumerate().filter_map(one).collect()
-}
-
-/// Standard deviation of noise from the median of third differences.
-fn difference_noise<'a>(columns: impl Iterator<Item = &'a [f64]>) -> f64 {
-    let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
-    let all = columns.flat_map(|c| c.windows(4).map(third));
-    let mut all: Vec<f64> = all.filter(|v| v.is_finite()).collect();
-    if all.is_empty() {
-        return 0.0;
-    }
-    let middle = all.len() / 2;
-    let median = *all.select_nth_unstable_by(middle, f64::total_cmp).1;
-    // Of normal noise: 1² + 3² + 3² + 1² = 20, and 0.6745 standard deviations.
-    median / (20_f64.sqrt() * 0.6745)
 }
 
 fn states<'a>(

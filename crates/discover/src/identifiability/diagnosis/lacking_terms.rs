@@ -5,7 +5,7 @@
 use crate::dictionary::evaluate;
 use crate::identifiability::thresholds::MISSPECIFICATION;
 use crate::scaled_design::OrthonormalBasis;
-use crate::standard_terms::standard_terms;
+use crate::standard_terms::{calls, standard_terms};
 use crate::statistics::norm;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
@@ -61,5 +61,19 @@ fn standard_terms_of(target: Signal, samples: &Samples) -> Vec<Term> {
         s.var != VarId::TIME && !of_target && !other_rate && s.shift <= 0 && s.der < 2
     };
     let measured = samples.columns.iter().map(|c| c.signal).filter(usable);
-    standard_terms(&measured.take(MISSPECIFICATION.signals).collect::<Vec<_>>())
+    let measured: Vec<Signal> = measured.take(MISSPECIFICATION.signals).collect();
+    let mut all = standard_terms(&measured);
+    all.extend(inertia(target, samples, &measured));
+    all
+}
+
+/// The accelerations of other coordinates, by which coupled bodies act on each other, alone and times the sine or cosine of a coordinate.
+fn inertia(target: Signal, samples: &Samples, signals: &[Signal]) -> Vec<Term> {
+    let of_another = |s: &Signal| s.der == 2 && target.der == 2 && s.var != target.var;
+    let measured = samples.columns.iter().map(|c| c.signal);
+    let coordinates: Vec<Signal> = signals.iter().copied().filter(|s| s.der == 0).collect();
+    let mut factors = vec![Term::one()];
+    factors.extend(calls(&["sin", "cos"], &coordinates));
+    let products = |s: Signal| factors.iter().map(move |f| Term::signal(s).mul(f));
+    measured.filter(of_another).flat_map(products).collect()
 }

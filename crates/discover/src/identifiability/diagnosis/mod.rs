@@ -9,3 +9,6 @@ pub mod messages;
 pub mod misspecification;
 pub mod remedies;
 pub mod series_of_law;
+mod unexplained_motion;
+
+pub use unexplained_motion::leaves_motion;
