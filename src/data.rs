@@ -2,6 +2,7 @@
 
 use std::io::Read;
 
+use sidc_data::draft::ChosenRoles;
 use sidc_data::{ArrayFault, Limits, Table};
 use sidc_lang::source::Sources;
 
@@ -113,8 +114,8 @@ impl Data {
     /// # Errors
     /// [`ErrorKind::Data`]: no record, or no array that moves.
     pub fn draft(&self) -> Result<String, Error> {
-        let first = self.tables.first();
-        let text = first.and_then(sidc_data::draft::draft).ok_or_else(|| {
+        let guessed = |t| sidc_data::draft::draft(t, &ChosenRoles::default()).ok();
+        let text = self.tables.first().and_then(guessed).ok_or_else(|| {
             let text = "no array that has a name moves, so there is nothing to find a law of\n  = help: give time as t and an array for each signal";
             Error::new(ErrorKind::Data, "no-state", text)
         })?;

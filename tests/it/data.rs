@@ -256,16 +256,29 @@ fn a_line_ends_where_it_ended_when_it_was_read() {
     }
 }
 
+/// As a German spreadsheet writes it, and with the dates of a logger.
+#[test]
+fn decimal_commas_and_dates_are_numbers() {
+    let mut sources = Sources::default();
+    let text = "time;x;y\n2026-11-25T12:00:00.5;1,5;-2,5e-3\n2026-11-25 12:00:01;1;\"0,25\"\n2026-11-25T13:00:01+01:00;NA;1e3\n";
+    let read = table(&mut sources, "run.csv", text);
+    let start = read.values(0)[0];
+    assert_eq!(read.values(0)[1..], [start + 0.5, start + 0.5]);
+    assert_eq!(read.values(1)[..2], [1.5, 1.0]);
+    assert!(read.values(1)[2].is_nan());
+    assert_eq!(read.values(2), [-2.5e-3, 0.25, 1e3]);
+}
+
 // ---- Tables that do not fit the model. ----
 
 #[test]
 fn tables_that_do_not_fit() {
     let cases: [(&str, &str); 11] = [
         ("bad cells", "t,x,u\n0,1,0\n1,abc,0\n2,1e999,0\n3,1 2,0\n"),
-        ("decimal commas", "t;x;u\n0;1,5;0\n1;1,6;0\n"),
+        ("decimal commas and points", "t;x;u\n0;1,5;0\n1;1.6;0\n"),
         (
             "date stamps",
-            "t,x,u\n2024-05-01 10:00:00,1,0\n2024-05-01 10:00:01,2,0\n",
+            "t,x,u\n01.05.2024 10:00:00,1,0\n01.05.2024 10:00:01,2,0\n",
         ),
         ("missing input", "t,x,U [V]\n0,1,0\n1,2,0\n"),
         ("missing state", "t,pos,u\n0,1,0\n1,2,0\n"),

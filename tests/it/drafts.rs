@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use sidc::pipeline;
 use sidc_data as data;
 use sidc_data::Limits;
-use sidc_data::draft::draft;
+use sidc_data::draft::{ChosenRoles, draft};
 use sidc_lang::model::{Model, Var, VarKind};
 use sidc_lang::source::Sources;
 
@@ -81,7 +81,7 @@ fn records_of_rigs_have_first_models() {
 fn model_of(text: &str) -> Option<String> {
     let mut sources = Sources::default();
     let table = data::read("d.csv", text.as_bytes(), &Limits::default(), &mut sources);
-    draft(&table.unwrap())
+    draft(&table.unwrap(), &ChosenRoles::default()).ok()
 }
 
 #[test]
@@ -227,6 +227,170 @@ fn coupled_bodies_are_found_from_first_models() {
     }
 }
 
+/// A table of 200 rows from a header and what stands in row k.
+fn table_of(header: &str, row: impl Fn(f64) -> String) -> String {
+    let rows: String = (0..200).map(|k| row(f64::from(k)) + "\n").collect();
+    format!("{header}\n{rows}")
+}
+
+/// An input, and how a body follows it.
+fn push(k: f64) -> (f64, f64) {
+    let t = 0.05 * k;
+    (
+        (0.7 * t).sin(),
+        (0.7 * t - 1.0).sin() + 0.3 * (2.0 * t).cos(),
+    )
+}
+
+/// Tables as loggers write them, and lines of the model that one would want.
+#[test]
+fn tables_as_they_come() {
+    let with = |header: &str, row: &dyn Fn(f64, f64, f64) -> String| {
+        table_of(header, |k| {
+            let (u, x) = push(k);
+            row(k, u, x)
+        })
+    };
+    let t = |k: f64| format!("{:.2}", 0.05 * k);
+    let cases: [(String, &[&str]); 14] = [
+        (
+            with("t,motor,angle", &|k, u, x| format!("{},{u},{x}", t(k))),
+            &["input motor : linear", "state angle : order 2"],
+        ),
+        (
+            with("time,Heater_W,T1", &|k, u, x| format!("{},{u},{x}", t(k))),
+            &["input Heater_W : linear", "state T1"],
+        ),
+        (
+            with("t,Q1,T1", &|k, u, x| format!("{},{u},{x}", t(k))),
+            &["input Q1 : linear", "state T1"],
+        ),
+        (
+            with("t,V_IN,pos_mm", &|k, u, x| format!("{},{u},{x}", t(k))),
+            &[
+                "input V_IN",
+                "state pos : order 2, unit \"mm\"",
+                "pos = \"pos_mm\"",
+            ],
+        ),
+        (
+            with("t,uEst,yEst", &|k, u, x| format!("{},{u},{x}", t(k))),
+            &["state yEst"],
+        ),
+        (
+            with("timestamp,u,x", &|k, u, x| {
+                format!("{},{u},{x}", 1.7e12 + 50.0 * k)
+            }),
+            &["t = \"timestamp\" * 1e-3", "input u"],
+        ),
+        (
+            with("sample,u1,y1", &|k, u, x| format!("{k},{u},{x}")),
+            &[
+                "next y1 ~",
+                "input u1",
+                "# Left out: column 1 (\"sample\") numbers the rows.",
+            ],
+        ),
+        (
+            with("i,t,u,x", &|k, u, x| format!("{k},{},{u},{x}", t(k))),
+            &["state x", "# Left out: column 1 (\"i\") numbers the rows."],
+        ),
+        (
+            with("t,u,x,x_copy", &|k, u, x| format!("{},{u},{x},{x}", t(k))),
+            &["# Left out: column 4 (\"x_copy\") is a copy of \"x\"."],
+        ),
+        (
+            with("t,u,x,latency_ms", &|k, u, x| {
+                format!("{},{u},{x},{}", t(k), (k * 7.7).sin())
+            }),
+            &["(\"latency_ms\") tells of the recording, not of the system."],
+        ),
+        (
+            with("t,theta_deg,u", &|k, u, x| {
+                format!("{},{},{u}", t(k), 57.3 * x)
+            }),
+            &[
+                "state theta : order 2, unit \"rad\"",
+                "theta = \"theta_deg\" * pi/180",
+            ],
+        ),
+        (
+            with("t;u;x", &|k, u, x| {
+                format!("{};{u:.5};{x:.5}", t(k)).replace('.', ",")
+            }),
+            &["state x", "input u : linear"],
+        ),
+        (
+            with("timestamp,u,x", &|k, u, x| {
+                format!(
+                    "2026-11-25T12:{:02}:{:02}.5,{u},{x}",
+                    (k / 60.0) as u32,
+                    k as u32 % 60
+                )
+            }),
+            &["t = \"timestamp\"", "state x"],
+        ),
+        (
+            with("well,t,x", &|k, _, x| {
+                let well = if k < 100.0 { "A1" } else { "A2" };
+                format!("{well},{},{x}", t(k % 100.0))
+            }),
+            &["run = \"well\"", "state x"],
+        ),
+    ];
+    for (table, lines) in cases {
+        let model = formatted(&model_of(&table).unwrap());
+        compiled(&model);
+        let plain: Vec<String> = model
+            .lines()
+            .map(|l| l.split_whitespace().collect::<Vec<_>>().join(" "))
+            .collect();
+        for line in lines {
+            let found = plain.iter().any(|l| l.contains(line));
+            assert!(found, "{line}\n{model}");
+        }
+    }
+}
+
+fn formatted(model: &str) -> String {
+    let mut sources = Sources::default();
+    let file = sources.add("m.sid", model);
+    sidc_lang::format(file, model).unwrap()
+}
+
+/// What the user says of a column, it is.
+#[test]
+fn roles_can_be_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = table_of("clock,a,b,group", |k| {
+        let (u, x) = push(k);
+        format!("{},{u},{x},{}", 0.05 * (k % 100.0), (k / 100.0).floor())
+    });
+    std::fs::write(folder.path().join("d.csv"), table).unwrap();
+    let said = [
+        "new", "d.csv", "--time", "clock", "--run", "group", "--input", "a", "--state", "b",
+    ];
+    let run = sidc_in(folder.path(), &said);
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    for line in [
+        "state b",
+        "input a : linear",
+        "t   = \"clock\"",
+        "run = \"group\"",
+    ] {
+        assert!(run.stdout.contains(line), "{line}\n{}", run.stdout);
+    }
+    let run = sidc_in(folder.path(), &["new", "d.csv", "--input", "A"]);
+    assert_eq!(run.status, 1);
+    assert!(
+        run.stderr
+            .starts_with("error[missing-column]: d.csv has no column \"A\""),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stderr.contains("did you mean \"a\"?"), "{}", run.stderr);
+}
+
 #[test]
 fn a_table_without_a_state_says_so() {
     let folder = tempfile::tempdir().unwrap();
@@ -278,7 +442,7 @@ proptest! {
         let mut sources = Sources::default();
         // A table that cannot be read is refused before.
         if let Ok(table) = data::read("d.csv", text.as_bytes(), &Limits::default(), &mut sources)
-            && let Some(model) = draft(&table)
+            && let Ok(model) = draft(&table, &ChosenRoles::default())
         {
             let mut sources = Sources::default();
             let file = sources.add("m.sid", model.as_str());

@@ -4,7 +4,7 @@ import { EditorState } from "@codemirror/state";
 import { keymap } from "@codemirror/view";
 import { setDiagnostics } from "@codemirror/lint";
 import { LSPClient, LSPPlugin, languageServerExtensions } from "@codemirror/lsp-client";
-import { colours } from "./colours.js";
+import { serverMarks } from "./server_marks.js";
 
 const URI = "file:///model.sid";
 
@@ -105,7 +105,7 @@ export class Editor {
           EditorView.lineWrapping,
           EditorView.contentAttributes.of({ "aria-label": "Model", "aria-describedby": "keys" }),
           client.plugin(URI, "sid"),
-          colours(client, URI),
+          serverMarks(client, URI),
           changes,
         ],
       }),

@@ -47,6 +47,15 @@ scene("mistakes are shown while they are typed, with fixes that mend them", asyn
   assert.match(await page.innerText(".cm-content"), /poly\(theta, dtheta; 2\)/);
 });
 
+scene("libraries show their size, and statements fold", async (page) => {
+  await write(page, "state x, y\nlet both = poly(\n  x, y; 2)\ndx, dy ~ both\n");
+  await page.waitForFunction(() => document.querySelectorAll(".sid-hint").length === 2);
+  assert.deepEqual(await page.locator(".sid-hint").allInnerTexts(), ["6 terms", "6 terms"]);
+  await page.click('.cm-foldGutter [title="Fold line"]');
+  await page.waitForSelector(".cm-foldPlaceholder");
+  assert.doesNotMatch(await page.innerText(".cm-content"), /x, y; 2/);
+});
+
 scene("columns of the data are completed", async (page) => {
   await choose(page, [{ name: "log.csv", text: "time_s,Winkel\n0,1\n1,2\n" }]);
   await write(page, 'state theta\ndata { theta = "');

@@ -29,6 +29,11 @@ impl Span {
         Span::new(self.file, self.end, self.end)
     }
 
+    /// Whether another lies within it.
+    pub fn holds(self, other: Span) -> bool {
+        self.start <= other.start && other.end <= self.end
+    }
+
     /// The smallest span that covers both; `other` must be in the same file.
     pub fn to(self, other: Span) -> Span {
         Span {

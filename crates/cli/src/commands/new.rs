@@ -10,13 +10,14 @@ use crate::monitoring::monitor::Monitor;
 use crate::outputs::{diagnostics, files, paths};
 use sidc_data as data;
 use sidc_data::Table;
-use sidc_data::draft::draft;
+use sidc_data::draft::{ChosenRoles, NoDraft, draft};
 use sidc_lang as lang;
-use sidc_lang::diagnostic::Diagnostic;
-use sidc_lang::source::Sources;
+use sidc_lang::diagnostic::{Diagnostic, did_you_mean};
+use sidc_lang::source::{Sources, printable};
 
 const EXAMPLES: &str = "Examples:
   sidc new data.csv                       print a first model of the table
+  sidc new data.csv --input motor         a column that is a command, whatever it looks like
   sidc new data.csv -o model.sid          write it, then:
   sidc identify model.sid data.csv";
 
@@ -29,6 +30,18 @@ pub struct Args {
     /// Write the model here instead of on standard output
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// A column that is time, by its header
+    #[arg(long, value_name = "COLUMN")]
+    time: Option<String>,
+    /// A column that tells runs apart
+    #[arg(long, value_name = "COLUMN")]
+    run: Option<String>,
+    /// Columns that act from outside: --input motor,V_IN
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    input: Vec<String>,
+    /// Columns that the equations are about
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    state: Vec<String>,
     /// Most memory for the table: 500MB, 2GB (10^9 bytes), 2GiB (2^30)
     #[arg(long, value_name = "SIZE", value_parser = quantities::memory, default_value = quantities::MEMORY)]
     memory_limit: u64,
@@ -41,13 +54,41 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let monitor = Monitor::plain();
     let tables = tables::read(data, args.memory_limit, &mut sources, &monitor)?.tables;
     let name = paths::short_name(&args.data);
-    let text = tables.first().and_then(draft);
-    let text = text.ok_or_else(|| nothing(&name, &tables, &mut sources))?;
+    let chosen = ChosenRoles {
+        time: args.time.clone(),
+        run: args.run.clone(),
+        inputs: args.input.clone(),
+        states: args.state.clone(),
+    };
+    let drafted = tables
+        .first()
+        .map_or(Err(NoDraft::NoState), |t| draft(t, &chosen));
+    let text = drafted.map_err(|why| match why {
+        NoDraft::NoState => nothing(&name, &tables, &mut sources),
+        NoDraft::NoColumn(column, headers) => no_column(&name, &column, &headers),
+    })?;
     let mut sources = Sources::default();
     let file = sources.add(name, text.as_str());
     let text = lang::format(file, &text).map_err(|found| diagnostics::failure(&found, &sources))?;
     files::write_or_print(args.output.as_deref(), &text)?;
     Ok(exit_status::PASS)
+}
+
+fn no_column(name: &str, column: &str, headers: &[String]) -> Failure {
+    let near = did_you_mean(column, headers.iter().map(String::as_str));
+    let listed: Vec<String> = headers
+        .iter()
+        .map(|h| format!("\"{}\"", printable(h)))
+        .collect();
+    let help = match near {
+        Some(near) => format!("did you mean \"{}\"?", printable(near)),
+        None => "give a header as it stands in the table".into(),
+    };
+    Failure::new(format!(
+        "error[missing-column]: {name} has no column \"{}\" that can be used\n  = columns: {}\n  = help: {help}",
+        printable(column),
+        listed.join(", ")
+    ))
 }
 
 /// Why there is no model: cells that are no numbers, or no column whose numbers change.

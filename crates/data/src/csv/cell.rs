@@ -2,6 +2,8 @@
 //!
 //! In: the text of a line. Out: byte ranges; numbers, or why a cell is none. Never allocates per cell.
 
+use super::date;
+
 /// What a cell holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Cell {
@@ -19,7 +21,7 @@ pub(crate) enum Fault {
     OutOfRange,
     /// `0,5`
     DecimalComma,
-    /// `2024-05-01`, `12:30:01.5`
+    /// `01.05.2024`: a date in another order than ISO's.
     Date,
 }
 
@@ -30,8 +32,17 @@ pub(crate) fn parse(cell: &str) -> Cell {
         Ok(x) if x.is_nan() => Cell::Missing,
         Ok(_) => Cell::Bad(Fault::OutOfRange),
         Err(_) if is_missing(cell) => Cell::Missing,
-        Err(_) => Cell::Bad(fault(cell)),
+        Err(_) => match fault(cell) {
+            Fault::Date => date::seconds(cell).map_or(Cell::Bad(Fault::Date), Cell::Number),
+            other => Cell::Bad(other),
+        },
     }
+}
+
+/// The number of a cell with a decimal comma: `0,5`.
+pub(crate) fn with_comma(cell: &str) -> Option<f64> {
+    let x: f64 = cell.replacen(',', ".", 1).parse().ok()?;
+    x.is_finite().then_some(x)
 }
 
 fn is_missing(cell: &str) -> bool {
@@ -145,8 +156,10 @@ mod tests {
         assert_eq!(parse("-inf"), Cell::Bad(Fault::OutOfRange));
         assert_eq!(parse("-0,53"), Cell::Bad(Fault::DecimalComma));
         assert_eq!(parse("1,5e-3"), Cell::Bad(Fault::DecimalComma));
-        assert_eq!(parse("2024-05-01 12:00"), Cell::Bad(Fault::Date));
-        assert_eq!(parse("12:30:01.5"), Cell::Bad(Fault::Date));
+        assert_eq!(parse("2024-05-01 12:00"), Cell::Number(1_714_564_800.0));
+        assert_eq!(parse("12:30:01.5"), Cell::Number(45_001.5));
+        assert_eq!(with_comma("-1,5e-3"), Some(-1.5e-3));
+        assert_eq!(with_comma("1,234.5"), None);
         assert_eq!(parse("01.02.2024"), Cell::Bad(Fault::Date));
         // Two numbers, of which one dot each.
         assert_eq!(parse("0.0 1.0"), Cell::Bad(Fault::Text));

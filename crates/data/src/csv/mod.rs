@@ -8,6 +8,7 @@
 mod arrays;
 mod beginning;
 mod cell;
+mod date;
 mod decode;
 mod excerpt;
 mod header;

@@ -111,17 +111,17 @@ fn bad_cell(
         .help("leave the cell empty if the value is missing"),
         Fault::DecimalComma => Diagnostic::error(
             "decimal-comma",
-            format!("{place}: `{text}` has a decimal comma"),
+            format!("{place}: `{text}` has a comma"),
         )
-        .at(span, "numbers need a decimal point")
+        .at(span, "of decimals, or of thousands?")
         .help(
-            "export with decimal points; if no number has a thousands separator: sed 's/,/./g' FILE",
+            "separate columns by semicolons or tabs, where a comma is one of decimals if no cell of the column has a point; or export with decimal points",
         ),
         Fault::Date => {
-            Diagnostic::error("date-stamp", format!("{place}: `{text}` is a date or a clock time"))
-                .at(span, "times are numbers, in seconds")
+            Diagnostic::error("date-stamp", format!("{place}: `{text}` is a date in no order that is known"))
+                .at(span, "day or month first?")
                 .help(
-                    "write seconds since the start of the record, or leave the column out and give `step` in the data block",
+                    "write `2026-11-25T12:30:01.5` or seconds since the start of the record, or leave the column out and give `step` in the data block",
                 )
         }
         Fault::Text if words > 1 && text.split_whitespace().all(|w| w.parse::<f64>().is_ok()) => {

@@ -28,6 +28,8 @@ pub(super) struct Rows {
     pub columns: Vec<Vec<f64>>,
     /// Faulty cells of each column, by row.
     pub faults: Vec<FirstFew<(usize, Fault)>>,
+    /// Cells with a decimal comma of each column, by row, and whether others have a point.
+    commas: Vec<(FirstFew<(usize, Fault)>, bool)>,
     /// Faulty lines.
     pub wrong: FirstFew<(Line, RowFault)>,
     /// Rows up to the last one that is not empty.
@@ -81,6 +83,7 @@ pub(super) fn read(lines: Lines, max_rows: usize, shape: Shape) -> Rows {
             }
         }
     });
+    all.refuse_mixed_decimals();
     all.lines.truncate(all.full);
     all.columns.iter_mut().for_each(|c| c.truncate(all.full));
     all
@@ -92,6 +95,7 @@ impl Rows {
         Rows {
             full: lines.len(),
             faults: vec![FirstFew::default(); columns.len()],
+            commas: vec![(FirstFew::default(), false); columns.len()],
             lines,
             columns,
             ..Rows::default()
@@ -103,6 +107,7 @@ impl Rows {
             lines: Vec::with_capacity(rows),
             columns: (0..width).map(|_| Vec::with_capacity(rows)).collect(),
             faults: vec![FirstFew::default(); width],
+            commas: vec![(FirstFew::default(), false); width],
             ..Rows::default()
         }
     }
@@ -112,24 +117,41 @@ impl Rows {
         let mut ranges = Vec::new();
         for (line, text) in &mut lines {
             match cut(text, shape, &mut ranges) {
-                Ok(()) => self.row(line, text, &ranges),
+                Ok(()) => self.row(line, (text, &ranges), shape.separator),
                 Err(why) => self.wrong.add((line, why)),
             }
         }
         lines.before()
     }
 
-    fn row(&mut self, line: Line, text: &str, ranges: &[(usize, usize)]) {
+    fn row(&mut self, line: Line, (text, ranges): (&str, &[(usize, usize)]), separator: u8) {
         let row = self.lines.len();
         self.lines.push(line);
-        let columns = self.columns.iter_mut().zip(&mut self.faults);
-        for ((column, faults), range) in columns.zip(ranges) {
-            column.push(match cell::parse(slice(text, *range)) {
-                Cell::Number(x) => x,
+        // Where commas separate cells, one inside a cell is a mistake.
+        let decimal = separator != b',';
+        let columns = self
+            .columns
+            .iter_mut()
+            .zip(&mut self.faults)
+            .zip(&mut self.commas);
+        for (((column, faults), (commas, points)), range) in columns.zip(ranges) {
+            let cell = slice(text, *range);
+            column.push(match cell::parse(cell) {
+                Cell::Number(x) => {
+                    *points |= decimal && cell.contains('.');
+                    x
+                }
                 Cell::Missing => f64::NAN,
                 Cell::Bad(fault) => {
-                    faults.add((row, fault));
-                    f64::NAN
+                    let number =
+                        cell::with_comma(cell).filter(|_| decimal && fault == Fault::DecimalComma);
+                    let list = if number.is_some() {
+                        &mut *commas
+                    } else {
+                        &mut *faults
+                    };
+                    list.add((row, fault));
+                    number.unwrap_or(f64::NAN)
                 }
             });
         }
@@ -155,8 +177,21 @@ impl Rows {
         for (faults, more) in self.faults.iter_mut().zip(other.faults) {
             faults.append(more, |(row, fault)| (rows + row, fault));
         }
+        for ((commas, points), (more, others)) in self.commas.iter_mut().zip(other.commas) {
+            commas.append(more, |(row, fault)| (rows + row, fault));
+            *points |= others;
+        }
         self.wrong
             .append(other.wrong, |(line, why)| (moved(line), why));
+    }
+
+    /// Commas beside points in one column may be thousands separators.
+    fn refuse_mixed_decimals(&mut self) {
+        for (faults, (commas, points)) in self.faults.iter_mut().zip(&mut self.commas) {
+            if *points {
+                faults.append(std::mem::take(commas), |f| f);
+            }
+        }
     }
 
     /// True if all cells of the first row are text or empty: perhaps units.

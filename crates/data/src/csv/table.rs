@@ -123,6 +123,11 @@ impl Table {
         self.rows.faults.get(column)
     }
 
+    /// Whether any cell of a column is no number.
+    pub(crate) fn is_faulty(&self, column: usize) -> bool {
+        self.faults(column).is_some_and(|f| f.count > 0)
+    }
+
     /// Number and text of a row's line, and where a cell stands in it.
     fn locate(&self, row: usize, column: usize) -> (usize, Cow<'_, str>, (usize, usize)) {
         let at = self.rows.lines.get(row).copied().unwrap_or_default();

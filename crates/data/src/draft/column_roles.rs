@@ -42,7 +42,7 @@ const TIME_NAMES: [&str; 9] = [
     "year",
     "elapsed",
 ];
-const RUN_NAMES: [&str; 10] = [
+const RUN_NAMES: [&str; 19] = [
     "run",
     "experiment",
     "trial",
@@ -53,8 +53,17 @@ const RUN_NAMES: [&str; 10] = [
     "batch",
     "id",
     "series",
+    "well",
+    "subject",
+    "patient",
+    "animal",
+    "specimen",
+    "session",
+    "record",
+    "replicate",
+    "group",
 ];
-const INPUT_NAMES: [&str; 17] = [
+const INPUT_NAMES: [&str; 27] = [
     "u",
     "f",
     "force",
@@ -72,17 +81,52 @@ const INPUT_NAMES: [&str; 17] = [
     "control",
     "valve",
     "throttle",
+    "motor",
+    "servo",
+    "heater",
+    "pump",
+    "fan",
+    "duty",
+    "steer",
+    "steering",
+    "brake",
+    "in",
 ];
 
-pub(super) fn roles(columns: &[Column]) -> Roles {
+/// What the user says of columns, by their headers or their names in a model; the others are guessed.
+#[derive(Clone, Debug, Default)]
+pub struct ChosenRoles {
+    pub time: Option<String>,
+    pub run: Option<String>,
+    pub inputs: Vec<String>,
+    pub states: Vec<String>,
+}
+
+impl ChosenRoles {
+    /// Names that no column has.
+    pub(super) fn unknown<'a>(&'a self, columns: &[Column]) -> Option<&'a str> {
+        let lone = self.time.iter().chain(&self.run);
+        let mut all = lone.chain(&self.inputs).chain(&self.states);
+        all.find(|name| !columns.iter().any(|c| is_called(c, name)))
+            .map(String::as_str)
+    }
+}
+
+fn is_called(c: &Column, name: &str) -> bool {
+    c.header == name || c.name == name
+}
+
+pub(super) fn roles(columns: &[Column], chosen: &ChosenRoles) -> Roles {
     let mut out = Roles::default();
-    let is_time = |c: &Column| TIME_NAMES.contains(&c.word().as_str());
-    out.time = columns.iter().position(is_time);
+    let place = |name: &String| columns.iter().position(|c| is_called(c, name));
+    let is_time = |c: &Column| !c.words && TIME_NAMES.contains(&c.word().as_str());
+    let named = || columns.iter().position(is_time);
+    out.time = chosen.time.as_ref().and_then(place).or_else(named);
     if out.time.is_none() {
         // A first column that only rises is some kind of clock.
         out.time = columns
             .first()
-            .filter(|c| columns.len() > 1 && c.rises())
+            .filter(|c| columns.len() > 1 && !c.words && c.rises())
             .map(|_| 0);
     }
     let resets = out
@@ -90,15 +134,21 @@ pub(super) fn roles(columns: &[Column]) -> Roles {
         .and_then(|t| columns.get(t))
         .map(resets)
         .unwrap_or_default();
-    out.run = columns.iter().enumerate().position(|(i, c)| {
+    let marks = |(i, c): (usize, &Column)| {
         out.time != Some(i) && (RUN_NAMES.contains(&c.word().as_str()) || tells_apart(c, &resets))
-    });
+    };
+    let marked = || columns.iter().enumerate().position(marks);
+    out.run = chosen.run.as_ref().and_then(place).or_else(marked);
     let rest: Vec<usize> = (0..columns.len())
         .filter(|i| Some(*i) != out.time && Some(*i) != out.run)
         .collect();
     for i in rest {
         let Some(c) = columns.get(i) else { continue };
+        let said = |names: &[String]| names.iter().any(|name| is_called(c, name));
         match () {
+            () if c.words => (),
+            () if said(&chosen.inputs) => out.inputs.push((i, c.is_held())),
+            () if said(&chosen.states) => out.states.push(i),
             () if c.is_constant() => out.still.push(i),
             () if is_constant_between(c, columns, &out) => out.params.push(i),
             () if is_input(c) => out.inputs.push((i, c.is_held())),
@@ -114,10 +164,16 @@ pub(super) fn roles(columns: &[Column]) -> Roles {
     out
 }
 
+/// By a word of its name (`Heater_W`, `V_IN`, `uEst`), as a heat flow (`Q1`), or because it stays and jumps.
 fn is_input(c: &Column) -> bool {
+    let number = |c: char| c.is_ascii_digit();
+    let said = |word: &str| INPUT_NAMES.contains(&word.trim_end_matches(number));
     let word = c.word();
-    let stem = word.trim_end_matches(|c: char| c.is_ascii_digit());
-    INPUT_NAMES.contains(&stem) || word.starts_with("cmd") || c.is_held()
+    let heat = c
+        .name
+        .strip_prefix('Q')
+        .is_some_and(|n| n.chars().all(number));
+    word.split('_').any(said) || heat || word.starts_with("cmd") || c.is_held()
 }
 
 /// Rows at which time starts again.

@@ -22,15 +22,38 @@ use parts::Parts;
 use states::states;
 use table_column::columns;
 
-/// The text of a first model, not yet formatted; `None` if no column can be a state.
-pub fn draft(table: &Table) -> Option<String> {
-    let (all, left_out) = columns(table);
-    let roles = roles(&all);
+pub use column_roles::ChosenRoles;
+
+/// Why there is no first model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoDraft {
+    /// No column can be a state.
+    NoState,
+    /// No column has a name that was given a role; with the headers that there are.
+    NoColumn(String, Vec<String>),
+}
+
+/// The text of a first model, not yet formatted.
+///
+/// # Errors
+/// No column can be a state, or one that was given a role does not exist.
+pub fn draft(table: &Table, chosen: &ChosenRoles) -> Result<String, NoDraft> {
+    let (all, mut left_out) = columns(table);
+    if let Some(name) = chosen.unknown(&all) {
+        let headers = all.iter().map(|c| c.header.clone()).collect();
+        return Err(NoDraft::NoColumn(name.to_owned(), headers));
+    }
+    let roles = roles(&all, chosen);
+    let words = all
+        .iter()
+        .enumerate()
+        .filter(|(i, c)| c.words && roles.run != Some(*i));
+    left_out.extend(words.map(|(_, c)| format!("column \"{}\" holds words", c.header)));
     let states = states(&all, &roles);
     if states.is_empty() {
-        return None;
+        return Err(NoDraft::NoState);
     }
-    Some(model_text(&Parts {
+    Ok(model_text(&Parts {
         table: &table.name,
         all: &all,
         roles: &roles,

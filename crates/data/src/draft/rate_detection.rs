@@ -76,6 +76,7 @@ mod tests {
             name: header.into(),
             unit: unit.map(String::from),
             values: (0..400).map(|k| f(f64::from(k) * 0.01)).collect(),
+            words: false,
         }
     }
 

@@ -8,6 +8,7 @@ use super::thresholds::DRAFT;
 use crate::csv::Table;
 use crate::series;
 use sidc_lang::parse::{is_name, normalise};
+use sidc_lang::source::printable;
 
 /// A column of numbers with a header that a model can name.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub(super) struct Column {
     /// The text in brackets behind it.
     pub unit: Option<String>,
     pub values: Vec<f64>,
+    /// Whether the cells are words, which can tell runs apart; the values are their numbers in order of appearance.
+    pub words: bool,
 }
 
 /// Units of time in headers, with the factor to seconds as text and as number.
@@ -31,6 +34,49 @@ const TIME_UNITS: [(&str, &str, f64); 8] = [
     ("h", "3600", 3600.0),
     ("hour", "3600", 3600.0),
     ("hours", "3600", 3600.0),
+];
+
+/// Units that headers carry behind a `_`: `angle_deg`, `pos_mm`, `gyro_dps`.
+const UNIT_SUFFIXES: [(&str, &str); 9] = [
+    ("deg", "deg"),
+    ("rad", "rad"),
+    ("dps", "deg/s"),
+    ("rpm", "rpm"),
+    ("ms", "ms"),
+    ("us", "us"),
+    ("mm", "mm"),
+    ("cm", "cm"),
+    ("km", "km"),
+];
+
+/// Names of columns that number the rows.
+const COUNT_NAMES: [&str; 14] = [
+    "sample",
+    "samples",
+    "index",
+    "idx",
+    "row",
+    "no",
+    "nr",
+    "n",
+    "k",
+    "i",
+    "frame",
+    "step",
+    "iteration",
+    "iter",
+];
+
+/// Words in names of columns that tell of the recording, and not of the system.
+const RECORDING_WORDS: [&str; 8] = [
+    "latency", "jitter", "seq", "sequence", "counter", "checksum", "crc", "packet",
+];
+
+/// Seconds since 1970 in other units: the least number that is no longer plausible in the larger unit, and the factor.
+const EPOCHS: [(f64, (&str, &str, f64)); 3] = [
+    (1e17, ("ns", "1e-9", 1e-9)),
+    (1e14, ("us", "1e-6", 1e-6)),
+    (1e11, ("ms", "1e-3", 1e-3)),
 ];
 
 /// Names that have a meaning in a data block or everywhere.
@@ -62,11 +108,22 @@ pub(super) fn columns(table: &Table) -> (Vec<Column>, Vec<String>) {
             () if counts.get(header.as_str()).is_some_and(|n| *n > 1) => {
                 Some("stands in the table more than once")
             }
+            () if has_words(table, i) => None,
+            () if table.is_faulty(i) => Some("has cells that are no numbers"),
             () if !values.iter().any(|v| v.is_finite()) => Some("holds no numbers"),
-            () if has_words(table, i) => Some("holds words"),
+            () if counts_rows(header, values) => Some("numbers the rows"),
+            () if is_of_recording(header) => Some("tells of the recording, not of the system"),
             () => None,
         };
-        if let Some(why) = why {
+        let words = has_words(table, i);
+        let values = if words {
+            numbered(table, i)
+        } else {
+            values.to_vec()
+        };
+        let copy = used.iter().find(|c| same(&c.values, &values));
+        let copied = copy.map(|c| format!("is a copy of \"{}\"", printable(&c.header)));
+        if let Some(why) = why.map(String::from).or(copied) {
             let shown: String = header
                 .chars()
                 .filter(|c| !c.is_control())
@@ -81,10 +138,41 @@ pub(super) fn columns(table: &Table) -> (Vec<Column>, Vec<String>) {
             header: header.clone(),
             name,
             unit: unit.map(String::from),
-            values: values.to_vec(),
+            values,
+            words,
         });
     }
     (used, left)
+}
+
+/// Words as numbers, in order of appearance.
+fn numbered(table: &Table, column: usize) -> Vec<f64> {
+    let mut seen = BTreeMap::new();
+    let rows = 0..table.len();
+    rows.map(|row| {
+        let next = seen.len() as f64;
+        *seen
+            .entry(table.cell(row, column).into_owned())
+            .or_insert(next)
+    })
+    .collect()
+}
+
+fn same(a: &[f64], b: &[f64]) -> bool {
+    a.iter()
+        .zip(b)
+        .all(|(a, b)| a == b || a.is_nan() && b.is_nan())
+}
+
+/// 0, 1, 2, … or from another number on, under a name that says so.
+fn counts_rows(header: &str, values: &[f64]) -> bool {
+    let named = COUNT_NAMES.contains(&header.trim().to_lowercase().as_str());
+    named && values.windows(2).all(|w| w[1] - w[0] == 1.0)
+}
+
+fn is_of_recording(header: &str) -> bool {
+    let words = identifier(parts(header).0).to_lowercase();
+    words.split('_').any(|word| RECORDING_WORDS.contains(&word))
 }
 
 /// Cells that are neither numbers nor missing.
@@ -105,7 +193,7 @@ fn has_words(table: &Table, column: usize) -> bool {
     })
 }
 
-/// `Pos [mm]` → `Pos`, `mm`
+/// `Pos [mm]` → `Pos`, `mm`; `pos_mm` likewise
 fn parts(header: &str) -> (&str, Option<&str>) {
     let text = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
@@ -116,10 +204,21 @@ fn parts(header: &str) -> (&str, Option<&str>) {
             }
         }
     }
-    match text.strip_suffix('%').map(str::trim) {
-        Some(before) if !before.is_empty() => (before, Some("%")),
-        _ => (text, None),
+    if let Some(before) = text
+        .strip_suffix('%')
+        .map(str::trim)
+        .filter(|t| !t.is_empty())
+    {
+        return (before, Some("%"));
     }
+    let suffix = |(suffix, unit): &(&str, &'static str)| {
+        let before = text.strip_suffix(suffix)?.strip_suffix('_')?;
+        (!before.is_empty()).then_some((before, Some(*unit)))
+    };
+    UNIT_SUFFIXES
+        .iter()
+        .find_map(suffix)
+        .unwrap_or((text, None))
 }
 
 /// Letters, digits and `_`, beginning with a letter.
@@ -218,7 +317,13 @@ impl Column {
     }
 
     fn clock(&self) -> Option<&'static (&'static str, &'static str, f64)> {
-        let unit = self.unit.as_deref()?;
+        let Some(unit) = self.unit.as_deref() else {
+            let first = self.values.iter().find(|v| v.is_finite())?;
+            return EPOCHS
+                .iter()
+                .find(|(least, _)| first > least)
+                .map(|(_, unit)| unit);
+        };
         TIME_UNITS.iter().find(|(name, _, _)| *name == unit)
     }
 
@@ -238,6 +343,8 @@ mod tests {
         assert_eq!(parts("Time (ms)"), ("Time", Some("ms")));
         assert_eq!(parts("Cmd %"), ("Cmd", Some("%")));
         assert_eq!(parts("(m)"), ("(m)", None));
+        assert_eq!(parts("angle_deg"), ("angle", Some("deg")));
+        assert_eq!(parts("_deg"), ("_deg", None));
         assert_eq!(identifier("wheel speed, left"), "wheel_speed_left");
         assert_eq!(identifier("2nd"), "c2nd");
         assert_eq!(identifier("θ"), "θ");

@@ -9,6 +9,7 @@ use crate::check::undeclared_constants::Undeclared;
 use crate::diagnostic::{Diagnostic, Fix, did_you_mean};
 use crate::model::VarKind;
 use crate::parse::confusables;
+use crate::parse::foreign_spellings::functions::{self, Meant};
 use crate::source::Span;
 use crate::term::{FUNCTIONS, Func};
 use crate::thresholds::MESSAGES;
@@ -68,7 +69,8 @@ impl Checker<'_> {
             return errors::let_used_before(at, text, later);
         }
         let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
-        let meant = self.meant(text);
+        let constant = functions::constant(text).map(str::to_string);
+        let meant = constant.or_else(|| self.meant(text));
         let d = match &meant {
             Some(name) => {
                 let d = d.at(at, format!("did you mean `{name}`?")).fix(at, name);
@@ -232,6 +234,12 @@ impl Checker<'_> {
         if known {
             return self.product_without_sign(e, call);
         }
+        if let Some(meant) = self.foreign_function(call) {
+            if !self.reported.insert(name.to_string()) {
+                return None;
+            }
+            return self.fail(errors::foreign_function(e.span, call, meant));
+        }
         let candidates = FUNCTIONS
             .iter()
             .map(|f| f.name)
@@ -247,6 +255,11 @@ impl Checker<'_> {
             near,
             &self.vocabulary.generators,
         ))
+    }
+
+    fn foreign_function(&self, call: &Call) -> Option<Meant> {
+        let texts: Vec<&str> = call.args.iter().map(|a| self.text(a.span)).collect();
+        functions::function(&call.name.text, &texts)
     }
 
     /// `x y`, `x(1 - y)`, or two lines of a list without a comma between them.

@@ -78,15 +78,11 @@ fn read<'t>(
         start,
         end,
     };
-    match SidParser::parse(rule, source) {
-        Ok(mut pairs) => {
-            let statement = tree.next(&mut pairs)?;
-            Ok((tree, statement.into_inner()))
-        }
-        Err(e) => Err(Box::new(explain::explain(
-            file, start, tokens, keyword, rule, &e,
-        ))),
-    }
+    let at = (file, text, start);
+    let refuse = |e| explain::explain(at, tokens, keyword, rule, &e);
+    let mut pairs = SidParser::parse(rule, source).map_err(refuse)?;
+    let statement = tree.next(&mut pairs)?;
+    Ok((tree, statement.into_inner()))
 }
 
 /// Builds the nodes of one statement from pest's pairs.

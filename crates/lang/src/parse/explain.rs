@@ -10,6 +10,7 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 use crate::ast::ATTRIBUTES;
 use crate::ast::{KEYWORDS, Keyword};
 use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::parse::foreign_spellings::punctuation::{Stumble, punctuation};
 use crate::parse::grammar::Rule;
 use crate::parse::lexer::{Token, TokenKind};
 use crate::parse::syntax_errors;
@@ -27,13 +28,12 @@ struct FailurePoint<'a, 't> {
 }
 
 pub fn explain(
-    file: FileId,
-    start: usize,
+    (file, text, start): (FileId, &str, usize),
     tokens: &[Token],
     keyword: Option<Keyword>,
     rule: Rule,
     error: &Error<Rule>,
-) -> Diagnostic {
+) -> Box<Diagnostic> {
     let offset = match error.location {
         InputLocation::Pos(p) | InputLocation::Span((p, _)) => start + p,
     };
@@ -42,18 +42,28 @@ pub fn explain(
         .iter()
         .position(|t| t.end > offset)
         .unwrap_or(tokens.len());
+    let stumble = Stumble {
+        file,
+        text,
+        tokens: &tokens,
+        at,
+    };
+    if let Some(error) = punctuation(&stumble, rule) {
+        return Box::new(error);
+    }
     let stop = FailurePoint {
         file,
         tokens,
         at,
         keyword,
     };
-    stop.misspelt_keyword(rule)
+    let named = stop
+        .misspelt_keyword(rule)
         .or_else(|| stop.missing_colon(rule))
         .or_else(|| stop.missing_arrow(rule))
         .or_else(|| stop.juxtaposed())
-        .or_else(|| stop.missing_operator())
-        .unwrap_or_else(|| stop.generic(rule, error))
+        .or_else(|| stop.missing_operator());
+    Box::new(named.unwrap_or_else(|| stop.generic(rule, error)))
 }
 
 impl<'t> FailurePoint<'_, 't> {

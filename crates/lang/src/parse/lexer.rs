@@ -8,52 +8,11 @@ use unicode_normalization::UnicodeNormalization;
 
 use crate::diagnostic::Diagnostic;
 use crate::parse::confusables;
+use crate::parse::foreign_spellings::signs::{self, Place};
 use crate::parse::syntax_errors;
+pub use crate::parse::token::{Token, TokenKind};
 use crate::source::{FileId, Span};
 use crate::thresholds::MESSAGES;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TokenKind {
-    /// Primes included: `x''`.
-    Name,
-    Number,
-    /// Quotes included.
-    Text,
-    Symbol,
-    Comment,
-    Newline,
-    /// Not of the language; an error was reported.
-    Bad,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Token<'t> {
-    pub kind: TokenKind,
-    pub start: usize,
-    pub end: usize,
-    pub text: &'t str,
-}
-
-impl Token<'_> {
-    pub fn is(&self, symbol: &str) -> bool {
-        self.kind == TokenKind::Symbol && self.text == symbol
-    }
-
-    /// Neither comment nor line end.
-    pub fn is_code(&self) -> bool {
-        !matches!(self.kind, TokenKind::Comment | TokenKind::Newline)
-    }
-
-    /// A name, a number or a quoted text.
-    pub fn is_operand(&self) -> bool {
-        use TokenKind::{Name, Number, Text};
-        matches!(self.kind, Name | Number | Text)
-    }
-
-    pub fn span(&self, file: FileId) -> Span {
-        Span::new(file, self.start, self.end)
-    }
-}
 
 /// A name in Unicode normalisation form C, as the checker compares names.
 pub fn normalise(name: &str) -> String {
@@ -70,6 +29,7 @@ pub fn tokenize(file: FileId, text: &str) -> (Vec<Token<'_>>, Vec<Diagnostic>) {
         text,
         at: 0,
         out: Vec::with_capacity(text.len() / 3),
+        line: 0,
         errors: Vec::new(),
     };
     while let Some(c) = lexer.peek() {
@@ -100,6 +60,8 @@ struct Lexer<'t> {
     text: &'t str,
     at: usize,
     out: Vec<Token<'t>>,
+    /// The first token of the line in `out`.
+    line: usize,
     errors: Vec<Diagnostic>,
 }
 
@@ -143,6 +105,7 @@ impl<'t> Lexer<'t> {
         } else if c == '\n' {
             self.at += 1;
             self.push(TokenKind::Newline, start);
+            self.line = self.out.len();
         } else if c == '#' {
             self.skip(|c| c != '\n');
             self.push(TokenKind::Comment, start);
@@ -152,7 +115,7 @@ impl<'t> Lexer<'t> {
             self.number(start);
         } else if starts_name(c) {
             self.name(start);
-        } else {
+        } else if !self.foreign(start, c) {
             self.symbol(start, c);
         }
     }
@@ -223,6 +186,27 @@ impl<'t> Lexer<'t> {
         }
         self.skip(|c| c == '\'');
         self.push(TokenKind::Name, start);
+    }
+
+    /// A sign of another language, if one begins here.
+    fn foreign(&mut self, start: usize, c: char) -> bool {
+        let place = Place {
+            file: self.file,
+            start,
+            rest: self.rest(),
+            line: self.out.get(self.line..).unwrap_or(&[]),
+        };
+        let Some(sign) = signs::may_begin(c).then(|| signs::sign(&place)).flatten() else {
+            return false;
+        };
+        self.at += sign.len;
+        let kind = match sign.comment {
+            true => TokenKind::Comment,
+            false => TokenKind::Bad,
+        };
+        self.push(kind, start);
+        self.errors.push(sign.error);
+        true
     }
 
     fn symbol(&mut self, start: usize, c: char) {

@@ -7,10 +7,12 @@
 mod ast_builder;
 pub(crate) mod confusables;
 mod explain;
+pub(crate) mod foreign_spellings;
 mod grammar;
 pub mod lexer;
 pub mod statements;
 mod syntax_errors;
+mod token;
 
 use crate::ast::{Broken, Entry, File, Keyword, Statement, StatementKind};
 use crate::diagnostic::Diagnostic;
@@ -24,21 +26,42 @@ pub use lexer::{is_name, normalise};
 /// Parses one file: all statements that could be understood, and an error for each that could not.
 pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     let (tokens, mut errors) = lexer::tokenize(id, text);
-    let (pieces, bracket_errors) = statements::split_statements(id, &tokens);
-    errors.extend(bracket_errors);
+    let (pieces, mut bracket_errors) = statements::split_statements(id, &tokens);
     let mut file = File {
         id,
         text: text.to_string(),
         statements: Vec::with_capacity(pieces.len()),
         broken: Vec::new(),
     };
-    for piece in pieces {
+    let mut foreign: Vec<Span> = Vec::new();
+    for mut piece in pieces {
         let span = span_of(id, slice(&tokens, &piece.tokens));
+        let own = slice(&tokens, &piece.tokens);
+        if let Some(error) = foreign_spellings::statements::statement(id, text, own, piece.keyword)
+        {
+            errors.push(error);
+            foreign.push(span);
+            file.broken.push(broken(id, &tokens, &piece));
+            continue;
+        }
+        let ends = own.last().filter(|t| t.is(";") && own.len() > 1);
+        if let Some(end) = ends {
+            errors.push(foreign_spellings::statements::semicolon(id, end));
+            piece.tokens.end -= 1;
+        }
         match statement(id, text, &tokens, &piece, &mut errors) {
             Some(kind) => file.statements.push(Statement { span, kind }),
             None => file.broken.push(broken(id, &tokens, &piece)),
         }
     }
+    // Brackets of a statement in another language are that language's.
+    let in_foreign = |at: Span| {
+        let before = foreign.partition_point(|s| s.start <= at.start);
+        let last = before.checked_sub(1).and_then(|i| foreign.get(i));
+        last.is_some_and(|s| s.holds(at))
+    };
+    bracket_errors.retain(|e| !e.labels.iter().any(|l| l.primary && in_foreign(l.span)));
+    errors.extend(bracket_errors);
     errors.sort_by_key(|e| e.labels.iter().filter(|l| l.primary).map(|l| l.span).min());
     (file, errors)
 }

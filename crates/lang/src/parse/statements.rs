@@ -285,7 +285,7 @@ impl<'t> Splitter<'t> {
 
 /// True if a statement continues after this token at the end of a line. `relation`: `>` compares, as in a constraint.
 fn continues_after(token: &Token, relation: bool) -> bool {
-    let closes = matches!(token.text, ")" | "}" | "{") || token.text == ">" && !relation;
+    let closes = matches!(token.text, ")" | "}" | "{" | ";") || token.text == ">" && !relation;
     token.kind == TokenKind::Symbol && !closes
 }
 

@@ -90,7 +90,8 @@ pub fn strange_character(at: Span, c: char) -> Diagnostic {
     )
     .at(at, "not expected here");
     match c {
-        '%' | '!' | '?' | '\\' => d.help("a comment begins with `#`").fix(at, "#"),
+        '?' => d.help("`step(x)` is 1 for x > 0 and 0 below: `step(x)*a + step(-x)*b`"),
+        '%' | '!' | '\\' => d.help("a comment begins with `#`").fix(at, "#"),
         '.' => d
             .help("a range is written with two dots: `0..3`")
             .fix(at, ".."),

@@ -2,10 +2,11 @@
 //!
 //! Constructors only; the caller decides which name was probably meant.
 
-use crate::ast::ATTRIBUTES;
+use crate::ast::{ATTRIBUTES, Call};
 use crate::check::vocabulary::GeneratorSignature;
 use crate::diagnostic::{Diagnostic, did_you_mean};
 use crate::model::Var;
+use crate::parse::foreign_spellings::functions::Meant;
 use crate::source::Span;
 
 pub fn late_version(at: Span, before: Span) -> Diagnostic {
@@ -350,6 +351,22 @@ pub fn missing_comma(at: Span, left: &str, right: &str) -> Diagnostic {
     .fix(at.after(), ",")
 }
 
+/// A function that other languages have; `whole` is the call.
+pub fn foreign_function(whole: Span, call: &Call, meant: Meant) -> Diagnostic {
+    let name = &call.name.text;
+    let d = Diagnostic::error(
+        "unknown-function",
+        format!("no function or generator named `{name}`"),
+    );
+    match meant {
+        Meant::Expression(ours) => d
+            .at(whole, format!("write `{ours}`"))
+            .help(format!("replace it by `{ours}`"))
+            .fix(whole, ours),
+        Meant::Advice(advice) => d.at(call.name.span, "not known").help(advice),
+    }
+}
+
 pub fn unknown_function(
     at: Span,
     name: &str,
@@ -362,18 +379,11 @@ pub fn unknown_function(
         "function or generator"
     };
     let d = Diagnostic::error("unknown-function", format!("no {what} named `{name}`"));
-    let reciprocal = match name {
-        "cot" => Some("cot(x) is `1/tan(x)`"),
-        "csc" | "cosec" => Some("csc(x) is `1/sin(x)`"),
-        "sec" => Some("sec(x) is `1/cos(x)`"),
-        _ => None,
-    };
-    let d = match near.filter(|_| reciprocal.is_none()) {
+    let d = match near {
         Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
-        None => d.at(at, "not known").help(format!(
-            "write it with the functions there are: {}",
-            reciprocal.unwrap_or("sec(x) is `1/cos(x)`")
-        )),
+        None => d
+            .at(at, "not known")
+            .help("write it with the functions there are: sec(x) is `1/cos(x)`"),
     };
     let functions: Vec<&str> = crate::term::FUNCTIONS.iter().map(|f| f.name).collect();
     let d = d.fact(format!("functions: {}", functions.join(", ")));

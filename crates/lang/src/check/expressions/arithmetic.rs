@@ -7,6 +7,7 @@ use crate::check::checker::{Checker, every};
 use crate::check::errors;
 use crate::check::scope::Value;
 use crate::model::VarKind;
+use crate::parse::foreign_spellings::foreign;
 use crate::term::{Expr, Func, Signal};
 use crate::thresholds::MODEL;
 
@@ -22,6 +23,10 @@ impl Checker<'_> {
             ExprKind::Group(x) => self.arithmetic(x),
             ExprKind::Sum(parts) => self.sum(parts),
             ExprKind::Product(parts) => self.product(e, parts),
+            ExprKind::Power(base, exponent) if self.is_eulers_number(base) => {
+                let ours = format!("exp({})", self.text(exponent.ungrouped().span));
+                self.fail(foreign(e.span, self.text(e.span), &ours))
+            }
             ExprKind::Power(base, exponent) => {
                 let (b, p) = (self.arithmetic(base), self.raised_to(exponent));
                 let (b, p) = (b?, p?);
@@ -34,6 +39,16 @@ impl Checker<'_> {
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
             ExprKind::Call(call) => self.call(e, call),
         }
+    }
+
+    /// The `e` of `e^x`, where no signal has that name.
+    fn is_eulers_number(&self, e: &Ast) -> bool {
+        let is_e = |name: &&str| matches!(*name, "e" | "ℯ");
+        e.as_name().filter(is_e).is_some_and(|name| {
+            self.scope.signal(name).is_none()
+                && !self.scope.lets.contains_key(name)
+                && !self.scope.is_poisoned(name)
+        })
     }
 
     fn name(&mut self, e: &Ast, text: &str) -> Option<Expr> {

@@ -8,6 +8,7 @@ use crate::ast::{Call, Expr as Ast, ExprKind, Sign, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::model::{Equation, LibExpr, Model, RightSide, VarKind};
+use crate::parse::foreign_spellings::{foreign, functions};
 use crate::source::Span;
 use crate::term::{Expr, Signal};
 
@@ -83,7 +84,10 @@ impl Checker<'_> {
                         out.extend(self.target_name(e.span, &name).map(|s| (s, e.span)));
                     }
                 }
-                _ => self.say(errors::not_a_target(e.span, &self.example_target())),
+                _ => self.say(match functions::target(self.text(e.span)) {
+                    Some(ours) => foreign(e.span, self.text(e.span), &ours),
+                    None => errors::not_a_target(e.span, &self.example_target()),
+                }),
             }
         }
         out

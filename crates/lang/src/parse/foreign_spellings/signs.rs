@@ -1,0 +1,255 @@
+//! Signs: `**`, `//`, `/* */`, `.*`, `:=`, `<-`, `'text'`, `|x|`, `\theta`, `np.`, `[m]`, `in [0, 1]`.
+//!
+//! In: the text from a sign on, and the tokens before it on its line. Out: how far the sign reaches, and its error.
+
+use super::{foreign, foreign_because};
+use crate::ast::KEYWORDS;
+use crate::diagnostic::Diagnostic;
+use crate::parse::token::{Token, TokenKind};
+use crate::source::{FileId, Span};
+use crate::thresholds::MESSAGES;
+
+/// A sign of another language.
+pub struct ForeignSign {
+    /// Bytes that it takes.
+    pub len: usize,
+    /// A comment leaves its statement whole.
+    pub comment: bool,
+    pub error: Diagnostic,
+}
+
+/// Signs that have one spelling here.
+const PAIRS: [(&str, &str); 5] = [
+    ("**", "^"),
+    (".^", "^"),
+    (".*", "*"),
+    ("./", "/"),
+    (":=", "="),
+];
+
+/// Modules that functions are taken from elsewhere.
+const MODULES: [&str; 14] = [
+    "np", "numpy", "math", "Math", "jnp", "jax", "torch", "tf", "sp", "sympy", "sym", "ca",
+    "casadi", "std",
+];
+
+/// Where a sign stands: its file, its first byte, the text from there on, and the tokens before it on its line.
+pub struct Place<'a, 't> {
+    pub file: FileId,
+    pub start: usize,
+    pub rest: &'t str,
+    pub line: &'a [Token<'t>],
+}
+
+impl<'t> Place<'_, 't> {
+    fn span(&self, len: usize) -> Span {
+        Span::new(self.file, self.start, self.start + len)
+    }
+
+    fn last(&self) -> Option<&Token<'t>> {
+        self.line.last()
+    }
+
+    /// The text up to a sign on the same line, from behind the first character on; a long one is none.
+    fn closed_by(&self, sign: char) -> Option<&'t str> {
+        let inner = self.rest.get(1..)?;
+        let mut near = inner.char_indices().take(MESSAGES.index);
+        let end = near.find(|(_, c)| *c == sign || *c == '\n')?;
+        (end.1 == sign).then(|| &inner[..end.0])
+    }
+
+    /// Whether nothing but names and commas stands before on the line.
+    fn follows_names(&self) -> bool {
+        let plain = |t: &Token| t.kind == TokenKind::Name || t.is(",");
+        !self.line.is_empty() && self.line.len() < MESSAGES.index && self.line.iter().all(plain)
+    }
+}
+
+/// The sign of another language that begins at a place.
+pub fn sign(place: &Place) -> Option<ForeignSign> {
+    let rest = place.rest;
+    let spelt = |len: usize, ours: &str| ForeignSign {
+        len,
+        comment: false,
+        error: foreign(place.span(len), &rest[..len], ours),
+    };
+    if let Some((theirs, ours)) = PAIRS.iter().find(|(theirs, _)| rest.starts_with(theirs)) {
+        return Some(spelt(theirs.len(), ours));
+    }
+    match rest.chars().next()? {
+        '/' if rest.starts_with("//") => Some(line_comment(place)),
+        '/' if rest.starts_with("/*") => Some(block_comment(place)),
+        '<' if rest.starts_with("<-") && place.follows_names() => Some(spelt(2, "~")),
+        '\'' => {
+            let inner = place.closed_by('\'')?;
+            Some(spelt(inner.len() + 2, &format!("\"{inner}\"")))
+        }
+        '|' => {
+            let inner = place.closed_by('|').filter(|t| !t.trim().is_empty())?;
+            Some(spelt(inner.len() + 2, &format!("abs({inner})")))
+        }
+        '\\' => latex_name(place),
+        '.' => module(place),
+        '[' => bracket(place),
+        _ => None,
+    }
+}
+
+fn line_comment(place: &Place) -> ForeignSign {
+    let len = place.rest.find('\n').unwrap_or(place.rest.len());
+    let marks = place.rest.len() - place.rest.trim_start_matches('/').len();
+    ForeignSign {
+        len,
+        comment: true,
+        error: foreign(place.span(marks), "//", "#"),
+    }
+}
+
+/// `/* … */`, over several lines too; one that is never closed ends with its line.
+fn block_comment(place: &Place) -> ForeignSign {
+    let rest = place.rest;
+    let line = rest.find('\n').unwrap_or(rest.len());
+    let len = rest
+        .get(2..)
+        .and_then(|r| r.find("*/"))
+        .map_or(line, |at| at + 4);
+    let inner = rest[..len].trim_start_matches("/*").trim_end_matches("*/");
+    let lines = inner
+        .lines()
+        .map(|l| l.trim().trim_start_matches('*').trim_start());
+    let lines: Vec<String> = lines
+        .filter(|l| !l.is_empty())
+        .map(|l| format!("# {l}"))
+        .collect();
+    let at = place.span(len);
+    ForeignSign {
+        len,
+        comment: true,
+        error: foreign_because(
+            Span::new(at.file, at.start, at.start + 2),
+            "/*",
+            "a comment begins with `#` and ends with its line",
+        )
+        .help("begin each line of it with `#`")
+        .fix(at, lines.join("\n")),
+    }
+}
+
+/// `\theta`
+fn latex_name(place: &Place) -> Option<ForeignSign> {
+    let name = place.rest.get(1..)?;
+    let end = name
+        .find(|c: char| !c.is_ascii_alphabetic())
+        .unwrap_or(name.len());
+    let name = name.get(..end).filter(|n| !n.is_empty())?;
+    let len = 1 + name.len();
+    Some(ForeignSign {
+        len,
+        comment: false,
+        error: foreign(place.span(len), &place.rest[..len], name),
+    })
+}
+
+/// `np.sin`: the name before belongs to the sign.
+fn module(place: &Place) -> Option<ForeignSign> {
+    let before = place
+        .last()
+        .filter(|t| t.end == place.start && MODULES.contains(&t.text))?;
+    let name = place.rest.get(1..)?.chars().next()?;
+    let at = Span::new(place.file, before.start, place.start + 1);
+    name.is_alphabetic().then(|| ForeignSign {
+        len: 1,
+        comment: false,
+        error: foreign_because(
+            at,
+            &format!("{}.", before.text),
+            "functions stand for themselves",
+        )
+        .help(format!("leave out `{}.`", before.text))
+        .fix(at, ""),
+    })
+}
+
+/// `[x, y]`, `x[k-1]`, `state x [m]` and `in [0, 1]`.
+fn bracket(place: &Place) -> Option<ForeignSign> {
+    let (first, last) = (place.line.first()?, place.last()?);
+    let inner = place.closed_by(']').filter(|t| !t.contains('['))?.trim();
+    let len = place.rest.find(']')? + 1;
+    if let Some((at, ours)) = sample(place, last, inner, len) {
+        let theirs = format!("{}{}", last.text, &place.rest[..len]);
+        return Some(ForeignSign {
+            len,
+            comment: false,
+            error: foreign(at, &theirs, &ours),
+        });
+    }
+    if last.kind == TokenKind::Symbol && inner.contains(',') {
+        let ours = match last.is("(") {
+            true => inner.to_owned(),
+            false => format!("<{inner}>"),
+        };
+        return Some(ForeignSign {
+            len,
+            comment: false,
+            error: foreign(place.span(len), &place.rest[..len], &ours),
+        });
+    }
+    if last.text == "in" {
+        let (from, to) = inner
+            .split_once([',', ':'])
+            .or_else(|| inner.split_once(".."))?;
+        let ours = format!("{} .. {}", from.trim(), to.trim_start_matches('.').trim());
+        return Some(ForeignSign {
+            len,
+            comment: false,
+            error: foreign(place.span(len), &place.rest[..len], &ours),
+        });
+    }
+    let declares = ["state", "input", "output", "param", "unknown"].contains(&first.text);
+    let is_unit = !inner.is_empty()
+        && !inner.starts_with(|c: char| c.is_ascii_digit() && c != '1')
+        && !inner.contains([',', '"', '=']);
+    // `x[3]` is an index.
+    let apart = last.end < place.start || inner.contains('/');
+    if !declares || !is_unit || !apart || KEYWORDS.iter().any(|(word, _)| *word == last.text) {
+        return None;
+    }
+    let sign = match place.line.iter().any(|t| t.is(":")) || first.text == "unknown" {
+        true => ",",
+        false => " :",
+    };
+    let at = Span::new(place.file, last.end, place.start + len);
+    Some(ForeignSign {
+        len,
+        comment: false,
+        error: foreign_because(
+            place.span(len),
+            &place.rest[..len],
+            "a unit is an attribute",
+        )
+        .help(format!("write `{sign} unit \"{inner}\"`").replace("` :", "`:"))
+        .fix(at, format!("{sign} unit \"{inner}\"")),
+    })
+}
+
+/// `x[k]`, `x[k+1]`, `x[n-2]`: where it stands, name and all, and what it is here.
+fn sample(place: &Place, name: &Token, inner: &str, len: usize) -> Option<(Span, String)> {
+    let beside = name.kind == TokenKind::Name && name.end == place.start;
+    let at = Span::new(place.file, name.start, place.start + len);
+    let shift = inner
+        .strip_prefix(['k', 'n', 't', 'i'])
+        .filter(|_| beside)?;
+    let shift = shift.replace(' ', "");
+    let ours = match shift.strip_prefix('-') {
+        None if shift.is_empty() => name.text.to_owned(),
+        None if shift == "+1" => format!("next({})", name.text),
+        Some(samples) if samples.parse::<u32>().is_ok() => format!("lag({}, {samples})", name.text),
+        _ => return None,
+    };
+    Some((at, ours))
+}
+
+/// Whether a character may begin a foreign sign, so that most are passed at once.
+pub fn may_begin(c: char) -> bool {
+    matches!(c, '*' | '.' | ':' | '/' | '<' | '\'' | '|' | '\\' | '[')
+}
