@@ -1,9 +1,11 @@
 //! Spellings of other languages: following the fixes of what is said gives the model that was meant; where there is no fix, the help
 //! names what is done here.
 
+use sidc_lang::compile;
 use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::source::Sources;
 
-use super::compiled;
+use super::{compiled, vocabulary};
 
 /// Fixes that a model takes at most.
 const MOST: usize = 12;
@@ -221,5 +223,23 @@ fn words_of_other_languages_are_names() {
     ] {
         let (model, _, shown) = compiled("m.sid", text);
         assert!(model.is_some(), "{text}\n{shown}");
+    }
+}
+
+/// A megabyte of signs that are never closed, or of which each would read its line again.
+#[test]
+fn long_texts_take_no_longer_than_their_length() {
+    for text in [
+        "/*\n".repeat(300_000),
+        format!("state x{}\n", " [m]".repeat(250_000)),
+        format!("state x\n{} <- x\n", "x, ".repeat(300_000)),
+        "x <- ".repeat(200_000),
+        "|x \\a 'b np. ".repeat(80_000),
+        "x; ".repeat(300_000),
+    ] {
+        let mut sources = Sources::default();
+        let file = sources.add("m.sid", text.as_str());
+        let (model, found) = compile(file, &sources, &vocabulary());
+        assert!(model.is_none() && !found.is_empty());
     }
 }

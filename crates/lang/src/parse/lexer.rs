@@ -30,6 +30,7 @@ pub fn tokenize(file: FileId, text: &str) -> (Vec<Token<'_>>, Vec<Diagnostic>) {
         at: 0,
         out: Vec::with_capacity(text.len() / 3),
         line: 0,
+        last_comment_end: text.rfind("*/"),
         errors: Vec::new(),
     };
     while let Some(c) = lexer.peek() {
@@ -62,6 +63,8 @@ struct Lexer<'t> {
     out: Vec<Token<'t>>,
     /// The first token of the line in `out`.
     line: usize,
+    /// The last `*/` of the text, so that it is not sought from each `/*` again.
+    last_comment_end: Option<usize>,
     errors: Vec<Diagnostic>,
 }
 
@@ -195,6 +198,7 @@ impl<'t> Lexer<'t> {
             start,
             rest: self.rest(),
             line: self.out.get(self.line..).unwrap_or(&[]),
+            comment_ends: self.last_comment_end.is_some_and(|end| start < end),
         };
         let Some(sign) = signs::may_begin(c).then(|| signs::sign(&place)).flatten() else {
             return false;

@@ -39,6 +39,8 @@ pub struct Place<'a, 't> {
     pub start: usize,
     pub rest: &'t str,
     pub line: &'a [Token<'t>],
+    /// Whether a `*/` comes behind it.
+    pub comment_ends: bool,
 }
 
 impl<'t> Place<'_, 't> {
@@ -109,10 +111,8 @@ fn line_comment(place: &Place) -> ForeignSign {
 fn block_comment(place: &Place) -> ForeignSign {
     let rest = place.rest;
     let line = rest.find('\n').unwrap_or(rest.len());
-    let len = rest
-        .get(2..)
-        .and_then(|r| r.find("*/"))
-        .map_or(line, |at| at + 4);
+    let inner = rest.get(2..).filter(|_| place.comment_ends);
+    let len = inner.and_then(|r| r.find("*/")).map_or(line, |at| at + 4);
     let inner = rest[..len].trim_start_matches("/*").trim_end_matches("*/");
     let lines = inner
         .lines()
@@ -173,6 +173,10 @@ fn module(place: &Place) -> Option<ForeignSign> {
 /// `[x, y]`, `x[k-1]`, `state x [m]` and `in [0, 1]`.
 fn bracket(place: &Place) -> Option<ForeignSign> {
     let (first, last) = (place.line.first()?, place.last()?);
+    // The bound keeps the lexer linear.
+    if place.line.len() > MESSAGES.index {
+        return None;
+    }
     let inner = place.closed_by(']').filter(|t| !t.contains('['))?.trim();
     let len = place.rest.find(']')? + 1;
     if let Some((at, ours)) = sample(place, last, inner, len) {
