@@ -1,6 +1,6 @@
 //! A line cut into cells, and a cell read as a number.
 //!
-//! In: the text of a line. Out: byte ranges; numbers, or why a cell is none. Never allocates per cell.
+//! In: the text of a line. Out: byte ranges; numbers, or why a cell is none. Allocates for decimal commas only.
 
 use super::date;
 

@@ -143,8 +143,8 @@ impl Rows {
                 }
                 Cell::Missing => f64::NAN,
                 Cell::Bad(fault) => {
-                    let number =
-                        cell::with_comma(cell).filter(|_| decimal && fault == Fault::DecimalComma);
+                    let comma = decimal && fault == Fault::DecimalComma;
+                    let number = comma.then(|| cell::with_comma(cell)).flatten();
                     let list = if number.is_some() {
                         &mut *commas
                     } else {

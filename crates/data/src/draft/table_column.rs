@@ -100,6 +100,7 @@ pub(super) fn columns(table: &Table) -> (Vec<Column>, Vec<String>) {
             break;
         }
         let values = table.values(i);
+        let words = has_words(table, i);
         let why = match () {
             () if header.trim().is_empty() => Some("has no header"),
             () if header.chars().any(|c| c == '"' || c.is_control()) => {
@@ -108,18 +109,16 @@ pub(super) fn columns(table: &Table) -> (Vec<Column>, Vec<String>) {
             () if counts.get(header.as_str()).is_some_and(|n| *n > 1) => {
                 Some("stands in the table more than once")
             }
-            () if has_words(table, i) => None,
+            () if words => None,
             () if table.is_faulty(i) => Some("has cells that are no numbers"),
             () if !values.iter().any(|v| v.is_finite()) => Some("holds no numbers"),
             () if counts_rows(header, values) => Some("numbers the rows"),
             () if is_of_recording(header) => Some("tells of the recording, not of the system"),
             () => None,
         };
-        let words = has_words(table, i);
-        let values = if words {
-            numbered(table, i)
-        } else {
-            values.to_vec()
+        let values = match words {
+            true => numbered(table, i),
+            false => values.to_vec(),
         };
         let copy = used.iter().find(|c| same(&c.values, &values));
         let copied = copy.map(|c| format!("is a copy of \"{}\"", printable(&c.header)));

@@ -187,12 +187,10 @@ family! {
 family! {
     /// When what a library leaves of a measured target is motion, which another method leaves too.
     pub(crate) UNEXPLAINED_MOTION: UnexplainedMotion {
-        /// Part of the target that all terms leave.
-        least: f64 = 0.1, unit "of the target", source "what `poor-fit` doubts";
         /// White noise in it, at most.
         noise: f64 = 0.3333333333333333, unit "of its root mean square", source "eight ninths of its square are motion then, and no noise of sensors explains it";
         /// Largest library.
-        max_terms: usize = 500, unit "terms", source "set by hand: 0.4 s";
+        max_terms: usize = 500, unit "terms", source "set by hand";
         /// Rows that are used.
         max_rows: usize = 3000, unit "rows", source "set by hand";
         /// Rows for each term, at least.

@@ -31,13 +31,12 @@ type PlacedName = (String, Span);
 impl Checker<'_> {
     /// What the undeclared name at this place stands for.
     pub fn undeclared(&self, at: Span) -> Undeclared {
-        let holds = |s: Span| s.start <= at.start && at.end <= s.end;
-        let statement = self.statements().find(|s| holds(s.span));
+        let statement = self.statements().find(|s| s.span.holds(at));
         let (right, targets) = match statement.map(|s| &s.kind) {
-            Some(StatementKind::Equation { right, targets, .. }) if holds(right.span) => {
+            Some(StatementKind::Equation { right, targets, .. }) if right.span.holds(at) => {
                 (right, &targets[..])
             }
-            Some(StatementKind::Let { body, .. }) if holds(body.span) => (body, &[][..]),
+            Some(StatementKind::Let { body, .. }) if body.span.holds(at) => (body, &[][..]),
             _ => return Undeclared::Other,
         };
         if self.bends(right, at) {
@@ -103,7 +102,7 @@ impl Checker<'_> {
         own || e.children().into_iter().any(|x| self.mentions_declared(x))
     }
 
-    fn is_declared(&self, name: &str) -> bool {
+    pub fn is_declared(&self, name: &str) -> bool {
         self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi"
     }
 
@@ -177,7 +176,7 @@ impl Checker<'_> {
 
 fn child_with(e: &Ast, at: Span) -> Option<&Ast> {
     let children = e.children().into_iter();
-    let mut holding = children.filter(|x| x.span.start <= at.start && at.end <= x.span.end);
+    let mut holding = children.filter(|x| x.span.holds(at));
     holding.next()
 }
 

@@ -105,8 +105,7 @@ impl Checker<'_> {
 
     /// Fixes that declare a name in a line of its own before the statement at `at`.
     fn declaring(&self, d: Diagnostic, at: Span, keywords: &[&str], name: &str) -> Diagnostic {
-        let holds = |s: Span| s.start <= at.start && at.end <= s.end;
-        let statement = self.statements().find(|s| holds(s.span));
+        let statement = self.statements().find(|s| s.span.holds(at));
         let Some(before) = statement.map(|s| s.span.before()) else {
             return d;
         };
@@ -194,7 +193,7 @@ impl Checker<'_> {
             let StatementKind::Declare { attributes, .. } = &s.kind else {
                 return None;
             };
-            let holds = s.span.start <= declared.start && declared.end <= s.span.end;
+            let holds = s.span.holds(declared);
             let said = attributes.iter().find(|a| a.key.text == "order");
             let (span, text) = match said.map(|a| &a.value) {
                 Some(Some(value)) => (value.span, order.to_string()),
@@ -229,9 +228,7 @@ impl Checker<'_> {
         if self.scope.is_poisoned(name) {
             return None;
         }
-        let known =
-            self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi";
-        if known {
+        if self.is_declared(name) {
             return self.product_without_sign(e, call);
         }
         if let Some(meant) = self.foreign_function(call) {

@@ -193,6 +193,9 @@ impl<'t> Lexer<'t> {
 
     /// A sign of another language, if one begins here.
     fn foreign(&mut self, start: usize, c: char) -> bool {
+        if !signs::may_begin(c) {
+            return false;
+        }
         let place = Place {
             file: self.file,
             start,
@@ -200,7 +203,7 @@ impl<'t> Lexer<'t> {
             line: self.out.get(self.line..).unwrap_or(&[]),
             comment_ends: self.last_comment_end.is_some_and(|end| start < end),
         };
-        let Some(sign) = signs::may_begin(c).then(|| signs::sign(&place)).flatten() else {
+        let Some(sign) = signs::sign(&place) else {
             return false;
         };
         self.at += sign.len;

@@ -6,6 +6,7 @@
 //! them. The median of third differences is the noise then, whatever jumps an input makes.
 
 use crate::dictionary::evaluate;
+use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::thresholds::UNEXPLAINED_MOTION;
 use crate::scaled_design::OrthonormalBasis;
 use crate::statistics::{norm, rms};
@@ -40,19 +41,18 @@ pub fn leaves_motion(library: &Library, target: Signal, samples: &Samples) -> bo
         return false;
     }
     let left = OrthonormalBasis::of(columns.iter().map(|c| &c[..])).residual(y);
-    let large = norm(&left) > limits.least * norm(y);
+    let large = norm(&left) > DOUBTS.poor_fit * norm(y);
     let noise = noise(&left, &samples);
     large && noise > 0.0 && noise < limits.noise * rms(&left)
 }
 
 /// The white noise in a series, within trajectories.
 fn noise(series: &[f64], samples: &Samples) -> f64 {
-    let rows: Vec<(u32, f64)> = (samples.trajectory.iter().copied())
-        .zip(series.iter().copied())
-        .collect();
-    let within = rows.chunk_by(|a, b| a.0 == b.0);
-    let series: Vec<Vec<f64>> = within
-        .map(|rows| rows.iter().map(|(_, v)| *v).collect())
-        .collect();
-    difference_noise(series.iter().map(|v| &v[..]))
+    let mut rest = series;
+    let runs = samples.trajectory.chunk_by(|a, b| a == b);
+    difference_noise(runs.map(|run| {
+        let (own, others) = rest.split_at(run.len());
+        rest = others;
+        own
+    }))
 }

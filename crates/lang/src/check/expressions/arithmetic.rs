@@ -44,11 +44,8 @@ impl Checker<'_> {
     /// The `e` of `e^x`, where no signal has that name.
     fn is_eulers_number(&self, e: &Ast) -> bool {
         let is_e = |name: &&str| matches!(*name, "e" | "ℯ");
-        e.as_name().filter(is_e).is_some_and(|name| {
-            self.scope.signal(name).is_none()
-                && !self.scope.lets.contains_key(name)
-                && !self.scope.is_poisoned(name)
-        })
+        let free = |name| !self.is_declared(name) && !self.scope.is_poisoned(name);
+        e.as_name().filter(is_e).is_some_and(free)
     }
 
     fn name(&mut self, e: &Ast, text: &str) -> Option<Expr> {

@@ -18,6 +18,17 @@ pub struct ForeignSign {
     pub error: Diagnostic,
 }
 
+impl ForeignSign {
+    /// A sign within a statement, which the statement cannot be read with.
+    fn new(len: usize, error: Diagnostic) -> ForeignSign {
+        ForeignSign {
+            len,
+            comment: false,
+            error,
+        }
+    }
+}
+
 /// Signs that have one spelling here.
 const PAIRS: [(&str, &str); 5] = [
     ("**", "^"),
@@ -48,6 +59,11 @@ impl<'t> Place<'_, 't> {
         Span::new(self.file, self.start, self.start + len)
     }
 
+    /// A sign of so many bytes that is `ours` here.
+    fn spelt(&self, len: usize, ours: &str) -> ForeignSign {
+        ForeignSign::new(len, foreign(self.span(len), &self.rest[..len], ours))
+    }
+
     fn last(&self) -> Option<&Token<'t>> {
         self.line.last()
     }
@@ -70,25 +86,20 @@ impl<'t> Place<'_, 't> {
 /// The sign of another language that begins at a place.
 pub fn sign(place: &Place) -> Option<ForeignSign> {
     let rest = place.rest;
-    let spelt = |len: usize, ours: &str| ForeignSign {
-        len,
-        comment: false,
-        error: foreign(place.span(len), &rest[..len], ours),
-    };
     if let Some((theirs, ours)) = PAIRS.iter().find(|(theirs, _)| rest.starts_with(theirs)) {
-        return Some(spelt(theirs.len(), ours));
+        return Some(place.spelt(theirs.len(), ours));
     }
     match rest.chars().next()? {
         '/' if rest.starts_with("//") => Some(line_comment(place)),
         '/' if rest.starts_with("/*") => Some(block_comment(place)),
-        '<' if rest.starts_with("<-") && place.follows_names() => Some(spelt(2, "~")),
+        '<' if rest.starts_with("<-") && place.follows_names() => Some(place.spelt(2, "~")),
         '\'' => {
             let inner = place.closed_by('\'')?;
-            Some(spelt(inner.len() + 2, &format!("\"{inner}\"")))
+            Some(place.spelt(inner.len() + 2, &format!("\"{inner}\"")))
         }
         '|' => {
             let inner = place.closed_by('|').filter(|t| !t.trim().is_empty())?;
-            Some(spelt(inner.len() + 2, &format!("abs({inner})")))
+            Some(place.spelt(inner.len() + 2, &format!("abs({inner})")))
         }
         '\\' => latex_name(place),
         '.' => module(place),
@@ -142,12 +153,7 @@ fn latex_name(place: &Place) -> Option<ForeignSign> {
         .find(|c: char| !c.is_ascii_alphabetic())
         .unwrap_or(name.len());
     let name = name.get(..end).filter(|n| !n.is_empty())?;
-    let len = 1 + name.len();
-    Some(ForeignSign {
-        len,
-        comment: false,
-        error: foreign(place.span(len), &place.rest[..len], name),
-    })
+    Some(place.spelt(1 + name.len(), name))
 }
 
 /// `np.sin`: the name before belongs to the sign.
@@ -157,45 +163,32 @@ fn module(place: &Place) -> Option<ForeignSign> {
         .filter(|t| t.end == place.start && MODULES.contains(&t.text))?;
     let name = place.rest.get(1..)?.chars().next()?;
     let at = Span::new(place.file, before.start, place.start + 1);
-    name.is_alphabetic().then(|| ForeignSign {
-        len: 1,
-        comment: false,
-        error: foreign_because(
-            at,
-            &format!("{}.", before.text),
-            "functions stand for themselves",
-        )
-        .help(format!("leave out `{}.`", before.text))
-        .fix(at, ""),
+    let theirs = format!("{}.", before.text);
+    name.is_alphabetic().then(|| {
+        let error = foreign_because(at, &theirs, "functions stand for themselves")
+            .help(format!("leave out `{theirs}`"))
+            .fix(at, "");
+        ForeignSign::new(1, error)
     })
 }
 
 /// `[x, y]`, `x[k-1]`, `state x [m]` and `in [0, 1]`.
 fn bracket(place: &Place) -> Option<ForeignSign> {
-    let (first, last) = (place.line.first()?, place.last()?);
+    let last = place.last()?;
     // The bound keeps the lexer linear.
     if place.line.len() > MESSAGES.index {
         return None;
     }
-    let inner = place.closed_by(']').filter(|t| !t.contains('['))?.trim();
-    let len = place.rest.find(']')? + 1;
+    let inside = place.closed_by(']').filter(|t| !t.contains('['))?;
+    let (inner, len) = (inside.trim(), inside.len() + 2);
     if let Some((at, ours)) = sample(place, last, inner, len) {
         let theirs = format!("{}{}", last.text, &place.rest[..len]);
-        return Some(ForeignSign {
-            len,
-            comment: false,
-            error: foreign(at, &theirs, &ours),
-        });
+        return Some(ForeignSign::new(len, foreign(at, &theirs, &ours)));
     }
     if last.kind == TokenKind::Symbol && inner.contains(',') {
-        let ours = match last.is("(") {
-            true => inner.to_owned(),
-            false => format!("<{inner}>"),
-        };
-        return Some(ForeignSign {
-            len,
-            comment: false,
-            error: foreign(place.span(len), &place.rest[..len], &ours),
+        return Some(match last.is("(") {
+            true => place.spelt(len, inner),
+            false => place.spelt(len, &format!("<{inner}>")),
         });
     }
     if last.text == "in" {
@@ -203,12 +196,14 @@ fn bracket(place: &Place) -> Option<ForeignSign> {
             .split_once([',', ':'])
             .or_else(|| inner.split_once(".."))?;
         let ours = format!("{} .. {}", from.trim(), to.trim_start_matches('.').trim());
-        return Some(ForeignSign {
-            len,
-            comment: false,
-            error: foreign(place.span(len), &place.rest[..len], &ours),
-        });
+        return Some(place.spelt(len, &ours));
     }
+    unit(place, last, inner, len)
+}
+
+/// `state x [m]`, `state y : order 2 [rad]`
+fn unit(place: &Place, last: &Token, inner: &str, len: usize) -> Option<ForeignSign> {
+    let first = place.line.first()?;
     let declares = ["state", "input", "output", "param", "unknown"].contains(&first.text);
     let is_unit = !inner.is_empty()
         && !inner.starts_with(|c: char| c.is_ascii_digit() && c != '1')
@@ -218,22 +213,15 @@ fn bracket(place: &Place) -> Option<ForeignSign> {
     if !declares || !is_unit || !apart || KEYWORDS.iter().any(|(word, _)| *word == last.text) {
         return None;
     }
-    let sign = match place.line.iter().any(|t| t.is(":")) || first.text == "unknown" {
-        true => ",",
-        false => " :",
-    };
-    let at = Span::new(place.file, last.end, place.start + len);
-    Some(ForeignSign {
-        len,
-        comment: false,
-        error: foreign_because(
-            place.span(len),
-            &place.rest[..len],
-            "a unit is an attribute",
-        )
-        .help(format!("write `{sign} unit \"{inner}\"`").replace("` :", "`:"))
-        .fix(at, format!("{sign} unit \"{inner}\"")),
-    })
+    let more = place.line.iter().any(|t| t.is(":")) || first.text == "unknown";
+    let attribute = format!("{} unit \"{inner}\"", if more { "," } else { ":" });
+    let space = if more { "" } else { " " };
+    let whole = Span::new(place.file, last.end, place.start + len);
+    let (at, theirs) = (place.span(len), &place.rest[..len]);
+    let error = foreign_because(at, theirs, "a unit is an attribute")
+        .help(format!("write `{attribute}`"))
+        .fix(whole, format!("{space}{attribute}"));
+    Some(ForeignSign::new(len, error))
 }
 
 /// `x[k]`, `x[k+1]`, `x[n-2]`: where it stands, name and all, and what it is here.

@@ -62,7 +62,7 @@ const LOOPS: [&str; 4] = ["for", "while", "parfor", "repeat"];
 const BRANCHES: [&str; 6] = ["if", "ifelse", "elseif", "elif", "else", "when"];
 const FILES: [&str; 5] = ["include", "import", "using", "from", "library"];
 const FUNCTIONS: [&str; 5] = ["function", "def", "fn", "func", "lambda"];
-const BLOCKS: [&str; 11] = [
+const BLOCKS: [&str; 10] = [
     "model",
     "class",
     "module",
@@ -73,7 +73,6 @@ const BLOCKS: [&str; 11] = [
     "equations",
     "algorithm",
     "program",
-    "function_end",
 ];
 
 /// The error of a statement that is written in another language.
