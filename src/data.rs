@@ -29,6 +29,7 @@ use crate::error::{Error, ErrorKind};
 pub struct Data {
     pub(crate) tables: Vec<Table>,
     pub(crate) params: Vec<(String, Vec<f64>)>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl Data {
@@ -70,27 +71,33 @@ impl Data {
         Ok(self)
     }
 
-    /// Adds a record from a table of text, as `sidc identify` reads files: names in the first line, separated by commas, semicolons or
-    /// tabs. `name` is what messages and results call it.
+    /// Adds a record from a file, as `sidc identify` reads it: a table of text with names in its first line, arrays of NumPy (`.npz`) or
+    /// MATLAB (`.mat`), or with the feature `parquet` a Parquet file. `name` is what messages and results call it.
     ///
     /// ```
-    /// let data = sidc::Data::new().csv("decay.csv", "t,x\n0,2\n0.1,1.9\n".as_bytes())?;
+    /// let data = sidc::Data::new().file("decay.csv", "t,x\n0,2\n0.1,1.9\n".as_bytes())?;
     /// assert_eq!(data.runs(), 1);
     /// # Ok::<(), sidc::Error>(())
     /// ```
     ///
     /// # Errors
     /// [`ErrorKind::Data`]: every fault of the table, with its line.
-    pub fn csv(mut self, name: &str, reader: impl Read) -> Result<Data, Error> {
+    pub fn file(mut self, name: &str, reader: impl Read) -> Result<Data, Error> {
         let mut sources = Sources::default();
         let limits = Limits {
             taken: self.tables.iter().map(Table::bytes).sum(),
             ..Limits::default()
         };
-        let table = sidc_data::read(name, reader, &limits, &mut sources);
-        self.tables
-            .push(table.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?);
+        let read = sidc_formats::read(name, reader, &limits, &mut sources);
+        let read = read.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
+        self.tables.push(read.table);
+        self.notes.extend(read.notes.into_iter().map(|n| n.message));
         Ok(self)
+    }
+
+    /// What of the files is not in their tables: arrays of another length, objects, lists.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Sets a parameter that the model declares: one value for all records, or one for each in their order.

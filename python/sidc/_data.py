@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -11,7 +12,7 @@ from ._errors import Error
 
 
 class Measured:
-    """Records called `run 1`, `run 2`, …, in the order in which they were given."""
+    """Records in the order in which they were given: files by their names, other tables called `run 1`, `run 2`, …"""
 
     def __init__(self) -> None:
         self.native = _sidc.Data()
@@ -37,10 +38,13 @@ class Measured:
     def add(self, table: Any) -> int:
         """Adds a table; its place."""
         place = len(self._tables)
-        name = f"run {place + 1}"
-        columns, others = _tables.columns(table)
-        self._notes += [f"the column {other} of {name} holds no numbers" for other in others]
-        self.native.run(name, columns)
+        if isinstance(table, (str, os.PathLike)):
+            self.native.file(table)
+        else:
+            name = f"run {place + 1}"
+            columns, others = _tables.columns(table)
+            self._notes += [f"the column {other} of {name} holds no numbers" for other in others]
+            self.native.run(name, columns)
         self._tables.append(table)
         return place
 
@@ -68,7 +72,8 @@ class Measured:
         try:
             yield
         except Error as error:
-            if error.kind != "data" or not self._notes:
+            all_notes = self._notes + self.native.notes()
+            if error.kind != "data" or not all_notes:
                 raise
-            notes = "".join(f"\n  = note: {note}" for note in self._notes)
+            notes = "".join(f"\n  = note: {note}" for note in all_notes)
             raise Error(f"{error}{notes}", error.kind, error.codes) from None

@@ -63,7 +63,7 @@ def _named(table: Any) -> Iterator[tuple[str, Any]]:
         routes = (("pyarrow.interchange", "from_dataframe"), ("polars", "from_dataframe"))
         return _named(_by_protocol(table, routes))
     kind = type(table).__name__
-    raise TypeError(f"a table is a dict of arrays or a frame (pandas, polars, pyarrow, dask), not {kind}")
+    raise TypeError(f"a table is a dict of arrays, a frame (pandas, polars, pyarrow, dask) or the path of a file, not {kind}")
 
 
 def _by_protocol(table: Any, routes: Sequence[tuple[str, str]]) -> Any:

@@ -1,6 +1,9 @@
 //! What is given: data as arrays, options. Each method is that of the library with the same name.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::mem::take;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::PyReadonlyArray1;
@@ -44,6 +47,22 @@ impl Data {
         let more = self.take().named_run(name, copied);
         self.inner = Arc::new(more.map_err(|e| raised(py, &e))?);
         Ok(())
+    }
+
+    /// Adds a record from a file, under the name of the file.
+    fn file(&mut self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let file = File::open(&path)?;
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        let name = name.to_string_lossy().into_owned();
+        let before = self.take();
+        let more = py.detach(|| before.file(&name, BufReader::new(file)));
+        self.inner = Arc::new(more.map_err(|e| raised(py, &e))?);
+        Ok(())
+    }
+
+    /// What of the files is not in their tables.
+    fn notes(&self) -> Vec<String> {
+        self.inner.notes().to_vec()
     }
 
     /// Sets a parameter that the model declares: one value for all records, or one for each.

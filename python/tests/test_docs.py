@@ -14,11 +14,13 @@ BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 @pytest.mark.parametrize("page", ["python.md", "pysindy.md"])
-def test_examples_print_what_is_shown(page: str, root: Path) -> None:
+def test_examples_print_what_is_shown(page: str, root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if page == "pysindy.md":
         pytest.importorskip("pysindy")
     blocks = BLOCK.findall((root / "docs" / page).read_text(encoding="utf-8"))
     assert len(blocks) > 5
+    # The pages write files.
+    monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
     printed, shown = "", ""
     for language, text in blocks:

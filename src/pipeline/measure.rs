@@ -44,7 +44,11 @@ pub struct Measured {
 
 /// Tables that were read from files, as data.
 pub fn from_tables(tables: Vec<Table>, params: Vec<(String, Vec<f64>)>) -> Data {
-    Data { tables, params }
+    Data {
+        tables,
+        params,
+        ..Data::default()
+    }
 }
 
 /// Program + data → samples of every signal that the equations mention, or the problem of all equations together with their

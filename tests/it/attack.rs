@@ -88,6 +88,11 @@ fn tables_nobody_meant() {
 }
 
 #[test]
+fn archives_nobody_packed() {
+    hold("formats", 5000);
+}
+
+#[test]
 fn results_nobody_wrote() {
     hold("result", 3000);
 }

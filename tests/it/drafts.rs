@@ -452,3 +452,19 @@ proptest! {
         }
     }
 }
+
+/// Arrays of NumPy, with what is no column named.
+#[test]
+fn arrays_have_drafts_too() {
+    let table = root().join("crates/formats/tests/data/stored.npz");
+    let new = sidc(&["new", table.to_str().unwrap()]);
+    assert_eq!(new.status, 0, "{}", new.stderr);
+    let note = "note[left-out]: stored.npz: not read as columns: Ts (one number, 0.1), words (objects of Python)";
+    assert_eq!(new.stderr.trim_end(), note);
+    for line in [
+        "  run    = \"run\"",
+        "# Left out: column 4 (\"date\") is a copy of \"t\".",
+    ] {
+        assert!(new.stdout.contains(line), "{}", new.stdout);
+    }
+}

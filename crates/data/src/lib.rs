@@ -26,7 +26,10 @@ mod smoothing;
 mod time_axis;
 
 pub use binding::bind;
-pub use csv::{ArrayFault, Limits, Table, bad_cells, column_names, io_error_text, read, too_large};
+pub use csv::{
+    ArrayColumn, ArrayFault, Limits, Table, Words, bad_cells, column_names, io_error_text, read,
+    too_large,
+};
 pub use dataset::{
     Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples,
     Trajectory, Window, hold_out, keep_window,

@@ -21,7 +21,7 @@ impl Data {
     /// # Errors
     /// What is wrong with it, as the program prints it; the data are as before.
     pub fn add(&mut self, name: &str, bytes: &[u8]) -> Result<(), String> {
-        let more = self.inner.clone().csv(name, bytes);
+        let more = self.inner.clone().file(name, bytes);
         self.inner = more.map_err(|e| e.to_string())?;
         Ok(())
     }

@@ -15,6 +15,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("progress", &[]),
     ("lang", &["thresholds"]),
     ("data", &["thresholds", "progress", "lang"]),
+    ("formats", &["lang", "data"]),
     ("solve", &["thresholds", "progress"]),
     ("system", &["thresholds", "progress", "lang", "data"]),
     (
@@ -29,6 +30,7 @@ const CRATES: &[(&str, &[&str])] = &[
             "progress",
             "lang",
             "data",
+            "formats",
             "solve",
             "system",
             "discover",
@@ -43,6 +45,7 @@ const CRATES: &[(&str, &[&str])] = &[
             "thresholds",
             "lang",
             "data",
+            "formats",
             "solve",
             "system",
             "discover",

@@ -53,7 +53,7 @@ impl Read for HashedFile<'_> {
     }
 }
 
-/// Reads every data file; all tables together take `memory` bytes at most.
+/// Reads every data file, and says what of it is not in its table; all tables together take `memory` bytes at most.
 ///
 /// # Errors
 /// The first file that cannot be opened; the faults in all files that can.
@@ -68,7 +68,7 @@ pub fn read(
         table_bytes: memory,
         ..Limits::default()
     };
-    let mut tables = Vec::new();
+    let (mut tables, mut notes) = (Vec::new(), Vec::new());
     let mut entries = Vec::new();
     let mut faults = Vec::new();
     for path in paths {
@@ -88,12 +88,13 @@ pub fn read(
             length: length.max(1),
             line: &line,
         };
-        let table = data::read(&name, &mut file, &limits, sources);
+        let table = sidc_formats::read(&name, &mut file, &limits, sources);
         entries.push(entry(path, file.hash));
         match table {
-            Ok(table) => {
-                limits.taken += table.bytes();
-                tables.push(table);
+            Ok(read) => {
+                limits.taken += read.table.bytes();
+                tables.push(read.table);
+                notes.extend(read.notes);
             }
             Err(found) => faults.extend(found),
         }
@@ -104,6 +105,7 @@ pub fn read(
     }
     let read = counted(tables.len(), "table", "tables");
     monitor.stages.done(&format!("{read} read"));
+    diagnostics::report((Some(()), notes), sources, monitor.notes)?;
     Ok(DataFiles { tables, entries })
 }
 

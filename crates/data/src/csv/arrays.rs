@@ -1,10 +1,13 @@
 //! Arrays in memory as a table, for programs that have no file.
 //!
-//! In: names with their numbers. Out: a [`Table`] that is read as one of a file is. NaN marks a missing value, as an empty cell does.
+//! In: names with their numbers or texts. Out: a [`Table`] that is read as one of a file is. NaN marks a missing value, as an empty cell does.
 
-use super::lines::Line;
+use std::collections::{BTreeMap, HashSet};
+use std::fmt::{Display, Formatter};
+
 use super::rows::Rows;
 use super::table::{Origin, Table};
+use super::words::Words;
 
 /// Why arrays are no table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,39 +26,104 @@ pub enum ArrayFault {
     Infinite { name: String, row: usize },
 }
 
+impl Display for ArrayFault {
+    fn fmt(&self, f: &mut Formatter) -> std::fmt::Result {
+        match self {
+            ArrayFault::Empty => write!(f, "no columns"),
+            ArrayFault::Twice(name) => write!(f, "two columns are called \"{name}\""),
+            ArrayFault::Ragged {
+                first,
+                name,
+                length,
+            } => {
+                write!(
+                    f,
+                    "column \"{name}\" has {length} rows, the first one {first}"
+                )
+            }
+            ArrayFault::Infinite { name, row } => {
+                write!(f, "column \"{name}\" is infinite in row {}", row + 1)
+            }
+        }
+    }
+}
+
+/// A column in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ArrayColumn {
+    Numbers(Vec<f64>),
+    Words(Words),
+}
+
+impl ArrayColumn {
+    fn len(&self) -> usize {
+        match self {
+            ArrayColumn::Numbers(values) => values.len(),
+            ArrayColumn::Words(words) => words.len(),
+        }
+    }
+}
+
 impl Table {
     /// The table of named arrays, all of one length R.
     ///
     /// # Errors
     /// The first fault.
     pub fn from_arrays(name: &str, arrays: Vec<(String, Vec<f64>)>) -> Result<Table, ArrayFault> {
-        let length = arrays.first().map_or(0, |(_, values)| values.len());
+        let infinite = arrays.iter().find_map(|(name, values)| {
+            let row = values.iter().position(|v| v.is_infinite())?;
+            let name = name.clone();
+            Some(ArrayFault::Infinite { name, row })
+        });
+        let columns = arrays.into_iter();
+        let columns = columns.map(|(name, values)| (name, ArrayColumn::Numbers(values)));
+        let table = Table::from_columns(name, columns.collect())?;
+        infinite.map_or(Ok(table), Err)
+    }
+
+    /// The table of named columns, all of one length R. Texts and infinite values are cells that are no numbers, as they are in a file of
+    /// text: they matter only if a model uses their column.
+    ///
+    /// # Errors
+    /// The first of: none, a name twice, another length.
+    pub fn from_columns(
+        name: &str,
+        columns: Vec<(String, ArrayColumn)>,
+    ) -> Result<Table, ArrayFault> {
+        let length = columns.first().map_or(0, |(_, column)| column.len());
         if length == 0 {
             return Err(ArrayFault::Empty);
         }
-        for (place, (name, values)) in arrays.iter().enumerate() {
-            if arrays.iter().take(place).any(|(other, _)| other == name) {
+        let mut seen = HashSet::new();
+        for (name, column) in &columns {
+            if !seen.insert(name.as_str()) {
                 return Err(ArrayFault::Twice(name.clone()));
             }
-            if values.len() != length {
+            if column.len() != length {
                 return Err(ArrayFault::Ragged {
                     first: length,
                     name: name.clone(),
-                    length: values.len(),
+                    length: column.len(),
                 });
             }
-            if let Some(row) = values.iter().position(|v| v.is_infinite()) {
-                let name = name.clone();
-                return Err(ArrayFault::Infinite { name, row });
+        }
+        let mut rows = Rows::numbered(length);
+        let (mut headers, mut words) = (Vec::new(), BTreeMap::new());
+        for (place, (header, column)) in columns.into_iter().enumerate() {
+            headers.push(header);
+            match column {
+                ArrayColumn::Numbers(values) => rows.add_numbers(values),
+                ArrayColumn::Words(texts) => {
+                    rows.add_texts(&texts);
+                    words.insert(place, texts);
+                }
             }
         }
-        let (headers, columns) = arrays.into_iter().unzip();
-        let lines = (1..=length).map(|number| Line { start: 0, number });
         Ok(Table {
             name: name.to_string(),
             headers,
-            rows: Rows::of_numbers(lines.collect(), columns),
-            origin: Origin::Arrays,
+            rows,
+            origin: Origin::Arrays { words },
         })
     }
 }
@@ -82,6 +150,29 @@ mod tests {
         let span = table.cell_span(&mut sources, 1, 1);
         assert_eq!((span.start, span.end), (5, 8));
         assert_eq!(sources.get(span.file).unwrap().text, "0.5, NaN");
+    }
+
+    #[test]
+    fn texts_and_infinite_values_are_cells_that_are_no_numbers() {
+        let words: Words = ["a", "b ", "NaN", "2.5"].into_iter().collect();
+        let numbers = ArrayColumn::Numbers(vec![0.0, f64::NEG_INFINITY, f64::NAN, 1.0]);
+        let columns = vec![
+            ("run".into(), ArrayColumn::Words(words)),
+            ("x".into(), numbers),
+        ];
+        let table = Table::from_columns("rig.npz", columns).unwrap();
+        let cells = |column: usize| {
+            (0..4)
+                .map(|row| table.cell(row, column))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(cells(0), ["a", "b", "NaN", "2.5"]);
+        assert_eq!(cells(1), ["0", "inf", "NaN", "1"]);
+        assert_eq!(table.values(0)[3], 2.5);
+        assert!(table.values(1)[1].is_nan());
+        assert_eq!(table.faults(0).unwrap().count, 2);
+        assert_eq!(table.faults(1).unwrap().count, 1);
+        assert_eq!(table.place(1), "row 2");
     }
 
     #[test]

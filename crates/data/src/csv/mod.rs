@@ -18,11 +18,13 @@ mod read;
 mod read_errors;
 mod rows;
 mod table;
+mod words;
 
-pub use arrays::ArrayFault;
+pub use arrays::{ArrayColumn, ArrayFault};
 pub use beginning::column_names;
 pub use decode::too_large;
 pub use limits::Limits;
 pub use read::read;
 pub use read_errors::{bad_cells, io_error_text};
 pub use table::Table;
+pub use words::Words;

@@ -223,23 +223,8 @@ pub(super) fn too_many_columns(name: &str, columns: usize, limit: usize) -> Diag
     .help("keep only the columns that the model uses")
 }
 
-/// Formats that are no text, by their first bytes; NUL bytes anywhere near the start.
+/// Encodings that are not read; NUL bytes anywhere near the start.
 pub(super) fn not_text(name: &str, bytes: &[u8]) -> Option<Diagnostic> {
-    let known: [(&[u8], &str); 7] = [
-        (b"PK\x03\x04", "a ZIP archive (.xlsx, .npz)"),
-        (b"\xd0\xcf\x11\xe0", "an old Excel workbook"),
-        (b"\x1f\x8b", "compressed with gzip"),
-        (b"\x93NUMPY", "a NumPy array"),
-        (b"MATLAB 5.0", "a MATLAB file"),
-        (b"\x89HDF", "an HDF5 or MATLAB 7.3 file"),
-        (b"PAR1", "a Parquet file"),
-    ];
-    if let Some((_, what)) = known.iter().find(|(magic, _)| bytes.starts_with(magic)) {
-        return Some(
-            Diagnostic::error("not-text", format!("{name} is {what}, not a text table"))
-                .help("export the data as CSV in UTF-8"),
-        );
-    }
     let head = bytes.get(..bytes.len().min(1 << 16)).unwrap_or(bytes);
     let zeros = |from: usize| {
         head.iter()

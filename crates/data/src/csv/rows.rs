@@ -6,6 +6,7 @@ use super::cell::{self, Cell, Fault};
 use super::excerpt::slice;
 use super::limits::MAX_FINDINGS_SHOWN;
 use super::lines::{Line, Lines};
+use super::words::Words;
 
 /// Text below which a second thread costs more than it saves, bytes.
 const MIN_BYTES_PER_THREAD: usize = 1 << 20;
@@ -90,16 +91,47 @@ pub(super) fn read(lines: Lines, max_rows: usize, shape: Shape) -> Rows {
 }
 
 impl Rows {
-    /// Columns of numbers, none of them at fault.
-    pub fn of_numbers(lines: Vec<Line>, columns: Vec<Vec<f64>>) -> Rows {
+    /// So many rows without a column.
+    pub fn numbered(count: usize) -> Rows {
+        let lines = (1..=count).map(|number| Line { start: 0, number });
         Rows {
-            full: lines.len(),
-            faults: vec![FirstFew::default(); columns.len()],
-            commas: vec![(FirstFew::default(), false); columns.len()],
-            lines,
-            columns,
+            lines: lines.collect(),
+            full: count,
             ..Rows::default()
         }
+    }
+
+    /// Adds a column of numbers; what is infinite is at fault.
+    pub fn add_numbers(&mut self, mut values: Vec<f64>) {
+        let mut faults = FirstFew::default();
+        for (row, value) in values.iter_mut().enumerate() {
+            if value.is_infinite() {
+                faults.add((row, Fault::OutOfRange));
+                *value = f64::NAN;
+            }
+        }
+        self.add_column(values, faults);
+    }
+
+    /// Adds a column of texts, read as the cells of a file are.
+    pub fn add_texts(&mut self, words: &Words) {
+        let mut faults = FirstFew::default();
+        let numbers = (0..words.len()).map(|row| match cell::parse(words.get(row)) {
+            Cell::Number(x) => x,
+            Cell::Missing => f64::NAN,
+            Cell::Bad(fault) => {
+                faults.add((row, fault));
+                f64::NAN
+            }
+        });
+        let numbers = numbers.collect();
+        self.add_column(numbers, faults);
+    }
+
+    fn add_column(&mut self, values: Vec<f64>, faults: FirstFew<(usize, Fault)>) {
+        self.columns.push(values);
+        self.faults.push(faults);
+        self.commas.push((FirstFew::default(), false));
     }
 
     fn with_capacity(rows: usize, width: usize) -> Rows {

@@ -1,6 +1,7 @@
 //! One file, or one set of arrays, as numbers by column, with its text, so that messages can show any cell.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use sidc_lang::source::{Sources, Span};
@@ -9,6 +10,7 @@ use super::cell::{self, Fault};
 use super::excerpt::{excerpt, line_at, slice};
 use super::lines::Line;
 use super::rows::{FirstFew, Rows};
+use super::words::Words;
 
 /// R rows of C columns, and what they were made of, so that messages can show any cell.
 #[derive(Clone, Debug)]
@@ -28,8 +30,8 @@ pub(super) enum Origin {
         header: Line,
         separator: u8,
     },
-    /// Arrays in memory.
-    Arrays,
+    /// Arrays in memory; columns of texts by their place.
+    Arrays { words: BTreeMap<usize, Words> },
 }
 
 /// What a table of so many rows and columns takes.
@@ -43,7 +45,7 @@ impl Table {
     pub fn bytes(&self) -> u64 {
         let text = match &self.origin {
             Origin::Text { text, .. } => text,
-            Origin::Arrays => "",
+            Origin::Arrays { .. } => "",
         };
         table_bytes(text, self.len(), self.headers.len())
     }
@@ -87,9 +89,12 @@ impl Table {
         self.rows.lines.get(row).map_or(0, |l| l.number)
     }
 
-    /// A row as messages name it: its number and its line in the file.
+    /// A row as messages name it: its number, and its line in a file of text.
     pub(crate) fn place(&self, row: usize) -> String {
-        format!("row {} (line {})", row + 1, self.line_number(row))
+        match &self.origin {
+            Origin::Text { .. } => format!("row {} (line {})", row + 1, self.line_number(row)),
+            Origin::Arrays { .. } => format!("row {}", row + 1),
+        }
     }
 
     /// Adds a row's line to the sources and points at one cell of it.
@@ -110,7 +115,7 @@ impl Table {
                 let range = cell_range(line, *separator, column);
                 (header.number, Cow::Borrowed(line), range)
             }
-            Origin::Arrays => {
+            Origin::Arrays { .. } => {
                 let (line, range) = line_of_values(self.headers.iter(), column);
                 (0, Cow::Owned(line), range)
             }
@@ -128,6 +133,18 @@ impl Table {
         self.faults(column).is_some_and(|f| f.count > 0)
     }
 
+    /// A number as it would stand in a file.
+    fn number_text(&self, row: usize, column: usize) -> String {
+        let faults = self.faults(column).map_or(&[][..], |f| f.first.as_slice());
+        match faults.iter().any(|(at, _)| *at == row) {
+            true => "inf".into(),
+            false => self
+                .values(column)
+                .get(row)
+                .map_or(String::new(), f64::to_string),
+        }
+    }
+
     /// Number and text of a row's line, and where a cell stands in it.
     fn locate(&self, row: usize, column: usize) -> (usize, Cow<'_, str>, (usize, usize)) {
         let at = self.rows.lines.get(row).copied().unwrap_or_default();
@@ -139,9 +156,13 @@ impl Table {
                 let range = cell_range(line, *separator, column);
                 (at.number, Cow::Borrowed(line), range)
             }
-            Origin::Arrays => {
-                let values = self.rows.columns.iter().filter_map(|c| c.get(row));
-                let (line, range) = line_of_values(values, column);
+            Origin::Arrays { words } => {
+                let cell = |column: usize| match words.get(&column) {
+                    Some(words) => words.get(row).to_string(),
+                    None => self.number_text(row, column),
+                };
+                let cells = (0..self.headers.len()).map(cell);
+                let (line, range) = line_of_values(cells, column);
                 (at.number, Cow::Owned(line), range)
             }
         }

@@ -8,6 +8,7 @@ mod bytes;
 mod clock;
 mod csv;
 mod dictionary;
+mod formats;
 mod language;
 mod result;
 mod set;
@@ -17,9 +18,10 @@ mod simulate;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     ("language", language::language),
     ("csv", csv::csv),
+    ("formats", formats::formats),
     ("result", result::result),
     ("simulate", simulate::simulate),
     ("algebra", algebra::algebra),

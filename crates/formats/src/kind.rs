@@ -1,0 +1,62 @@
+//! What a file is, by its first bytes.
+
+use crate::fault::Fault;
+
+/// Bytes that tell.
+pub(crate) const HEAD: u64 = 512;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Text, or nothing that is known: the reader of text says what is wrong with it.
+    Text,
+    Npy,
+    Zip,
+    Mat,
+    Parquet,
+}
+
+impl Kind {
+    /// # Errors
+    /// A format that is known and not read.
+    pub(crate) fn of(head: &[u8]) -> Result<Kind, Fault> {
+        let starts = |magic: &[u8]| head.starts_with(magic);
+        if starts(b"\x93NUMPY") {
+            return Ok(Kind::Npy);
+        }
+        if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
+            return Ok(Kind::Zip);
+        }
+        if starts(b"PAR1") {
+            return Ok(Kind::Parquet);
+        }
+        if starts(b"MATLAB 7.3") || starts(b"\x89HDF") {
+            return Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file")
+                .help("in MATLAB, save('data.mat', …, '-v7') writes a file that is read"));
+        }
+        if is_mat(head) {
+            return Ok(Kind::Mat);
+        }
+        if starts(b"ARROW1") {
+            return Err(Fault::unsupported("an Arrow or Feather file")
+                .help("write it as Parquet or CSV, or give the table to sidc in Python"));
+        }
+        if starts(b"\xd0\xcf\x11\xe0") {
+            return Err(Fault::unsupported("an old Excel workbook").help(CSV));
+        }
+        if starts(b"\x1f\x8b") {
+            return Err(Fault::unsupported("compressed with gzip").help("unpack it: gunzip FILE"));
+        }
+        Ok(Kind::Text)
+    }
+}
+
+/// Remedy for files of other programs.
+pub(crate) const CSV: &str = "export the data as CSV in UTF-8";
+
+/// A MAT-file of level 5: text, then a version and the order of bytes (MathWorks, MAT-File Format, 1-6).
+fn is_mat(head: &[u8]) -> bool {
+    matches!(
+        head.get(124..128),
+        Some([0, 1, b'I', b'M'] | [1, 0, b'M', b'I'])
+    )
+}

@@ -1,0 +1,22 @@
+//! Data files of every kind that is read.
+//!
+//! In: a reader. Out: a [`FileTable`], whatever the file was, or every reason why there is none. What a file is, is told by its first
+//! bytes and not by its name. Opens no files, and takes no memory that the limits do not allow.
+//!
+//! Flow: bytes → `kind` → `sidc_data::read` (text), or `npy`, `mat`, `parquet` → `variables` → `sidc_data::Table`.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+mod budget;
+mod bytes;
+mod fault;
+mod kind;
+mod mat;
+mod moments;
+mod npy;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod read;
+mod variables;
+
+pub use read::{FileTable, read};

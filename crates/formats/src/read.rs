@@ -1,0 +1,116 @@
+//! Bytes → a table, by the kind of the file.
+
+use std::io::Read;
+
+use sidc_data::{Limits, Table};
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::source::Sources;
+
+use crate::budget::Budget;
+use crate::fault::Fault;
+use crate::kind::{CSV, HEAD, Kind};
+use crate::variables::{Assembled, FirstIndex, assemble};
+use crate::{mat, npy};
+
+/// The table of a file.
+#[derive(Clone, Debug)]
+pub struct FileTable {
+    pub table: Table,
+    /// What of the file is not in the table: one note, or none.
+    pub notes: Vec<Diagnostic>,
+}
+
+/// Reads a table of text, an `.npz` or `.npy` file of NumPy, a `.mat` file of MATLAB (level 5, which `-v6` and `-v7` write) or, with the
+/// feature `parquet`, a Parquet file. Dates of NumPy and Parquet count in seconds from the first of their column.
+///
+/// # Errors
+/// Those of [`sidc_data::read`] for text; for other files `unreadable-file`, `file-too-large`, `table-too-large`, `too-many-columns`,
+/// `damaged-file`, `no-columns`, `duplicate-header`. Time and memory are linear in the file and its numbers.
+pub fn read(
+    name: &str,
+    mut reader: impl Read,
+    limits: &Limits,
+    sources: &mut Sources,
+) -> Result<FileTable, Vec<Diagnostic>> {
+    let refused = |fault: Fault| vec![fault.diagnostic(name)];
+    let mut bytes = Vec::new();
+    let head = reader.by_ref().take(HEAD).read_to_end(&mut bytes);
+    if let Err(error) = head {
+        return Err(refused(unreadable(&error)));
+    }
+    let kind = Kind::of(&bytes).map_err(refused)?;
+    if kind == Kind::Text {
+        let table = sidc_data::read(name, bytes.chain(reader), limits, sources)?;
+        return Ok(FileTable {
+            table,
+            notes: Vec::new(),
+        });
+    }
+    // One byte more than the limit tells that a file is beyond it.
+    let most = limits
+        .file_bytes
+        .min(limits.table_bytes.saturating_sub(limits.taken));
+    let rest = reader.take(most.saturating_add(1)).read_to_end(&mut bytes);
+    if let Err(error) = rest {
+        return Err(refused(unreadable(&error)));
+    }
+    if let Some(large) = sidc_data::too_large(name, bytes.len() as u64, limits) {
+        return Err(vec![large]);
+    }
+    let budget = Budget::of(limits, bytes.len());
+    let Assembled { table, left_out } =
+        assembled(name, kind, bytes, budget, limits).map_err(refused)?;
+    let notes = left_out_note(name, &left_out).into_iter().collect();
+    Ok(FileTable { table, notes })
+}
+
+fn assembled(
+    name: &str,
+    kind: Kind,
+    bytes: Vec<u8>,
+    mut budget: Budget,
+    limits: &Limits,
+) -> Result<Assembled, Fault> {
+    let (variables, first) = match kind {
+        Kind::Npy => (npy::file(&bytes, &mut budget)?, FirstIndex::Zero),
+        Kind::Zip => (npy::archive(&bytes, &mut budget)?, FirstIndex::Zero),
+        Kind::Mat => (mat::variables(&bytes, &mut budget)?, FirstIndex::One),
+        Kind::Parquet => (columnar(bytes, &mut budget, limits)?, FirstIndex::Zero),
+        Kind::Text => return Err(Fault::unsupported("text").help(CSV)),
+    };
+    assemble(name, variables, first, limits)
+}
+
+#[cfg(feature = "parquet")]
+use crate::parquet::variables as columnar;
+
+#[cfg(not(feature = "parquet"))]
+fn columnar(
+    _: Vec<u8>,
+    _: &mut Budget,
+    _: &Limits,
+) -> Result<Vec<crate::variables::Variable>, Fault> {
+    Err(Fault::unsupported("a Parquet file, and this program was built without them").help(
+        "build it with --features parquet, give the file to sidc in Python, or export the data as CSV",
+    ))
+}
+
+fn unreadable(error: &std::io::Error) -> Fault {
+    let text = format!(": {}", sidc_data::io_error_text(error));
+    Fault::of("unreadable-file", text)
+}
+
+/// What is not in the table, in one note.
+fn left_out_note(name: &str, left_out: &[String]) -> Option<Diagnostic> {
+    const SHOWN: usize = 8;
+    if left_out.is_empty() {
+        return None;
+    }
+    let shown: Vec<&str> = left_out.iter().take(SHOWN).map(String::as_str).collect();
+    let more = match left_out.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let text = format!("{name}: not read as columns: {}{more}", shown.join(", "));
+    Some(Diagnostic::note("left-out", text))
+}

@@ -1,0 +1,107 @@
+"""Files are tables: what other packages write is read to the last digit, by the module and by the program."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+import scipy.io
+from conftest import csv
+
+import sidc
+
+
+@pytest.fixture
+def lorenz(root: Path) -> dict[str, Any]:
+    return {name: np.asarray(values) for name, values in csv(root / "models/data/lorenz.csv").items()}
+
+
+def npz(path: Path, table: dict[str, Any]) -> None:
+    np.savez_compressed(path, **table)
+
+
+def mat(path: Path, table: dict[str, Any]) -> None:
+    scipy.io.savemat(path, {"rig": table, "Ts": 0.01}, do_compression=True)
+
+
+def parquet(path: Path, table: dict[str, Any]) -> None:
+    pq.write_table(pa.table(table), path, row_group_size=300)
+
+
+def of_polars(path: Path, table: dict[str, Any]) -> None:
+    pl.DataFrame(table).write_parquet(path)
+
+
+def of_pandas(path: Path, table: dict[str, Any]) -> None:
+    pd.DataFrame(table).to_parquet(path, compression="gzip")
+
+
+def text(path: Path, table: dict[str, Any]) -> None:
+    pd.DataFrame(table).to_csv(path, index=False, sep=";", decimal=",")
+
+
+WRITERS = [npz, mat, parquet, of_polars, of_pandas, text]
+
+
+@pytest.mark.parametrize("write", WRITERS, ids=[write.__name__ for write in WRITERS])
+def test_a_file_is_the_table_that_was_written(write: Any, lorenz: dict[str, Any], root: Path, tmp_path: Path) -> None:
+    # A file's name is that of its record; this one has the name that a table gets.
+    path = tmp_path / "run 1"
+    with open(path, "wb") as file:
+        write(file, lorenz)
+    model = sidc.read(root / "models/lorenz.sid")
+    assert model.identify(path).to_json() == model.identify(lorenz).to_json()
+
+
+@pytest.mark.parametrize("write", [npz, mat])
+def test_the_program_reads_it_too(write: Any, lorenz: dict[str, Any], root: Path, program: Path, tmp_path: Path) -> None:
+    with open(tmp_path / "rig", "wb") as file:
+        write(file, lorenz)
+    command = [program, "identify", root / "models/lorenz.sid", "rig", "-o", "result.json"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert ("not read as columns: Ts (one number, 0.01)" in done.stderr) == (write is mat)
+    files = re.compile(r'    "files": \[.*?\n    \],\n', re.DOTALL)
+    expected = files.sub("", (tmp_path / "result.json").read_text(encoding="utf-8"))
+    result = sidc.read(root / "models/lorenz.sid").identify(tmp_path / "rig")
+    assert result.to_json() == expected
+
+
+def test_dates_and_runs(tmp_path: Path) -> None:
+    k = np.arange(400)
+    t = (k % 200) * 0.05
+    x = np.exp(-0.5 * t) * np.where(k < 200, 2.0, 3.0)
+    start = pd.Timestamp("2026-11-25 12:00", tz="UTC")
+    clock = start + pd.to_timedelta(t, unit="s")
+    frame = pd.DataFrame({"clock": clock, "well": np.where(k < 200, "A1", "A2"), "x": x})
+    frame.to_parquet(tmp_path / "wells.parquet")
+    model = sidc.Model('state x\ndata {\n  t = "clock"\n  run = "well"\n}\ndx ~ poly(x; 3)\n')
+    result = model.identify(tmp_path / "wells.parquet")
+    (term,) = result.equations[0].terms
+    assert term.term == "x" and abs(term.coefficient + 0.5) < 1e-4
+
+
+def test_a_file_that_is_none_says_why(tmp_path: Path) -> None:
+    model = sidc.Model("state x\ndx ~ poly(x; 2)\n")
+    with pytest.raises(FileNotFoundError):
+        model.identify(tmp_path / "nowhere.npz")
+    np.save(tmp_path / "nameless.npy", np.zeros((5, 2)))
+    with pytest.raises(sidc.Error, match="save each signal under its name"):
+        model.identify(tmp_path / "nameless.npy")
+    np.savez(tmp_path / "x.npz", t=np.arange(9.0), y=np.arange(9.0), x=np.float64(3))
+    with pytest.raises(sidc.Error, match=r"not read as columns: x \(one number, 3\)"):
+        model.identify(tmp_path / "x.npz")
+    whole = tmp_path / "cut.parquet"
+    pq.write_table(pa.table({"t": np.arange(99.0), "x": np.arange(99.0)}), whole)
+    whole.write_bytes(whole.read_bytes()[:-40])
+    with pytest.raises(sidc.Error) as refused:
+        model.identify(whole)
+    assert refused.value.codes == ["damaged-file"]
