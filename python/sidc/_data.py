@@ -39,7 +39,8 @@ class Measured:
         """Adds a table; its place."""
         place = len(self._tables)
         if isinstance(table, (str, os.PathLike)):
-            self.native.file(table)
+            with open(table, "rb") as file:
+                self.native.file(os.path.basename(os.fspath(table)), file.read())
         else:
             name = f"run {place + 1}"
             columns, others = _tables.columns(table)

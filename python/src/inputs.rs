@@ -1,9 +1,6 @@
 //! What is given: data as arrays, options. Each method is that of the library with the same name.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::mem::take;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::PyReadonlyArray1;
@@ -49,13 +46,10 @@ impl Data {
         Ok(())
     }
 
-    /// Adds a record from a file, under the name of the file.
-    fn file(&mut self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let file = File::open(&path)?;
-        let name = path.file_name().unwrap_or(path.as_os_str());
-        let name = name.to_string_lossy().into_owned();
+    /// Adds a record from the bytes of a file.
+    fn file(&mut self, py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<()> {
         let before = self.take();
-        let more = py.detach(|| before.file(&name, BufReader::new(file)));
+        let more = py.detach(|| before.file(name, bytes));
         self.inner = Arc::new(more.map_err(|e| raised(py, &e))?);
         Ok(())
     }

@@ -167,6 +167,9 @@ fn codes_behind(mark: &str, close: char) -> Vec<String> {
                 folders.push(path);
                 continue;
             }
+            if path.extension().is_none_or(|e| e != "rs") {
+                continue;
+            }
             let text = std::fs::read_to_string(&path).unwrap();
             for rest in text.split(mark).skip(1) {
                 let code = rest.trim_start().trim_start_matches('"');

@@ -3,7 +3,6 @@
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{AsBytes, DataType};
 
-use super::damaged;
 use crate::budget::Budget;
 use crate::bytes::Number;
 use crate::fault::Fault;
@@ -160,4 +159,8 @@ fn each<T: DataType>(
             }
         }
     }
+}
+
+pub(super) fn damaged(error: &parquet::errors::ParquetError) -> Fault {
+    Fault::damaged(format!("it is no whole Parquet file ({error})"))
 }

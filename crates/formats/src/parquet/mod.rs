@@ -12,7 +12,7 @@ use parquet::schema::types::ColumnDescriptor;
 use crate::budget::Budget;
 use crate::fault::Fault;
 use crate::variables::{Content, Variable};
-use column::{Gathered, Meaning};
+use column::{Gathered, Meaning, damaged};
 use sidc_data::Limits;
 
 /// Every column of the file.
@@ -126,8 +126,4 @@ fn meaning(column: &ColumnDescriptor) -> Option<Meaning> {
 fn decimal(scale: i32, physical: Type) -> Option<Meaning> {
     let whole = matches!(physical, Type::INT32 | Type::INT64);
     whole.then(|| Meaning::Number(10f64.powi(-scale.clamp(-38, 38))))
-}
-
-fn damaged(error: &parquet::errors::ParquetError) -> Fault {
-    Fault::damaged(format!("it is no whole Parquet file ({error})"))
 }
