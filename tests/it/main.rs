@@ -7,6 +7,7 @@ mod agreement;
 mod architecture;
 mod attack;
 mod baselines;
+mod book;
 mod calculus;
 mod cli;
 mod constrained;

@@ -19,7 +19,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use commands::{
-    check, completions, export, fmt, identify, linearize, list, lsp, new, report, simulate, smooth,
+    check, completions, export, fmt, identify, linearize, list, lsp, man, new, report, simulate,
+    smooth,
 };
 
 /// A compiler for equation discovery: from measured time series to differential equations, with evidence.
@@ -56,6 +57,8 @@ enum Command {
     List(list::Args),
     Lsp(lsp::Args),
     Completions(completions::Args),
+    #[command(hide = true)]
+    Man(man::Args),
 }
 
 fn main() -> ExitCode {
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::List(args) => list::run(&args),
         Command::Lsp(args) => lsp::run(&args),
         Command::Completions(args) => completions::run(&args, Cli::command()),
+        Command::Man(args) => man::run(&args, Cli::command()),
     };
     ExitCode::from(result.unwrap_or_else(|failure| {
         failure.print();

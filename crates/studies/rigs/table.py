@@ -70,7 +70,7 @@ def row(program, folder, model, data, held, horizon):
     starts = f"{prediction['starts'] - ended} of {prediction['starts']}" if ended else str(prediction["starts"])
     names = ", ".join(f"{s['signal']} {number(s['error'].get('quantile_90'))} {s.get('unit', '')}".strip() for s in shown)
     cells = [
-        model, laws, f"{horizon} {prediction['unit']}: {names}", column("no_change"), column("linear"), starts,
+        model, f"`{laws}`", f"{horizon} {prediction['unit']}: {names}", column("no_change"), column("linear"), starts,
         "yes" if prediction.get("good") else "no", verdict["run"]["status"],
         ", ".join(f"`{c}`" for c in codes), f"`{step}`" if "~" in step or step.startswith("sidc") else step, f"{seconds:.2g}",
     ]

@@ -64,6 +64,7 @@ const PYTHON: &str = "python";
 const ONE_PURPOSE: &[(&str, &str)] = &[
     ("clap", "crates/cli"),
     ("clap_complete", "crates/cli"),
+    ("clap_mangen", "crates/cli"),
     ("ctrlc", "crates/cli"),
     ("sha2", "crates/cli"),
     ("tempfile", "crates/cli"),
@@ -103,6 +104,7 @@ const ALTERNATIVES: &[(&str, &[&str])] = &[
             "linearize",
             "list",
             "lsp",
+            "man",
             "new",
             "report",
             "simulate",

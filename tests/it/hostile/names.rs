@@ -300,3 +300,31 @@ fn completions_are_scripts() {
         );
     }
 }
+
+/// What packages put into share/man.
+#[test]
+fn every_command_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = run(folder.path(), &["man"]);
+    page.ended("man", 0);
+    assert!(
+        page.stdout.contains("sidc\\-identify(1)"),
+        "{}",
+        page.stdout
+    );
+    for (command, option) in [
+        ("identify", "\\-\\-holdout"),
+        ("export", "\\-\\-to"),
+        ("fmt", "\\-\\-check"),
+    ] {
+        let page = run(folder.path(), &["man", command]);
+        page.ended(command, 0);
+        let title = format!(".TH sidc-{command} 1");
+        assert!(
+            page.stdout.contains(&title) && page.stdout.contains(option),
+            "{}",
+            page.stdout
+        );
+    }
+    run(folder.path(), &["man", "no such"]).ended("no such", 2);
+}

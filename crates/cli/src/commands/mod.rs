@@ -8,6 +8,7 @@ pub mod identify;
 pub mod linearize;
 pub mod list;
 pub mod lsp;
+pub mod man;
 pub mod new;
 pub mod report;
 pub mod simulate;

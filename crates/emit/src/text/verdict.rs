@@ -258,8 +258,8 @@ fn run(r: &RunVerdict, unit: &str, data: &str) -> Vec<String> {
     match r.status {
         RunStatus::NotRun => vec!["none".into()],
         RunStatus::Sensitive => vec![
-            "says nothing, a start moved by the error of its readings leads elsewhere (unstable, chaotic, or badly known)".into(),
-            "the prediction counts".into(),
+            "cannot judge: a start moved by the error of its readings leads elsewhere (unstable, chaotic, or badly known)".into(),
+            "so go by the prediction".into(),
         ],
         RunStatus::Ended => {
             let why = r.ended.as_ref().map_or("", |n| n.text.as_str());

@@ -1,4 +1,4 @@
-//! The grammar of `grammar/sid.pest` as a parser, and how tightly its operators bind.
+//! The grammar of `crates/lang/grammar/sid.pest` as a parser, and how tightly its operators bind.
 //!
 //! In: the text of one statement and the rule for it. Out: pest's tree of pairs. Knows no tokens and no ast.
 
@@ -8,7 +8,7 @@ use pest::pratt_parser::{Assoc, Op, PrattParser};
 use pest_derive::Parser;
 
 #[derive(Parser)]
-#[grammar = "../../grammar/sid.pest"]
+#[grammar = "grammar/sid.pest"]
 pub struct SidParser;
 
 /// `x^2` binds tighter than `-x`, that tighter than `*` and `/`, those tighter than `+` and `-`.

@@ -76,7 +76,7 @@ fn sentence(s: &Subject) -> String {
         (0, _, _) => "The result has no equations.".into(),
         (1, 0, 0) => "The equation passes: nothing speaks against it on these data.".into(),
         (_, 0, 0) => "Every equation passes: nothing speaks against any of them on these data.".into(),
-        (1, _, 0) => "The equation is doubted. It is the best that was found, and should not be used before its reasons are gone.".into(),
+        (1, _, 0) => "The equation is doubted. It is the best that was found; settle the reasons before you use it.".into(),
         (_, n, 0) => format!("{n} of {all} equations {} doubted, for these reasons.", are(n)),
         (_, 0, n) => format!("{n} of {all} equations {} not found.", were(n)),
         (_, k, n) => format!("{n} of {all} equations {} not found, {k} {} doubted.", were(n), are(k)),
