@@ -1,5 +1,6 @@
 // The page as people use it: files, mistakes, links, cancelling, keys; and what it tells the network.
 import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -35,6 +36,23 @@ scene("nothing is asked of the network once the page is ready, whatever is run",
   await page.waitForFunction(() => document.getElementById("code").textContent.includes("def "));
   const later = page.requests.slice(before).filter((url) => !url.startsWith("blob:"));
   assert.deepEqual(new Set(later), new Set([`${site.origin}/frame.html`]));
+});
+
+scene("a report names the files by their content", async (page) => {
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  await run(page);
+  const { files } = JSON.parse(await page.textContent("#document")).settings;
+  const hash = (text) => createHash("sha256").update(text).digest("hex");
+  assert.deepEqual(files, [
+    // The name of the example that was there before.
+    { name: "pendulum.sid", sha256: hash("state x\ndx ~ poly(x; 3)\n") },
+    { name: "decay.csv", sha256: hash(DECAY) },
+  ]);
+  await page.click("#tab-report");
+  await status(page, /written/);
+  const row = page.frameLocator("#report").locator("tr", { hasText: hash(DECAY) });
+  assert.match(await row.innerText(), /decay\.csv[^]*data, the same here/);
 });
 
 scene("mistakes are shown while they are typed, with fixes that mend them", async (page) => {
