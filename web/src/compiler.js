@@ -3,6 +3,9 @@
 /** What the compiler said against the input; any other error is a fault of the page. */
 export class Refusal extends Error {}
 
+/** The worker broke at its work; the next call finds a fresh one. */
+export class Broken extends Refusal {}
+
 /** The work was cancelled. */
 export class Cancelled extends Error {}
 
@@ -23,6 +26,8 @@ export class Compiler {
   #begin() {
     this.#worker = new Worker("worker.js", { type: "module" });
     this.#worker.onmessage = ({ data }) => this.#hear(data);
+    // A worker that cannot even be loaded answers nothing.
+    this.#worker.onerror = ({ message }) => this.#end(new Broken(message ?? "a part of the page was not loaded"));
     this.ready = this.#module.then((module) => this.#call("start", [module]));
     this.ready.catch(() => {});
   }
@@ -35,7 +40,7 @@ export class Compiler {
     if (!broken) return reject(new Refusal(fault));
     this.cancel();
     const why = `error[out-of-memory]: the work broke off (${fault})\n  = help: a page has 4 GB at most; the program sidc takes what the machine has`;
-    reject(new Refusal(why));
+    reject(new Broken(why));
   }
 
   #call(call, args) {
@@ -54,8 +59,13 @@ export class Compiler {
   /** Ends all work at once; the next call finds a fresh worker. */
   cancel() {
     this.#worker.terminate();
-    for (const { reject } of this.#pending.values()) reject(new Cancelled("cancelled"));
-    this.#pending.clear();
+    this.#end(new Cancelled("cancelled"));
     this.#begin();
+  }
+
+  /** Answers all calls with a fault. */
+  #end(fault) {
+    for (const { reject } of this.#pending.values()) reject(fault);
+    this.#pending.clear();
   }
 }

@@ -1,10 +1,12 @@
 // The editor of the model: CodeMirror, with the language server for all that it knows.
-import { EditorView, basicSetup } from "codemirror";
 import { EditorState } from "@codemirror/state";
-import { keymap } from "@codemirror/view";
+import { EditorView, keymap } from "@codemirror/view";
 import { setDiagnostics } from "@codemirror/lint";
 import { LSPClient, LSPPlugin, languageServerExtensions } from "@codemirror/lsp-client";
-import { serverMarks } from "./server_marks.js";
+import { Broken, Cancelled } from "./compiler.js";
+import { mistakeKeys, speakMistakes } from "./mistakes.js";
+import { setup } from "./setup.js";
+import { serverMarks, unmarked } from "./server_marks.js";
 
 const URI = "file:///model.sid";
 
@@ -20,21 +22,39 @@ function sanitized(html) {
   return body.innerHTML;
 }
 
-/** The language server in a worker, as the client of CodeMirror speaks to it. */
+/** The language server in a worker, as the client of CodeMirror speaks to it; `lost` is called when the worker broke. */
 class Transport {
   #compiler;
+  #lost;
+  #broken = false;
   #handlers = new Set();
 
-  constructor(compiler) {
+  constructor(compiler, lost) {
     this.#compiler = compiler;
+    this.#lost = lost;
   }
 
   send(message) {
-    const tell = (answers) => {
-      for (const answer of answers) for (const handler of this.#handlers) handler(answer);
+    if (this.#broken) return this.#silence(message);
+    const failed = (error) => {
+      this.#silence(message);
+      if (this.#broken || !(error instanceof Broken || error instanceof Cancelled)) return;
+      this.#broken = true;
+      // Calls that were under way are answered first.
+      setTimeout(this.#lost);
     };
-    // Without its server the editor is a plain one.
-    this.#compiler.call("message", message).then(tell, () => {});
+    this.#compiler.call("message", message).then((answers) => this.#tell(answers), failed);
+  }
+
+  /** Nothing, as the answer to a request. */
+  #silence(message) {
+    const { id, method } = JSON.parse(message);
+    if (id === undefined || method === "initialize") return;
+    setTimeout(() => this.#tell([JSON.stringify({ jsonrpc: "2.0", id, result: null })]));
+  }
+
+  #tell(answers) {
+    for (const answer of answers) for (const handler of this.#handlers) handler(answer);
   }
 
   subscribe(handler) {
@@ -79,20 +99,29 @@ async function show(client, { uri, version, diagnostics }) {
     actions: (fixes[place] ?? []).filter((fix) => fix.diagnostics.some((of) => of.message === d.message)).map(action),
   }));
   view.dispatch(setDiagnostics(view.state, found));
+  speakMistakes(view);
 }
 
 export class Editor {
   #view;
+  #client;
+  #compiler;
+  #broken;
+  #restarted = false;
 
-  /** `changed` is called after each change of the text, `run` where the user asks for a run by the keyboard. */
-  constructor(parent, compiler, { changed, run }) {
+  /** `changed` is called after each change of the text, `run` where the user asks for a run by the keyboard, `broken` after the language server
+   * broke, with whether there is a fresh one. */
+  constructor(parent, compiler, { changed, run, broken }) {
+    this.#compiler = compiler;
+    this.#broken = broken;
     const publish = (client, params) => (show(client, params), true);
-    const client = new LSPClient({
+    this.#client = new LSPClient({
       sanitizeHTML: sanitized,
       timeout: 30000,
       extensions: languageServerExtensions(),
       notificationHandlers: { "textDocument/publishDiagnostics": publish },
-    }).connect(new Transport(compiler));
+    });
+    this.#connect();
     const changes = EditorView.updateListener.of((update) => {
       if (update.docChanged) changed();
     });
@@ -100,16 +129,33 @@ export class Editor {
       parent,
       state: EditorState.create({
         extensions: [
-          keymap.of([{ key: "Mod-Enter", run: () => (run(), true) }]),
-          basicSetup,
+          keymap.of([{ key: "Mod-Enter", run: () => (run(), true) }, ...mistakeKeys]),
+          setup,
           EditorView.lineWrapping,
           EditorView.contentAttributes.of({ "aria-label": "Model", "aria-describedby": "keys" }),
-          client.plugin(URI, "sid"),
-          serverMarks(client, URI),
+          this.#client.plugin(URI, "sid"),
+          serverMarks(this.#client, URI),
           changes,
         ],
       }),
     });
+  }
+
+  #connect() {
+    this.#client.connect(new Transport(this.#compiler, () => this.#lost()));
+  }
+
+  /** A server that broke is started anew once; a second time the text breaks it, most likely. */
+  #lost() {
+    const again = !this.#restarted;
+    this.#restarted = true;
+    if (again) {
+      this.#client.disconnect();
+      this.#connect();
+    } else {
+      this.#view.dispatch(setDiagnostics(this.#view.state, []), { effects: unmarked });
+    }
+    this.#broken(again);
   }
 
   get text() {

@@ -3,6 +3,7 @@ import { Cancelled, Compiler, Refusal } from "./compiler.js";
 import { Editor } from "./editor.js";
 import { pack, unpack } from "./link.js";
 import { Results } from "./results.js";
+import { speak, speakProgress } from "./spoken.js";
 
 const element = (id) => document.getElementById(id);
 
@@ -10,7 +11,7 @@ const START = "state x\n\ndx ~ poly(x; 3)\n";
 
 const module = compiled();
 const language = new Compiler(module);
-const runner = new Compiler(module, (words) => say(`${words} …`));
+const runner = new Compiler(module, progress);
 const results = new Results(runner, say);
 
 /** The data files, in the order of their runs. */
@@ -26,12 +27,35 @@ async function compiled() {
   return WebAssembly.compileStreaming(new Response(unpacked, { headers: { "content-type": "application/wasm" } }));
 }
 
-function say(words) {
-  const status = element("status");
-  if (status.textContent !== words) status.textContent = words;
+/** Shows words in the status line, and has them spoken; `more` is spoken alone. */
+function say(words, more = "") {
+  element("status").textContent = words;
+  speak(words + more);
 }
 
-const editor = new Editor(element("editor"), language, { changed: () => results.outdate(), run });
+function progress(words) {
+  element("status").textContent = `${words} …`;
+  speakProgress(words);
+}
+
+const editor = new Editor(element("editor"), language, { changed: () => results.outdate(), run, broken });
+
+/** The editor's compiler broke; with a fresh one it has the headers of the data again. */
+function broken(again) {
+  if (again) {
+    tell();
+    say("the editor's compiler broke and was started anew; the text is as it was");
+  } else {
+    const lost = "The editor's compiler broke again: mistakes, completion and colours are gone until the page is loaded anew. Runs still work.";
+    element("keys").textContent = lost;
+    say(lost);
+  }
+}
+
+/** Tells the editor the data files. */
+function tell() {
+  language.call("tables", files).catch(() => {});
+}
 
 // Data
 
@@ -49,7 +73,7 @@ function setFiles(given) {
   });
   element("tables").replaceChildren(...items);
   element("draft").hidden = files.length === 0;
-  language.call("tables", files).catch(() => {});
+  tell();
 }
 
 function size(bytes) {
@@ -120,11 +144,18 @@ async function open({ model, data }, text) {
 
 // Runs
 
+const working = () => element("cancel").ariaDisabled === "false";
+
+/** Which button does something. Neither is disabled: it would lose the focus of somebody who has just pressed it. */
+function setWorking(now) {
+  element("run").ariaDisabled = String(now);
+  element("cancel").ariaDisabled = String(!now);
+}
+
 /** Does one piece of work, with its end in the status line. */
 async function work(piece) {
-  if (element("run").disabled) return;
-  element("run").disabled = true;
-  element("cancel").disabled = false;
+  if (working()) return;
+  setWorking(true);
   document.body.classList.add("working");
   try {
     await piece();
@@ -138,8 +169,7 @@ async function work(piece) {
       throw error;
     }
   } finally {
-    element("run").disabled = false;
-    element("cancel").disabled = true;
+    setWorking(false);
     document.body.classList.remove("working");
   }
 }
@@ -152,12 +182,13 @@ function run() {
     const found = await runner.call("identify", { name, text: editor.text }, files, holdout);
     const seconds = (performance.now() - began) / 1000;
     results.show(found, name);
-    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s`);
+    const answer = "; the answer is under the heading Results";
+    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s`, answer);
   });
 }
 
 element("run").addEventListener("click", run);
-element("cancel").addEventListener("click", () => runner.cancel());
+element("cancel").addEventListener("click", () => working() && runner.cancel());
 element("holdout").addEventListener("change", () => results.outdate());
 element("share").addEventListener("click", async () => {
   const hash = await pack({ text: editor.text, holdout: Number(element("holdout").value), example });

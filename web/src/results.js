@@ -1,4 +1,5 @@
 // What was found, in four views, one of which is shown.
+import { speak } from "./spoken.js";
 
 const element = (id) => document.getElementById(id);
 
@@ -34,7 +35,10 @@ export class Results {
         if (step) this.#choose(VIEWS[(place + step + VIEWS.length) % VIEWS.length]);
       });
     });
-    element("target").addEventListener("change", () => this.#write());
+    element("target").addEventListener("change", async () => {
+      await this.#write();
+      if (this.#found) speak(`${element("target").value} below`);
+    });
     element("save-report").addEventListener("click", () => save(`${this.#stem}.html`, this.#report, "text/html"));
     element("save-code").addEventListener("click", () => {
       const extension = EXTENSIONS[element("target").value] ?? "txt";

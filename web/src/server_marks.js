@@ -1,5 +1,5 @@
 // What the language server says of the text beside its mistakes: colours by meaning, numbers of terms, what can be folded.
-import { foldService } from "@codemirror/language";
+import { foldGutter, foldService } from "@codemirror/language";
 import { RangeSetBuilder, StateEffect, StateField } from "@codemirror/state";
 import { Decoration, EditorView, ViewPlugin, WidgetType } from "@codemirror/view";
 import { LSPPlugin } from "@codemirror/lsp-client";
@@ -10,9 +10,14 @@ const PAUSE = 50;
 
 const answered = StateEffect.define();
 
+const NOTHING = { colours: Decoration.none, hints: Decoration.none, folds: [] };
+
+/** Takes all marks from a text whose server is gone. */
+export const unmarked = answered.of(NOTHING);
+
 /** `{colours, hints, folds}`: sets of ranges. */
 const marks = StateField.define({
-  create: () => ({ colours: Decoration.none, hints: Decoration.none, folds: [] }),
+  create: () => NOTHING,
   update(value, transaction) {
     for (const effect of transaction.effects) if (effect.is(answered)) return effect.value;
     if (!transaction.docChanged) return value;
@@ -76,6 +81,11 @@ const folding = foldService.of((state, start, end) => {
   return state.field(marks).folds.find(here) ?? null;
 });
 
+/** The gutter of folds, which looks at the text anew when the server has answered. */
+const gutter = foldGutter({
+  foldingChanged: ({ transactions }) => transactions.some(({ effects }) => effects.some((effect) => effect.is(answered))),
+});
+
 /** Asks the server after each change, and shows what it answers. */
 export function serverMarks(client, uri) {
   const plugin = class {
@@ -90,7 +100,8 @@ export function serverMarks(client, uri) {
 
     later() {
       clearTimeout(this.pause);
-      this.pause = setTimeout(() => this.ask(), PAUSE);
+      // A server that does not answer has no marks.
+      this.pause = setTimeout(() => this.ask().catch(() => {}), PAUSE);
     }
 
     async ask() {
@@ -114,5 +125,5 @@ export function serverMarks(client, uri) {
       clearTimeout(this.pause);
     }
   };
-  return [marks, folding, ViewPlugin.fromClass(plugin)];
+  return [marks, folding, gutter, ViewPlugin.fromClass(plugin)];
 }

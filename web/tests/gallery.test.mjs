@@ -51,7 +51,7 @@ function claims({ equations, failed, verdict, warnings, signals, settings }) {
     verdict: [verdict.law, verdict.prediction?.good, verdict.run?.status],
     warnings: warnings.map(({ code }) => code),
     signals: signals.map(({ signal, origin }) => [signal, origin]),
-    settings: { ...settings, files: undefined },
+    settings,
   };
 }
 

@@ -1,5 +1,6 @@
 // The page as people use it: files, mistakes, links, cancelling, keys; and what it tells the network.
 import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -37,6 +38,23 @@ scene("nothing is asked of the network once the page is ready, whatever is run",
   assert.deepEqual(new Set(later), new Set([`${site.origin}/frame.html`]));
 });
 
+scene("a report names the files by their content", async (page) => {
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  await run(page);
+  const { files } = JSON.parse(await page.textContent("#document")).settings;
+  const hash = (text) => createHash("sha256").update(text).digest("hex");
+  assert.deepEqual(files, [
+    // The name of the example that was there before.
+    { name: "pendulum.sid", sha256: hash("state x\ndx ~ poly(x; 3)\n") },
+    { name: "decay.csv", sha256: hash(DECAY) },
+  ]);
+  await page.click("#tab-report");
+  await status(page, /written/);
+  const row = page.frameLocator("#report").locator("tr", { hasText: hash(DECAY) });
+  assert.match(await row.innerText(), /decay\.csv[^]*data, the same here/);
+});
+
 scene("mistakes are shown while they are typed, with fixes that mend them", async (page) => {
   await write(page, "state theta : order 2\nddtheta ~ poly(theta, dthta; 2)\n");
   await page.hover(".cm-lintRange-error");
@@ -55,6 +73,36 @@ scene("libraries show their size, and statements fold", async (page) => {
   await page.keyboard.press("Control+Shift+BracketLeft");
   await page.waitForSelector(".cm-foldPlaceholder");
   assert.doesNotMatch(await page.innerText(".cm-content"), /x, y; 2/);
+});
+
+scene("what can be folded has its mark without a further change", async (page) => {
+  await write(page, "state x, y\nlet both = poly(\n  x, y; 2)\ndx, dy ~ both\n");
+  await page.waitForFunction(() => document.querySelectorAll(".cm-foldGutter [title='Fold line']").length === 1);
+});
+
+scene("an editor whose compiler broke has a fresh one, once", async (page) => {
+  await choose(page, [{ name: "decay.csv", text: DECAY.replace("t,x", "t,Winkel") }]);
+  const [first, runner] = page.workers();
+  const breaks = (worker) =>
+    worker.evaluate(() => {
+      const post = self.postMessage;
+      self.postMessage = ({ id }) => post.call(self, { id, fault: "unreachable", broken: true });
+    });
+  await breaks(first);
+  await write(page, "state x\ndx ~ poly(y; 2)\n");
+  await status(page, /started anew/);
+  // Mistakes, and columns of the data, as before.
+  await page.waitForSelector(".cm-lintRange-error");
+  await write(page, 'state x\ndata { x = "');
+  await page.keyboard.press("Control+Space");
+  await page.waitForSelector(".cm-tooltip-autocomplete >> text=Winkel");
+  await page.keyboard.press("Escape");
+  await breaks(page.workers().find((worker) => worker !== runner));
+  await write(page, 'state x\ndata { x = "Winkel" }\ndx ~ poly(x; 3)\n');
+  await status(page, /broke again/);
+  assert.match(await page.textContent("#keys"), /until the page is loaded anew/);
+  assert.equal(await page.locator(".cm-lintRange-error, .sid-hint").count(), 0);
+  assert.match(await run(page), /^found/);
 });
 
 scene("columns of the data are completed", async (page) => {
@@ -176,6 +224,34 @@ scene("a screen reader finds a name for everything that can be used", async (pag
   });
   assert.deepEqual(nameless, []);
   assert.equal(await page.locator("[role=status]").count(), 1);
+});
+
+scene("a screen reader tells mistakes, runs and results, and the focus stays", async (page) => {
+  await page.evaluate(() => {
+    window.told = [];
+    const region = document.getElementById("spoken");
+    new MutationObserver(() => region.textContent && told.push(region.textContent)).observe(region, { childList: true });
+  });
+  const hears = (words) => page.waitForFunction(([source]) => told.some((said) => new RegExp(source).test(said)), [words.source]);
+  await write(page, "state x\n\n# A mistake:\ndx ~ poly(y; 2)\n");
+  await hears(/^1 mistake; line 4: no signal named `y`$/);
+  await page.keyboard.press("F8");
+  await hears(/^error, line 4: no signal named `y`\n/);
+  await page.keyboard.type("x");
+  await hears(/^no mistakes$/);
+  await example(page, "double_pendulum.sid", 1);
+  await page.focus("#run");
+  await page.keyboard.press("Enter");
+  await hears(/^running …$/);
+  assert.equal(await page.evaluate(() => document.activeElement.id), "run");
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await hears(/^cancelled$/);
+  assert.equal(await page.evaluate(() => document.activeElement.id), "cancel");
+  await example(page, "lorenz.sid", 1);
+  await run(page);
+  await hears(/^found, in .*Results$/);
+  assert.deepEqual(await page.locator("h2").allInnerTexts(), ["lorenz.sid", "Data", "Results"]);
 });
 
 for (const width of [390, 1280]) {

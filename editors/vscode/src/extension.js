@@ -1,45 +1,51 @@
 // Starts `sidc lsp`, and runs the program on the model in the editor. The language itself is the server's.
-const path = require("node:path");
-const os = require("node:os");
 const fs = require("node:fs");
-const { execFile } = require("node:child_process");
+const os = require("node:os");
+const path = require("node:path");
 const vscode = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
+const { fitted } = require("./page.js");
+const { absent, missing, options, program, run } = require("./program.js");
+const { tables } = require("./tables.js");
 
 let client;
 let output;
-/** The data chosen last for a model, by its path. */
-const chosen = new Map();
-
-function settings() {
-  return vscode.workspace.getConfiguration("sidc");
-}
-
-function program() {
-  return settings().get("path") || "sidc";
-}
+/** One start after the other. */
+let served = Promise.resolve();
 
 async function activate(context) {
   output = vscode.window.createOutputChannel("sidc");
-  const server = { command: program(), args: ["lsp"] };
-  const options = { documentSelector: [{ language: "sid" }] };
-  client = new LanguageClient("sidc", "sidc", server, options);
   context.subscriptions.push(
     output,
     vscode.commands.registerCommand("sidc.identify", identify),
     vscode.commands.registerCommand("sidc.check", check),
     vscode.commands.registerCommand("sidc.report", report),
+    vscode.workspace.onDidChangeConfiguration((change) => {
+      if (change.affectsConfiguration("sidc.path")) served = served.then(serve);
+    }),
   );
-  try {
-    await client.start();
-  } catch (error) {
-    const told = `sidc does not start (${error.message}); the setting sidc.path names the program`;
-    vscode.window.showErrorMessage(told);
+  served = serve();
+  await served;
+}
+
+/** Starts the language server of the program that the settings name, in place of the one before. */
+async function serve() {
+  const before = client;
+  client = undefined;
+  await before?.dispose();
+  const why = await absent();
+  if (why !== undefined) {
+    missing(why);
+    return;
   }
+  const server = { command: program(), args: ["lsp"] };
+  client = new LanguageClient("sidc", "sidc language server", server, { documentSelector: [{ language: "sid" }] });
+  // What hinders it the client says itself.
+  await client.start().catch(() => {});
 }
 
 function deactivate() {
-  return client?.stop();
+  return client?.dispose();
 }
 
 /** The model in the editor, saved, and the tables that the user chooses for it. */
@@ -49,79 +55,59 @@ async function inputs() {
     vscode.window.showErrorMessage("Open a model (.sid) first");
     return undefined;
   }
-  if (document.isUntitled || !(await document.save())) return undefined;
-  const model = document.uri.fsPath;
-  const last = chosen.get(model);
-  const data = await vscode.window.showOpenDialog({
-    canSelectMany: true,
-    defaultUri: last?.[0] ?? vscode.Uri.file(path.dirname(model)),
-    filters: { Tables: ["csv", "tsv", "txt", "dat"], All: ["*"] },
-    openLabel: "Use these data",
-  });
-  if (!data?.length) return undefined;
-  chosen.set(model, data);
-  return { model, data: data.map((uri) => uri.fsPath) };
-}
-
-/** Runs the program with progress that can be cancelled; status, output and messages. */
-function run(title, args, cwd) {
-  const options = { location: vscode.ProgressLocation.Notification, title, cancellable: true };
-  return vscode.window.withProgress(options, (_, token) =>
-    new Promise((resolve) => {
-      const limits = { cwd, maxBuffer: 1 << 28 };
-      const child = execFile(program(), args, limits, (error, stdout, stderr) =>
-        resolve({ status: error ? error.code : 0, stdout, stderr }),
-      );
-      // The program ends its work and prints what it has.
-      token.onCancellationRequested(() => child.kill("SIGINT"));
-    }),
-  );
-}
-
-function show({ status, stdout, stderr }, words) {
-  output.clear();
-  output.appendLine(`$ ${words.join(" ")}`);
-  output.append(stderr + stdout);
-  output.show(true);
-  if (typeof status !== "number") {
-    vscode.window.showErrorMessage(`sidc does not start (${status}); the setting sidc.path names the program`);
+  if (document.uri.scheme !== "file") {
+    vscode.window.showErrorMessage("Save the model first: the program reads it from its file");
+    return undefined;
   }
+  if (!(await document.save())) return undefined;
+  const model = document.uri.fsPath;
+  const data = await tables(model);
+  return data && { model, data, folder: path.dirname(model) };
+}
+
+function show({ code, text, cancelled }, args) {
+  output.clear();
+  output.appendLine(`$ sidc ${args.join(" ")}`);
+  output.append(text);
+  if (cancelled) output.appendLine("cancelled");
+  output.show(true);
+  if (typeof code === "string") missing(code);
 }
 
 async function check() {
   const files = await inputs();
   if (!files) return;
   const args = ["check", files.model, ...files.data];
-  show(await run("Checking", args, path.dirname(files.model)), ["sidc", ...args]);
+  show(await run("Checking", args, files.folder), args);
 }
 
 async function identify() {
   const files = await inputs();
   if (!files) return;
-  const args = ["identify", files.model, ...files.data, ...settings().get("arguments")];
-  show(await run("Identifying", args, path.dirname(files.model)), ["sidc", ...args]);
+  const args = ["identify", files.model, ...files.data, ...options()];
+  show(await run("Identifying", args, files.folder), args);
 }
 
 async function report() {
   const files = await inputs();
   if (!files) return;
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), "sidc-"));
-  const cwd = path.dirname(files.model);
   try {
     const result = path.join(folder, "result.json");
     const page = path.join(folder, "report.html");
-    const found = ["identify", files.model, ...files.data, "-o", result, ...settings().get("arguments")];
-    const identified = await run("Identifying", found, cwd);
+    const found = ["identify", files.model, ...files.data, "-o", result, ...options()];
+    const identified = await run("Identifying", found, files.folder);
     // Equations with doubts have a report too.
-    if (!fs.existsSync(result)) return show(identified, ["sidc", ...found]);
+    if (identified.cancelled || !fs.existsSync(result)) return show(identified, found);
     const args = ["report", result, ...files.data, "-o", page];
-    const written = await run("Writing the report", args, cwd);
-    if (!fs.existsSync(page)) return show(written, ["sidc", ...args]);
+    const written = await run("Writing the report", args, files.folder);
+    if (!fs.existsSync(page)) return show(written, args);
     const title = `${path.basename(files.model, ".sid")}: report`;
     const panel = vscode.window.createWebviewPanel("sidc.report", title, vscode.ViewColumn.Beside, {
       enableScripts: true,
+      retainContextWhenHidden: true,
     });
-    panel.webview.html = fs.readFileSync(page, "utf8");
+    panel.webview.html = fitted(fs.readFileSync(page, "utf8"));
   } finally {
     fs.rmSync(folder, { recursive: true, force: true });
   }
