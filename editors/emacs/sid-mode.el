@@ -1,7 +1,7 @@
 ;;; sid-mode.el --- Models of sidc -*- lexical-binding: t; -*-
 
 ;; Version: 0.1.0
-;; Package-Requires: ((emacs "29.1"))
+;; Package-Requires: ((emacs "28.1") (eglot "1.9"))
 ;; Keywords: languages
 
 ;;; Commentary:
