@@ -4,7 +4,7 @@ use std::io::Read;
 
 use sidc_data::draft::ChosenRoles;
 use sidc_data::{ArrayFault, Limits, Table};
-use sidc_lang::source::Sources;
+use sidc_lang::source::{Sources, printable};
 
 use crate::error::{Error, ErrorKind};
 
@@ -91,7 +91,8 @@ impl Data {
         let read = sidc_formats::read(name, reader, &limits, &mut sources);
         let read = read.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
         self.tables.push(read.table);
-        self.notes.extend(read.notes.into_iter().map(|n| n.message));
+        self.notes
+            .extend(read.notes.iter().map(|n| printable(&n.message)));
         Ok(self)
     }
 

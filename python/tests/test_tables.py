@@ -166,7 +166,7 @@ def test_what_is_held_out(decay: dict[str, np.ndarray]) -> None:
 
 def test_what_is_no_table_is_refused(decay: dict[str, np.ndarray]) -> None:
     model = sidc.Model(MODEL)
-    for wrong in (3.5, "data.csv", np.zeros((4, 2)), None):
+    for wrong in (3.5, np.zeros((4, 2)), None):
         with pytest.raises(TypeError, match="a table is a dict of arrays, a frame"):
             model.identify(wrong)
     with pytest.raises(ValueError, match=r"not the shape \(4, 2\)"):

@@ -58,10 +58,11 @@ pub fn read(
         return Err(vec![large]);
     }
     let budget = Budget::of(limits, bytes.len());
-    let Assembled { table, left_out } =
-        assembled(name, kind, bytes, budget, limits).map_err(refused)?;
-    let notes = left_out_note(name, &left_out).into_iter().collect();
-    Ok(FileTable { table, notes })
+    let read = assembled(name, kind, bytes, budget, limits).map_err(refused)?;
+    Ok(FileTable {
+        notes: left_out_note(name, &read).into_iter().collect(),
+        table: read.table,
+    })
 }
 
 fn assembled(
@@ -101,8 +102,9 @@ fn unreadable(error: &std::io::Error) -> Fault {
 }
 
 /// What is not in the table, in one note.
-fn left_out_note(name: &str, left_out: &[String]) -> Option<Diagnostic> {
+fn left_out_note(name: &str, read: &Assembled) -> Option<Diagnostic> {
     const SHOWN: usize = 8;
+    let left_out = &read.left_out;
     if left_out.is_empty() {
         return None;
     }
@@ -112,5 +114,11 @@ fn left_out_note(name: &str, left_out: &[String]) -> Option<Diagnostic> {
         more => format!(" and {more} more"),
     };
     let text = format!("{name}: not read as columns: {}{more}", shown.join(", "));
-    Some(Diagnostic::note("left-out", text))
+    let note = Diagnostic::note("left-out", text);
+    Some(match read.step {
+        Some(step) if read.table.position("t").is_none() => note.help(format!(
+            "without a column of times, the model says the sampling interval: data {{ step {step} }}"
+        )),
+        _ => note,
+    })
 }

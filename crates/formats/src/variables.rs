@@ -31,6 +31,32 @@ pub(crate) struct Assembled {
     pub table: Table,
     /// Each with its reason.
     pub left_out: Vec<String>,
+    /// A number whose name is one of sampling intervals.
+    pub step: Option<f64>,
+}
+
+impl Variable {
+    /// The sampling interval, if this is one by its name.
+    fn step(&self) -> Option<f64> {
+        let name = self.name.to_ascii_lowercase();
+        let names = [
+            "ts",
+            "dt",
+            "step",
+            "tsample",
+            "sample_time",
+            "sampling_time",
+        ];
+        match &self.content {
+            Content::Numbers { values, .. } if names.contains(&name.as_str()) => {
+                let [value] = values.as_slice() else {
+                    return None;
+                };
+                (*value > 0.0 && value.is_finite()).then_some(*value)
+            }
+            _ => None,
+        }
+    }
 }
 
 impl Content {
@@ -82,6 +108,7 @@ pub(crate) fn assemble(
     };
     let mut columns: Vec<(String, ArrayColumn)> = Vec::new();
     let mut left_out = Vec::new();
+    let step = variables.iter().find_map(Variable::step);
     for Variable { name, content } in variables {
         let width = match content.rows_and_columns() {
             Some((length, width)) if length == rows => width,
@@ -109,7 +136,11 @@ pub(crate) fn assemble(
         Fault::of("duplicate-header", format!(": {fault}"))
             .help("give each column a name of its own")
     })?;
-    Ok(Assembled { table, left_out })
+    Ok(Assembled {
+        table,
+        left_out,
+        step,
+    })
 }
 
 /// The length that most columns have, the longer one of two: more than one row, if anything has.
@@ -229,7 +260,9 @@ mod tests {
             words,
             other,
         ];
-        let Assembled { table, left_out } = assembled(all);
+        let Assembled {
+            table, left_out, ..
+        } = assembled(all);
         assert_eq!(table.headers(), ["t", "u", "well"]);
         assert_eq!(table.values(1), [0.0, 1.0, 2.0]);
         assert_eq!(table.cell(2, 2), "b");

@@ -112,6 +112,14 @@ fn variables_of_matlab() {
         "scipy.mat: not read as columns: Ts (one number, 0.1), note (one text), z (complex numbers)"
     );
 
+    assert_eq!(found.notes[0].help, None);
+
+    // No column of times, and a number that is called as an interval.
+    let found = table("timeless.npz");
+    assert_eq!(found.table.headers(), ["u", "y"]);
+    let help = found.notes[0].help.as_deref().unwrap();
+    assert!(help.ends_with("data { step 0.05 }"), "{help}");
+
     let found = table("octave7.mat");
     let names = ["t", "pair_1", "pair_2", "run", "ok"];
     assert_eq!(found.table.headers(), names);

@@ -19,6 +19,7 @@ pair = np.column_stack([x, -x])
 
 np.savez("stored.npz", t=t, x=x, run=run, date=date, pair=pair, count=k.astype(">i2"), Ts=0.1, words=np.array(["a", 1], dtype=object))
 np.savez_compressed("packed.npz", t=t, half=x.astype("f2"), single=x.astype("f4"), flag=k > 4, pair=np.asfortranarray(pair))
+np.savez("timeless.npz", u=x, y=-x, Ts=0.05)
 rows = np.zeros(10, dtype=[("t", "f8"), ("x", ">f4"), ("run", "S3"), ("both", "f8", (2,))])
 rows["t"], rows["x"], rows["run"] = t, x, run.astype("S3")
 np.save("fields.npy", rows)
