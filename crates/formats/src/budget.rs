@@ -1,5 +1,7 @@
 //! Memory that a file may still take, asked for before it is taken.
 
+use std::io::Read;
+
 use sidc_data::Limits;
 
 use crate::fault::Fault;
@@ -21,10 +23,6 @@ impl Budget {
         }
     }
 
-    pub(crate) fn left(&self) -> u64 {
-        self.left
-    }
-
     /// Takes `count` values of `bytes` bytes each.
     ///
     /// # Errors
@@ -36,5 +34,19 @@ impl Budget {
         }
         self.left -= all;
         Ok(())
+    }
+
+    /// Everything that a decompressor gives: what is packed is not trusted to say how long it is.
+    ///
+    /// # Errors
+    /// More than is left; what cannot be unpacked.
+    pub(crate) fn unpack(&mut self, packed: impl Read) -> Result<Vec<u8>, Fault> {
+        let mut out = Vec::new();
+        // One byte more than is left tells that it goes on.
+        let most = self.left.saturating_add(1);
+        let read = packed.take(most).read_to_end(&mut out);
+        self.take(out.len() as u64, 1)?;
+        read.map_err(|e| Fault::damaged(format!("it cannot be unpacked ({e})")))?;
+        Ok(out)
     }
 }

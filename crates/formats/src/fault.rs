@@ -24,10 +24,10 @@ impl Fault {
     }
 
     pub(crate) fn too_large(limit: u64) -> Fault {
-        let limit = limit as f64 / f64::from(1 << 30);
+        let limit = sidc_data::size(limit);
         Fault::of(
             "table-too-large",
-            format!(": its numbers take more than the limit of {limit:.1} GiB for all tables"),
+            format!(": its numbers take more than the limit of {limit} for all tables"),
         )
         .help("keep only the columns that the model uses, or fewer rows, or set a higher --memory-limit")
     }

@@ -194,27 +194,22 @@ fn split(
     values: &[f64],
     first: FirstIndex,
 ) -> Vec<(String, ArrayColumn)> {
-    let long: Vec<usize> = shape.iter().copied().filter(|n| *n != 1).collect();
-    let (&[a, b], offset) = (
-        long.as_slice().first_chunk::<2>().unwrap_or(&[0, 0]),
-        match first {
-            FirstIndex::Zero => 0,
-            FirstIndex::One => 1,
-        },
-    );
-    let (rows, width) = (a.max(b), a.min(b));
-    let at = |row: usize, column: usize| {
-        if a >= b {
-            row + a * column
-        } else {
-            column + a * row
-        }
+    let (rows, width) = sides(shape).unwrap_or_default();
+    // The first side that is longer than 1 runs fastest.
+    let rows_run_fastest = shape.iter().find(|n| **n != 1) == Some(&rows);
+    let at = |row: usize, column: usize| match rows_run_fastest {
+        true => row + rows * column,
+        false => column + width * row,
     };
     let column = |k: usize| -> Vec<f64> {
         let places = (0..rows).map(|row| at(row, k));
         places
             .filter_map(|place| values.get(place).copied())
             .collect()
+    };
+    let offset = match first {
+        FirstIndex::Zero => 0,
+        FirstIndex::One => 1,
     };
     let numbered = |k: usize| format!("{name}_{}", k + offset);
     (0..width)

@@ -70,15 +70,20 @@ impl Table {
     /// # Errors
     /// The first fault.
     pub fn from_arrays(name: &str, arrays: Vec<(String, Vec<f64>)>) -> Result<Table, ArrayFault> {
-        let infinite = arrays.iter().find_map(|(name, values)| {
-            let row = values.iter().position(|v| v.is_infinite())?;
-            let name = name.clone();
-            Some(ArrayFault::Infinite { name, row })
-        });
         let columns = arrays.into_iter();
         let columns = columns.map(|(name, values)| (name, ArrayColumn::Numbers(values)));
         let table = Table::from_columns(name, columns.collect())?;
-        infinite.map_or(Ok(table), Err)
+        // Nothing else is at fault in a column of numbers.
+        let infinite = table.rows.faults.iter().zip(&table.headers);
+        let mut infinite =
+            infinite.filter_map(|(faults, name)| Some((faults.first.first()?.0, name)));
+        match infinite.next() {
+            Some((row, name)) => Err(ArrayFault::Infinite {
+                name: name.clone(),
+                row,
+            }),
+            None => Ok(table),
+        }
     }
 
     /// The table of named columns, all of one length R. Texts and infinite values are cells that are no numbers, as they are in a file of

@@ -25,6 +25,6 @@ pub use beginning::column_names;
 pub use decode::too_large;
 pub use limits::Limits;
 pub use read::read;
-pub use read_errors::{bad_cells, io_error_text};
+pub use read_errors::{bad_cells, io_error_text, size};
 pub use table::Table;
 pub use words::Words;

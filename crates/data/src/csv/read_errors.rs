@@ -207,7 +207,8 @@ pub(super) fn table_too_large(
     too_large(text, limits)
 }
 
-fn size(bytes: u64) -> String {
+/// So many bytes, in the unit that suits them.
+pub fn size(bytes: u64) -> String {
     match bytes {
         b if b >= 1 << 30 => format!("{:.1} GiB", b as f64 / (1u64 << 30) as f64),
         b if b >= 1 << 20 => format!("{:.1} MiB", b as f64 / (1u64 << 20) as f64),

@@ -29,7 +29,10 @@ pub(crate) fn variables(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Variabl
     while !all.is_empty() {
         let element = Element::read(&mut all)?;
         let content = match element.kind {
-            element::COMPRESSED => Cow::Owned(inflated(element.data, budget)?),
+            element::COMPRESSED => {
+                let inflated = flate2::bufread::ZlibDecoder::new(element.data);
+                Cow::Owned(budget.unpack(inflated)?)
+            }
             element::MATRIX => Cow::Borrowed(element.data),
             // The subsystem of objects, and what later versions may add.
             _ => continue,
@@ -91,20 +94,4 @@ fn named(found: Vec<Found>) -> Vec<Variable> {
     variables
         .map(|(name, Found { content, .. })| Variable { name, content })
         .collect()
-}
-
-/// What zlib packed, which is not trusted to say how long it is.
-fn inflated(packed: &[u8], budget: &mut Budget) -> Result<Vec<u8>, Fault> {
-    use std::io::Read;
-    let most = budget.left();
-    let mut out = Vec::new();
-    let read = flate2::bufread::ZlibDecoder::new(packed)
-        .take(most)
-        .read_to_end(&mut out);
-    read.map_err(|e| Fault::damaged(format!("a variable cannot be unpacked ({e})")))?;
-    budget.take(out.len() as u64, 1)?;
-    if out.len() as u64 == most {
-        budget.take(1, 1)?;
-    }
-    Ok(out)
 }

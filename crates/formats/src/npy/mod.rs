@@ -6,8 +6,6 @@ mod dtype;
 mod header;
 mod literal;
 
-use std::io::Read;
-
 use crate::budget::Budget;
 use crate::fault::Fault;
 use crate::variables::Variable;
@@ -34,30 +32,16 @@ pub(crate) fn archive(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Variable>
             .map_err(|e| damaged(&e))?;
         let packed = content.data();
         let within = |fault: Fault| fault.within(name);
-        // What is packed is not trusted to say how long it is.
-        let most = budget.left();
-        let mut unpacked = Vec::new();
-        let read = match entry.compression_method() {
-            rawzip::CompressionMethod::STORE => content
-                .verifying_reader(packed.take(most))
-                .read_to_end(&mut unpacked),
+        let unpacked = match entry.compression_method() {
+            rawzip::CompressionMethod::STORE => budget.unpack(content.verifying_reader(packed)),
             rawzip::CompressionMethod::DEFLATE => {
-                let inflated = flate2::bufread::DeflateDecoder::new(packed).take(most);
-                content
-                    .verifying_reader(inflated)
-                    .read_to_end(&mut unpacked)
+                let inflated = flate2::bufread::DeflateDecoder::new(packed);
+                budget.unpack(content.verifying_reader(inflated))
             }
-            _ => {
-                let fault = Fault::damaged("packed in another way than NumPy's");
-                return Err(within(fault.help("write it by numpy.savez")));
-            }
+            _ => Err(Fault::damaged("packed in another way than NumPy's")
+                .help("write it by numpy.savez")),
         };
-        // Cut off at the limit, it is not damaged.
-        budget.take(unpacked.len() as u64, 1).map_err(within)?;
-        if unpacked.len() as u64 == most {
-            budget.take(1, 1).map_err(within)?;
-        }
-        read.map_err(|e| within(Fault::damaged(format!("it cannot be unpacked ({e})"))))?;
+        let unpacked = unpacked.map_err(within)?;
         variables.extend(array(name, &unpacked, budget).map_err(within)?);
     }
     match other {
