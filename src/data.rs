@@ -5,8 +5,10 @@ use std::io::Read;
 use sidc_data::draft::ChosenRoles;
 use sidc_data::{ArrayFault, Limits, Table};
 use sidc_lang::source::{Sources, printable};
+use sidc_system::result::FileEntry;
 
 use crate::error::{Error, ErrorKind};
+use crate::pipeline::Hashed;
 
 /// Records of one system: each is a set of arrays with names, as the columns of a file would be. Lengths, steps and starts may
 /// differ between records.
@@ -30,6 +32,8 @@ pub struct Data {
     pub(crate) tables: Vec<Table>,
     pub(crate) params: Vec<(String, Vec<f64>)>,
     pub(crate) notes: Vec<String>,
+    /// Those of the tables that were read from files.
+    pub(crate) files: Vec<FileEntry>,
 }
 
 impl Data {
@@ -88,9 +92,11 @@ impl Data {
             taken: self.tables.iter().map(Table::bytes).sum(),
             ..Limits::default()
         };
-        let read = sidc_formats::read(name, reader, &limits, &mut sources);
+        let mut reader = Hashed::new(reader);
+        let read = sidc_formats::read(name, &mut reader, &limits, &mut sources);
         let read = read.map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
         self.tables.push(read.table);
+        self.files.push(reader.entry(name));
         self.notes
             .extend(read.notes.iter().map(|n| printable(&n.message)));
         Ok(self)
@@ -131,6 +137,14 @@ impl Data {
         let file = sources.add("model.sid", text.as_str());
         sidc_lang::format(file, &text)
             .map_err(|found| Error::of(ErrorKind::Internal, &found, &sources))
+    }
+
+    /// The files of the records, in their order; none if a record is of arrays.
+    pub(crate) fn files(&self) -> &[FileEntry] {
+        match self.files.len() == self.tables.len() {
+            true => &self.files,
+            false => &[],
+        }
     }
 
     /// How many records there are.

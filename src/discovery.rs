@@ -16,7 +16,7 @@ use crate::target::Target;
 
 /// The equations of a system with their evidence.
 ///
-/// By serde, and by [`Discovery::to_json`], it is the result document (docs/result.md), the same that `sidc identify -o` writes and
+/// By serde, and by [`Discovery::to_json`], it is the result document (docs/command-line.md, the result document), the same that `sidc identify -o` writes and
 /// that `sidc simulate`, `export` and `report` read. It displays as the equations, one a line.
 #[derive(Clone, Debug)]
 pub struct Discovery {

@@ -2,7 +2,7 @@
 
 use sidc_lang::sensor_noise::SensorNoise;
 use sidc_progress::{Observer, Unwatched};
-use sidc_system::result::{self, Beside};
+use sidc_system::result::{self, Beside, FileEntry};
 
 use crate::data::Data;
 use crate::discovery::Discovery;
@@ -10,6 +10,7 @@ use crate::error::{Error, ErrorKind};
 use crate::model::Model;
 use crate::options::Options;
 use crate::pipeline::{self, ModelSource, NoiseFault, Program};
+use crate::reduced::Reduced;
 
 impl Model {
     /// Finds the equations. Noisy records are estimated together with their trajectory, clean ones by regression with a proof;
@@ -35,6 +36,17 @@ impl Model {
         options: &Options,
         observer: &mut dyn Observer,
     ) -> Result<Discovery, Error> {
+        self.searched(data, options, None, observer)
+    }
+
+    /// The same; coefficients are those of all rows where there are more, which were reduced.
+    pub(crate) fn searched(
+        &self,
+        data: &Data,
+        options: &Options,
+        reduced: Option<&Reduced>,
+        observer: &mut dyn Observer,
+    ) -> Result<Discovery, Error> {
         let program = &self.with_noise(&options.noise)?;
         pipeline::check_limits(program, options).map_err(|(name, known)| {
             let text = format!(
@@ -50,14 +62,24 @@ impl Model {
         };
         let mut discovery = pipeline::identify(program, &measured, options, observer)
             .map_err(|found| Error::of(ErrorKind::Data, &found, &sources))?;
-        if options.verify {
+        if let Some(reduced) = reduced {
+            let factors = reduced.factors();
+            pipeline::refit_all_rows(
+                program,
+                &measured,
+                factors,
+                options,
+                &mut discovery,
+                observer,
+            );
+        } else if options.verify {
             pipeline::verify(program, &measured, &mut discovery, observer);
         }
         let judgement = pipeline::judge(program, &measured, &mut discovery, options, observer);
         let source = ModelSource {
             name: self.name.clone(),
             text: self.text.clone(),
-            files: Vec::new(),
+            files: self.files(data),
         };
         let document = result::document(
             &discovery,
@@ -73,8 +95,19 @@ impl Model {
         Discovery::from_document(document)
     }
 
+    /// The model as a file and those of the data; none if the data are no files.
+    fn files(&self, data: &Data) -> Vec<FileEntry> {
+        match data.files() {
+            [] => Vec::new(),
+            read => {
+                let own = pipeline::file_entry(&self.name, self.text.as_bytes());
+                [&[own], read].concat()
+            }
+        }
+    }
+
     /// The program, with the noise that the options give in place of what the model declares.
-    fn with_noise(&self, noise: &[(String, SensorNoise)]) -> Result<Program, Error> {
+    pub(crate) fn with_noise(&self, noise: &[(String, SensorNoise)]) -> Result<Program, Error> {
         let mut program = self.program.clone();
         pipeline::set_noise(&mut program, noise).map_err(|fault| {
             let (code, text) = match fault {

@@ -51,7 +51,7 @@ impl Discovery {
             name: NAME,
             dataset: &records.dataset,
             runs: &runs,
-            files: &[],
+            files: data.files(),
         }))
     }
 

@@ -9,6 +9,7 @@ from typing import Any
 from . import _sidc
 from ._data import Measured
 from ._options import PROOFS, Noise, Span, search_options
+from ._parts import LOOK_AT, Gathered, Reducer, gather, parts_of
 from ._progress import Progress
 from ._result import Result
 
@@ -109,6 +110,63 @@ class Model:
         measured.hold_out(options, holdout)
         with Progress(self.targets, progress) as bar, measured.explained():
             found = self._native.identify(measured.native, options, time_limit, proofs, bar.heard)
+        return Result(found, measured)
+
+    def identify_parts(
+        self,
+        parts: Any,
+        *,
+        look_at: int = LOOK_AT,
+        holdout: float | None = None,
+        noise: Mapping[str, Noise] | None = None,
+        params: Mapping[str, float] | None = None,
+        horizon: float | None = None,
+        good: float | Mapping[str, float] | None = None,
+        time_limit: float | None = None,
+        progress: bool | None = None,
+    ) -> Result:
+        """Finds the equations of a table larger than memory, by regression, in one pass over its parts.
+
+        `parts` is the path of a Parquet file, read by pyarrow, or the parts of the table as tables one after another. Terms,
+        doubts, predictions and runs come from `look_at` rows at most, in up to 32 stretches along the table; coefficients and standard
+        errors from all rows. Where all rows say something else than those looked at, that is the doubt `rows-differ`.
+
+        holdout: the part of the rows looked at that no equation is found from, behind each stretch.
+
+        The other options are those of `identify`. Derivatives that are not measured are estimated within each part. Hidden states,
+        unknown constants, constraints and libraries of more than 400 terms need all rows at once: `Error` says so.
+        """
+        options, reducer = self._reducer(look_at, holdout, noise, params, horizon, good)
+        return self._identify_gathered(gather(reducer, parts_of(parts)), options, params, time_limit, progress)
+
+    def _reducer(
+        self,
+        look_at: int,
+        holdout: float | None,
+        noise: Mapping[str, Noise] | None,
+        params: Mapping[str, float] | None,
+        horizon: float | None,
+        good: float | Mapping[str, float] | None,
+    ) -> tuple[_sidc.Options, Reducer]:
+        options = search_options(
+            noise=noise, window=None, horizon=horizon, good=good, method="regression", solver=None, samples=None, seed=0, robust=False,
+            path=False, prove_sparsest=False, verify=False, memory_limit=None,
+        )  # fmt: skip
+        return options, Reducer.of(self._text, self._name, look_at, holdout, noise, params)
+
+    def _identify_gathered(
+        self,
+        gathered: Gathered,
+        options: _sidc.Options,
+        params: Mapping[str, float] | None,
+        time_limit: float | None,
+        progress: bool | None,
+    ) -> Result:
+        if gathered.reduced is None:
+            raise ValueError("no parts: give the path of a Parquet file, or tables one after another")
+        measured = gathered.looked_at(options, params)
+        with Progress(self.targets, progress) as bar, measured.explained():
+            found = self._native.identify_reduced(gathered.reduced, measured.native, options, time_limit, bar.heard)
         return Result(found, measured)
 
     def __repr__(self) -> str:

@@ -36,7 +36,7 @@ class Result:
         return Result(_sidc.Discovery.from_json(text))
 
     def to_json(self) -> str:
-        """The result document (docs/command-line.md): what the program writes, but for the hashes of files that were not read."""
+        """The result document (docs/command-line.md): what the program writes; arrays are no files and have no hash."""
         return self._native.to_json()
 
     @cached_property

@@ -56,10 +56,10 @@ class Function:
 
         given = self._acting(u, t) if callable(u) else u
         if given is not None:
-            given = np.asarray(given, dtype=np.float64)
+            given = np.require(given, np.float64, "A")
             given = given if given.ndim else given[None]
-        time = t if isinstance(t, (float, int)) else np.asarray(t, dtype=np.float64)
-        return time, np.asarray(y, dtype=np.float64), given
+        time = t if isinstance(t, (float, int)) else np.require(t, np.float64, "A")
+        return time, np.require(y, np.float64, "A"), given
 
     def _acting(self, u: Callable[[float], ArrayLike], t: Any) -> ArrayLike:
         """The inputs as they act at a time."""

@@ -6,7 +6,7 @@ from typing import Any, final
 from numpy import float64
 from numpy.typing import NDArray
 
-__all__ = ["Data", "Discovery", "Model", "Options", "RightSide", "__version__"]
+__all__ = ["Data", "Discovery", "Model", "Options", "Reduced", "RightSide", "__version__"]
 
 __version__: str
 
@@ -63,6 +63,26 @@ class Model:
         proof_limit: float | None = None,
         heard: Callable[[int, str], Any] | None = None,
     ) -> Discovery: ...
+    def reduce(self, part: Data, options: Options) -> Reduced: ...
+    def identify_reduced(
+        self,
+        reduced: Reduced,
+        data: Data,
+        options: Options,
+        time_limit: float | None = None,
+        heard: Callable[[int, str], Any] | None = None,
+    ) -> Discovery: ...
+
+@final
+class Reduced:
+    """The rows of some parts of a table."""
+
+    def merge(self, other: Reduced) -> None: ...
+    def rows(self) -> int: ...
+    def parts(self) -> int: ...
+    def to_json(self) -> str: ...
+    @staticmethod
+    def from_json(text: str) -> Reduced: ...
 
 @final
 class Discovery:

@@ -106,7 +106,8 @@ def _numbers(values: Any) -> NDArray[float64] | None:
         raise ValueError(f"a column has one value for each row, not the shape {array.shape}")
     kind = array.dtype.kind
     if kind in "fiub":
-        return array.astype(np.float64, copy=False)
+        # Buffers that came over a wire may start anywhere.
+        return np.require(array, np.float64, "A")
     if kind == "M":
         known = array[~np.isnat(array)]
         first = known[0] if len(known) else np.datetime64(0, "s")

@@ -7,6 +7,7 @@ mod discovery;
 mod inputs;
 mod model;
 mod raised;
+mod reduced;
 mod right_side;
 mod watching;
 
@@ -19,6 +20,7 @@ fn _sidc(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<inputs::Data>()?;
     module.add_class::<inputs::Options>()?;
     module.add_class::<model::Model>()?;
+    module.add_class::<reduced::Reduced>()?;
     module.add_class::<discovery::Discovery>()?;
     module.add_class::<right_side::RightSide>()?;
     Ok(())

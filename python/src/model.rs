@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use crate::discovery::Discovery;
 use crate::inputs::{Data, Options};
 use crate::raised::raised;
+use crate::reduced::Reduced;
 use crate::watching::{Watch, watched};
 
 /// A checked model.
@@ -71,6 +72,38 @@ impl Model {
         };
         let found = watched(py, watch, move |observer| {
             model.identify_watched(&data, &options, observer)
+        })?;
+        let found = found.map_err(|e| raised(py, &e))?;
+        Ok(Discovery::new(found))
+    }
+
+    /// Reduces the rows of a part of a table.
+    fn reduce(&self, py: Python<'_>, part: &Data, options: &Options) -> PyResult<Reduced> {
+        let reduced = py.detach(|| self.inner.reduce(&part.inner, &options.inner));
+        let inner = reduced.map_err(|e| raised(py, &e))?;
+        Ok(Reduced { inner })
+    }
+
+    /// Finds the equations of reduced rows; the data are those looked at closely.
+    #[pyo3(signature = (reduced, data, options, time_limit=None, heard=None))]
+    fn identify_reduced(
+        &self,
+        py: Python<'_>,
+        reduced: &Reduced,
+        data: &Data,
+        options: &Options,
+        time_limit: Option<f64>,
+        heard: Option<Py<PyAny>>,
+    ) -> PyResult<Discovery> {
+        let (model, data) = (self.inner.clone(), data.inner.clone());
+        let (reduced, options) = (reduced.inner.clone(), options.inner.clone());
+        let watch = Watch {
+            time_limit,
+            proofs: None,
+            heard,
+        };
+        let found = watched(py, watch, move |observer| {
+            model.identify_reduced_watched(&reduced, &data, &options, observer)
         })?;
         let found = found.map_err(|e| raised(py, &e))?;
         Ok(Discovery::new(found))

@@ -189,3 +189,16 @@ def test_columns_of_words_are_left_out_and_named_in_errors(decay: dict[str, np.n
     with pytest.raises(sidc.Error, match="note: the column x of run 1 holds no numbers") as raised:
         model.identify(words)
     assert raised.value.codes == ["missing-signal"]
+
+
+def test_arrays_may_start_anywhere(decay: dict[str, np.ndarray]) -> None:
+    def shifted(values: np.ndarray) -> np.ndarray:
+        return np.frombuffer(b"." + values.tobytes(), np.uint8)[1:].view(np.float64)
+
+    moved = {name: shifted(values) for name, values in decay.items()}
+    assert not moved["x"].flags.aligned
+    model = sidc.Model("state x\ndx ~ poly(x; 2)\n")
+    found = model.identify(moved)
+    assert found.to_json() == model.identify(decay).to_json()
+    rates = found.function()(0.0, shifted(np.array([2.0])))
+    np.testing.assert_allclose(rates, [-1.0], rtol=1e-6)

@@ -106,7 +106,11 @@ fn sparsest_or_why(mut found: Discovery, options: &Options) -> Discovery {
     found
 }
 
-fn diagnostics(program: &Program, measured: &Measured, refused: Vec<Refusal>) -> Vec<Diagnostic> {
+pub(super) fn diagnostics(
+    program: &Program,
+    measured: &Measured,
+    refused: Vec<Refusal>,
+) -> Vec<Diagnostic> {
     let explain = |refusal| match refusal {
         Refusal::Unevaluable((i, value)) => unevaluable::explain(program, measured, i, &value),
         Refusal::Contradiction(diagnostic) => diagnostic,

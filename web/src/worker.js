@@ -12,22 +12,13 @@ let found;
 
 const progress = (words) => postMessage({ progress: words });
 
-/** The data of files, and `note(name, bytes)` of each. */
-async function read(files, note = () => {}) {
+async function read(files) {
   const all = new Data();
   for (const file of files) {
     progress(`reading ${file.name}`);
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    all.add(file.name, bytes);
-    await note(file.name, bytes);
+    all.add(file.name, new Uint8Array(await file.arrayBuffer()));
   }
   return all;
-}
-
-/** SHA-256 in hexadecimal digits. */
-async function hash(bytes) {
-  const digest = new Uint8Array(await crypto.subtle.digest("SHA-256", bytes));
-  return [...digest].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
 const calls = {
@@ -52,16 +43,8 @@ const calls = {
   async identify(model, files, holdout) {
     // Mistakes in the model come before long reading.
     const compiled = new Model(model.name, model.text);
-    const names = [];
-    const hashes = [];
-    const note = async (file, bytes) => {
-      names.push(file);
-      hashes.push(await hash(bytes));
-    };
-    await note(model.name, new TextEncoder().encode(model.text));
-    data = await read(files, note);
+    data = await read(files);
     found = compiled.identify(data, holdout, progress);
-    found.note_files(names, hashes);
     return { answer: found.answer(), passes: found.passes(), document: found.document() };
   },
   report() {

@@ -27,6 +27,7 @@ mod redundancy;
 mod refusal;
 mod regression;
 mod relations;
+mod row_reduction;
 mod row_weights;
 mod selection;
 mod standard_terms;
@@ -49,6 +50,7 @@ pub use refusal::{Refusal, Unevaluable};
 pub use regression::norm_search::{NormSearch, Proposal};
 pub use regression::row_sampling::{Split, split};
 pub use relations::describe_relations;
+pub use row_reduction::{Factor, check_reducible, reduce, refit_all_rows};
 pub use row_weights::Weights;
 pub use target_copies::{TargetCopy, copies_in_samples};
 
@@ -57,6 +59,7 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
     let families = [
         thresholds::tables(),
         regression::thresholds::tables(),
+        row_reduction::thresholds::tables(),
         selection::thresholds::tables(),
         constrained::thresholds::tables(),
         joint::thresholds::tables(),

@@ -1,6 +1,5 @@
 //! From a model and data to equations, and what follows from them.
 
-use serde_json::{Value, json};
 use sidc::{HoldOutRange, Options, Target};
 use wasm_bindgen::prelude::*;
 
@@ -9,10 +8,6 @@ use crate::progress::Progress;
 
 /// Φ of one equation takes at most so much: a page has 4 GB at most, and shares them.
 const MEMORY: u64 = 1 << 30;
-
-/// What a report says of files that are named in a result, where it knows data and not their files; and what the page knows.
-const UNKNOWN: &str = "<td>data, not given to this report</td>";
-const GIVEN: &str = "<td>data, the same here</td>";
 
 /// Equations with their evidence.
 #[wasm_bindgen]
@@ -70,21 +65,6 @@ pub fn targets() -> Vec<String> {
 
 #[wasm_bindgen]
 impl Discovery {
-    /// Notes the files by name and SHA-256 in hexadecimal digits, the model first, then the data in their order.
-    ///
-    /// # Errors
-    /// A fault of this program.
-    pub fn note_files(&mut self, names: Vec<String>, hashes: Vec<String>) -> Result<(), String> {
-        let mut document: Value =
-            serde_json::from_str(&self.document()?).map_err(|e| e.to_string())?;
-        let pairs = names.iter().zip(&hashes);
-        let files = pairs.map(|(name, sha256)| json!({ "name": name, "sha256": sha256 }));
-        document["settings"]["files"] = files.collect();
-        let noted = sidc::Discovery::from_json(&document.to_string());
-        self.inner = noted.map_err(|e| e.to_string())?;
-        Ok(())
-    }
-
     /// The result document.
     ///
     /// # Errors
@@ -115,8 +95,7 @@ impl Discovery {
     pub fn report(&self, data: &Data, progress: js_sys::Function) -> Result<String, String> {
         let mut observer = Progress::new(Vec::new(), progress);
         let page = self.inner.report(&data.inner, &mut observer);
-        let page = page.map_err(|e| e.to_string())?;
-        Ok(page.replace(UNKNOWN, GIVEN))
+        page.map_err(|e| e.to_string())
     }
 
     /// The equations in another language.

@@ -66,7 +66,7 @@ const ONE_PURPOSE: &[(&str, &str)] = &[
     ("clap_complete", "crates/cli"),
     ("clap_mangen", "crates/cli"),
     ("ctrlc", "crates/cli"),
-    ("sha2", "crates/cli"),
+    ("sha2", "."),
     ("tempfile", "crates/cli"),
     ("lsp_server", "crates/lsp"),
     ("lsp_types", "crates/lsp"),

@@ -6,16 +6,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
-use sha2::{Digest, Sha256};
-
 use super::files::open;
-use super::texts::entry;
 use crate::failure::Failure;
 use crate::monitoring::monitor::Monitor;
 use crate::monitoring::progress_line::{ProgressLine, Work};
 use crate::outputs::diagnostics;
 use crate::outputs::paths::short_name;
 use crate::outputs::signals::counted;
+use sidc::pipeline::Hashed;
 use sidc_data as data;
 use sidc_data::{Limits, Table};
 use sidc_lang::diagnostic::Diagnostic;
@@ -29,10 +27,9 @@ pub struct DataFiles {
     pub entries: Vec<FileEntry>,
 }
 
-/// A file that is hashed as it is read, with its progress shown.
-struct HashedFile<'a> {
+/// A file with the progress of its reading shown.
+struct WatchedFile<'a> {
     file: File,
-    hash: Sha256,
     name: &'a str,
     bytes_read: u64,
     /// Bytes in all; 1 for an empty file.
@@ -40,10 +37,9 @@ struct HashedFile<'a> {
     line: &'a ProgressLine,
 }
 
-impl Read for HashedFile<'_> {
+impl Read for WatchedFile<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         let n = self.file.read(buffer)?;
-        self.hash.update(buffer.get(..n).unwrap_or_default());
         self.bytes_read += n as u64;
         self.line.show(Work::Reading {
             file: self.name.into(),
@@ -80,16 +76,15 @@ pub fn read(
             faults.push(fault);
             continue;
         }
-        let mut file = HashedFile {
+        let mut file = Hashed::new(WatchedFile {
             file,
-            hash: Sha256::new(),
             name: &name,
             bytes_read: 0,
             length: length.max(1),
             line: &line,
-        };
+        });
         let table = sidc_formats::read(&name, &mut file, &limits, sources);
-        entries.push(entry(path, file.hash));
+        entries.push(file.entry(&name));
         match table {
             Ok(read) => {
                 limits.taken += read.table.bytes();

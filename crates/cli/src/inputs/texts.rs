@@ -5,13 +5,12 @@
 use std::io::Read;
 use std::path::Path;
 
-use sha2::{Digest, Sha256};
-
 use super::files::{open, unreadable};
 use crate::failure::Failure;
 use crate::outputs::diagnostics;
 use crate::outputs::paths::short_name;
 use crate::thresholds::INPUT_LIMITS;
+use sidc::pipeline;
 use sidc_data::io_error_text;
 use sidc_lang::source::{FileId, Sources};
 use sidc_system::result;
@@ -60,7 +59,7 @@ fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), Fail
             "larger than {limit} MiB, the limit of {what}"
         )));
     }
-    let entry = entry(path, Sha256::new_with_prefix(&bytes));
+    let entry = pipeline::file_entry(&short_name(path), &bytes);
     Ok((utf8(bytes).map_err(|why| fail(&why))?, entry))
 }
 
@@ -80,14 +79,5 @@ fn utf8(bytes: Vec<u8>) -> Result<String, String> {
     match text.contains('\n') {
         true => Ok(text.to_string()),
         false => Ok(text.replace('\r', "\n")),
-    }
-}
-
-/// What identifies a file in a result.
-pub fn entry(path: &Path, hash: Sha256) -> FileEntry {
-    let hex = hash.finalize().iter().map(|b| format!("{b:02x}")).collect();
-    FileEntry {
-        name: short_name(path),
-        sha256: hex,
     }
 }

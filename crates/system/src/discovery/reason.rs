@@ -271,6 +271,9 @@ codes! {
     /// The target had to be estimated, with a large error.
     RoughDerivative = "rough-derivative": Coefficients,
         "sample faster, or measure the target";
+    /// All rows of a large table say something else than those looked at closely.
+    RowsDiffer = "rows-differ": Law,
+        "identify stretches of the table alone: the law may change along it";
     /// Rows of little weight are missed by far.
     RowsMissed = "rows-missed": Law,
         "look at the record there; identify from the stretch before it, with --window";

@@ -52,14 +52,15 @@ fn files(s: &Subject) -> String {
             rows.push_str(&row(g, "data given here"));
         }
     }
-    let old = match known.is_empty() {
-        true => paragraph(
+    let none = match (known.is_empty(), s.document.settings.source.is_empty()) {
+        (false, _) => String::new(),
+        (true, false) => paragraph("The data were arrays in memory, not files."),
+        (true, true) => paragraph(
             "The result was written by an earlier program: it does not say which content its files had.",
         ),
-        false => String::new(),
     };
     format!(
-        "{old}<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"files\"><table>\n<thead><tr><th scope=\"col\">file</th><th scope=\"col\">SHA-256</th><th scope=\"col\"></th></tr></thead>\n\
+        "{none}<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"files\"><table>\n<thead><tr><th scope=\"col\">file</th><th scope=\"col\">SHA-256</th><th scope=\"col\"></th></tr></thead>\n\
          <tbody>\n{rows}</tbody></table></div>\n"
     )
 }

@@ -1,0 +1,175 @@
+"""Tables larger than memory: their parts, one after another -> reduced rows, and stretches that are looked at closely.
+
+In: the parts of a table. Out: what least squares needs of all rows, and some rows. Of a part nothing else is kept, so memory does not
+grow with their number.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from . import _sidc, _tables
+from ._data import Measured
+from ._options import Noise, search_options
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+Columns = list[tuple[str, "NDArray[float64]"]]
+"""Names and values."""
+
+LOOK_AT = 100_000
+"""Rows that are looked at closely unless told otherwise: as many as are searched of a table in memory with forty terms."""
+
+STRETCHES = 32
+"""Most stretches that these rows are taken from; at least half as many where there are parts enough."""
+
+BATCH = 1 << 17
+"""Rows of a part of a file: some ten megabytes."""
+
+
+@dataclass
+class Part:
+    """What is kept of a part."""
+
+    reduced: _sidc.Reduced
+    looked_at: Columns | None
+    held_out: Columns | None
+
+
+@dataclass
+class Reducer:
+    """Reduces parts under a model. It can be sent to another process; what it makes of a part is sent back by `packed`."""
+
+    text: str
+    name: str
+    noise: Mapping[str, Noise] | None
+    params: Mapping[str, float] | None
+    stretch: int
+    """Rows of a part that are looked at closely."""
+    held: int
+    """Rows behind them that no equation is found from."""
+
+    @staticmethod
+    def of(
+        text: str, name: str, look_at: int, holdout: float | None, noise: Mapping[str, Noise] | None, params: Mapping[str, float] | None
+    ) -> Reducer:
+        """One that has so many rows looked at in all, and this part of them held out."""
+        if not look_at >= STRETCHES:
+            raise ValueError(f"look_at: at least {STRETCHES} rows, not {look_at!r}")
+        if holdout is not None and not 0 < holdout < 1:
+            raise ValueError(f"holdout: a part between 0 and 1, not {holdout!r}")
+        held = round(look_at / STRETCHES * (holdout or 0.0))
+        return Reducer(text, name, noise, params, look_at // STRETCHES - held, held)
+
+    def reduce(self, table: Any, keeps: bool = True) -> Part:
+        """Reduces a part; its first rows are looked at closely if it `keeps` them."""
+        columns, _ = _tables.columns(table)
+        if not keeps:
+            return Part(self._reduced([columns]), None, None)
+        rows = len(columns[0][1]) if columns else 0
+        ahead = min(self.stretch, rows)
+        behind = min(ahead + self.held, rows)
+        looked_at, held_out, rest = (_rows(columns, *ends) for ends in ((0, ahead), (ahead, behind), (behind, rows)))
+        # Without a gap the rows stay one record.
+        used = [columns] if behind == ahead else [looked_at, rest]
+        return Part(self._reduced([run for run in used if _length(run)]), looked_at, held_out if behind > ahead else None)
+
+    def _reduced(self, runs: list[Columns]) -> _sidc.Reduced:
+        model = _sidc.Model(self.text, self.name)
+        return model.reduce(measured(runs, self.params).native, self.options())
+
+    def options(self) -> _sidc.Options:
+        return search_options(
+            noise=self.noise, window=None, horizon=None, good=None, method="regression", solver=None, samples=None, seed=0, robust=False,
+            path=False, prove_sparsest=False, verify=False, memory_limit=None,
+        )  # fmt: skip
+
+
+class Gathered:
+    """The parts of a table so far. Parts are taken in their order, so that the same parts give the same bytes."""
+
+    def __init__(self, reduced: _sidc.Reduced | None = None, stretches: Sequence[tuple[Columns, Columns | None]] = ()) -> None:
+        self.reduced = reduced
+        self._stretches = list(stretches)
+        self._every = 1
+        self._parts = 0
+
+    def add(self, part: Part) -> None:
+        if self.reduced is None:
+            self.reduced = part.reduced
+        else:
+            self.reduced.merge(part.reduced)
+        if part.looked_at is not None and self._parts % self._every == 0:
+            self._stretches.append((part.looked_at, part.held_out))
+        self._parts += 1
+        if len(self._stretches) > STRETCHES:
+            self._stretches = self._stretches[::2]
+            self._every *= 2
+
+    def looked_at(self, options: _sidc.Options, params: Mapping[str, float] | None) -> Measured:
+        """The stretches as records; those held out are told to the options."""
+        data = measured([used for used, _ in self._stretches], params)
+        for _, held in self._stretches:
+            if held is not None:
+                data.hold_out(options, dict(held))
+        return data
+
+
+def measured(runs: Sequence[Columns], params: Mapping[str, float] | None) -> Measured:
+    """Columns as records."""
+    return Measured.of([dict(run) for run in runs], params)
+
+
+def parts_of(source: Any) -> Iterable[Any]:
+    """The parts of a source: the batches of a Parquet file, or the tables that it yields."""
+    if isinstance(source, (str, os.PathLike)):
+        return _batches(source)
+    if isinstance(source, Iterable) and not isinstance(source, Mapping):
+        return source
+    kind = type(source).__name__
+    raise TypeError(f"parts are the path of a Parquet file or tables one after another, not {kind}; a table in memory is for `identify`")
+
+
+def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
+    """Reduces the parts on every core, some at a time."""
+    cores = os.cpu_count() or 1
+    gathered = Gathered()
+    waiting: deque[Future[Part]] = deque()
+    with ThreadPoolExecutor(cores) as pool:
+        try:
+            for part in parts:
+                waiting.append(pool.submit(reducer.reduce, part))
+                if len(waiting) > cores:
+                    gathered.add(waiting.popleft().result())
+            while waiting:
+                gathered.add(waiting.popleft().result())
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+    return gathered
+
+
+def _batches(path: str | os.PathLike[str]) -> Iterator[Any]:
+    try:
+        from pyarrow.parquet import ParquetFile
+    except ImportError:
+        raise ImportError("the parts of a Parquet file are read by pyarrow: install it, or give tables one after another") from None
+    import pyarrow
+
+    with ParquetFile(path) as file:
+        for batch in file.iter_batches(batch_size=BATCH):
+            yield pyarrow.Table.from_batches([batch])
+
+
+def _rows(columns: Columns, start: int, end: int) -> Columns:
+    return [(name, values[start:end]) for name, values in columns]
+
+
+def _length(columns: Columns) -> int:
+    return len(columns[0][1]) if columns else 0
