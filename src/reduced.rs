@@ -189,7 +189,7 @@ impl Model {
         self.check_reducible()?;
         let libraries = self.program.libraries.iter();
         if !libraries
-            .map(|l| l.as_ref().map(|l| l.len()))
+            .map(|l| l.as_ref().map(|l| l.slots()))
             .eq(reduced.terms())
         {
             return Err(other_model());

@@ -5,6 +5,7 @@
 
 mod all_rows;
 mod factor;
+mod rows;
 pub(crate) mod thresholds;
 
 use sidc_data::{Dataset, Samples};
@@ -19,6 +20,7 @@ use crate::refusal::Refusal;
 use crate::regression::task::Task;
 use crate::selection::thresholds::TERM_SELECTION;
 pub use factor::Factor;
+use rows::EquationRows;
 
 /// Whether the equations of a model can be found from reduced rows.
 ///
@@ -44,7 +46,7 @@ pub fn check_reducible(model: &Model, libraries: &[Option<Library>]) -> Result<(
         return Err("equations under constraints are found together".into());
     }
     let most = TERM_SELECTION.exhaustive_columns;
-    let terms = libraries.iter().flatten().map(Library::len).max();
+    let terms = libraries.iter().flatten().map(Library::slots).max();
     match terms.filter(|n| *n > most) {
         Some(n) => Err(format!(
             "a library has {n} terms; their factor is kept for at most {most}"
@@ -56,23 +58,40 @@ pub fn check_reducible(model: &Model, libraries: &[Option<Library>]) -> Result<(
 /// The rows of every equation as factors; `None` where the model states the equation.
 ///
 /// # Errors
-/// Terms without a finite value, one for each equation.
+/// Terms without a finite value, one for each library.
 pub fn reduce(
     model: &Model,
     libraries: &[Option<Library>],
     samples: &Samples,
 ) -> Result<Vec<Option<Factor>>, Vec<Refusal>> {
+    let mut reduced = vec![None; model.equations.len()];
     let mut refused = Vec::new();
     let equations = model.equations.iter().zip(libraries).enumerate();
-    let factors = equations.map(|(place, (equation, library))| {
+    let searched = equations.filter_map(|(place, (equation, library))| {
         let known = fixed_terms(&equation.right);
-        let factor = Factor::of((equation.target, &known), library.as_ref()?, samples);
-        let refuse = |value| refused.push(Refusal::Unevaluable((place, value)));
-        factor.map_err(refuse).ok()
+        let target = (place, equation.target);
+        Some(EquationRows::new(
+            target,
+            &known,
+            library.as_ref()?,
+            samples,
+        ))
     });
-    let factors = factors.collect();
+    for group in rows::groups(searched) {
+        match rows::factors(&group, samples) {
+            Ok(factors) => {
+                for (equation, factor) in group.iter().zip(factors) {
+                    reduced[equation.place] = Some(factor);
+                }
+            }
+            Err(value) => {
+                let place = group.first().map_or(0, |e| e.place);
+                refused.push(Refusal::Unevaluable((place, value)));
+            }
+        }
+    }
     match refused.is_empty() {
-        true => Ok(factors),
+        true => Ok(reduced),
         false => Err(refused),
     }
 }
@@ -119,3 +138,6 @@ pub fn refit_all_rows(
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
