@@ -2,8 +2,9 @@
 
 use sidc_lang::diagnostic::{Diagnostic, Severity};
 use sidc_lang::library::GENERATORS;
+use sidc_lang::model::{Equation, RightSide};
 use sidc_lang::render;
-use sidc_lang::source::Sources;
+use sidc_lang::source::{Sources, Span};
 use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 
 use crate::error::{Error, ErrorKind};
@@ -82,6 +83,78 @@ impl Model {
     pub fn candidate_terms(&self, target: &str) -> Option<impl Iterator<Item = String>> {
         let terms = self.program.library(target)?.terms();
         Some(terms.map(|(_, term)| Language(&self.program.model).term(&term)))
+    }
+
+    /// The model with other libraries: those of the targets given list these terms, as they are printed. Known parts stay.
+    ///
+    /// ```
+    /// let model = sidc::Model::parse("state x, y\ndx, dy ~ poly(x, y; 3)\n")?;
+    /// let narrow = model.with_terms(&[("dy", vec!["x", "x*y^2"])])?;
+    /// assert_eq!((narrow.candidates("dx"), narrow.candidates("dy")), (Some(10), Some(2)));
+    /// assert!(narrow.text().ends_with("dx ~ poly(x, y; 3)\ndy ~ <x, x*y^2>\n"));
+    /// # Ok::<(), sidc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ErrorKind::Model`]: a term that is none, or no term; [`ErrorKind::Options`]: a target for which nothing is looked for.
+    pub fn with_terms<T: AsRef<str>>(&self, libraries: &[(&str, Vec<T>)]) -> Result<Model, Error> {
+        let model = &self.program.model;
+        if let Some((target, _)) = libraries.iter().find(|(t, _)| self.candidates(t).is_none()) {
+            let text = format!(
+                "nothing is looked for in {target}\n  = help: the targets are {}",
+                self.targets().join(", ")
+            );
+            return Err(Error::new(ErrorKind::Options, "unknown-target", text));
+        }
+        let mut statements: Vec<(Span, Vec<String>)> = Vec::new();
+        for equation in &model.equations {
+            let line = self.line(equation, libraries);
+            match statements
+                .last_mut()
+                .filter(|(span, _)| *span == equation.span)
+            {
+                Some((_, lines)) => lines.push(line),
+                None => statements.push((equation.span, vec![line])),
+            }
+        }
+        let mut text = self.text.clone();
+        for (span, lines) in statements.iter().rev() {
+            text.replace_range(span.start..span.end, &lines.join("\n"));
+        }
+        Model::named(&self.name, &text)
+    }
+
+    /// The statement of one equation, with its terms listed if they are among these libraries.
+    fn line<T: AsRef<str>>(&self, equation: &Equation, libraries: &[(&str, Vec<T>)]) -> String {
+        let name = self.program.model.name(equation.target);
+        let given = libraries.iter().find(|(target, _)| *target == name);
+        match (given, &equation.right) {
+            (Some((_, terms)), RightSide::Search { known, .. }) => {
+                let known = known
+                    .iter()
+                    .filter_map(|(_, span)| self.text.get(span.start..span.end));
+                let terms: Vec<&str> = terms.iter().map(AsRef::as_ref).collect();
+                let listed = format!("<{}>", terms.join(", "));
+                let parts: Vec<&str> = known.chain([listed.as_str()]).collect();
+                format!("{name} ~ {}", parts.join(" + "))
+            }
+            _ => {
+                let sign = match equation.right {
+                    RightSide::Known(_) => '=',
+                    RightSide::Search { .. } => '~',
+                };
+                let right = equation
+                    .written
+                    .split_once(sign)
+                    .map_or("", |(_, right)| right);
+                format!("{name} {sign}{right}")
+            }
+        }
+    }
+
+    /// The model as it was written.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The words that libraries are written with, beside names of signals: functions and generators.

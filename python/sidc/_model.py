@@ -43,6 +43,10 @@ class Model:
         """The terms that are candidates for an equation. A library may have millions of them: see `candidates`."""
         return self._native.candidate_terms(target) or []
 
+    def with_terms(self, libraries: Mapping[str, Sequence[str]]) -> Model:
+        """The model with other libraries: those of the targets given list these terms, as they are printed."""
+        return Model(self._native.with_terms([(target, list(terms)) for target, terms in libraries.items()]), self._name)
+
     @property
     def warnings(self) -> str:
         """The warnings about the model, as the program prints them; empty if there are none."""

@@ -51,10 +51,10 @@ class Reducer:
     name: str
     noise: Mapping[str, Noise] | None
     params: Mapping[str, float] | None
-    stretch: int
-    """Rows of a part that are looked at closely."""
-    held: int
-    """Rows behind them that no equation is found from."""
+    look_at: int
+    """Rows that are looked at closely in all."""
+    holdout: float
+    """The part of them that no equation is found from, behind each stretch."""
 
     @staticmethod
     def of(
@@ -65,20 +65,25 @@ class Reducer:
             raise ValueError(f"look_at: at least {STRETCHES} rows, not {look_at!r}")
         if holdout is not None and not 0 < holdout < 1:
             raise ValueError(f"holdout: a part between 0 and 1, not {holdout!r}")
-        held = round(look_at / STRETCHES * (holdout or 0.0))
-        return Reducer(text, name, noise, params, look_at // STRETCHES - held, held)
+        return Reducer(text, name, noise, params, look_at, holdout or 0.0)
 
-    def reduce(self, table: Any, keeps: bool = True) -> Part:
-        """Reduces a part; its first rows are looked at closely if it `keeps` them."""
+    def share(self, parts: int, rows: int) -> tuple[int, int]:
+        """Of the first rows of a part, one of so many: how many are looked at closely, and how many behind them are held out."""
+        kept = min(rows, self.look_at // min(parts, STRETCHES))
+        held = round(kept * self.holdout)
+        return kept - held, held
+
+    def reduce(self, table: Any, parts: int, keeps: bool = True) -> Part:
+        """Reduces a part, one of so many; its first rows are looked at closely if it `keeps` them."""
         columns, _ = _tables.columns(table)
         if not keeps:
             return Part(self._reduced([columns]), None, None)
         rows = len(columns[0][1]) if columns else 0
-        ahead = min(self.stretch, rows)
-        behind = min(ahead + self.held, rows)
-        looked_at, held_out, rest = (_rows(columns, *ends) for ends in ((0, ahead), (ahead, behind), (behind, rows)))
+        ahead, held = self.share(parts, rows)
+        behind = ahead + held
+        looked_at, held_out = _rows(columns, 0, ahead), _rows(columns, ahead, behind)
         # Without a gap the rows stay one record.
-        used = [columns] if behind == ahead else [looked_at, rest]
+        used = [looked_at, [(name, values[behind:]) for name, values in columns]] if held else [columns]
         return Part(self._reduced([run for run in used if _length(run)]), looked_at, held_out if behind > ahead else None)
 
     def _reduced(self, runs: list[Columns]) -> _sidc.Reduced:
@@ -95,9 +100,12 @@ class Reducer:
 class Gathered:
     """The parts of a table so far. Parts are taken in their order, so that the same parts give the same bytes."""
 
-    def __init__(self, reduced: _sidc.Reduced | None = None, stretches: Sequence[tuple[Columns, Columns | None]] = ()) -> None:
+    def __init__(
+        self, reducer: Reducer, reduced: _sidc.Reduced | None = None, stretches: Sequence[tuple[Columns, Columns | None]] = ()
+    ) -> None:
         self.reduced = reduced
-        self._stretches = list(stretches)
+        self._reducer = reducer
+        self.stretches = list(stretches)
         self._every = 1
         self._parts = 0
 
@@ -107,16 +115,22 @@ class Gathered:
         else:
             self.reduced.merge(part.reduced)
         if part.looked_at is not None and self._parts % self._every == 0:
-            self._stretches.append((part.looked_at, part.held_out))
+            self.stretches.append((part.looked_at, part.held_out))
         self._parts += 1
-        if len(self._stretches) > STRETCHES:
-            self._stretches = self._stretches[::2]
+        if len(self.stretches) > STRETCHES:
+            self.stretches = self.stretches[::2]
             self._every *= 2
+        # The first parts kept more than their share of all.
+        self.stretches = [self._trimmed(used, held) for used, held in self.stretches]
+
+    def _trimmed(self, used: Columns, held: Columns | None) -> tuple[Columns, Columns | None]:
+        ahead, behind = self._reducer.share(len(self.stretches), _length(used) + _length(held or []))
+        return _rows(used, 0, ahead), held and _rows(held, 0, behind)
 
     def looked_at(self, options: _sidc.Options, params: Mapping[str, float] | None) -> Measured:
         """The stretches as records; those held out are told to the options."""
-        data = measured([used for used, _ in self._stretches], params)
-        for _, held in self._stretches:
+        data = measured([used for used, _ in self.stretches], params)
+        for _, held in self.stretches:
             if held is not None:
                 data.hold_out(options, dict(held))
         return data
@@ -140,12 +154,12 @@ def parts_of(source: Any) -> Iterable[Any]:
 def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
     """Reduces the parts on every core, some at a time."""
     cores = os.cpu_count() or 1
-    gathered = Gathered()
+    gathered = Gathered(reducer)
     waiting: deque[Future[Part]] = deque()
     with ThreadPoolExecutor(cores) as pool:
         try:
-            for part in parts:
-                waiting.append(pool.submit(reducer.reduce, part))
+            for place, part in enumerate(parts):
+                waiting.append(pool.submit(reducer.reduce, part, place + 1))
                 if len(waiting) > cores:
                     gathered.add(waiting.popleft().result())
             while waiting:
@@ -168,7 +182,8 @@ def _batches(path: str | os.PathLike[str]) -> Iterator[Any]:
 
 
 def _rows(columns: Columns, start: int, end: int) -> Columns:
-    return [(name, values[start:end]) for name, values in columns]
+    # A copy, because a view would keep the whole part.
+    return [(name, values[start:end].copy()) for name, values in columns]
 
 
 def _length(columns: Columns) -> int:

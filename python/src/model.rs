@@ -40,6 +40,23 @@ impl Model {
         self.inner.candidate_terms(target).map(Iterator::collect)
     }
 
+    /// The text of the model with other libraries, listed by target.
+    fn with_terms(
+        &self,
+        py: Python<'_>,
+        libraries: Vec<(String, Vec<String>)>,
+    ) -> PyResult<String> {
+        let libraries: Vec<(&str, Vec<String>)> = libraries
+            .iter()
+            .map(|(target, terms)| (target.as_str(), terms.clone()))
+            .collect();
+        let narrow = self
+            .inner
+            .with_terms(&libraries)
+            .map_err(|e| raised(py, &e))?;
+        Ok(narrow.text().to_string())
+    }
+
     /// The words that libraries are written with, beside names of signals.
     #[staticmethod]
     fn vocabulary() -> Vec<&'static str> {

@@ -14,6 +14,7 @@ from conftest import lorenz_rates
 from scipy.integrate import solve_ivp
 
 import sidc
+from sidc._parts import Reducer, gather
 
 MODEL = """state x, y, z
 dx, dy, dz ~ poly(x, y, z; 2)
@@ -70,18 +71,26 @@ def test_a_file_is_read_in_parts(noisy: dict[str, np.ndarray], tmp_path: Path) -
     assert model.identify_parts(tmp_path / "lorenz.parquet").to_json() == model.identify_parts([table]).to_json()
 
 
+def test_what_is_looked_at_does_not_grow(noisy: dict[str, np.ndarray]) -> None:
+    reducer = Reducer.of(MODEL, "model.sid", 3200, 0.25, None, None)
+    for count in (1, 3, 40, 130):
+        gathered = gather(reducer, cut(noisy, [20_000 // count] * count))
+        looked_at = sum(len(used[0][1]) + len(held[0][1]) for used, held in gathered.stretches if held)
+        assert 1600 <= looked_at <= 3200, count
+
+
 def test_what_is_held_out_is_predicted_and_not_fitted(noisy: dict[str, np.ndarray]) -> None:
     table = noisy
     found = sidc.Model(MODEL).identify_parts(cut(table, [10_000, 10_000]), look_at=32_000, holdout=0.25)
     assert found.verdict is not None and found.verdict.prediction.on == "held-out"
-    assert [e.evidence.rows for e in found.equations] == [20_000 - 2 * 250] * 3
+    assert [e.evidence.rows for e in found.equations] == [20_000 - 2 * 2500] * 3
 
 
 def test_rows_that_nobody_looked_at_are_heard(noisy: dict[str, np.ndarray]) -> None:
     table = dict(noisy)
     weaker = np.arange(len(table["t"])) >= 9000
     table["dx"] = np.where(weaker, 0.9, 1.0) * 10 * (table["y"] - table["x"])
-    found = sidc.Model(MODEL).identify_parts([table], look_at=200_000)
+    found = sidc.Model(MODEL).identify_parts([table], look_at=8000)
     assert not found.passes
     doubts = [doubt for doubt in found.doubts if doubt.code == "rows-differ"]
     assert {doubt.target for doubt in doubts} == {"dx"}

@@ -81,6 +81,10 @@ fn coupled_bodies() {
 const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
     (ReasonCode::Interrupted, "a user ends the search"),
     (ReasonCode::NotVerified, "a claim of the program is wrong"),
+    (
+        ReasonCode::RowsDiffer,
+        "programs give tables in parts, not commands",
+    ),
     (ReasonCode::TimeLimit, "a clock ends the search"),
 ];
 
@@ -95,7 +99,12 @@ fn the_advice_of_every_code_is_followed() {
 /// What cannot be followed says at least whose turn it is.
 #[test]
 fn advice_that_no_case_follows_says_what_to_do() {
-    let wanted = ["let it run to its end", "report it", "raise --time-limit"];
+    let wanted = [
+        "let it run to its end",
+        "report it",
+        "identify stretches",
+        "raise --time-limit",
+    ];
     for ((code, why), words) in NOT_FOLLOWED.iter().zip(wanted) {
         assert!(code.usual_remedy().contains(words), "{code}: {why}");
     }
