@@ -96,7 +96,7 @@ class Fleet:
         groups = len(self.results)
         lines += ["", f"{'passes' if self.passes else 'doubted'}: {len(self.found)} of {groups} groups have an answer"]
         lines += [
-            f"{term.term} of {term.target} differs between the groups: {term.coefficient:.4g} ± {term.spread:.2g} (p = {term.p:.1g})"
+            f"{term.term} of {term.target} differs between the groups: {term.coefficient:.4g} ± {term.spread:.2g} (p {_below(term.p)})"
             for term in self.differing
         ]
         lines += [f"{code}: {count} of {groups} groups" for code, count in self.doubts.most_common()]
@@ -147,6 +147,10 @@ def _mean(target: str, name: str, pairs: Sequence[tuple[float, float]]) -> Fleet
     between = math.sqrt(max(q - free, 0.0) / scale) if free and scale > 0 else 0.0
     p = chi_squared_tail(q, free) if free else 1.0
     return FleetTerm(target, name, mean, 1 / math.sqrt(total), between, p, len(pairs))
+
+
+def _below(p: float) -> str:
+    return "< 1e-16" if p < 1e-16 else f"= {p:.1g}"
 
 
 def chi_squared_tail(q: float, free: int) -> float:

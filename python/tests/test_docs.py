@@ -13,7 +13,7 @@ import pytest
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("page", ["python.md", "pysindy.md"])
+@pytest.mark.parametrize("page", ["python.md", "pysindy.md", "scale.md"])
 def test_examples_print_what_is_shown(page: str, root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if page == "pysindy.md":
         pytest.importorskip("pysindy")

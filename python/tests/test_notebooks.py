@@ -18,7 +18,7 @@ def maker(root: Path) -> Any:
     return module
 
 
-@pytest.mark.parametrize("name", ["ten_minutes", "pendulum"])
+@pytest.mark.parametrize("name", ["ten_minutes", "pendulum", "pysindy_tour", "fleet"])
 def test_notebooks_run_and_are_kept(name: str, root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # The kernel chooses its own.
     monkeypatch.delenv("MPLBACKEND", raising=False)
