@@ -66,7 +66,7 @@ const ONE_PURPOSE: &[(&str, &str)] = &[
     ("clap_complete", "crates/cli"),
     ("clap_mangen", "crates/cli"),
     ("ctrlc", "crates/cli"),
-    ("sha2", "."),
+    ("sha2", "src"),
     ("tempfile", "crates/cli"),
     ("lsp_server", "crates/lsp"),
     ("lsp_types", "crates/lsp"),
