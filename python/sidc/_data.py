@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from . import _sidc, _tables
+from . import _files, _sidc, _tables
 from ._errors import Error
 
 
@@ -39,15 +39,27 @@ class Measured:
         """Adds a table; its place."""
         place = len(self._tables)
         if isinstance(table, (str, os.PathLike)):
-            with open(table, "rb") as file:
-                self.native.file(os.path.basename(os.fspath(table)), file.read())
+            self._add_file(table)
         else:
-            name = f"run {place + 1}"
-            columns, others = _tables.columns(table)
-            self._notes += [f"the column {other} of {name} holds no numbers" for other in others]
-            self.native.run(name, columns)
+            self._add_columns(f"run {place + 1}", table)
         self._tables.append(table)
         return place
+
+    def _add_file(self, path: str | os.PathLike[str]) -> None:
+        name = os.path.basename(os.fspath(path))
+        read = _files.foreign(path)
+        if read is None:
+            with open(path, "rb") as file:
+                self.native.file(name, file.read())
+        else:
+            table, notes = read
+            self._notes += notes
+            self._add_columns(name, table)
+
+    def _add_columns(self, name: str, table: Any) -> None:
+        columns, others = _tables.columns(table)
+        self._notes += [f"the column {other} of {name} holds no numbers" for other in others]
+        self.native.run(name, columns)
 
     def hold_out(self, options: _sidc.Options, held: Any) -> None:
         """Tells the options what is held out; tables that are no records yet are added."""
