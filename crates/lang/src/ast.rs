@@ -69,6 +69,12 @@ pub enum StatementKind {
     },
     /// `let NAME = EXPR`
     Let { name: Ident, body: Expr },
+    /// `let NAME(ARGUMENTS) = EXPR`
+    Function {
+        name: Ident,
+        params: Vec<Ident>,
+        body: Expr,
+    },
     /// `TARGETS ~ EXPR`, or `TARGET = EXPR` if `known`.
     Equation {
         targets: Vec<Expr>,

@@ -126,11 +126,16 @@ pub const ATTRIBUTES: [Entry; 8] = [
 ];
 
 /// Forms with parentheses that are no functions.
-pub const FORMS: [Entry; 5] = [
+pub const FORMS: [Entry; 6] = [
     entry(
         "known",
         "known(${1:-9.81*x})",
         "A part of the right side with fixed coefficients.",
+    ),
+    entry(
+        "required",
+        "required(${1:x})",
+        "Terms that are part of the answer whatever they cost; their coefficients are sought.",
     ),
     entry(
         "next",

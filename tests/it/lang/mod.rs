@@ -9,6 +9,7 @@ mod docs;
 mod edges;
 mod foreign;
 mod formatting;
+mod functions;
 mod hostile;
 mod meaning;
 

@@ -7,6 +7,7 @@ mod checker;
 mod errors;
 mod expressions;
 mod hidden_states;
+mod own_functions;
 mod scope;
 mod statements;
 mod time_domain;
@@ -14,7 +15,7 @@ mod undeclared_constants;
 mod unknown_names;
 mod vocabulary;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ast::{File, Keyword, Statement, StatementKind};
 use crate::diagnostic::Diagnostic;
@@ -34,8 +35,14 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
         found: Vec::new(),
         reported: BTreeSet::new(),
         written: 0,
+        own_names: BTreeSet::new(),
+        functions: BTreeMap::new(),
+        used_functions: BTreeSet::new(),
+        arguments: Vec::new(),
+        told_in_calls: BTreeSet::new(),
     };
     c.headers();
+    c.function_names();
     c.find_time_kind();
     c.number_lets();
     c.declarations();
@@ -118,6 +125,12 @@ impl<'a> Checker<'a> {
         }
         if !self.found.iter().any(Diagnostic::is_error) && self.file.broken.is_empty() {
             let notes = errors::loose_ends(model, &self.scope);
+            self.found.extend(notes);
+            let idle = self.functions.iter();
+            let idle = idle.filter(|(name, _)| !self.used_functions.contains(*name));
+            let notes: Vec<Diagnostic> = idle
+                .map(|(name, f)| errors::unused(f.span, name, false))
+                .collect();
             self.found.extend(notes);
         }
     }

@@ -7,11 +7,12 @@ use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
 use crate::ast::{
-    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, Keyword, Side, Sign, StatementKind,
+    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, Keyword, StatementKind,
 };
 use crate::diagnostic::Diagnostic;
 use crate::parse::grammar::{PRECEDENCE, Rule, SidParser};
 use crate::parse::lexer::{Token, normalise};
+use crate::parse::operands::{infix, number, percent, raised, range};
 use crate::parse::{explain, syntax_errors};
 use crate::source::{FileId, Span};
 use crate::term::Func;
@@ -32,6 +33,7 @@ pub fn statement(
         Rule::declare => tree.declare(inner, keyword.unwrap_or(Keyword::State)),
         Rule::unknown => tree.unknown(inner),
         Rule::constant => tree.constant(inner),
+        Rule::function => tree.function(inner),
         Rule::constrain => tree.constrain(inner),
         Rule::per_run => tree.per_run(inner),
         Rule::symmetry => tree.symmetry(inner),
@@ -194,6 +196,19 @@ impl AstBuilder<'_> {
             name: self.ident(&self.next(&mut inner)?),
             body: self.expr(self.next(&mut inner)?)?,
         })
+    }
+
+    /// `function = { SOI ~ "let" ~ word ~ "(" ~ word ~ ("," ~ word)* ~ ")" ~ "=" ~ expr ~ EOI }`
+    fn function(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let name = self.ident(&self.next(&mut inner)?);
+        let mut params = Vec::new();
+        let mut part = self.next(&mut inner)?;
+        while part.as_rule() == Rule::word {
+            params.push(self.ident(&part));
+            part = self.next(&mut inner)?;
+        }
+        let body = self.expr(part)?;
+        Ok(StatementKind::Function { name, params, body })
     }
 
     /// `equation = { SOI ~ names ~ relates ~ expr ~ EOI }`
@@ -383,64 +398,4 @@ impl AstBuilder<'_> {
         }
         Ok(call)
     }
-}
-
-/// Joins two operands, keeping a chain of one precedence flat.
-fn infix(left: Expr, op: Rule, right: Expr) -> Expr {
-    let span = left.span.to(right.span);
-    let kind = match op {
-        Rule::add | Rule::subtract => {
-            let sign = if op == Rule::add {
-                Sign::Plus
-            } else {
-                Sign::Minus
-            };
-            let mut parts = match left.kind {
-                ExprKind::Sum(parts) => parts,
-                kind => vec![(Sign::Plus, Expr::new(left.span, kind))],
-            };
-            parts.push((sign, right));
-            ExprKind::Sum(parts)
-        }
-        _ => {
-            let side = if op == Rule::multiply {
-                Side::Above
-            } else {
-                Side::Below
-            };
-            let mut parts = match left.kind {
-                ExprKind::Product(parts) => parts,
-                kind => vec![(Side::Above, Expr::new(left.span, kind))],
-            };
-            parts.push((side, right));
-            ExprKind::Product(parts)
-        }
-    };
-    Expr::new(span, kind)
-}
-
-/// `from .. to`
-fn range(from: Expr, to: Expr) -> Expr {
-    let span = from.span.to(to.span);
-    Expr::new(span, ExprKind::Range(Box::new(from), Box::new(to)))
-}
-
-/// The value of digits that the lexer has accepted.
-fn number(pair: &Pair<Rule>) -> f64 {
-    pair.as_str().parse().unwrap_or(f64::NAN)
-}
-
-/// `share = @{ number ~ "%" }`
-fn percent(pair: &Pair<Rule>) -> f64 {
-    let number = pair.as_str().trim_end_matches('%');
-    number.parse::<f64>().unwrap_or(f64::NAN) / 100.0
-}
-
-/// `raised = { "^" ~ minus? ~ number }`
-fn raised(pair: Pair<Rule>) -> f64 {
-    pair.into_inner()
-        .fold(1.0, |value, part| match part.as_rule() {
-            Rule::minus => -value,
-            _ => value * number(&part),
-        })
 }

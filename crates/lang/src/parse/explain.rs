@@ -254,6 +254,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::declare => "state x, y : order 2, noise 0.01",
         Rule::unknown => "unknown k in 0.1..10, unit \"1/s\"",
         Rule::constant => "let g = 9.81",
+        Rule::function => "let sat(v) = tanh(v/vs)",
         Rule::constrain => "constrain coef(dx, x) < 0",
         Rule::per_run => "coef(dx, x) : per run",
         Rule::symmetry => "symmetry x, y -> -(x, y)",

@@ -10,6 +10,7 @@ mod explain;
 pub(crate) mod foreign_spellings;
 mod grammar;
 pub mod lexer;
+mod operands;
 pub mod statements;
 mod syntax_errors;
 mod token;
@@ -22,6 +23,7 @@ use lexer::{Token, TokenKind};
 use statements::StatementTokens;
 
 pub use lexer::{is_name, normalise};
+pub(crate) use syntax_errors::ambiguous_argument;
 
 /// Parses one file: all statements that could be understood, and an error for each that could not.
 pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
@@ -83,6 +85,7 @@ fn statement(
         Some(Keyword::System) => Rule::system,
         Some(Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param) => Rule::declare,
         Some(Keyword::Unknown) => Rule::unknown,
+        Some(Keyword::Let) if own.get(2).is_some_and(|t| t.is("(")) => Rule::function,
         Some(Keyword::Let) => Rule::constant,
         Some(Keyword::Coef) => Rule::per_run,
         Some(Keyword::Constrain) if own.iter().any(|t| t.is(":")) => Rule::per_run,
