@@ -14,7 +14,7 @@ use sidc_discover::identifiability::{Assessment, Rows};
 use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
 use sidc_discover::uncertainty::Stability;
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Signal, Term};
 use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
 use sidc_solve::threads;
 use sidc_system::discovery::{Discovery, Equation, Stretches};
@@ -83,7 +83,8 @@ impl Weighing<'_> {
                 uncertainty::assess_terms(own, &judged.halves, discovery);
             }
         }
-        uncertainty::doubt_unneeded_terms(discovery, &self.program.model);
+        let required = |target: Signal, term: &Term| self.program.requires(target, term);
+        uncertainty::doubt_unneeded_terms(discovery, &self.program.model, &required);
         uncertainty::mark_terms(discovery);
         for failed in &mut discovery.failed {
             let sought = self.program.sought(failed.target);
