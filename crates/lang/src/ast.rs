@@ -80,6 +80,13 @@ pub enum StatementKind {
         targets: Vec<Expr>,
         known: bool,
         right: Expr,
+        /// What it would be, written by itself, where it is one of a family.
+        written: Option<String>,
+    },
+    /// `dx[i] ~ <x[i-1], x[i]>, i = 1..10`; [`crate::check`] writes it out.
+    Family {
+        equation: FamilyEquation,
+        over: IndexRange,
     },
     /// `coef(ddx, u) : per run`
     PerRun {
@@ -99,6 +106,25 @@ pub enum StatementKind {
     Prefer(Attribute),
     /// `data { ... }`
     Data(Vec<Entry>),
+}
+
+/// What all equations of a family say.
+#[derive(Clone, Debug)]
+pub struct FamilyEquation {
+    pub targets: Vec<Expr>,
+    pub known: bool,
+    pub right: Expr,
+}
+
+/// `i = 1..10 cyclic`
+#[derive(Clone, Debug)]
+pub struct IndexRange {
+    pub span: Span,
+    pub name: Ident,
+    pub from: Expr,
+    pub to: Expr,
+    /// Whether the first is the neighbour of the last.
+    pub cyclic: bool,
 }
 
 /// One line of a data block.
@@ -171,6 +197,8 @@ pub enum ExprKind {
     /// `a..b`
     Range(Box<Expr>, Box<Expr>),
     Call(Call),
+    /// `x[i + 1]`, in a family of equations.
+    Indexed(Ident, Box<Expr>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -235,6 +263,25 @@ impl Expr {
             ExprKind::Product(parts) => parts.iter().map(|(_, x)| x).collect(),
             ExprKind::List(items) => items.iter().collect(),
             ExprKind::Call(call) => call.args.iter().collect(),
+            ExprKind::Indexed(_, index) => vec![index],
+        }
+    }
+
+    /// [`Expr::children`], and the numbers of a generator, to be changed.
+    pub fn children_mut(&mut self) -> Vec<&mut Expr> {
+        match &mut self.kind {
+            ExprKind::Number(_) | ExprKind::Share(_) | ExprKind::Text(_) | ExprKind::Name(_) => {
+                Vec::new()
+            }
+            ExprKind::Negate(x) | ExprKind::Group(x) | ExprKind::Indexed(_, x) => vec![x],
+            ExprKind::Power(x, y) | ExprKind::Range(x, y) => vec![x, y],
+            ExprKind::Sum(parts) => parts.iter_mut().map(|(_, x)| x).collect(),
+            ExprKind::Product(parts) => parts.iter_mut().map(|(_, x)| x).collect(),
+            ExprKind::List(items) => items.iter_mut().collect(),
+            ExprKind::Call(call) => {
+                let numbers = call.numbers.iter_mut().flatten();
+                call.args.iter_mut().chain(numbers).collect()
+            }
         }
     }
 

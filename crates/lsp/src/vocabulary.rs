@@ -174,6 +174,13 @@ pub const DATA: [Entry; 3] = [
     entry("none", "none", "The column is not used."),
 ];
 
+/// Behind the range of an index.
+pub const CYCLIC: Entry = entry(
+    "cyclic",
+    "cyclic",
+    "The last of the range is the neighbour of the first.",
+);
+
 /// Words behind `limit` and `prefer`.
 pub const DEGREE: Entry = entry("degree", "degree", "The sum of the exponents of a term.");
 pub const PLAIN: Entry = entry(

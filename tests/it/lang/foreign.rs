@@ -168,7 +168,7 @@ fn targets() {
 fn advice() {
     let law = "dx ~ <x, x^2>\n";
     for (theirs, words) in [
-        ("for i in 1:3", "`dx1..dx10 ~ poly(x1..x10; 2)`"),
+        ("for i in 1:3", "`dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`"),
         ("if x > 0", "`step(x)` is 1 for x > 0"),
         ("include \"motor.sid\"", "copy what it needs"),
         ("import numpy as np", "copy what it needs"),

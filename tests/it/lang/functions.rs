@@ -7,7 +7,7 @@ use sidc_lang::term::Language;
 use super::{model, said};
 
 /// The terms of every library of a model, as the language prints them, and its known parts.
-fn meaning(text: &str) -> String {
+pub fn meaning(text: &str) -> String {
     let program = Program::compile("m.sid", text).unwrap_or_else(|e| panic!("{text}\n{e}"));
     let names = Language(&program.model);
     let mut out = String::new();

@@ -7,6 +7,7 @@ mod bad;
 mod corners;
 mod docs;
 mod edges;
+mod families;
 mod foreign;
 mod formatting;
 mod functions;

@@ -6,6 +6,7 @@
 mod checker;
 mod errors;
 mod expressions;
+mod families;
 mod hidden_states;
 mod own_functions;
 mod scope;
@@ -28,6 +29,21 @@ pub use vocabulary::{GeneratorSignature, Vocabulary};
 
 /// Checks one file. The model is `None` only if there are errors, here or in the text (`file.broken`).
 pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagnostic>) {
+    let Some((written, mut found)) = families::write_out(file) else {
+        return check_equations(file, vocabulary);
+    };
+    let (model, more) = check_equations(&written, vocabulary);
+    // What is wrong in all equations of a family is told once.
+    for d in more {
+        if !found.contains(&d) {
+            found.push(d);
+        }
+    }
+    (model, found)
+}
+
+/// [`check`], of a file without families.
+fn check_equations(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagnostic>) {
     let mut c = Checker {
         file,
         vocabulary,

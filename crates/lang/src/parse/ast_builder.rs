@@ -7,7 +7,8 @@ use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
 use crate::ast::{
-    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, Keyword, StatementKind,
+    Attribute, Call, EntryKind, Expr, ExprKind, FamilyEquation, Ident, Image, IndexRange, Keyword,
+    StatementKind,
 };
 use crate::diagnostic::Diagnostic;
 use crate::parse::grammar::{PRECEDENCE, Rule, SidParser};
@@ -34,6 +35,7 @@ pub fn statement(
         Rule::unknown => tree.unknown(inner),
         Rule::constant => tree.constant(inner),
         Rule::function => tree.function(inner),
+        Rule::family => tree.family(inner),
         Rule::constrain => tree.constrain(inner),
         Rule::per_run => tree.per_run(inner),
         Rule::symmetry => tree.symmetry(inner),
@@ -220,7 +222,37 @@ impl AstBuilder<'_> {
             targets,
             known,
             right,
+            written: None,
         })
+    }
+
+    /// `family = { SOI ~ names ~ relates ~ expr ~ "," ~ over ~ EOI }`, `over = { word ~ "=" ~ end ~ ".." ~ end ~ cyclic? }`
+    fn family(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let targets = self.items(self.next(&mut inner)?)?;
+        let known = self.next(&mut inner)?.as_str() == "=";
+        let right = self.expr(self.next(&mut inner)?)?;
+        let over = self.next(&mut inner)?;
+        let span = self.span(&over);
+        let mut parts = over.into_inner();
+        let name = self.ident(&self.next(&mut parts)?);
+        let mut end = || -> Result<Expr> {
+            let end = self.next(&mut parts)?;
+            self.primary(self.next(&mut end.into_inner())?)
+        };
+        let (from, to) = (end()?, end()?);
+        let over = IndexRange {
+            span,
+            name,
+            from,
+            to,
+            cyclic: parts.next().is_some(),
+        };
+        let equation = FamilyEquation {
+            targets,
+            known,
+            right,
+        };
+        Ok(StatementKind::Family { equation, over })
     }
 
     /// `constrain = { SOI ~ "constrain" ~ expr ~ (relation ~ expr)+ ~ EOI }`
@@ -365,12 +397,17 @@ impl AstBuilder<'_> {
         Ok(Expr::new(span, kind))
     }
 
-    /// `reference = { name ~ (arguments | applied)? }`
+    /// `reference = { name ~ (index | arguments | applied)? }`
     fn reference(&self, pair: Pair<Rule>) -> Result<Expr> {
         let mut inner = pair.into_inner();
         let name = self.ident(&self.next(&mut inner)?);
         match inner.next() {
             None => Ok(Expr::new(name.span, ExprKind::Name(name.text))),
+            Some(rest) if rest.as_rule() == Rule::index => {
+                let span = name.span.to(self.span(&rest));
+                let index = self.expr(self.next(&mut rest.into_inner())?)?;
+                Ok(Expr::new(span, ExprKind::Indexed(name, Box::new(index))))
+            }
             Some(rest) => {
                 let span = name.span.to(self.span(&rest));
                 Ok(Expr::new(span, ExprKind::Call(self.call(name, rest)?)))

@@ -201,7 +201,7 @@ impl<'t> FailurePoint<'_, 't> {
     fn missing_operator(&self) -> Option<Diagnostic> {
         let (found, last) = (self.found()?, self.before(1)?);
         let relation = self.keyword == Some(Keyword::Constrain);
-        let ends = last.is_operand() || last.is(")") || last.is(">") && !relation;
+        let ends = last.is_operand() || last.is(")") || last.is("]") || last.is(">") && !relation;
         let begins = found.is_operand() || found.is("(") || found.is("<") && !relation;
         let opens = self.keyword.is_some() && self.at == 1;
         if !ends || !begins || opens {
@@ -262,6 +262,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::prefer => "prefer degree",
         Rule::step => "step 0.01",
         Rule::source => "x = \"Column\" * 1e-3",
+        Rule::family => "dx[i] ~ <x[i-1], x[i]>, i = 1..10",
         Rule::equation => "dx ~ poly(x, y; 3)",
         _ => "",
     }

@@ -94,10 +94,32 @@ fn statement(
         Some(Keyword::Symmetry) => Rule::symmetry,
         Some(Keyword::Limit) => Rule::limit,
         Some(Keyword::Prefer) => Rule::prefer,
+        None if has_index_range(own) => Rule::family,
         None => Rule::equation,
     };
     let built = ast_builder::statement(id, text, own, rule, piece.keyword);
     built.map_err(|e| errors.push(*e)).ok()
+}
+
+/// `, i =` outside of brackets, behind the relation of an equation.
+fn has_index_range(own: &[Token]) -> bool {
+    let code: Vec<&Token> = own.iter().filter(|t| t.is_code()).collect();
+    let (mut depth, mut related) = (0usize, false);
+    for (i, token) in code.iter().enumerate() {
+        match token.text {
+            _ if token.kind != TokenKind::Symbol => {}
+            "(" | "<" | "[" | "{" => depth += 1,
+            ")" | ">" | "]" | "}" => depth = depth.saturating_sub(1),
+            "~" | "=" => related = true,
+            "," if depth == 0 && related => {
+                let after = |k: usize| code.get(i + k);
+                return after(1).is_some_and(|t| t.kind == TokenKind::Name)
+                    && after(2).is_some_and(|t| t.is("="));
+            }
+            _ => {}
+        }
+    }
+    false
 }
 
 fn data(

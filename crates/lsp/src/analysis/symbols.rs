@@ -84,6 +84,22 @@ impl Symbols {
         self.all.iter().filter(own)
     }
 
+    /// The first of a range of names, `x1` of `x1..x10`, where `x[i]` has the stem of them.
+    pub fn find_family(&self, written: &str) -> Option<Use> {
+        let stem = normalise(written.trim_end_matches('\''));
+        let from = self.spellings.range(stem.clone()..);
+        let mut own = from.take_while(|(name, _)| name.starts_with(&stem));
+        let numbered = |name: &str| {
+            let digits = name.get(stem.len()..).unwrap_or("");
+            !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())
+        };
+        let found = own.find(|(name, used)| {
+            let by_range = self.get(**used).is_some_and(|s| s.by_range);
+            by_range && numbered(name)
+        });
+        found.map(|(_, used)| *used)
+    }
+
     /// Whose name this is outside of functions, primes included.
     pub fn find(&self, written: &str) -> Option<Use> {
         let base = written.trim_end_matches('\'');

@@ -146,6 +146,9 @@ impl Around<'_, '_> {
                 }
             }
             None if matches!(token.text, "t" | "pi") => Role::Constant,
+            None if self.next().is_some_and(|n| n.is("[")) => symbols
+                .find_family(token.text)
+                .map_or(Role::Other, Role::Use),
             None => Role::Other,
         }
     }
@@ -176,6 +179,12 @@ impl Around<'_, '_> {
                     || token.text == "run" && after("per")
             }
             Some(Coef | Constrain) => self.colon && matches!(token.text, "per" | "run"),
+            None => {
+                let ends = self.own.is_some_and(|s| s.tokens.end == self.i + 1);
+                let value =
+                    last.is_some_and(|l| matches!(l.kind, TokenKind::Name | TokenKind::Number));
+                ends && value && token.text == "cyclic"
+            }
             Some(Limit | Prefer) => true,
             Some(Data) => match self.starts_entry {
                 true => matches!(token.text, "step" | "run"),

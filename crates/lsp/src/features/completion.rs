@@ -143,7 +143,12 @@ impl List<'_> {
             .collect();
         let has = |target: &str| {
             let mut targets = equations.iter().flat_map(|left| left.split(','));
-            targets.any(|t| t.trim() == target)
+            let digits = |c: char| c.is_ascii_digit();
+            targets.any(|t| match t.trim().split_once('[') {
+                // An equation of a family is one of those.
+                Some((stem, _)) => target.trim_end_matches(digits) == stem,
+                None => t.trim() == target,
+            })
         };
         for symbol in &analysis.symbols.all {
             let target = target_of(symbol, self.is_discrete());

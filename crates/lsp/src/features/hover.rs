@@ -33,7 +33,7 @@ pub fn hover(
         Role::Function => function(text)?,
         Role::Keyword => entry(vocabulary::STATEMENTS.iter(), text)?,
         Role::Attribute => {
-            let more = [vocabulary::DEGREE, vocabulary::PLAIN];
+            let more = [vocabulary::DEGREE, vocabulary::PLAIN, vocabulary::CYCLIC];
             let all = vocabulary::ATTRIBUTES.iter().chain(&vocabulary::DATA);
             entry(all.chain(&more), text)?
         }

@@ -2,7 +2,7 @@
 //!
 //! In: an expression. Out: its normal form, or `None` after reporting an error. Refuses libraries.
 
-use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign};
+use crate::ast::{Call, Expr as Ast, ExprKind, Ident, Side, Sign};
 use crate::check::checker::{Checker, every};
 use crate::check::errors;
 use crate::check::own_functions::Argument;
@@ -41,7 +41,13 @@ impl Checker<'_> {
             ExprKind::List(_) => self.fail(errors::library_inside(e.span, "a list")),
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
             ExprKind::Call(call) => self.call(e, call),
+            ExprKind::Indexed(name, _) => self.stray_index(e, name),
         }
+    }
+
+    /// `x[i]` outside of a family.
+    pub fn stray_index<T>(&mut self, e: &Ast, name: &Ident) -> Option<T> {
+        self.fail(errors::index_without_range(e.span, &name.text))
     }
 
     /// The `e` of `e^x`, where no signal has that name.

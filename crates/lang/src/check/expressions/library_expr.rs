@@ -64,7 +64,9 @@ impl Checker<'_> {
             ExprKind::Call(call) if self.is_library_function(&call.name.text) => {
                 self.own_library(e, call)
             }
-            ExprKind::Call(_) | ExprKind::Text(_) | ExprKind::Share(_) => self.term(e),
+            ExprKind::Call(_) | ExprKind::Text(_) | ExprKind::Share(_) | ExprKind::Indexed(..) => {
+                self.term(e)
+            }
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
         }
     }

@@ -167,6 +167,7 @@ impl Checker<'_> {
                 ColumnKind::Power(Box::new(base?), p?)
             }
             ExprKind::Call(call) => self.column_call(e, call)?,
+            ExprKind::Indexed(name, _) => return self.stray_index(e, name),
             ExprKind::List(_) | ExprKind::Range(..) => {
                 return self.fail(errors::library_in_data(e.span));
             }

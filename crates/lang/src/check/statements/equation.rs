@@ -23,6 +23,7 @@ impl Checker<'_> {
                 targets,
                 known,
                 right,
+                written,
             } = &s.kind
             else {
                 continue;
@@ -55,7 +56,7 @@ impl Checker<'_> {
                         target,
                         target_span,
                         span: s.span,
-                        written: one_line(self.text(s.span)),
+                        written: one_line(written.as_deref().unwrap_or(self.text(s.span))),
                         right,
                     });
                 }
@@ -106,6 +107,7 @@ impl Checker<'_> {
                 ExprKind::Call(call) if call.name.text == "next" => {
                     out.extend(self.target_next(e, call))
                 }
+                ExprKind::Indexed(name, _) => drop(self.stray_index::<()>(e, name)),
                 ExprKind::Range(from, to) => {
                     for name in self.expand_range(e.span, from, to).unwrap_or_default() {
                         out.extend(self.target_name(e.span, &name).map(|s| (s, e.span)));

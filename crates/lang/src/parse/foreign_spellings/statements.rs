@@ -127,7 +127,7 @@ impl Written<'_, '_> {
         let because = |why: &str| foreign_because(at, first, why);
         if LOOPS.contains(&first) && !second.is("~") && !second.is("=") {
             return Some(because("there are no loops").help(
-                "a row of names is `x1..x10`: `state x1..x10`, then `dx1..dx10 ~ poly(x1..x10; 2)`",
+                "equations for a row of names `state x1..x10` are `dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`",
             ));
         }
         if FUNCTIONS.contains(&first) && names {
