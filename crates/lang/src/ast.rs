@@ -83,10 +83,10 @@ pub enum StatementKind {
         /// What it would be, written by itself, where it is one of a family.
         written: Option<String>,
     },
-    /// `dx[i] ~ <x[i-1], x[i]>, i = 1..10`; [`crate::check`] writes it out.
+    /// `dx[i] ~ <x[i-1], x[i]>, i = 1..10`: an equation, or what is said of coefficients; [`crate::check`] writes it out.
     Family {
-        equation: FamilyEquation,
-        over: IndexRange,
+        statement: Box<StatementKind>,
+        over: Box<IndexRange>,
     },
     /// `coef(ddx, u) : per run`
     PerRun {
@@ -106,14 +106,6 @@ pub enum StatementKind {
     Prefer(Attribute),
     /// `data { ... }`
     Data(Vec<Entry>),
-}
-
-/// What all equations of a family say.
-#[derive(Clone, Debug)]
-pub struct FamilyEquation {
-    pub targets: Vec<Expr>,
-    pub known: bool,
-    pub right: Expr,
 }
 
 /// `i = 1..10 cyclic`
@@ -224,6 +216,23 @@ pub struct Call {
     /// What stood after the `;`, if there was one.
     pub numbers: Option<Vec<Expr>>,
     pub juxtaposed: bool,
+}
+
+impl StatementKind {
+    /// The expressions of an equation, a constraint or what is said of coefficients, to be changed.
+    pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
+        match self {
+            StatementKind::Equation { targets, right, .. } => {
+                targets.iter_mut().chain([right]).collect()
+            }
+            StatementKind::Constrain { first, rest } => {
+                let rest = rest.iter_mut().map(|(_, e)| e);
+                [first].into_iter().chain(rest).collect()
+            }
+            StatementKind::PerRun { coefficients, .. } => coefficients.iter_mut().collect(),
+            _ => Vec::new(),
+        }
+    }
 }
 
 impl Expr {

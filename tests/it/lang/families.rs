@@ -36,6 +36,30 @@ fn an_index_alone_is_a_number() {
 }
 
 #[test]
+fn what_is_said_of_coefficients_has_families() {
+    let laws = "state x1..x4\ninput u\ndx[i] ~ <x[i-1], x[i], u>, i = 1..4 cyclic\n";
+    let with = format!(
+        "{laws}constrain coef(dx[i], x[i]) < 0, i = 2..3\nconstrain -1 < coef(dx[i], x[i]) <= 2*coef(dx[i+1], x[i+1]), i = 1..2\n"
+    );
+    let plain = format!(
+        "{laws}constrain coef(dx2, x2) < 0\nconstrain coef(dx3, x3) < 0\n\
+         constrain -1 < coef(dx1, x1) <= 2*coef(dx2, x2)\nconstrain -1 < coef(dx2, x2) <= 2*coef(dx3, x3)\n"
+    );
+    let rows = |text: &str| -> Vec<String> {
+        let constraints = model(text).constraints.into_iter();
+        let row = constraints.map(|c| {
+            let of = c.coefficients.iter();
+            let of: Vec<_> = of.map(|k| (k.weight, k.target, k.term.clone())).collect();
+            format!("{of:?} {:?} {}", c.relation, c.constant)
+        });
+        row.collect()
+    };
+    assert_eq!(rows(&with), rows(&plain));
+    let runs = model(&format!("{laws}coef(dx[i], u) : per run, i = 1..3\n"));
+    assert_eq!(runs.per_run.len(), 3);
+}
+
+#[test]
 fn samples_keep_their_brackets_elsewhere() {
     assert!(said("state x\nx[k+1] ~ <x[k]>\n").contains("foreign-spelling"));
     let both = "state x1..x2, i\ndx[k] ~ <x[k], i>, k = 1..2\n";

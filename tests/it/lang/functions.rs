@@ -3,8 +3,10 @@
 use proptest::prelude::*;
 use sidc::pipeline::Program;
 use sidc_lang::term::Language;
+use sidc_testing::integrate::{grid, integrate};
 
 use super::{model, said};
+use crate::disturbed::identify;
 
 /// The terms of every library of a model, as the language prints them, and its known parts.
 pub fn meaning(text: &str) -> String {
@@ -102,6 +104,33 @@ fn a_name_is_free_where_no_function_is_called() {
     );
     // Arguments of different functions may share a name.
     model("state x\nlet f(a) = a^2\nlet h(a, b) = f(a)*f(b)\ndx ~ <h(x, 2*x), f(x)>\n");
+}
+
+/// What is found with functions is what is found with the model written out, evidence and verdict too.
+#[test]
+fn results_are_the_same_to_the_last_digit() {
+    let with = "unknown k in 0.1..10\nstate x\ninput u : linear\nlet rate(a) = a/(k + a)\nlet gap(a, b) = a - b\n\
+                dx ~ required(rate(x)) + <1, gap(u, x), u, x^2> + rate(u)*<1, x>\n";
+    let plain = "unknown k in 0.1..10\nstate x\ninput u : linear\n\
+                 dx ~ required(x/(k + x)) + <1, u - x, u, x^2> + <u/(k + u), x*u/(k + u)>\n";
+    let feed = |t: f64| 0.6 + 0.5 * (0.8 * t).sin();
+    let law = |t: f64, x: &[f64; 1]| [feed(t) - 1.3 * x[0] / (0.7 + x[0])];
+    let (mut data, mut x) = (String::from("t,x,u\n"), [1.0]);
+    for t in grid(400, 0.05) {
+        data += &format!("{t},{},{}\n", x[0], feed(t));
+        x = integrate(&|t, x: &[f64; 1]| law(t, x), t, t + 0.05, x);
+    }
+    let (run, with) = identify(with, &data, &[]);
+    let (_, plain) = identify(plain, &data, &[]);
+    for key in ["equations", "unknowns", "verdict", "validation"] {
+        assert_eq!(with[key], plain[key], "{key}");
+    }
+    let terms = with["equations"][0]["terms"].to_string();
+    assert!(
+        terms.contains("x/(k + x)") && !terms.contains("rate"),
+        "{terms}"
+    );
+    assert_eq!(run.status, 0, "{}", run.stdout);
 }
 
 #[test]

@@ -24,11 +24,12 @@ pub fn write_out(file: &File) -> Option<(File, Vec<Diagnostic>)> {
     let (mut out, mut found, mut nodes) = (file.clone(), Vec::new(), 0usize);
     out.statements.clear();
     for s in &file.statements {
-        let StatementKind::Family { equation, over } = &s.kind else {
+        let StatementKind::Family { statement, over } = &s.kind else {
             out.statements.push(s.clone());
             continue;
         };
-        let size = size(&equation.right) + equation.targets.iter().map(size).sum::<usize>();
+        let mut kind = statement.as_ref().clone();
+        let size: usize = kind.expressions_mut().iter().map(|e| size(e)).sum();
         let written = pass.values(over).and_then(|range| {
             let count = range.1 - range.0 + 1;
             nodes = nodes.saturating_add(size.saturating_mul(count as usize));
@@ -167,33 +168,27 @@ impl Pass<'_> {
         }
     }
 
-    /// The equation of one value.
+    /// The statement of one value.
     fn member(
         &self,
         s: &Statement,
         value: i64,
         range: (i64, i64),
     ) -> Result<Statement, Diagnostic> {
-        let StatementKind::Family { equation, over } = &s.kind else {
+        let StatementKind::Family { statement, over } = &s.kind else {
             return Ok(s.clone());
         };
         let member = Member { over, value, range };
-        let (mut right, mut targets) = (equation.right.clone(), equation.targets.clone());
-        let mut edits = Vec::new();
-        for e in targets.iter_mut().chain([&mut right]) {
+        let (mut kind, mut edits) = (statement.as_ref().clone(), Vec::new());
+        let mut whole: Option<Span> = None;
+        for e in kind.expressions_mut() {
+            whole = Some(whole.map_or(e.span, |w| w.to(e.span)));
             self.write(e, &member, &mut edits)?;
         }
-        let first = targets.first().map_or(s.span, |t| t.span);
-        let written = self.edited(first.to(right.span), edits);
-        Ok(Statement {
-            span: s.span,
-            kind: StatementKind::Equation {
-                targets,
-                known: equation.known,
-                right,
-                written: Some(written),
-            },
-        })
+        if let StatementKind::Equation { written, .. } = &mut kind {
+            *written = whole.map(|whole| self.edited(whole, edits));
+        }
+        Ok(Statement { span: s.span, kind })
     }
 
     /// Names in place of what has an index, the number in place of the index itself.
@@ -250,7 +245,10 @@ impl Pass<'_> {
             Some(known) => Ok(known + primes),
             None if at >= 0 && !self.is_family(stem) => Ok(spelt(1) + primes),
             None => {
-                let wanted = format!("{stem}{at}");
+                let wanted = match at < 0 {
+                    true => format!("{stem}[{at}]"),
+                    false => spelt(1),
+                };
                 Err(errors::index_beyond(span, &wanted, over, member.over.span))
             }
         }

@@ -7,8 +7,7 @@ use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
 use crate::ast::{
-    Attribute, Call, EntryKind, Expr, ExprKind, FamilyEquation, Ident, Image, IndexRange, Keyword,
-    StatementKind,
+    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, IndexRange, Keyword, StatementKind,
 };
 use crate::diagnostic::Diagnostic;
 use crate::parse::grammar::{PRECEDENCE, Rule, SidParser};
@@ -27,7 +26,7 @@ pub fn statement(
     rule: Rule,
     keyword: Option<Keyword>,
 ) -> Result<StatementKind> {
-    let (tree, inner) = read(file, text, tokens, rule, keyword)?;
+    let (tree, mut inner) = read(file, text, tokens, rule, keyword)?;
     match rule {
         Rule::version => tree.version(inner),
         Rule::system => tree.system(inner),
@@ -35,13 +34,15 @@ pub fn statement(
         Rule::unknown => tree.unknown(inner),
         Rule::constant => tree.constant(inner),
         Rule::function => tree.function(inner),
-        Rule::family => tree.family(inner),
-        Rule::constrain => tree.constrain(inner),
-        Rule::per_run => tree.per_run(inner),
+        Rule::constrain => tree.constrain(&mut inner),
+        Rule::per_run => tree.per_run(&mut inner),
+        Rule::family => tree.family(tree.equation(&mut inner)?, &mut inner),
+        Rule::constrain_family => tree.family(tree.constrain(&mut inner)?, &mut inner),
+        Rule::per_run_family => tree.family(tree.per_run(&mut inner)?, &mut inner),
         Rule::symmetry => tree.symmetry(inner),
         Rule::limit => tree.limit(inner),
         Rule::prefer => tree.prefer(inner),
-        _ => tree.equation(inner),
+        _ => tree.equation(&mut inner),
     }
 }
 
@@ -214,10 +215,10 @@ impl AstBuilder<'_> {
     }
 
     /// `equation = { SOI ~ names ~ relates ~ expr ~ EOI }`
-    fn equation(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
-        let targets = self.items(self.next(&mut inner)?)?;
-        let known = self.next(&mut inner)?.as_str() == "=";
-        let right = self.expr(self.next(&mut inner)?)?;
+    fn equation(&self, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
+        let targets = self.items(self.next(inner)?)?;
+        let known = self.next(inner)?.as_str() == "=";
+        let right = self.expr(self.next(inner)?)?;
         Ok(StatementKind::Equation {
             targets,
             known,
@@ -226,12 +227,9 @@ impl AstBuilder<'_> {
         })
     }
 
-    /// `family = { SOI ~ names ~ relates ~ expr ~ "," ~ over ~ EOI }`, `over = { word ~ "=" ~ end ~ ".." ~ end ~ cyclic? }`
-    fn family(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
-        let targets = self.items(self.next(&mut inner)?)?;
-        let known = self.next(&mut inner)?.as_str() == "=";
-        let right = self.expr(self.next(&mut inner)?)?;
-        let over = self.next(&mut inner)?;
+    /// `over = { word ~ "=" ~ end ~ ".." ~ end ~ cyclic? }`, the last part of a family
+    fn family(&self, statement: StatementKind, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
+        let over = self.next(inner)?;
         let span = self.span(&over);
         let mut parts = over.into_inner();
         let name = self.ident(&self.next(&mut parts)?);
@@ -247,33 +245,32 @@ impl AstBuilder<'_> {
             to,
             cyclic: parts.next().is_some(),
         };
-        let equation = FamilyEquation {
-            targets,
-            known,
-            right,
-        };
-        Ok(StatementKind::Family { equation, over })
+        Ok(StatementKind::Family {
+            statement: Box::new(statement),
+            over: Box::new(over),
+        })
     }
 
     /// `constrain = { SOI ~ "constrain" ~ expr ~ (relation ~ expr)+ ~ EOI }`
-    fn constrain(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
-        let first = self.expr(self.next(&mut inner)?)?;
+    fn constrain(&self, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
+        let first = self.expr(self.next(inner)?)?;
         let mut rest = Vec::new();
-        while let Some(pair) = inner.next().filter(|p| p.as_rule() == Rule::relation) {
+        while let Some(pair) = inner.peek().filter(|p| p.as_rule() == Rule::relation) {
+            inner.next();
             let relation = ["<=", ">=", "<", ">"]
                 .into_iter()
                 .find(|r| *r == pair.as_str())
                 .unwrap_or("=");
-            rest.push((relation, self.expr(self.next(&mut inner)?)?));
+            rest.push((relation, self.expr(self.next(inner)?)?));
         }
         Ok(StatementKind::Constrain { first, rest })
     }
 
     /// `per_run = { SOI ~ "constrain"? ~ names ~ ":" ~ attribute ~ EOI }`
-    fn per_run(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+    fn per_run(&self, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
         Ok(StatementKind::PerRun {
-            coefficients: self.items(self.next(&mut inner)?)?,
-            attribute: self.attribute(self.next(&mut inner)?)?,
+            coefficients: self.items(self.next(inner)?)?,
+            attribute: self.attribute(self.next(inner)?)?,
         })
     }
 

@@ -262,6 +262,8 @@ fn example(rule: Rule) -> &'static str {
         Rule::prefer => "prefer degree",
         Rule::step => "step 0.01",
         Rule::source => "x = \"Column\" * 1e-3",
+        Rule::constrain_family => "constrain coef(dx[i], x[i]) < 0, i = 1..10",
+        Rule::per_run_family => "coef(dx[i], x[i]) : per run, i = 1..10",
         Rule::family => "dx[i] ~ <x[i-1], x[i]>, i = 1..10",
         Rule::equation => "dx ~ poly(x, y; 3)",
         _ => "",

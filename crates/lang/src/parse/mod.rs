@@ -87,30 +87,38 @@ fn statement(
         Some(Keyword::Unknown) => Rule::unknown,
         Some(Keyword::Let) if own.get(2).is_some_and(|t| t.is("(")) => Rule::function,
         Some(Keyword::Let) => Rule::constant,
-        Some(Keyword::Coef) => Rule::per_run,
-        Some(Keyword::Constrain) if own.iter().any(|t| t.is(":")) => Rule::per_run,
-        Some(Keyword::Constrain) => Rule::constrain,
+        Some(Keyword::Coef | Keyword::Constrain) => {
+            let per_run = piece.keyword == Some(Keyword::Coef) || own.iter().any(|t| t.is(":"));
+            match (per_run, has_index_range(own, false)) {
+                (true, true) => Rule::per_run_family,
+                (true, false) => Rule::per_run,
+                (false, true) => Rule::constrain_family,
+                (false, false) => Rule::constrain,
+            }
+        }
         Some(Keyword::Data) => return data(id, text, tokens, piece, errors),
         Some(Keyword::Symmetry) => Rule::symmetry,
         Some(Keyword::Limit) => Rule::limit,
         Some(Keyword::Prefer) => Rule::prefer,
-        None if has_index_range(own) => Rule::family,
+        None if has_index_range(own, true) => Rule::family,
         None => Rule::equation,
     };
     let built = ast_builder::statement(id, text, own, rule, piece.keyword);
     built.map_err(|e| errors.push(*e)).ok()
 }
 
-/// `, i =` outside of brackets, behind the relation of an equation.
-fn has_index_range(own: &[Token]) -> bool {
+/// `, i =` outside of brackets, behind a relation; `angles` are brackets but where they compare.
+fn has_index_range(own: &[Token], angles: bool) -> bool {
     let code: Vec<&Token> = own.iter().filter(|t| t.is_code()).collect();
     let (mut depth, mut related) = (0usize, false);
     for (i, token) in code.iter().enumerate() {
         match token.text {
             _ if token.kind != TokenKind::Symbol => {}
-            "(" | "<" | "[" | "{" => depth += 1,
-            ")" | ">" | "]" | "}" => depth = depth.saturating_sub(1),
-            "~" | "=" => related = true,
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            "<" if angles => depth += 1,
+            ">" if angles => depth = depth.saturating_sub(1),
+            "~" | "=" | "<" | ">" | "<=" | ">=" | ":" => related = true,
             "," if depth == 0 && related => {
                 let after = |k: usize| code.get(i + k);
                 return after(1).is_some_and(|t| t.kind == TokenKind::Name)
