@@ -24,9 +24,9 @@
                                       "constrain" "coef" "symmetry" "limit" "prefer")
                                     'symbols))
      . font-lock-keyword-face)
-    (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "delay" "hidden" "degree" "per" "run") 'symbols)
+    (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "delay" "hidden" "degree" "per" "run" "cyclic") 'symbols)
      . font-lock-type-face)
-    (,(regexp-opt '("poly" "powers" "fourier" "lags" "known" "next" "lag" "unwrap" "sin" "cos" "tan" "asin" "acos"
+    (,(regexp-opt '("poly" "powers" "fourier" "lags" "known" "required" "next" "lag" "unwrap" "sin" "cos" "tan" "asin" "acos"
                     "atan" "sinh" "cosh" "tanh" "exp" "log" "sqrt" "abs" "sign" "min" "max")
                   'symbols)
      . font-lock-function-name-face)))

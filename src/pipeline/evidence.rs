@@ -14,10 +14,10 @@ use sidc_discover::identifiability::{Assessment, Rows};
 use sidc_discover::scaled_design::ScaledDesign;
 use sidc_discover::uncertainty;
 use sidc_discover::uncertainty::Stability;
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Language, Signal, Term};
 use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
 use sidc_solve::threads;
-use sidc_system::discovery::{Discovery, Equation, Stretches};
+use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Stretches};
 
 use super::program::{Program, needed};
 use super::thresholds::BUDGET;
@@ -83,7 +83,9 @@ impl Weighing<'_> {
                 uncertainty::assess_terms(own, &judged.halves, discovery);
             }
         }
-        uncertainty::doubt_unneeded_terms(discovery, &self.program.model);
+        let required = |target: Signal, term: &Term| self.program.requires(target, term);
+        self.doubt_lacking(discovery);
+        uncertainty::doubt_unneeded_terms(discovery, &self.program.model, &required);
         uncertainty::mark_terms(discovery);
         for failed in &mut discovery.failed {
             let sought = self.program.sought(failed.target);
@@ -97,6 +99,24 @@ impl Weighing<'_> {
         for equation in &mut discovery.equations {
             identifiability::advise(equation);
         }
+    }
+
+    /// Doubts every equation without a term that the model requires, should a search have lost one.
+    fn doubt_lacking(&self, discovery: &mut Discovery) {
+        discovery.doubt_each(|names, equation| {
+            let (_, library) = self.program.sought(equation.target)?;
+            let required = library.required().iter().filter_map(|s| library.term(*s));
+            let has = |term: &Term| equation.terms.iter().any(|t| !t.fixed && t.term == *term);
+            let lacking: Vec<String> = required
+                .filter(|term| !has(term))
+                .map(|term| Language(names).term(&term))
+                .collect();
+            (!lacking.is_empty()).then(|| {
+                let lacking = lacking.join(", ");
+                let text = format!("required, and lost by the search: {lacking}");
+                Reason::new(ReasonCode::BetterWithout, text)
+            })
+        });
     }
 
     fn one(&self, equation: &Equation) -> Option<Judged> {

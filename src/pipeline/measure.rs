@@ -107,10 +107,11 @@ pub fn measure(
         joint = together(program, &jointly, observer).or(joint);
         found.retain(|d| !d.is_error() || joint.is_err());
     }
-    let copies = match &joint {
+    let mut copies = match &joint {
         Ok(problem) => problem.target_copies(),
         Err(_) => copies_in_samples(program, &samples),
     };
+    copies.retain(|c| !is_required(program, c));
     let narrowed = (!copies.is_empty()).then(|| program.without(&copies));
     if let Some(program) = narrowed.as_ref().filter(|_| joint.is_ok()) {
         let method = Method::Joint;
@@ -227,6 +228,15 @@ fn not_joint(why: &str) -> Diagnostic {
         format!("the equations cannot be estimated together with their trajectory: {why}"),
     )
     .help("leave --method to the program, or take --method regression")
+}
+
+/// What the model requires is never left out.
+fn is_required(program: &Program, copy: &TargetCopy) -> bool {
+    let library = program
+        .libraries
+        .get(copy.equation)
+        .and_then(Option::as_ref);
+    library.is_some_and(|l| l.required().contains(&copy.slot))
 }
 
 fn not_per_run(model: &Model, why: &str) -> Diagnostic {

@@ -12,7 +12,7 @@ use sidc_lang::library;
 use sidc_lang::library::{GENERATORS, Library};
 use sidc_lang::model::{Equation, Model, RightSide};
 use sidc_lang::source::{FileId, Sources};
-use sidc_lang::term::Signal;
+use sidc_lang::term::{Signal, Term};
 use sidc_lang::{GeneratorSignature, Vocabulary};
 use sidc_solve::threads;
 
@@ -114,6 +114,14 @@ impl Program {
             }
         }
         narrowed
+    }
+
+    /// Whether the model requires a term in the equation of a target.
+    pub(super) fn requires(&self, target: Signal, term: &Term) -> bool {
+        self.sought(target).is_some_and(|(_, library)| {
+            let slot = library.contains(term);
+            slot.is_some_and(|slot| library.required().contains(&slot))
+        })
     }
 
     /// The place of an equation in the model and its library; `None` if nothing is looked for there.

@@ -50,6 +50,7 @@ mod relation;
 mod relation_choices;
 mod report;
 mod reproduce;
+mod required;
 mod sensors;
 mod simulate;
 mod simulate_command;

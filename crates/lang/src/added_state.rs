@@ -35,6 +35,7 @@ pub fn behind_lag(
     (from, to): (f64, f64),
 ) -> Option<AddedState> {
     let var = model.var(input).filter(|v| v.kind == VarKind::Input)?;
+    no_families(text)?;
     let name = &var.name;
     let mut names = Names::of(text);
     let state = names.unused(&format!("{name}_lag"));
@@ -71,6 +72,7 @@ pub fn behind_sensor(
     sensed: VarId,
     (from, to): (f64, f64),
 ) -> Option<AddedState> {
+    no_families(text)?;
     let var = model.var(sensed).filter(|v| v.kind == VarKind::State)?;
     let plain = !var.hidden && var.delay.is_none() && var.noise.keys().all(|der| *der == 0);
     if !plain || in_symmetry(model, sensed) {
@@ -114,6 +116,12 @@ pub fn behind_sensor(
     Some(edited.with(&lines, state, Some(constant)))
 }
 
+/// `None` for a text with families of equations, which are no longer alike where one has another state.
+fn no_families(text: &str) -> Option<()> {
+    let (tokens, _) = tokenize(FileId(0), text);
+    (!tokens.iter().any(|t| t.is("["))).then_some(())
+}
+
 /// The statements that laws stand in.
 const LAWS: [Option<Keyword>; 3] = [None, Some(Keyword::Let), Some(Keyword::Constrain)];
 
@@ -132,6 +140,7 @@ fn in_units(model: &Model, unit: &str) -> String {
 /// A state that drives the laws of these equations and has a library of its own: that of the first of them, and itself. `None` where an
 /// equation states a part of its law, which the state could not share.
 pub fn driven_by_state(text: &str, model: &Model, equations: &[usize]) -> Option<AddedState> {
+    no_families(text)?;
     let mut names = Names::of(text);
     let state = names.unused("h");
     let mut edited = Edited::new(text);

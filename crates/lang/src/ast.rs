@@ -69,11 +69,24 @@ pub enum StatementKind {
     },
     /// `let NAME = EXPR`
     Let { name: Ident, body: Expr },
+    /// `let NAME(ARGUMENTS) = EXPR`
+    Function {
+        name: Ident,
+        params: Vec<Ident>,
+        body: Expr,
+    },
     /// `TARGETS ~ EXPR`, or `TARGET = EXPR` if `known`.
     Equation {
         targets: Vec<Expr>,
         known: bool,
         right: Expr,
+        /// What it would be, written by itself, where it is one of a family.
+        written: Option<String>,
+    },
+    /// `dx[i] ~ <x[i-1], x[i]>, i = 1..10`: an equation, or what is said of coefficients; [`crate::check`] writes it out.
+    Family {
+        statement: Box<StatementKind>,
+        over: Box<IndexRange>,
     },
     /// `coef(ddx, u) : per run`
     PerRun {
@@ -93,6 +106,17 @@ pub enum StatementKind {
     Prefer(Attribute),
     /// `data { ... }`
     Data(Vec<Entry>),
+}
+
+/// `i = 1..10 cyclic`
+#[derive(Clone, Debug)]
+pub struct IndexRange {
+    pub span: Span,
+    pub name: Ident,
+    pub from: Expr,
+    pub to: Expr,
+    /// Whether the first is the neighbour of the last.
+    pub cyclic: bool,
 }
 
 /// One line of a data block.
@@ -165,6 +189,8 @@ pub enum ExprKind {
     /// `a..b`
     Range(Box<Expr>, Box<Expr>),
     Call(Call),
+    /// `x[i + 1]`, in a family of equations.
+    Indexed(Ident, Box<Expr>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -190,6 +216,23 @@ pub struct Call {
     /// What stood after the `;`, if there was one.
     pub numbers: Option<Vec<Expr>>,
     pub juxtaposed: bool,
+}
+
+impl StatementKind {
+    /// The expressions of an equation, a constraint or what is said of coefficients, to be changed.
+    pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
+        match self {
+            StatementKind::Equation { targets, right, .. } => {
+                targets.iter_mut().chain([right]).collect()
+            }
+            StatementKind::Constrain { first, rest } => {
+                let rest = rest.iter_mut().map(|(_, e)| e);
+                [first].into_iter().chain(rest).collect()
+            }
+            StatementKind::PerRun { coefficients, .. } => coefficients.iter_mut().collect(),
+            _ => Vec::new(),
+        }
+    }
 }
 
 impl Expr {
@@ -229,6 +272,25 @@ impl Expr {
             ExprKind::Product(parts) => parts.iter().map(|(_, x)| x).collect(),
             ExprKind::List(items) => items.iter().collect(),
             ExprKind::Call(call) => call.args.iter().collect(),
+            ExprKind::Indexed(_, index) => vec![index],
+        }
+    }
+
+    /// [`Expr::children`], and the numbers of a generator, to be changed.
+    pub fn children_mut(&mut self) -> Vec<&mut Expr> {
+        match &mut self.kind {
+            ExprKind::Number(_) | ExprKind::Share(_) | ExprKind::Text(_) | ExprKind::Name(_) => {
+                Vec::new()
+            }
+            ExprKind::Negate(x) | ExprKind::Group(x) | ExprKind::Indexed(_, x) => vec![x],
+            ExprKind::Power(x, y) | ExprKind::Range(x, y) => vec![x, y],
+            ExprKind::Sum(parts) => parts.iter_mut().map(|(_, x)| x).collect(),
+            ExprKind::Product(parts) => parts.iter_mut().map(|(_, x)| x).collect(),
+            ExprKind::List(items) => items.iter_mut().collect(),
+            ExprKind::Call(call) => {
+                let numbers = call.numbers.iter_mut().flatten();
+                call.args.iter_mut().chain(numbers).collect()
+            }
         }
     }
 

@@ -10,6 +10,7 @@ use crate::parse::lexer::{Token, TokenKind, tokenize};
 use crate::parse::parse;
 use crate::parse::statements::{StatementTokens, split_statements};
 use crate::source::FileId;
+use crate::thresholds::MESSAGES;
 
 const CONTINUATION: usize = 4;
 const ENTRY: usize = 2;
@@ -203,7 +204,8 @@ impl<'a, 't> Layout<'a, 't> {
                 self.beside_text(i, last, token)
             }
             ("{", _) | (_, "}" | "{") => true,
-            (_, "," | ";" | ")" | ".." | "^") | ("(" | ".." | "^", _) => false,
+            _ if self.in_index(i) => false,
+            (_, "," | ";" | ")" | ".." | "^" | "[") | ("(" | ".." | "^", _) => false,
             ("<" | ">", _) | (_, "<" | ">") if relation => true,
             (_, ">") | ("<", _) => false,
             ("," | ";" | ":" | "~" | "=" | "<=" | ">=", _) => true,
@@ -215,6 +217,14 @@ impl<'a, 't> Layout<'a, 't> {
             (_, "(") => last.kind == TokenKind::Name && self.opens_statement(i - 1),
             _ => true,
         })
+    }
+
+    /// Between the brackets of `x[i-1]`, which are near each other.
+    fn in_index(&self, i: usize) -> bool {
+        let before = self.tokens.iter().take(i).rev();
+        let mut near = before.take(MESSAGES.index);
+        let bracket = near.find(|t| t.kind == TokenKind::Symbol && matches!(t.text, "[" | "]"));
+        bracket.is_some_and(|t| t.text == "[")
     }
 
     /// [`Layout::gap`] beside a quoted text, whose content must not be compared with symbols.
@@ -248,7 +258,8 @@ impl<'a, 't> Layout<'a, 't> {
         let keyword = self.keywords.get(i).copied().flatten();
         match left.kind {
             TokenKind::Symbol => {
-                left.text == ")" || left.text == ">" && keyword != Some(Keyword::Constrain)
+                matches!(left.text, ")" | "]")
+                    || left.text == ">" && keyword != Some(Keyword::Constrain)
             }
             TokenKind::Name => {
                 !(keyword.is_some_and(|k| k.text() == left.text) || left.text == "step")

@@ -196,6 +196,8 @@ pub enum LibKind {
         args: Vec<LibExpr>,
         numbers: Vec<NumberArg>,
     },
+    /// `required(A)`: the same terms, which no penalty takes out of the answer.
+    Required(Box<LibExpr>),
     /// A `let` library used by name: `span` is the use, `body.span` the definition.
     Named {
         name: String,

@@ -113,6 +113,8 @@ family! {
         identity_pairs: usize = 50_000, unit "pairs", source "set by hand for its time; not measured again";
         /// Terms of lists that are searched for cos² + sin² = 1, about a second.
         identity_terms: usize = 1_000_000, unit "terms", source "set by hand for its time; not measured again";
+        /// Terms of an equation that are required.
+        required_terms: usize = 100, unit "terms", source "set by hand: a search with so many fixed terms has little left to find";
         /// Largest whole number that a generator takes.
         generator_number: f64 = 1e6, unit "", source "set by hand: far beyond any use, far below overflow";
     }

@@ -126,11 +126,16 @@ pub const ATTRIBUTES: [Entry; 8] = [
 ];
 
 /// Forms with parentheses that are no functions.
-pub const FORMS: [Entry; 5] = [
+pub const FORMS: [Entry; 6] = [
     entry(
         "known",
         "known(${1:-9.81*x})",
         "A part of the right side with fixed coefficients.",
+    ),
+    entry(
+        "required",
+        "required(${1:x})",
+        "Terms that are part of the answer whatever they cost; their coefficients are sought.",
     ),
     entry(
         "next",
@@ -168,6 +173,13 @@ pub const DATA: [Entry; 3] = [
     ),
     entry("none", "none", "The column is not used."),
 ];
+
+/// Behind the range of an index.
+pub const CYCLIC: Entry = entry(
+    "cyclic",
+    "cyclic",
+    "The last of the range is the neighbour of the first.",
+);
 
 /// Words behind `limit` and `prefer`.
 pub const DEGREE: Entry = entry("degree", "degree", "The sum of the exponents of a term.");

@@ -4,9 +4,10 @@ if exists("b:current_syntax")
 endif
 
 syntax keyword sidKeyword sidc system state input output param unknown let data constrain coef symmetry limit prefer
-syntax keyword sidAttribute order noise memory unit hold linear delay hidden degree plain per run step none in
+syntax keyword sidAttribute order noise memory unit hold linear delay hidden degree plain per run step none in cyclic
 syntax match sidFunction /\<\(sin\|cos\|tan\|asin\|acos\|atan\|sinh\|cosh\|tanh\|exp\|log\|sqrt\|abs\|sign\|min\|max\)\>/
-syntax match sidGenerator /\<\(poly\|powers\|fourier\|lags\|known\|next\|lag\|unwrap\)\>/
+syntax match sidGenerator /\<\(poly\|powers\|fourier\|lags\|known\|required\|next\|lag\|unwrap\)\>/
+syntax match sidFunction /\(\<let\s\+\)\@<=\K\k*\ze\s*(/
 syntax match sidNumber /\<\d\+\(\.\d\+\)\?\([eE][+-]\?\d\+\)\?%\?/
 syntax region sidText start=/"/ end=/"/ oneline
 syntax match sidComment /#.*$/

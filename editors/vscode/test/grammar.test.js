@@ -22,6 +22,7 @@ const KINDS = [
   ["keyword.other", "function"],
   ["support.function", "function"],
   ["entity.name.function.macro", "macro"],
+  ["entity.name.function", "function"],
   ["support.type.property-name", "property"],
   ["variable", "name"],
 ];

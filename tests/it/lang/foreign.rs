@@ -168,12 +168,11 @@ fn targets() {
 fn advice() {
     let law = "dx ~ <x, x^2>\n";
     for (theirs, words) in [
-        ("for i in 1:3", "`dx1..dx10 ~ poly(x1..x10; 2)`"),
+        ("for i in 1:3", "`dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`"),
         ("if x > 0", "`step(x)` is 1 for x > 0"),
-        ("let f(a) = a^2", "`let f = …`"),
         ("include \"motor.sid\"", "copy what it needs"),
         ("import numpy as np", "copy what it needs"),
-        ("function rhs(x)", "write it out"),
+        ("function rhs(x)", "`let f(x) = x^2`"),
         ("model Pendulum", "`system NAME`"),
         ("parameters {", "leave the line out"),
     ] {

@@ -7,8 +7,10 @@ mod bad;
 mod corners;
 mod docs;
 mod edges;
+mod families;
 mod foreign;
 mod formatting;
+mod functions;
 mod hostile;
 mod meaning;
 

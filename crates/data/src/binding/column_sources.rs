@@ -88,7 +88,7 @@ fn library_signals(lib: &LibExpr, out: &mut BTreeSet<Signal>) {
         }
         LibKind::Power(a, _) => library_signals(a, out),
         LibKind::Generate { args, .. } => args.iter().for_each(|l| library_signals(l, out)),
-        LibKind::Named { body, .. } => library_signals(body, out),
+        LibKind::Named { body, .. } | LibKind::Required(body) => library_signals(body, out),
     }
 }
 

@@ -27,6 +27,8 @@ pub(crate) struct ConstrainedSearch<'a> {
     pub blocks: Vec<RegressionBlock>,
     pub criteria: Vec<InformationCriterion>,
     pub rows: &'a [LinearConstraint],
+    /// Columns of each block that every support has.
+    pub required: Supports,
 }
 
 /// The best supports with their fit, and those of each block that tie with them.
@@ -165,7 +167,8 @@ impl ConstrainedSearch<'_> {
     fn neighbours(&self, supports: &Supports) -> Vec<Supports> {
         let mut places: Vec<Option<(usize, usize)>> = vec![None];
         for (b, s) in supports.iter().enumerate() {
-            places.extend(s.iter().map(|j| Some((b, *j))));
+            let free = s.iter().filter(|j| !self.required[b].contains(j));
+            places.extend(free.map(|j| Some((b, *j))));
         }
         let mut out = Vec::new();
         for place in places {
@@ -230,6 +233,9 @@ impl ConstrainedSearch<'_> {
     pub fn closure(&self, mut supports: Supports) -> Supports {
         loop {
             let before = supports.clone();
+            for (support, required) in supports.iter_mut().zip(&self.required) {
+                required.iter().for_each(|j| insert(support, *j));
+            }
             for row in self.rows {
                 let chosen =
                     |(b, j, _): &(usize, usize, f64)| supports[*b].binary_search(j).is_ok();

@@ -92,6 +92,7 @@ pub(crate) fn pools(
             let mut pool = term_selection::candidate_pool(phi, &proposed);
             pool.extend(&m.selected.selection.support);
             pool.extend(named(b));
+            pool.extend_from_slice(m.task.library.required());
             if let Some(coefficients) = joint.and_then(|j| j.coefficients.get(b)) {
                 pool.extend(term_selection::candidate_pool(
                     phi,
@@ -125,6 +126,10 @@ pub(crate) fn constrained_search<'r>(
         blocks: blocks.collect(),
         criteria: members.iter().map(|m| m.selected.criterion).collect(),
         rows,
+        required: members
+            .iter()
+            .map(|m| m.task.library.required().to_vec())
+            .collect(),
     }
 }
 

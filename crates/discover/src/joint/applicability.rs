@@ -53,6 +53,9 @@ pub fn joint(
     if by_run && !model.constraints.is_empty() {
         return Err(NotJoint::fine("coefficients are constrained"));
     }
+    if by_run && libraries.iter().flatten().any(|l| !l.required().is_empty()) {
+        return Err(NotJoint::fine("terms are required"));
+    }
     if needed && (options.samples.is_some() || options.path) {
         return Err(NotJoint::fine(
             "rows are to be drawn, or a path is to be shown",

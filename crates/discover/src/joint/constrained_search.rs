@@ -56,13 +56,13 @@ pub(crate) fn search_under_constraints<'a>(
         |fit, free, left| Settled::Answer(Box::new(ConstrainedAnswer { fit, free, left }));
     let answer = |fit, free| settled(fit, free, Vec::new());
     let constraints = &problem.system.constraints;
-    if constraints.is_empty() {
+    if constraints.rows.is_empty() {
         let found = search_runs((model, problem), start, options, watcher);
         return found.map_or(Settled::Nothing, |pooled| {
             settled(pooled.fit, None, pooled.left)
         });
     }
-    let unconstrained = problem.under(CoefficientConstraints::default());
+    let unconstrained = problem.under(constraints.without_rows());
     let found = search_system((model, &unconstrained), start, options, watcher);
     let free = found.map(|fit| owned(fit, constraints));
     let obeys = |fit: &JointFit| {

@@ -126,7 +126,7 @@ impl Strain {
         support.dedup();
         let rules = CoefficientConstraints {
             rows: rows.iter().map(|r| (*r).clone()).collect(),
-            stated: Vec::new(),
+            ..CoefficientConstraints::default()
         };
         let without = self.form.least_squares(&support).square;
         match minimum(&self.form, &rules, &support) {
@@ -247,7 +247,7 @@ fn broken(problem: &Problem, fit: &JointFit) -> Vec<usize> {
     let rows = &problem.system.constraints.rows;
     let one = |k: &usize| CoefficientConstraints {
         rows: vec![rows[*k].clone()],
-        stated: Vec::new(),
+        ..CoefficientConstraints::default()
     };
     let all = 0..rows.len();
     all.filter(|k| !one(k).hold(best.support(), best.coefficients()))

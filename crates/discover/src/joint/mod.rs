@@ -270,7 +270,8 @@ fn weigh(
     }
     doubt_broken(&mut discovery, model);
     // Where constraints shape the answer, single changes of its terms would break them; a scale that is set is one.
-    let free_scale = !problem.system.hidden.is_empty() && !problem.system.constraints.is_empty();
+    let free_scale =
+        !problem.system.hidden.is_empty() && !problem.system.constraints.rows.is_empty();
     let stretches = match watcher.at(Stage::Weighing) {
         None if answer.free.is_none() && !free_scale => {
             likelihood_by_stretch(problem, found, watcher)

@@ -10,7 +10,7 @@ use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_solve::LinearConstraint;
 
-/// Adds to screened pools the terms that constraints name: one left out would silently have the coefficient zero.
+/// Adds to screened pools the terms that are required or that constraints name: one left out would silently have the coefficient zero.
 pub(crate) fn with_named_terms(
     mut pools: CandidatePools,
     model: &Model,
@@ -19,6 +19,11 @@ pub(crate) fn with_named_terms(
     for tied in constraint_rows(model, libraries) {
         for (place, slot, _) in tied.row.entries {
             offer(&mut pools, place, slot);
+        }
+    }
+    for (place, library) in libraries.iter().enumerate() {
+        for slot in library.iter().flat_map(Library::required) {
+            offer(&mut pools, place, *slot);
         }
     }
     pools
@@ -51,8 +56,14 @@ pub(crate) fn coefficient_constraints(
             .filter(|(_, c)| std::ptr::eq(*c, t.constraint));
         same.next().map_or(0, |(k, _)| k)
     };
+    let (each, column_of) = (libraries.iter().enumerate(), &column);
+    let required = each.flat_map(|(place, library)| {
+        let slots = library.iter().flat_map(Library::required);
+        slots.filter_map(move |slot| column_of(place, *slot))
+    });
     CoefficientConstraints {
         rows: tied.iter().map(row).collect(),
         stated: tied.iter().map(statement).collect(),
+        required: required.collect(),
     }
 }

@@ -150,14 +150,17 @@ impl IndependentLawSearch<'_, '_> {
             let mut seen = BTreeSet::new();
             pool.retain(|j| seen.insert(*j));
             pool.truncate(TERM_SELECTION.exhaustive_columns);
-            pool.sort_unstable();
         }
+        pool.extend_from_slice(self.task.library.required());
+        pool.sort_unstable();
+        pool.dedup();
         pool
     }
 
     fn search(&self, pool: &[usize]) -> BestSubsetSearch {
         let phi = self.design.phi.as_ref();
-        term_selection::best_subset_search(phi, &self.design.target, pool, self.criterion)
+        let asked = (self.criterion, self.task.library.required());
+        term_selection::best_subset_search(phi, &self.design.target, pool, asked)
     }
 
     /// The best independent support.
@@ -173,8 +176,9 @@ impl IndependentLawSearch<'_, '_> {
             others.iter().any(|s| term.mentions(*s))
         };
         let places = pool.iter().enumerate();
+        let required = self.task.library.required();
         let joint: BTreeSet<usize> = places
-            .filter(|(_, j)| mentions(j))
+            .filter(|(_, j)| mentions(j) && !required.contains(j))
             .map(|(i, _)| i)
             .collect();
         let mut best = None;
@@ -203,7 +207,8 @@ impl IndependentLawSearch<'_, '_> {
             if let Some(found) = found.filter(|f| best.as_ref().is_none_or(|b| f.value < b.value)) {
                 best = Some(found);
             }
-            for place in &node.support {
+            let free = node.support.iter();
+            for place in free.filter(|i| !required.contains(&pool[**i])) {
                 let mut forbidden = node.forbidden.clone();
                 forbidden.insert(*place);
                 if seen.insert(forbidden.clone()) {

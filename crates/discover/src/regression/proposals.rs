@@ -60,7 +60,7 @@ impl Task<'_> {
                 design.phi.as_ref(),
                 &design.target,
                 &proposal.solution.coefficients,
-                criterion,
+                (criterion, self.library.required()),
                 watcher.during(Stage::Choosing),
             );
             let known = selections

@@ -33,6 +33,11 @@ impl Task<'_> {
                 "integrals have no tolerance that all terms were tried within",
             );
         }
+        if !self.library.required().is_empty() {
+            return SparsestProof::refused(
+                "the model requires terms, and the sparsest fit of all may lack them",
+            );
+        }
         let selection = selected.selection.support.clone();
         let asked = design.problem();
         let fits = solve::fits(&asked, &selection);

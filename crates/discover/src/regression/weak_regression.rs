@@ -289,7 +289,7 @@ impl Task<'_> {
             phi,
             &whitened.target,
             &proposals,
-            criterion,
+            (criterion, self.library.required()),
             watcher.during(Stage::Choosing),
         );
         let polished = solve::refit(phi, &whitened.target, &selection.support);

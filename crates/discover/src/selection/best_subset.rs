@@ -27,6 +27,8 @@ pub struct BestSubsetSearch {
     target: Vec<f64>,
     outside: f64,
     criterion: InformationCriterion,
+    /// Columns that every subset has, rising.
+    required: Vec<usize>,
 }
 
 /// All columns and the target, projected off a chosen subset.
@@ -59,7 +61,14 @@ impl BestSubsetSearch {
             target,
             outside,
             criterion,
+            required: Vec::new(),
         }
+    }
+
+    /// The same search among the subsets that have these columns, which rise.
+    pub fn requiring(mut self, required: Vec<usize>) -> Self {
+        self.required = required;
+        self
     }
 
     /// The same search with some columns set to zero, so that places stay the same.
@@ -73,6 +82,7 @@ impl BestSubsetSearch {
         BestSubsetSearch {
             columns,
             target: self.target.clone(),
+            required: self.required.clone(),
             ..*self
         }
     }
@@ -85,6 +95,7 @@ impl BestSubsetSearch {
         starts: &[Vec<usize>],
         observer: &mut dyn Observer,
     ) -> Vec<ScoredSubset> {
+        let max_terms = max_terms.max(self.required.len());
         let mut found = Visited::default();
         found.add(self.subset(&self.start()));
         self.beam(max_terms, &mut found);
@@ -107,7 +118,7 @@ impl BestSubsetSearch {
         let mut states = vec![self.start()];
         let mut best = f64::INFINITY;
         let mut since = 0;
-        for _ in 0..max_terms.min(self.count()) {
+        for _ in self.required.len()..max_terms.min(self.count()) {
             states = self.grow(&states);
             let Some(value) = states
                 .iter()
@@ -160,6 +171,9 @@ impl BestSubsetSearch {
             if !observer.go_on() {
                 break;
             }
+            if support.get(gap).is_some_and(|j| self.required.contains(j)) {
+                continue;
+            }
             let kept: Vec<usize> = support
                 .iter()
                 .enumerate()
@@ -184,18 +198,21 @@ impl BestSubsetSearch {
         self.columns.len() / self.rows
     }
 
+    /// What is required and nothing else.
     fn start(&self) -> Projection {
-        Projection {
+        let nothing = Projection {
             support: Vec::new(),
             columns: self.columns.clone(),
             residual: self.target.clone(),
-        }
+        };
+        let required = self.required.iter();
+        required.fold(nothing, |state, j| self.with(&state, *j))
     }
 
+    /// A support, with what is required.
     fn project(&self, support: &[usize]) -> Projection {
-        support
-            .iter()
-            .fold(self.start(), |state, j| self.with(&state, *j))
+        let new = support.iter().filter(|j| !self.required.contains(j));
+        new.fold(self.start(), |state, j| self.with(&state, *j))
     }
 
     /// By how much each column not chosen yet would lower the squared residual.
@@ -345,6 +362,28 @@ mod tests {
         };
         assert_eq!(run(1e-4), vec![2]);
         assert_eq!(run(1e-9), vec![2, 5]);
+    }
+
+    #[test]
+    fn what_is_required_is_in_every_subset() {
+        let (rows, count) = (120, 30);
+        let columns = Numbers(3).many(rows * count);
+        let error = Numbers(5).many(rows);
+        let column = |j: usize| &columns[j * rows..(j + 1) * rows];
+        let target: Vec<f64> = (0..rows)
+            .map(|i| 2.0 * column(7)[i] - 0.5 * column(19)[i] + 0.1 * error[i])
+            .collect();
+        let criterion = InformationCriterion::new(rows, 1.0, count, 0.0);
+        let search = BestSubsetSearch::new(rows, columns.clone(), target, 0.0, criterion)
+            .requiring(vec![4, 19]);
+        let found = search.run(10, &[vec![1, 2]], &mut Unwatched);
+        assert_eq!(found[0].support, vec![4, 7, 19]);
+        for subset in &found {
+            assert!(subset.support.contains(&4) && subset.support.contains(&19));
+        }
+        // More of them than terms are allowed otherwise.
+        let all = search.requiring((0..12).collect());
+        assert!(all.run(3, &[], &mut Unwatched)[0].support.len() >= 12);
     }
 
     #[test]

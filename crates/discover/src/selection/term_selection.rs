@@ -29,16 +29,20 @@ pub struct TermSelection {
     pub cut: bool,
 }
 
-/// Selects among all candidates, or among the proposals of the solver if there are too many, as long as the observer allows.
+/// Selects among all candidates, or among the proposals of the solver if there are too many, as long as the observer allows. Every
+/// selection has the columns that are required, which rise.
 pub fn select_terms(
     dictionary: &dyn Dictionary,
     target: &[f64],
     coefficients: &[(usize, f64)],
-    criterion: InformationCriterion,
+    (criterion, required): (InformationCriterion, &[usize]),
     observer: &mut dyn Observer,
 ) -> TermSelection {
     let proposed = proposed_columns(dictionary, coefficients);
-    let pool = candidate_pool(dictionary, &proposed);
+    let mut pool = candidate_pool(dictionary, &proposed);
+    pool.extend_from_slice(required);
+    pool.sort_unstable();
+    pool.dedup();
     let start: Vec<usize> = proposed
         .iter()
         .take(TERM_SELECTION.max_terms)
@@ -54,7 +58,7 @@ pub fn select_terms(
         cut = answer.is_break();
         answer
     };
-    let search = best_subset_search(dictionary, target, &pool, criterion);
+    let search = best_subset_search(dictionary, target, &pool, (criterion, required));
     let found = search.run(most, &[start], &mut observer);
     let named = |s: &ScoredSubset| -> Vec<usize> { s.support.iter().map(|i| pool[*i]).collect() };
     let Some(best) = found.first() else {
@@ -119,7 +123,7 @@ pub fn best_subset_search(
     dictionary: &dyn Dictionary,
     target: &[f64],
     pool: &[usize],
-    criterion: InformationCriterion,
+    (criterion, required): (InformationCriterion, &[usize]),
 ) -> BestSubsetSearch {
     let (m, n) = (dictionary.rows(), pool.len());
     let mut columns = vec![0.0; m * n];
@@ -134,5 +138,7 @@ pub fn best_subset_search(
     let (reduced, outside) = qr_reduction(DMatrix::from_vec(m, n + 1, columns));
     let rows = reduced.nrows();
     let (columns, target) = reduced.as_slice().split_at(rows * n);
+    let places = required.iter().filter_map(|j| pool.binary_search(j).ok());
     BestSubsetSearch::new(rows, columns.to_vec(), target.to_vec(), outside, criterion)
+        .requiring(places.collect())
 }

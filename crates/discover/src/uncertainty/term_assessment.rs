@@ -48,14 +48,59 @@ pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery
     }
 }
 
-/// Doubts every equation that the criterion prefers without one of its terms, by as much as separates two answers.
-pub fn doubt_unneeded_terms(discovery: &mut Discovery, model: &Model) {
-    discovery.doubt_each(|d, e| unneeded(e, model, &Language(d)));
+/// Doubts every equation that the criterion prefers without one of its terms, by as much as separates two answers; without one that the
+/// model requires, by anything.
+pub fn doubt_unneeded_terms(
+    discovery: &mut Discovery,
+    model: &Model,
+    required: &dyn Fn(Signal, &Term) -> bool,
+) {
+    discovery.doubt_each(|d, e| required_for_nothing(e, required, &Language(d)));
+    discovery.doubt_each(|d, e| unneeded(e, model, required, &Language(d)));
+}
+
+/// The terms that the model requires and the data do not.
+fn required_for_nothing(
+    equation: &Equation,
+    required: &dyn Fn(Signal, &Term) -> bool,
+    names: &Language<Discovery>,
+) -> Option<Reason> {
+    let own = equation.terms.iter();
+    let own = own.filter(|t| !t.fixed && required(equation.target, &t.term));
+    let idle = own.filter(|t| {
+        t.trust.as_ref().is_some_and(|trust| match &trust.without {
+            Some(without) => without.cost < 0.0,
+            None => (trust.interval).is_some_and(|(low, high)| low <= 0.0 && 0.0 <= high),
+        })
+    });
+    let idle: Vec<String> = idle.map(|t| names.term(&t.term)).collect();
+    let (first, act) = match idle.as_slice() {
+        [] => return None,
+        [_] => (
+            "the data do not show that this required term acts",
+            "it acts",
+        ),
+        _ => (
+            "the data do not show that these required terms act",
+            "they act",
+        ),
+    };
+    let all = idle.join(", ");
+    let reason = Reason::new(ReasonCode::BetterWithout, format!("{first}: {all}"));
+    Some(reason.remedy(format!(
+        "measure where {act}, or take {all} out of `required(…)`"
+    )))
 }
 
 /// The term whose loss gains most, if that is enough.
-fn unneeded(equation: &Equation, model: &Model, names: &Language<Discovery>) -> Option<Reason> {
-    let free = equation.terms.iter().filter(|t| !t.fixed);
+fn unneeded(
+    equation: &Equation,
+    model: &Model,
+    required: &dyn Fn(Signal, &Term) -> bool,
+    names: &Language<Discovery>,
+) -> Option<Reason> {
+    let free = equation.terms.iter();
+    let free = free.filter(|t| !t.fixed && !required(equation.target, &t.term));
     let gains = free.filter_map(|t| Some((t, t.trust.as_ref()?.without.as_ref()?)));
     let (term, without) = gains.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
     (without.cost < -MARKS.tied).then(|| {

@@ -166,7 +166,7 @@ fn an_equation_that_is_better_without_a_term_is_doubted() {
             without: Some(without),
             ..Trust::default()
         }));
-        doubt_unneeded_terms(&mut d, &Model::default());
+        doubt_unneeded_terms(&mut d, &Model::default(), &|_, _| false);
         d.equations[0].reasons.iter().map(|r| r.code.clone()).next()
     };
     assert_eq!(with(-7.0), Some(ReasonCode::BetterWithout));

@@ -176,7 +176,8 @@ impl<'a> Profile<'a> {
                 false => Vec::new(),
                 true => self.proposed(e, phi.as_ref(), &y, observer),
             };
-            let found = select_terms(phi.as_ref(), &y, &proposed, e.criterion, observer);
+            let criterion_of = (e.criterion, e.library.required());
+            let found = select_terms(phi.as_ref(), &y, &proposed, criterion_of, observer);
             if found.cut {
                 return None;
             }

@@ -2,9 +2,10 @@
 //!
 //! In: findings. Out: nothing. The passes over statements and expressions are methods, each in the file of its subject.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ast::{File, Statement};
+use crate::check::own_functions::{Arguments, OwnFunction};
 use crate::check::scope::Scope;
 use crate::check::vocabulary::Vocabulary;
 use crate::diagnostic::Diagnostic;
@@ -19,6 +20,15 @@ pub struct Checker<'a> {
     pub reported: BTreeSet<String>,
     /// Nodes so far with every `let` written out.
     pub written: usize,
+    /// The names of all functions that the model defines.
+    pub own_names: BTreeSet<String>,
+    /// Those that are defined so far.
+    pub functions: BTreeMap<String, OwnFunction<'a>>,
+    pub used_functions: BTreeSet<String>,
+    /// The arguments of the functions whose bodies are being read, the innermost last.
+    pub arguments: Vec<Arguments>,
+    /// Codes and places of what was found in bodies.
+    pub told_in_calls: BTreeSet<(&'static str, Option<Span>)>,
 }
 
 impl<'a> Checker<'a> {

@@ -6,7 +6,9 @@
 mod checker;
 mod errors;
 mod expressions;
+mod families;
 mod hidden_states;
+mod own_functions;
 mod scope;
 mod statements;
 mod time_domain;
@@ -14,7 +16,7 @@ mod undeclared_constants;
 mod unknown_names;
 mod vocabulary;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ast::{File, Keyword, Statement, StatementKind};
 use crate::diagnostic::Diagnostic;
@@ -27,6 +29,21 @@ pub use vocabulary::{GeneratorSignature, Vocabulary};
 
 /// Checks one file. The model is `None` only if there are errors, here or in the text (`file.broken`).
 pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagnostic>) {
+    let Some((written, mut found)) = families::write_out(file) else {
+        return check_equations(file, vocabulary);
+    };
+    let (model, more) = check_equations(&written, vocabulary);
+    // What is wrong in all equations of a family is told once.
+    for d in more {
+        if !found.contains(&d) {
+            found.push(d);
+        }
+    }
+    (model, found)
+}
+
+/// [`check`], of a file without families.
+fn check_equations(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagnostic>) {
     let mut c = Checker {
         file,
         vocabulary,
@@ -34,8 +51,14 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
         found: Vec::new(),
         reported: BTreeSet::new(),
         written: 0,
+        own_names: BTreeSet::new(),
+        functions: BTreeMap::new(),
+        used_functions: BTreeSet::new(),
+        arguments: Vec::new(),
+        told_in_calls: BTreeSet::new(),
     };
     c.headers();
+    c.function_names();
     c.find_time_kind();
     c.number_lets();
     c.declarations();
@@ -118,6 +141,12 @@ impl<'a> Checker<'a> {
         }
         if !self.found.iter().any(Diagnostic::is_error) && self.file.broken.is_empty() {
             let notes = errors::loose_ends(model, &self.scope);
+            self.found.extend(notes);
+            let idle = self.functions.iter();
+            let idle = idle.filter(|(name, _)| !self.used_functions.contains(*name));
+            let notes: Vec<Diagnostic> = idle
+                .map(|(name, f)| errors::unused(f.span, name, false))
+                .collect();
             self.found.extend(notes);
         }
     }

@@ -17,7 +17,9 @@ impl Checker<'_> {
                 StatementKind::Equation { targets, right, .. } => {
                     targets.iter().chain([right]).collect()
                 }
-                StatementKind::Let { body, .. } => vec![body],
+                StatementKind::Let { body, .. } | StatementKind::Function { body, .. } => {
+                    vec![body]
+                }
                 _ => continue,
             };
             place = place.or_else(|| exprs.into_iter().find_map(|e| self.sample_word(e)));
@@ -27,7 +29,7 @@ impl Checker<'_> {
 
     /// The first `next(…)`, `lag(…)` or discrete generator in an expression.
     fn sample_word(&self, e: &Expr) -> Option<Span> {
-        let generator = |name: &str| self.vocabulary.generator(name);
+        let generator = |name: &str| self.generator_named(name);
         let sampled = |call: &Call| {
             let name = call.name.text.as_str();
             ["next", "lag"].contains(&name) || generator(name).is_some_and(|g| g.discrete_only)

@@ -36,7 +36,11 @@ impl Checker<'_> {
             Some(StatementKind::Equation { right, targets, .. }) if right.span.holds(at) => {
                 (right, &targets[..])
             }
-            Some(StatementKind::Let { body, .. }) if body.span.holds(at) => (body, &[][..]),
+            Some(StatementKind::Let { body, .. } | StatementKind::Function { body, .. })
+                if body.span.holds(at) =>
+            {
+                (body, &[][..])
+            }
             _ => return Undeclared::Other,
         };
         if self.bends(right, at) {
@@ -103,7 +107,10 @@ impl Checker<'_> {
     }
 
     pub fn is_declared(&self, name: &str) -> bool {
-        self.scope.signal(name).is_some() || self.scope.lets.contains_key(name) || name == "pi"
+        self.scope.signal(name).is_some()
+            || self.scope.lets.contains_key(name)
+            || self.argument(name).is_some()
+            || name == "pi"
     }
 
     /// The undeclared factors and summands of a sum of terms, and the terms without them; `None` where libraries stand in it, no term has such

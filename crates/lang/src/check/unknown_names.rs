@@ -11,14 +11,18 @@ use crate::model::VarKind;
 use crate::parse::confusables;
 use crate::parse::foreign_spellings::functions::{self, Meant};
 use crate::source::Span;
-use crate::term::{FUNCTIONS, Func};
+use crate::term::FUNCTIONS;
 use crate::thresholds::MESSAGES;
 
 /// Words that have a meaning in one place only, and where.
-const PLACED: [(&str, &str); 5] = [
+const PLACED: [(&str, &str); 6] = [
     (
         "known",
         "`known(…)` is a summand of its own on the right of `~`: `dx ~ known(-9.8*x) + poly(x; 3)`",
+    ),
+    (
+        "required",
+        "`required(…)` is a summand of its own on the right of `~`: `dx ~ required(x, x^3) + poly(x; 5)`",
     ),
     (
         "coef",
@@ -49,6 +53,7 @@ impl Checker<'_> {
             return None;
         }
         if self.meant(text).is_none()
+            && !self.is_own_function(text)
             && let Undeclared::Coefficients(found) = self.undeclared(at)
         {
             let d = self.undeclared_coefficients(at, &found);
@@ -59,11 +64,14 @@ impl Checker<'_> {
     }
 
     fn describe_unknown(&self, at: Span, text: &str) -> Diagnostic {
-        if Func::named(text).is_some() {
+        if self.function_named(text).is_some() {
             return errors::function_without_argument(at, text, self.negated_name_after(at));
         }
-        if let Some(generator) = self.vocabulary.generator(text) {
+        if let Some(generator) = self.generator_named(text) {
             return errors::generator_without_arguments(at, generator.name, generator.usage);
+        }
+        if self.is_own_function(text) {
+            return errors::function_without_argument(at, text, self.negated_name_after(at));
         }
         if let Some(later) = self.later_let(text) {
             return errors::let_used_before(at, text, later);
@@ -219,7 +227,10 @@ impl Checker<'_> {
         if let Some((_, help)) = PLACED.iter().find(|(word, _)| *word == name) {
             return self.fail(errors::word_elsewhere(at, name, help));
         }
-        if self.vocabulary.generator(name).is_some() {
+        if let Some(d) = self.own_function_before(at, name) {
+            return self.fail(d);
+        }
+        if self.generator_named(name).is_some() {
             return self.fail(errors::library_inside(
                 e.span,
                 &format!("the library `{name}(…)`"),
@@ -241,7 +252,8 @@ impl Checker<'_> {
             .iter()
             .map(|f| f.name)
             .chain(self.vocabulary.generators.iter().map(|g| g.name))
-            .chain(["next", "lag", "known"]);
+            .chain(["next", "lag", "known", "required"])
+            .chain(self.functions.keys().map(String::as_str));
         let near = did_you_mean(name, candidates).map(str::to_string);
         if !self.reported.insert(name.to_string()) {
             return None;
@@ -252,6 +264,19 @@ impl Checker<'_> {
             near,
             &self.vocabulary.generators,
         ))
+    }
+
+    /// A function of the model that is called by itself, or above its definition.
+    fn own_function_before(&self, at: Span, name: &str) -> Option<Diagnostic> {
+        self.statements().find_map(|s| match &s.kind {
+            StatementKind::Function { name: own, .. } if own.text == name => {
+                Some(match s.span.holds(at) {
+                    true => errors::recursive_function(at, name, own.span),
+                    false => errors::let_used_before(at, name, own.span),
+                })
+            }
+            _ => None,
+        })
     }
 
     fn foreign_function(&self, call: &Call) -> Option<Meant> {

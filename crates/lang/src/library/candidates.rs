@@ -15,6 +15,8 @@ pub struct Library {
     blocks: Vec<Block>,
     /// Slots whose term is excluded or has an earlier slot; ascending.
     empty: Vec<usize>,
+    /// Slots of the terms that are part of every answer; ascending.
+    required: Vec<usize>,
     /// Number of terms before the selection rule was applied.
     before: Option<u128>,
     /// Made at the first look-up.
@@ -37,6 +39,18 @@ impl Library {
         Library::new(vec![Block::listed(terms)], Vec::new())
     }
 
+    /// The same library with these slots in every answer; they ascend.
+    pub fn requiring(mut self, required: Vec<usize>) -> Library {
+        debug_assert!(required.is_sorted_by(|a, b| a < b));
+        self.required = required;
+        self
+    }
+
+    /// Slots of the terms that are part of every answer, ascending.
+    pub fn required(&self) -> &[usize] {
+        &self.required
+    }
+
     pub(crate) fn pruned_from(mut self, before: Option<u128>) -> Library {
         self.before = before;
         self
@@ -47,15 +61,17 @@ impl Library {
         Library::new(blocks, empty)
     }
 
-    /// The same library with these slots empty.
+    /// The same library with these slots empty, but for those that are required.
     pub fn without(&self, slots: &[usize]) -> Library {
         let mut empty = self.empty.clone();
-        empty.extend_from_slice(slots);
+        let kept = |slot: &usize| self.required.binary_search(slot).is_err();
+        empty.extend(slots.iter().copied().filter(kept));
         empty.sort_unstable();
         empty.dedup();
         Library {
             blocks: self.blocks.clone(),
             before: self.before,
+            required: self.required.clone(),
             ..Library::new(Vec::new(), empty)
         }
     }

@@ -101,6 +101,38 @@ impl<'a> Expansion<'a> {
         Some(library.pruned_from(before))
     }
 
+    /// The slots of the terms that are required; each has to be a candidate.
+    pub fn required_slots(&mut self, e: &LibExpr, library: &Library) -> Option<Vec<usize>> {
+        let mut slots = Vec::new();
+        for part in required_parts(e) {
+            let told = self.diagnostics.len();
+            let list = self
+                .set(part)
+                .and_then(|set| self.made(part.span, set.list()));
+            // What is to be said of its terms is said of the library.
+            self.diagnostics.truncate(told);
+            let Some(list) = list else { continue };
+            for term in list.terms() {
+                match library.contains(term) {
+                    Some(slot) => slots.push(slot),
+                    None => {
+                        let text = Language(self.model).term(term);
+                        let bare = *term == Term::signal(self.target);
+                        let by = restrictions(self.model).filter(|_| !bare);
+                        return self.fail(library_errors::required_left_out(part.span, &text, by));
+                    }
+                }
+            }
+            if slots.len() > LIBRARY.required_terms {
+                let (found, most) = (slots.len(), LIBRARY.required_terms);
+                return self.fail(library_errors::too_many_required(part.span, found, most));
+            }
+        }
+        slots.sort_unstable();
+        slots.dedup();
+        Some(slots)
+    }
+
     /// Distinct terms of a set expression.
     fn set(&mut self, e: &LibExpr) -> Option<TermSet> {
         match &e.kind {
@@ -124,7 +156,7 @@ impl<'a> Expansion<'a> {
                 Some(a.times_term(&divisor))
             }
             LibKind::Power(a, p) => Some(TermSet::of(vec![self.single(a, "^")?.pow(*p)])),
-            LibKind::Named { body, .. } => self.set(body),
+            LibKind::Named { body, .. } | LibKind::Required(body) => self.set(body),
             LibKind::Generate {
                 name,
                 name_span,
@@ -277,6 +309,15 @@ impl<'a> Expansion<'a> {
     fn fail<T>(&mut self, d: Diagnostic) -> Option<T> {
         self.diagnostics.push(d);
         None
+    }
+}
+
+/// The `required(…)` summands of a right side.
+fn required_parts(e: &LibExpr) -> Vec<&LibExpr> {
+    match &e.kind {
+        LibKind::Required(_) => vec![e],
+        LibKind::Union(a, b) => [required_parts(a), required_parts(b)].concat(),
+        _ => Vec::new(),
     }
 }
 

@@ -68,6 +68,34 @@ pub(crate) fn pruned(
     .at(span, "")
 }
 
+/// A required term that is no candidate; `by` are the statements that restrict candidates.
+pub(crate) fn required_left_out(span: Span, term: &str, by: Option<String>) -> Diagnostic {
+    let d = Diagnostic::error(
+        "required-term",
+        format!("the required term `{term}` cannot be in this equation"),
+    );
+    match by {
+        Some(by) => d
+            .at(span, format!("left out by what the model says: {by}"))
+            .help("leave the term out here, or correct the `symmetry` or `limit` line"),
+        None => d
+            .at(span, "the target itself")
+            .help("leave the target out here"),
+    }
+}
+
+pub(crate) fn too_many_required(span: Span, found: usize, most: usize) -> Diagnostic {
+    Diagnostic::error(
+        "required-term",
+        format!(
+            "{} terms are required; the limit is {most}",
+            readable(found as u128)
+        ),
+    )
+    .at(span, "beyond the limit with these")
+    .help("require the terms that are known to act, and leave the others to the search")
+}
+
 /// A term of no definite parity.
 pub(crate) fn without_parity(span: Span, symmetry: Span, term: &str, flipped: &str) -> Diagnostic {
     Diagnostic::note(

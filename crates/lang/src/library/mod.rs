@@ -55,7 +55,8 @@ pub fn expand(
         let found = pythagorean_identity::check(model, target, written, &set, &rule);
         pass.diagnostics.extend(found);
         pass.diagnostics.extend(scaling_unknowns(model, &library));
-        Some(library)
+        let required = pass.required_slots(written, &library)?;
+        Some(library.requiring(required))
     });
     (library.unwrap_or_default(), pass.diagnostics)
 }

@@ -18,6 +18,9 @@ pub fn size(model: &Model, library: &Library) -> String {
         }
         text.push_str(&format!(" ({by})"));
     }
+    if !library.required().is_empty() {
+        text.push_str(&format!(", {} required", library.required().len()));
+    }
     text
 }
 

@@ -85,7 +85,7 @@ fn text(e: &LibExpr) -> String {
         LibKind::Product(a, b) => format!("{} * {}", text(a), text(b)),
         LibKind::Quotient(a, b) => format!("{} / <{}>", text(a), text(b)),
         LibKind::Power(a, p) => format!("{}^{p}", text(a)),
-        LibKind::Named { body, .. } => text(body),
+        LibKind::Named { body, .. } | LibKind::Required(body) => text(body),
         LibKind::Generate {
             name,
             args,
@@ -193,7 +193,7 @@ fn brute(e: &LibExpr) -> Option<BTreeSet<Term>> {
                 .into_iter()
                 .collect()
         }
-        LibKind::Power(..) | LibKind::Named { .. } => return None,
+        LibKind::Power(..) | LibKind::Named { .. } | LibKind::Required(_) => return None,
     };
     Some(made)
 }

@@ -7,11 +7,12 @@ use pest::Parser;
 use pest::iterators::{Pair, Pairs};
 
 use crate::ast::{
-    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, Keyword, Side, Sign, StatementKind,
+    Attribute, Call, EntryKind, Expr, ExprKind, Ident, Image, IndexRange, Keyword, StatementKind,
 };
 use crate::diagnostic::Diagnostic;
 use crate::parse::grammar::{PRECEDENCE, Rule, SidParser};
 use crate::parse::lexer::{Token, normalise};
+use crate::parse::operands::{infix, number, percent, raised, range};
 use crate::parse::{explain, syntax_errors};
 use crate::source::{FileId, Span};
 use crate::term::Func;
@@ -25,19 +26,23 @@ pub fn statement(
     rule: Rule,
     keyword: Option<Keyword>,
 ) -> Result<StatementKind> {
-    let (tree, inner) = read(file, text, tokens, rule, keyword)?;
+    let (tree, mut inner) = read(file, text, tokens, rule, keyword)?;
     match rule {
         Rule::version => tree.version(inner),
         Rule::system => tree.system(inner),
         Rule::declare => tree.declare(inner, keyword.unwrap_or(Keyword::State)),
         Rule::unknown => tree.unknown(inner),
         Rule::constant => tree.constant(inner),
-        Rule::constrain => tree.constrain(inner),
-        Rule::per_run => tree.per_run(inner),
+        Rule::function => tree.function(inner),
+        Rule::constrain => tree.constrain(&mut inner),
+        Rule::per_run => tree.per_run(&mut inner),
+        Rule::family => tree.family(tree.equation(&mut inner)?, &mut inner),
+        Rule::constrain_family => tree.family(tree.constrain(&mut inner)?, &mut inner),
+        Rule::per_run_family => tree.family(tree.per_run(&mut inner)?, &mut inner),
         Rule::symmetry => tree.symmetry(inner),
         Rule::limit => tree.limit(inner),
         Rule::prefer => tree.prefer(inner),
-        _ => tree.equation(inner),
+        _ => tree.equation(&mut inner),
     }
 }
 
@@ -196,37 +201,76 @@ impl AstBuilder<'_> {
         })
     }
 
+    /// `function = { SOI ~ "let" ~ word ~ "(" ~ word ~ ("," ~ word)* ~ ")" ~ "=" ~ expr ~ EOI }`
+    fn function(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let name = self.ident(&self.next(&mut inner)?);
+        let mut params = Vec::new();
+        let mut part = self.next(&mut inner)?;
+        while part.as_rule() == Rule::word {
+            params.push(self.ident(&part));
+            part = self.next(&mut inner)?;
+        }
+        let body = self.expr(part)?;
+        Ok(StatementKind::Function { name, params, body })
+    }
+
     /// `equation = { SOI ~ names ~ relates ~ expr ~ EOI }`
-    fn equation(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
-        let targets = self.items(self.next(&mut inner)?)?;
-        let known = self.next(&mut inner)?.as_str() == "=";
-        let right = self.expr(self.next(&mut inner)?)?;
+    fn equation(&self, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
+        let targets = self.items(self.next(inner)?)?;
+        let known = self.next(inner)?.as_str() == "=";
+        let right = self.expr(self.next(inner)?)?;
         Ok(StatementKind::Equation {
             targets,
             known,
             right,
+            written: None,
+        })
+    }
+
+    /// `over = { word ~ "=" ~ end ~ ".." ~ end ~ cyclic? }`, the last part of a family
+    fn family(&self, statement: StatementKind, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
+        let over = self.next(inner)?;
+        let span = self.span(&over);
+        let mut parts = over.into_inner();
+        let name = self.ident(&self.next(&mut parts)?);
+        let mut end = || -> Result<Expr> {
+            let end = self.next(&mut parts)?;
+            self.primary(self.next(&mut end.into_inner())?)
+        };
+        let (from, to) = (end()?, end()?);
+        let over = IndexRange {
+            span,
+            name,
+            from,
+            to,
+            cyclic: parts.next().is_some(),
+        };
+        Ok(StatementKind::Family {
+            statement: Box::new(statement),
+            over: Box::new(over),
         })
     }
 
     /// `constrain = { SOI ~ "constrain" ~ expr ~ (relation ~ expr)+ ~ EOI }`
-    fn constrain(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
-        let first = self.expr(self.next(&mut inner)?)?;
+    fn constrain(&self, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
+        let first = self.expr(self.next(inner)?)?;
         let mut rest = Vec::new();
-        while let Some(pair) = inner.next().filter(|p| p.as_rule() == Rule::relation) {
+        while let Some(pair) = inner.peek().filter(|p| p.as_rule() == Rule::relation) {
+            inner.next();
             let relation = ["<=", ">=", "<", ">"]
                 .into_iter()
                 .find(|r| *r == pair.as_str())
                 .unwrap_or("=");
-            rest.push((relation, self.expr(self.next(&mut inner)?)?));
+            rest.push((relation, self.expr(self.next(inner)?)?));
         }
         Ok(StatementKind::Constrain { first, rest })
     }
 
     /// `per_run = { SOI ~ "constrain"? ~ names ~ ":" ~ attribute ~ EOI }`
-    fn per_run(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+    fn per_run(&self, inner: &mut Pairs<Rule>) -> Result<StatementKind> {
         Ok(StatementKind::PerRun {
-            coefficients: self.items(self.next(&mut inner)?)?,
-            attribute: self.attribute(self.next(&mut inner)?)?,
+            coefficients: self.items(self.next(inner)?)?,
+            attribute: self.attribute(self.next(inner)?)?,
         })
     }
 
@@ -350,12 +394,17 @@ impl AstBuilder<'_> {
         Ok(Expr::new(span, kind))
     }
 
-    /// `reference = { name ~ (arguments | applied)? }`
+    /// `reference = { name ~ (index | arguments | applied)? }`
     fn reference(&self, pair: Pair<Rule>) -> Result<Expr> {
         let mut inner = pair.into_inner();
         let name = self.ident(&self.next(&mut inner)?);
         match inner.next() {
             None => Ok(Expr::new(name.span, ExprKind::Name(name.text))),
+            Some(rest) if rest.as_rule() == Rule::index => {
+                let span = name.span.to(self.span(&rest));
+                let index = self.expr(self.next(&mut rest.into_inner())?)?;
+                Ok(Expr::new(span, ExprKind::Indexed(name, Box::new(index))))
+            }
             Some(rest) => {
                 let span = name.span.to(self.span(&rest));
                 Ok(Expr::new(span, ExprKind::Call(self.call(name, rest)?)))
@@ -383,64 +432,4 @@ impl AstBuilder<'_> {
         }
         Ok(call)
     }
-}
-
-/// Joins two operands, keeping a chain of one precedence flat.
-fn infix(left: Expr, op: Rule, right: Expr) -> Expr {
-    let span = left.span.to(right.span);
-    let kind = match op {
-        Rule::add | Rule::subtract => {
-            let sign = if op == Rule::add {
-                Sign::Plus
-            } else {
-                Sign::Minus
-            };
-            let mut parts = match left.kind {
-                ExprKind::Sum(parts) => parts,
-                kind => vec![(Sign::Plus, Expr::new(left.span, kind))],
-            };
-            parts.push((sign, right));
-            ExprKind::Sum(parts)
-        }
-        _ => {
-            let side = if op == Rule::multiply {
-                Side::Above
-            } else {
-                Side::Below
-            };
-            let mut parts = match left.kind {
-                ExprKind::Product(parts) => parts,
-                kind => vec![(Side::Above, Expr::new(left.span, kind))],
-            };
-            parts.push((side, right));
-            ExprKind::Product(parts)
-        }
-    };
-    Expr::new(span, kind)
-}
-
-/// `from .. to`
-fn range(from: Expr, to: Expr) -> Expr {
-    let span = from.span.to(to.span);
-    Expr::new(span, ExprKind::Range(Box::new(from), Box::new(to)))
-}
-
-/// The value of digits that the lexer has accepted.
-fn number(pair: &Pair<Rule>) -> f64 {
-    pair.as_str().parse().unwrap_or(f64::NAN)
-}
-
-/// `share = @{ number ~ "%" }`
-fn percent(pair: &Pair<Rule>) -> f64 {
-    let number = pair.as_str().trim_end_matches('%');
-    number.parse::<f64>().unwrap_or(f64::NAN) / 100.0
-}
-
-/// `raised = { "^" ~ minus? ~ number }`
-fn raised(pair: Pair<Rule>) -> f64 {
-    pair.into_inner()
-        .fold(1.0, |value, part| match part.as_rule() {
-            Rule::minus => -value,
-            _ => value * number(&part),
-        })
 }

@@ -201,7 +201,7 @@ impl<'t> FailurePoint<'_, 't> {
     fn missing_operator(&self) -> Option<Diagnostic> {
         let (found, last) = (self.found()?, self.before(1)?);
         let relation = self.keyword == Some(Keyword::Constrain);
-        let ends = last.is_operand() || last.is(")") || last.is(">") && !relation;
+        let ends = last.is_operand() || last.is(")") || last.is("]") || last.is(">") && !relation;
         let begins = found.is_operand() || found.is("(") || found.is("<") && !relation;
         let opens = self.keyword.is_some() && self.at == 1;
         if !ends || !begins || opens {
@@ -254,6 +254,7 @@ fn example(rule: Rule) -> &'static str {
         Rule::declare => "state x, y : order 2, noise 0.01",
         Rule::unknown => "unknown k in 0.1..10, unit \"1/s\"",
         Rule::constant => "let g = 9.81",
+        Rule::function => "let sat(v) = tanh(v/vs)",
         Rule::constrain => "constrain coef(dx, x) < 0",
         Rule::per_run => "coef(dx, x) : per run",
         Rule::symmetry => "symmetry x, y -> -(x, y)",
@@ -261,6 +262,9 @@ fn example(rule: Rule) -> &'static str {
         Rule::prefer => "prefer degree",
         Rule::step => "step 0.01",
         Rule::source => "x = \"Column\" * 1e-3",
+        Rule::constrain_family => "constrain coef(dx[i], x[i]) < 0, i = 1..10",
+        Rule::per_run_family => "coef(dx[i], x[i]) : per run, i = 1..10",
+        Rule::family => "dx[i] ~ <x[i-1], x[i]>, i = 1..10",
         Rule::equation => "dx ~ poly(x, y; 3)",
         _ => "",
     }

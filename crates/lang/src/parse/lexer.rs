@@ -4,6 +4,8 @@
 //! not have. Its users are the cut into statements, the explanation of syntax errors, and the formatter. The grammar reads the
 //! text itself, where comments and line ends are white space.
 
+use std::collections::BTreeSet;
+
 use unicode_normalization::UnicodeNormalization;
 
 use crate::diagnostic::Diagnostic;
@@ -31,6 +33,8 @@ pub fn tokenize(file: FileId, text: &str) -> (Vec<Token<'_>>, Vec<Diagnostic>) {
         out: Vec::with_capacity(text.len() / 3),
         line: 0,
         last_comment_end: text.rfind("*/"),
+        indices: indices(text),
+        in_index: false,
         errors: Vec::new(),
     };
     while let Some(c) = lexer.peek() {
@@ -65,7 +69,26 @@ struct Lexer<'t> {
     line: usize,
     /// The last `*/` of the text, so that it is not sought from each `/*` again.
     last_comment_end: Option<usize>,
+    /// Names that run over a range somewhere in the text: `, i = 1..10`.
+    indices: BTreeSet<&'t str>,
+    /// Between the brackets of an index.
+    in_index: bool,
     errors: Vec<Diagnostic>,
+}
+
+/// Longest text from the comma to the dots of `, i = 1..10` that is looked at.
+const INDEX_RANGE: usize = 60;
+
+/// The names of all ranges `, i = 1..` of a text.
+fn indices(text: &str) -> BTreeSet<&str> {
+    let before = |(at, _): (usize, &str)| {
+        let start = at.saturating_sub(INDEX_RANGE);
+        let start = (start..=at).find(|i| text.is_char_boundary(*i))?;
+        let (_, own) = text.get(start..at)?.rsplit_once(',')?;
+        let (name, _) = own.split_once('=')?;
+        Some(name.trim()).filter(|name| is_name(name))
+    };
+    text.match_indices("..").filter_map(before).collect()
 }
 
 const PAIRS: [&str; 5] = ["..", "<=", ">=", "==", "->"];
@@ -118,6 +141,9 @@ impl<'t> Lexer<'t> {
             self.number(start);
         } else if starts_name(c) {
             self.name(start);
+        } else if self.index_bracket(c) {
+            self.at += 1;
+            self.push(TokenKind::Symbol, start);
         } else if !self.foreign(start, c) {
             self.symbol(start, c);
         }
@@ -189,6 +215,21 @@ impl<'t> Lexer<'t> {
         }
         self.skip(|c| c == '\'');
         self.push(TokenKind::Name, start);
+    }
+
+    /// A bracket of `x[i + 1]`, where i is an index of the text.
+    fn index_bracket(&mut self, c: char) -> bool {
+        if c == ']' && self.in_index {
+            self.in_index = false;
+            return true;
+        }
+        if c != '[' || self.indices.is_empty() || !self.is_index() {
+            return false;
+        }
+        let inner = self.rest().get(1..).and_then(|r| r.split(']').next());
+        let mut words = inner.unwrap_or("").split(|c| !continues_name(c));
+        self.in_index = words.any(|word| self.indices.contains(word));
+        self.in_index
     }
 
     /// A sign of another language, if one begins here.

@@ -10,6 +10,7 @@ mod explain;
 pub(crate) mod foreign_spellings;
 mod grammar;
 pub mod lexer;
+mod operands;
 pub mod statements;
 mod syntax_errors;
 mod token;
@@ -22,6 +23,7 @@ use lexer::{Token, TokenKind};
 use statements::StatementTokens;
 
 pub use lexer::{is_name, normalise};
+pub(crate) use syntax_errors::ambiguous_argument;
 
 /// Parses one file: all statements that could be understood, and an error for each that could not.
 pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
@@ -83,18 +85,49 @@ fn statement(
         Some(Keyword::System) => Rule::system,
         Some(Keyword::State | Keyword::Input | Keyword::Output | Keyword::Param) => Rule::declare,
         Some(Keyword::Unknown) => Rule::unknown,
+        Some(Keyword::Let) if own.get(2).is_some_and(|t| t.is("(")) => Rule::function,
         Some(Keyword::Let) => Rule::constant,
-        Some(Keyword::Coef) => Rule::per_run,
-        Some(Keyword::Constrain) if own.iter().any(|t| t.is(":")) => Rule::per_run,
-        Some(Keyword::Constrain) => Rule::constrain,
+        Some(Keyword::Coef | Keyword::Constrain) => {
+            let per_run = piece.keyword == Some(Keyword::Coef) || own.iter().any(|t| t.is(":"));
+            match (per_run, has_index_range(own, false)) {
+                (true, true) => Rule::per_run_family,
+                (true, false) => Rule::per_run,
+                (false, true) => Rule::constrain_family,
+                (false, false) => Rule::constrain,
+            }
+        }
         Some(Keyword::Data) => return data(id, text, tokens, piece, errors),
         Some(Keyword::Symmetry) => Rule::symmetry,
         Some(Keyword::Limit) => Rule::limit,
         Some(Keyword::Prefer) => Rule::prefer,
+        None if has_index_range(own, true) => Rule::family,
         None => Rule::equation,
     };
     let built = ast_builder::statement(id, text, own, rule, piece.keyword);
     built.map_err(|e| errors.push(*e)).ok()
+}
+
+/// `, i =` outside of brackets, behind a relation; `angles` are brackets but where they compare.
+fn has_index_range(own: &[Token], angles: bool) -> bool {
+    let code: Vec<&Token> = own.iter().filter(|t| t.is_code()).collect();
+    let (mut depth, mut related) = (0usize, false);
+    for (i, token) in code.iter().enumerate() {
+        match token.text {
+            _ if token.kind != TokenKind::Symbol => {}
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth = depth.saturating_sub(1),
+            "<" if angles => depth += 1,
+            ">" if angles => depth = depth.saturating_sub(1),
+            "~" | "=" | "<" | ">" | "<=" | ">=" | ":" => related = true,
+            "," if depth == 0 && related => {
+                let after = |k: usize| code.get(i + k);
+                return after(1).is_some_and(|t| t.kind == TokenKind::Name)
+                    && after(2).is_some_and(|t| t.is("="));
+            }
+            _ => {}
+        }
+    }
+    false
 }
 
 fn data(

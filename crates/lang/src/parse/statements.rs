@@ -278,14 +278,17 @@ impl<'t> Splitter<'t> {
         self.tokens
             .iter()
             .skip(i)
-            .find(|t| t.kind != TokenKind::Name && ![",", "..", "(", ")"].contains(&t.text))
+            .find(|t| {
+                t.kind != TokenKind::Name && ![",", "..", "(", ")", "[", "]"].contains(&t.text)
+            })
             .is_some_and(|t| t.is("~"))
     }
 }
 
 /// True if a statement continues after this token at the end of a line. `relation`: `>` compares, as in a constraint.
 fn continues_after(token: &Token, relation: bool) -> bool {
-    let closes = matches!(token.text, ")" | "}" | "{" | ";") || token.text == ">" && !relation;
+    let closes =
+        matches!(token.text, ")" | "]" | "}" | "{" | ";") || token.text == ">" && !relation;
     token.kind == TokenKind::Symbol && !closes
 }
 

@@ -75,7 +75,7 @@ pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
 pub fn index(at: Span) -> Diagnostic {
     Diagnostic::error("pasted-character", "a signal has no index")
         .at(at, "not a part of the language")
-        .help("the next sample of x is `next(x)`, the one k before `lag(x, k)`; several names are `x1..x12`")
+        .help("the next sample of x is `next(x)`, the one k before `lag(x, k)`; several names are `x1..x12`, and an equation for each, `dx[i] ~ …`, ends in `, i = 1..12`")
 }
 
 pub fn strange_character(at: Span, c: char) -> Diagnostic {

@@ -69,7 +69,7 @@ fn search<'a>(e: &'a LibExpr, wanted: &impl Fn(&LibExpr) -> bool) -> Option<&'a 
         LibKind::List(items) => items.iter().find_map(|x| search(x, wanted)),
         LibKind::Generate { args, .. } => args.iter().find_map(|x| search(x, wanted)),
         LibKind::Power(a, _) => search(a, wanted),
-        LibKind::Named { body, .. } => search(body, wanted),
+        LibKind::Named { body, .. } | LibKind::Required(body) => search(body, wanted),
         LibKind::Union(a, b)
         | LibKind::Difference(a, b)
         | LibKind::Product(a, b)

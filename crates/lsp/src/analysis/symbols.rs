@@ -22,6 +22,10 @@ pub enum SymbolKind {
     Param,
     Unknown,
     Let,
+    /// `let sat(v) = …`
+    Function,
+    /// The `v` of it, a name in its statement alone.
+    Argument,
 }
 
 /// One declared name.
@@ -51,6 +55,8 @@ pub struct Use {
 pub struct Symbols {
     pub all: Vec<Symbol>,
     spellings: BTreeMap<String, Use>,
+    /// Arguments of functions, by the first byte of their statement and their name.
+    arguments: BTreeMap<(usize, String), Use>,
 }
 
 impl Symbols {
@@ -65,7 +71,36 @@ impl Symbols {
         symbols
     }
 
-    /// Whose name this is, primes included.
+    /// Whose name this is in the statement that begins at a byte.
+    pub fn find_in(&self, statement: Option<usize>, written: &str) -> Option<Use> {
+        let own = statement.and_then(|at| self.arguments.get(&(at, normalise(written))));
+        own.copied().or_else(|| self.find(written))
+    }
+
+    /// The arguments of the function that the statement at a byte defines.
+    pub fn arguments_of(&self, statement: usize) -> impl Iterator<Item = &Symbol> {
+        let own =
+            move |s: &&Symbol| s.kind == SymbolKind::Argument && s.statement.start == statement;
+        self.all.iter().filter(own)
+    }
+
+    /// The first of a range of names, `x1` of `x1..x10`, where `x[i]` has the stem of them.
+    pub fn find_family(&self, written: &str) -> Option<Use> {
+        let stem = normalise(written.trim_end_matches('\''));
+        let from = self.spellings.range(stem.clone()..);
+        let mut own = from.take_while(|(name, _)| name.starts_with(&stem));
+        let numbered = |name: &str| {
+            let digits = name.get(stem.len()..).unwrap_or("");
+            !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())
+        };
+        let found = own.find(|(name, used)| {
+            let by_range = self.get(**used).is_some_and(|s| s.by_range);
+            by_range && numbered(name)
+        });
+        found.map(|(_, used)| *used)
+    }
+
+    /// Whose name this is outside of functions, primes included.
     pub fn find(&self, written: &str) -> Option<Use> {
         let base = written.trim_end_matches('\'');
         let primes = written.len() - base.len();
@@ -115,6 +150,9 @@ impl Symbols {
             by_range: false,
         };
         let after = match kind {
+            SymbolKind::Let if own.get(2).is_some_and(|t| t.is("(")) => {
+                return self.function(&own, symbol);
+            }
             SymbolKind::Let => own.len().min(2),
             _ => names_end(&own),
         };
@@ -164,6 +202,35 @@ impl Symbols {
                     ..symbol.clone()
                 }),
             }
+        }
+    }
+
+    /// `let sat(v) = …`
+    fn function(&mut self, own: &[&Token], symbol: Symbol) {
+        let Some(name) = own.get(1) else { return };
+        let statement = symbol.statement.start;
+        self.add(Symbol {
+            name: normalise(name.text),
+            kind: SymbolKind::Function,
+            place: name.start..name.end,
+            ..symbol.clone()
+        });
+        let inside = own.iter().skip(3).take_while(|t| !t.is(")") && !t.is("="));
+        for token in inside.filter(|t| t.kind == TokenKind::Name) {
+            let name = normalise(token.text);
+            let used = Use {
+                symbol: self.all.len(),
+                derivative: 0,
+            };
+            self.arguments
+                .entry((statement, name.clone()))
+                .or_insert(used);
+            self.all.push(Symbol {
+                name,
+                kind: SymbolKind::Argument,
+                place: token.start..token.end,
+                ..symbol.clone()
+            });
         }
     }
 

@@ -10,7 +10,7 @@ use sidc_lang::parse::lexer::{Token, TokenKind};
 use sidc_lang::parse::statements::StatementTokens;
 use sidc_lang::term::Func;
 
-use crate::analysis::symbols::{Symbols, Use};
+use crate::analysis::symbols::{SymbolKind, Symbols, Use};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
@@ -46,7 +46,7 @@ pub struct Word {
 }
 
 /// Words with a meaning before `(`, beside functions.
-pub const FORMS: [&str; 5] = ["known", "coef", "next", "lag", "unwrap"];
+pub const FORMS: [&str; 6] = ["known", "required", "coef", "next", "lag", "unwrap"];
 
 pub fn words(tokens: &[Token], statements: &[StatementTokens], symbols: &Symbols) -> Vec<Word> {
     let mut out = Vec::with_capacity(tokens.len());
@@ -126,13 +126,17 @@ impl Around<'_, '_> {
             return Role::Attribute;
         }
         let called = self.next().is_some_and(|n| n.is("("));
-        if called && generator(token.text).is_some() {
+        let statement = self.own.and_then(|s| self.tokens.get(s.tokens.start));
+        let found = symbols.find_in(statement.map(|t| t.start), token.text);
+        let symbol = found.and_then(|used| symbols.get(used));
+        let own = symbol.is_some_and(|s| s.kind == SymbolKind::Function);
+        if called && !own && generator(token.text).is_some() {
             return Role::Generator;
         }
-        if self.is_function(token, called) {
+        if !own && self.is_function(token, called) {
             return Role::Function;
         }
-        match symbols.find(token.text) {
+        match found {
             Some(used) => {
                 let place = symbols.get(used).map(|s| s.place.clone());
                 let here = place.is_some_and(|p| p.start <= token.start && token.end <= p.end);
@@ -142,6 +146,9 @@ impl Around<'_, '_> {
                 }
             }
             None if matches!(token.text, "t" | "pi") => Role::Constant,
+            None if self.next().is_some_and(|n| n.is("[")) => symbols
+                .find_family(token.text)
+                .map_or(Role::Other, Role::Use),
             None => Role::Other,
         }
     }
@@ -172,6 +179,12 @@ impl Around<'_, '_> {
                     || token.text == "run" && after("per")
             }
             Some(Coef | Constrain) => self.colon && matches!(token.text, "per" | "run"),
+            None => {
+                let ends = self.own.is_some_and(|s| s.tokens.end == self.i + 1);
+                let value =
+                    last.is_some_and(|l| matches!(l.kind, TokenKind::Name | TokenKind::Number));
+                ends && value && token.text == "cyclic"
+            }
             Some(Limit | Prefer) => true,
             Some(Data) => match self.starts_entry {
                 true => matches!(token.text, "step" | "run"),

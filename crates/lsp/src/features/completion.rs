@@ -143,7 +143,12 @@ impl List<'_> {
             .collect();
         let has = |target: &str| {
             let mut targets = equations.iter().flat_map(|left| left.split(','));
-            targets.any(|t| t.trim() == target)
+            let digits = |c: char| c.is_ascii_digit();
+            targets.any(|t| match t.trim().split_once('[') {
+                // An equation of a family is one of those.
+                Some((stem, _)) => target.trim_end_matches(digits) == stem,
+                None => t.trim() == target,
+            })
         };
         for symbol in &analysis.symbols.all {
             let target = target_of(symbol, self.is_discrete());
@@ -180,7 +185,7 @@ impl List<'_> {
     fn data_entries(&mut self) {
         self.push("t", "t = ${1:\"Time\"}", Kind::VARIABLE, "time".into(), 1);
         let symbols: Vec<Symbol> = self.document.analysis().symbols.all.clone();
-        let measured = |s: &&Symbol| !matches!(s.kind, SymbolKind::Let | SymbolKind::Unknown);
+        let measured = |s: &&Symbol| is_variable(s) && s.kind != SymbolKind::Unknown;
         for symbol in symbols.iter().filter(measured) {
             let form = format!("{} = ${{1:\"Column\"}}", symbol.name);
             self.push(&symbol.name, &form, Kind::VARIABLE, kind(symbol).into(), 1);
@@ -216,7 +221,7 @@ impl List<'_> {
 
     fn variables(&mut self) {
         let symbols: Vec<Symbol> = self.document.analysis().symbols.all.clone();
-        for symbol in symbols.iter().filter(|s| s.kind != SymbolKind::Let) {
+        for symbol in symbols.iter().filter(|s| is_variable(s)) {
             let about = kind(symbol).to_string();
             self.push(&symbol.name, &symbol.name, Kind::VARIABLE, about, 1);
         }
@@ -227,6 +232,27 @@ impl List<'_> {
         let discrete = self.is_discrete();
         for target in symbols.iter().filter_map(|s| target_of(s, discrete)) {
             self.push(&target, &target, Kind::VARIABLE, "target".into(), 1);
+        }
+    }
+
+    /// Functions of the model, and the arguments of the one that is being defined.
+    fn functions(&mut self) {
+        let analysis = self.document.analysis();
+        let is_function = |s: &&Symbol| s.kind == SymbolKind::Function;
+        for f in analysis.symbols.all.iter().filter(is_function) {
+            let arguments = analysis.symbols.arguments_of(f.statement.start);
+            let names: Vec<&str> = arguments.map(|a| a.name.as_str()).collect();
+            let places = (1..).zip(&names).map(|(i, a)| format!("${{{i}:{a}}}"));
+            let places: Vec<String> = places.collect();
+            let form = format!("{}({})", f.name, places.join(", "));
+            let detail = self.document.slice(f.statement.clone());
+            let detail = detail.split_whitespace().collect::<Vec<_>>().join(" ");
+            self.push(&f.name, &form, Kind::FUNCTION, detail, 1);
+        }
+        let own = analysis.statement(self.replaced.start);
+        let start = own.map_or(usize::MAX, |(_, s)| s.bytes.start);
+        for a in analysis.symbols.arguments_of(start) {
+            self.push(&a.name, &a.name, Kind::VARIABLE, kind(a).into(), 1);
         }
     }
 
@@ -241,12 +267,16 @@ impl List<'_> {
             let Some(symbol) = analysis.symbols.all.get(symbol) else {
                 continue;
             };
+            if symbol.kind == SymbolKind::Function {
+                continue;
+            }
             let detail = match name == symbol.name {
                 true => kind(symbol).to_string(),
                 false => format!("derivative of {}", symbol.name),
             };
             self.push(&name, &name, Kind::VARIABLE, detail, 1);
         }
+        self.functions();
         for (name, about) in [("t", "time"), ("pi", "π")] {
             self.push(name, name, Kind::CONSTANT, about.into(), 3);
         }
@@ -278,6 +308,11 @@ fn target_of(symbol: &Symbol, discrete: bool) -> Option<String> {
     }
 }
 
+fn is_variable(symbol: &Symbol) -> bool {
+    use SymbolKind::{Argument, Function, Let};
+    !matches!(symbol.kind, Let | Function | Argument)
+}
+
 fn kind(symbol: &Symbol) -> &'static str {
     match symbol.kind {
         SymbolKind::Time => "time",
@@ -287,5 +322,7 @@ fn kind(symbol: &Symbol) -> &'static str {
         SymbolKind::Param => "parameter",
         SymbolKind::Unknown => "unknown constant",
         SymbolKind::Let => "let",
+        SymbolKind::Function => "function",
+        SymbolKind::Argument => "argument",
     }
 }

@@ -33,7 +33,7 @@ pub fn hover(
         Role::Function => function(text)?,
         Role::Keyword => entry(vocabulary::STATEMENTS.iter(), text)?,
         Role::Attribute => {
-            let more = [vocabulary::DEGREE, vocabulary::PLAIN];
+            let more = [vocabulary::DEGREE, vocabulary::PLAIN, vocabulary::CYCLIC];
             let all = vocabulary::ATTRIBUTES.iter().chain(&vocabulary::DATA);
             entry(all.chain(&more), text)?
         }
@@ -78,7 +78,8 @@ fn name(document: &Document, used: Use, written: &str) -> Option<String> {
     let all = document.slice(symbol.statement.clone());
     text.push_str(&format!("\n\nline {line}:\n{}", code(all)));
     let about = match symbol.kind {
-        SymbolKind::Let => named_library(document, symbol),
+        SymbolKind::Let | SymbolKind::Function => named_library(document, symbol),
+        SymbolKind::Argument => None,
         _ => target(document, &("d".repeat(used.derivative) + &symbol.name)),
     };
     if let Some(about) = about {
@@ -97,6 +98,8 @@ fn kind(symbol: &Symbol, derivative: usize) -> String {
         SymbolKind::Param => "parameter, constant along a trajectory".into(),
         SymbolKind::Unknown => "unknown constant, sought with the terms".into(),
         SymbolKind::Let => "defined by `let`".into(),
+        SymbolKind::Function => "function that this model defines".into(),
+        SymbolKind::Argument => "argument of the function".into(),
     };
     match derivative {
         0 => of,

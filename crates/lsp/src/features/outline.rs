@@ -10,7 +10,8 @@ use crate::text::document::Document;
 pub fn symbols(document: &Document) -> Vec<DocumentSymbol> {
     let analysis = document.analysis();
     let mut out: Vec<(usize, DocumentSymbol)> = Vec::new();
-    for symbol in &analysis.symbols.all {
+    let listed = |s: &&Symbol| s.kind != SymbolKind::Argument;
+    for symbol in analysis.symbols.all.iter().filter(listed) {
         out.push((symbol.place.start, declared(document, symbol)));
     }
     for statement in &analysis.statements {
@@ -29,6 +30,8 @@ fn declared(document: &Document, symbol: &Symbol) -> DocumentSymbol {
         SymbolKind::Param => (Shown::CONSTANT, "param"),
         SymbolKind::Unknown => (Shown::CONSTANT, "unknown"),
         SymbolKind::Let => (Shown::CONSTANT, "let"),
+        SymbolKind::Function => (Shown::FUNCTION, "function"),
+        SymbolKind::Argument => (Shown::VARIABLE, "argument"),
     };
     let order = match (symbol.kind, symbol.order) {
         (SymbolKind::State | SymbolKind::Input, order) if order > 1 => format!(" of order {order}"),

@@ -81,6 +81,13 @@ fn base(document: &Document, word: &Word, used: Use) -> std::ops::Range<usize> {
 /// Whether no other name is, and none would become, one of the new spellings.
 fn free(document: &Document, symbol: &Symbol, new: &str) -> Result<(), String> {
     let symbols = &document.analysis().symbols;
+    let argument = symbols.all.iter().find(|s| {
+        let inside = symbol.kind != SymbolKind::Argument || s.statement == symbol.statement;
+        s.kind == SymbolKind::Argument && s.name == new && s.place != symbol.place && inside
+    });
+    if argument.is_some() {
+        return Err(format!("`{new}` is taken: it is an argument of a function"));
+    }
     for derivative in 0..=symbol.order {
         let spelling = "d".repeat(derivative) + new;
         let taken = symbols.find(&spelling).and_then(|used| symbols.get(used));

@@ -75,6 +75,8 @@ fn meaning(document: &Document, word: &Word) -> Option<(u32, u32)> {
             SymbolKind::Time => (2, more | READONLY),
             SymbolKind::Param | SymbolKind::Unknown => (3, more | READONLY),
             SymbolKind::Let => (2, more | READONLY),
+            SymbolKind::Function => (4, more),
+            SymbolKind::Argument => (3, more),
         })
     };
     match word.role {

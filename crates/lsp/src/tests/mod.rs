@@ -4,5 +4,6 @@ mod completion;
 mod corpus;
 mod edits;
 mod fixes;
+mod functions;
 mod session;
 mod transcripts;

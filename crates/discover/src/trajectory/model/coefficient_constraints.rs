@@ -11,11 +11,26 @@ pub struct CoefficientConstraints {
     pub rows: Vec<LinearConstraint>,
     /// For each row, which statement of the model it is.
     pub stated: Vec<usize>,
+    /// Columns that every support has, whatever their coefficients.
+    pub required: Vec<usize>,
 }
 
 impl CoefficientConstraints {
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.rows.is_empty() && self.required.is_empty()
+    }
+
+    /// The same without rows: what is required stays so.
+    pub(crate) fn without_rows(&self) -> Self {
+        CoefficientConstraints {
+            required: self.required.clone(),
+            ..CoefficientConstraints::default()
+        }
+    }
+
+    /// Whether a support has every column that is required.
+    pub(crate) fn has_required(&self, support: &[usize]) -> bool {
+        self.required.iter().all(|j| support.contains(j))
     }
 
     /// The rows with places in the support for columns.
@@ -37,6 +52,7 @@ impl CoefficientConstraints {
         CoefficientConstraints {
             rows: self.rows.iter().map(row).collect(),
             stated: self.stated.clone(),
+            required: self.required.iter().filter_map(|j| place(*j)).collect(),
         }
     }
 
@@ -56,7 +72,7 @@ impl CoefficientConstraints {
             let place = support.iter().position(|j| *j == column);
             place.map_or(0.0, |k| coefficients[k])
         };
-        self.rows.iter().all(|r| r.holds(&coefficient))
+        self.has_required(support) && self.rows.iter().all(|r| r.holds(&coefficient))
     }
 
     /// The closure of a support: with every column that an equation ties to a chosen one, and with the columns of every row that
@@ -64,7 +80,9 @@ impl CoefficientConstraints {
     pub(crate) fn closure(&self, support: &[usize], coefficients: &[f64]) -> Vec<usize> {
         let start = support;
         let mut closed = support.to_vec();
+        closed.extend_from_slice(&self.required);
         closed.sort_unstable();
+        closed.dedup();
         let value = |_: usize, column: usize| {
             let place = start.iter().position(|j| *j == column);
             place.map_or(0.0, |k| coefficients[k])
@@ -106,7 +124,20 @@ mod tests {
         CoefficientConstraints {
             rows: rows.to_vec(),
             stated: (0..rows.len()).collect(),
+            required: Vec::new(),
         }
+    }
+
+    #[test]
+    fn what_is_required_is_in_every_support() {
+        let of = CoefficientConstraints {
+            required: vec![2, 6],
+            ..constraints(&[row(&[(6, 1.0), (8, 1.0)], Sense::Equal, 0.0)])
+        };
+        assert!(!of.is_empty() && !of.without_rows().is_empty());
+        assert_eq!(of.closure(&[4], &[1.0]), [2, 4, 6, 8]);
+        assert!(!of.hold(&[6, 8], &[1.0, -1.0]) && of.hold(&[2, 6, 8], &[0.3, 1.0, -1.0]));
+        assert_eq!(of.renumbered(&|j| (j != 2).then_some(j + 1)).required, [7]);
     }
 
     #[test]

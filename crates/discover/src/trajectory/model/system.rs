@@ -60,7 +60,7 @@ fn written(right: &RightSide) -> BTreeSet<Term> {
             LibKind::List(items) => items.iter().for_each(|i| walk(i, found)),
             LibKind::Union(a, b) => [a, b].into_iter().for_each(|l| walk(l, found)),
             LibKind::Difference(a, _) => walk(a, found),
-            LibKind::Named { body, .. } => walk(body, found),
+            LibKind::Named { body, .. } | LibKind::Required(body) => walk(body, found),
             _ => {}
         }
     }

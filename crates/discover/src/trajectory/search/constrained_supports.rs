@@ -74,8 +74,9 @@ impl<'a> ConstrainedForm<'a> {
         }
         let found = minimum(self.form, self.constraints, support).map(|(coefficients, square)| {
             let pairs = support.iter().copied().zip(coefficients);
-            let (columns, coefficients): (Vec<usize>, Vec<f64>) =
-                pairs.filter(|(_, a)| *a != 0.0).unzip();
+            let (columns, coefficients): (Vec<usize>, Vec<f64>) = pairs
+                .filter(|(j, a)| *a != 0.0 || self.constraints.required.contains(j))
+                .unzip();
             ConstrainedSupport {
                 free: self.constraints.free_coefficients(&columns),
                 columns,
@@ -218,6 +219,9 @@ pub(crate) fn minimum(
     constraints: &CoefficientConstraints,
     support: &[usize],
 ) -> Option<(Vec<f64>, f64)> {
+    if !constraints.has_required(support) {
+        return None;
+    }
     let free = form.least_squares(support);
     if constraints.hold(support, &free.coefficients) {
         return Some((free.coefficients, free.square));
@@ -279,6 +283,7 @@ mod tests {
         CoefficientConstraints {
             rows: rows.iter().map(row).collect(),
             stated: (0..rows.len()).collect(),
+            required: Vec::new(),
         }
     }
 

@@ -96,6 +96,12 @@ pub fn known_subtracted(at: Span) -> Diagnostic {
         .help("put the sign inside: `known(-(…))`")
 }
 
+pub fn required_subtracted(at: Span) -> Diagnostic {
+    Diagnostic::error("misplaced-word", "`required(…)` is added, as it stands")
+        .at(at, "taken away, raised, or with a `;`")
+        .help("write `dx ~ required(x, x^3) + poly(x; 5)`; numbers and powers stand inside")
+}
+
 pub fn minus_from_nothing(at: Span) -> Diagnostic {
     Diagnostic::error("difference-removes-nothing", "this `-` has no library before it")
         .at(at, "taken from nothing")
@@ -236,7 +242,7 @@ fn driven_states(states: &[&Var]) -> Option<Diagnostic> {
     Some(Diagnostic::note("driven-state", format!("{subject} no equation")).at(at, label))
 }
 
-fn unused(at: Span, name: &str, output: bool) -> Diagnostic {
+pub fn unused(at: Span, name: &str, output: bool) -> Diagnostic {
     if output {
         return Diagnostic::note(
             "unused-name",

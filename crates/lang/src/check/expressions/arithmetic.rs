@@ -2,11 +2,13 @@
 //!
 //! In: an expression. Out: its normal form, or `None` after reporting an error. Refuses libraries.
 
-use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign};
+use crate::ast::{Call, Expr as Ast, ExprKind, Ident, Side, Sign};
 use crate::check::checker::{Checker, every};
 use crate::check::errors;
+use crate::check::own_functions::Argument;
 use crate::check::scope::Value;
 use crate::model::VarKind;
+use crate::parse::ambiguous_argument;
 use crate::parse::foreign_spellings::foreign;
 use crate::term::{Expr, Func, Signal};
 use crate::thresholds::MODEL;
@@ -28,6 +30,7 @@ impl Checker<'_> {
                 self.fail(foreign(e.span, self.text(e.span), &ours))
             }
             ExprKind::Power(base, exponent) => {
+                self.one_argument(e, base, exponent)?;
                 let (b, p) = (self.arithmetic(base), self.raised_to(exponent));
                 let (b, p) = (b?, p?);
                 match p.as_number() {
@@ -38,7 +41,13 @@ impl Checker<'_> {
             ExprKind::List(_) => self.fail(errors::library_inside(e.span, "a list")),
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
             ExprKind::Call(call) => self.call(e, call),
+            ExprKind::Indexed(name, _) => self.stray_index(e, name),
         }
+    }
+
+    /// `x[i]` outside of a family.
+    pub fn stray_index<T>(&mut self, e: &Ast, name: &Ident) -> Option<T> {
+        self.fail(errors::index_without_range(e.span, &name.text))
     }
 
     /// The `e` of `e^x`, where no signal has that name.
@@ -49,6 +58,12 @@ impl Checker<'_> {
     }
 
     fn name(&mut self, e: &Ast, text: &str) -> Option<Expr> {
+        if let Some(argument) = self.argument(text) {
+            return match argument {
+                Argument::Value(value) => Some(value.clone()),
+                _ => self.fail(errors::text_in_model(e.span, text)),
+            };
+        }
         if let Some(s) = self.scope.use_signal(text) {
             return Some(Expr::signal(s));
         }
@@ -113,6 +128,20 @@ impl Checker<'_> {
         self.fail(errors::not_finite(e.span))
     }
 
+    /// Refuses `sat x^2` of the model's own functions, as the parser does of those of the language.
+    pub fn one_argument(&mut self, e: &Ast, base: &Ast, exponent: &Ast) -> Option<()> {
+        let ExprKind::Call(call) = &base.kind else {
+            return Some(());
+        };
+        if !call.juxtaposed || !self.is_own_function(&call.name.text) {
+            return Some(());
+        }
+        let (f, p) = (&call.name.text, self.text(exponent.span));
+        let x = call.args.first().map_or("x", |x| self.text(x.span));
+        let readings = [format!("{f}({x})^{p}"), format!("{f}({x}^{p})")];
+        self.fail(ambiguous_argument(e.span, f, &readings))
+    }
+
     /// The exponent of a power: a number, or an expression of unknown constants alone.
     fn raised_to(&mut self, e: &Ast) -> Option<Expr> {
         let value = self.arithmetic(e)?;
@@ -148,7 +177,10 @@ impl Checker<'_> {
 
     fn call(&mut self, e: &Ast, call: &Call) -> Option<Expr> {
         let name = call.name.text.as_str();
-        match (name, Func::named(name)) {
+        if let Some(value) = self.own_call(e, call) {
+            return value;
+        }
+        match (name, self.function_named(name)) {
             ("next", _) => self.next(e, call).map(Expr::signal),
             ("lag", _) => self.lag(e, call).map(Expr::signal),
             (_, Some(f)) => self.function(e, call, f),
@@ -210,6 +242,15 @@ impl Checker<'_> {
         let Some(text) = inner.as_name() else {
             return self.fail(errors::shift_of_expression(e.span));
         };
+        if let Some(argument) = self.argument(text) {
+            let Some(s) = argument.as_signal() else {
+                return self.fail(errors::shift_of_expression(e.span));
+            };
+            return match s.der == 0 && s.shift == 0 {
+                true => Some(Signal::shifted(s.var, by)),
+                false => self.fail(errors::shift_of_expression(e.span)),
+            };
+        }
         match self.scope.use_signal(text) {
             Some(s) if s.der == 0 => Some(Signal::shifted(s.var, by)),
             Some(_) => self.fail(errors::shift_of_expression(e.span)),

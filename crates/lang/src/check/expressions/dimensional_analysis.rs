@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors::{self, Joint, Summand};
-use crate::check::scope::{Scope, Value};
-use crate::check::vocabulary::Vocabulary;
+use crate::check::expressions::function_calls::in_call;
+use crate::check::scope::Value;
 use crate::diagnostic::Diagnostic;
 use crate::term::{Func, UnitRule, VarId};
 use crate::thresholds::MESSAGES;
@@ -38,6 +38,7 @@ impl Checker<'_> {
         let mut pass = Pass {
             checker: self,
             lets: BTreeMap::new(),
+            arguments: Vec::new(),
             found: Vec::new(),
         };
         for s in pass.checker.statements() {
@@ -61,6 +62,8 @@ struct Pass<'c, 'f> {
     checker: &'c Checker<'f>,
     /// Units of `let`s by name, each computed once.
     lets: BTreeMap<&'f str, Measure>,
+    /// Those of the arguments of the functions whose bodies are being measured, the innermost last; with their values, if they are numbers.
+    arguments: Vec<BTreeMap<&'f str, (Measure, Option<f64>)>>,
     found: Vec<Diagnostic>,
 }
 
@@ -71,10 +74,6 @@ impl<'f> Pass<'_, 'f> {
         }
     }
 
-    fn vocabulary(&self) -> &'f Vocabulary {
-        self.checker.vocabulary
-    }
-
     /// Sets of terms. Summands of a union may have different units; arithmetic begins in lists and arguments.
     fn library(&mut self, e: &'f Ast) {
         match &e.kind {
@@ -82,7 +81,13 @@ impl<'f> Pass<'_, 'f> {
             ExprKind::Sum(parts) => parts.iter().for_each(|(_, x)| self.library(x)),
             ExprKind::Product(parts) => parts.iter().for_each(|(_, x)| self.library(x)),
             ExprKind::List(items) => items.iter().for_each(|x| self.item(x)),
-            ExprKind::Call(call) => match self.vocabulary().generator(&call.name.text) {
+            ExprKind::Call(call) if call.name.text == "required" => {
+                call.args.iter().for_each(|x| self.item(x));
+            }
+            ExprKind::Call(call) if self.checker.is_library_function(&call.name.text) => {
+                self.own_call(e, call);
+            }
+            ExprKind::Call(call) => match self.checker.generator_named(&call.name.text) {
                 Some(g) => {
                     for x in &call.args {
                         if g.of_angles && !self.checker.is_library(x) {
@@ -93,7 +98,7 @@ impl<'f> Pass<'_, 'f> {
                     }
                 }
                 None => {
-                    self.call(call);
+                    self.call(e, call);
                 }
             },
             _ => {}
@@ -121,15 +126,18 @@ impl<'f> Pass<'_, 'f> {
             ExprKind::Product(parts) => self.product(parts),
             ExprKind::Power(base, exponent) => {
                 let base = self.measure(base);
-                let p = number(&self.checker.scope, exponent);
+                let p = self.number(exponent);
                 p.map_or(Measure::Unknown, |p| base.power(p))
             }
-            ExprKind::Call(call) => self.call(call),
+            ExprKind::Call(call) => self.call(e, call),
             _ => Measure::Any,
         }
     }
 
     fn name(&mut self, text: &'f str) -> Measure {
+        if let Some((measure, _)) = self.arguments.last().and_then(|a| a.get(text)) {
+            return measure.clone();
+        }
         if let Some(s) = self.checker.scope.signal(text) {
             let of = |id: VarId| self.checker.scope.var(id)?.unit.as_ref();
             let unit = of(s.var)
@@ -205,7 +213,38 @@ impl<'f> Pass<'_, 'f> {
         Measure::Is(unit)
     }
 
-    fn call(&mut self, call: &'f Call) -> Measure {
+    /// The unit of what a function of the model makes of these arguments.
+    fn own_call(&mut self, e: &'f Ast, call: &'f Call) -> Measure {
+        let Some(f) = self.checker.functions.get(&call.name.text).cloned() else {
+            return Measure::Any;
+        };
+        let mut arguments = BTreeMap::new();
+        for (param, x) in f.params.iter().zip(&call.args) {
+            arguments.insert(param.text.as_str(), (self.measure(x), self.number(x)));
+        }
+        let before = self.found.len();
+        self.arguments.push(arguments);
+        let value = match f.library {
+            true => {
+                self.library(f.body);
+                Measure::Any
+            }
+            false => self.measure(f.body),
+        };
+        self.arguments.pop();
+        let inside = self.found.split_off(before);
+        self.found
+            .extend(inside.into_iter().map(|d| in_call(d, e.span)));
+        match call.power {
+            Some((p, _)) => value.power(p),
+            None => value,
+        }
+    }
+
+    fn call(&mut self, e: &'f Ast, call: &'f Call) -> Measure {
+        if self.checker.is_own_function(&call.name.text) {
+            return self.own_call(e, call);
+        }
         if matches!(call.name.text.as_str(), "next" | "lag" | "known") {
             return match call.args.first() {
                 Some(x) => self.measure(x),
@@ -260,6 +299,33 @@ impl<'f> Pass<'_, 'f> {
         let time = time.and_then(|v| v.unit.as_ref()) == Some(&unit);
         self.say(errors::unit_argument(function, &argument, time));
     }
+
+    /// The value of a constant exponent.
+    fn number(&self, e: &Ast) -> Option<f64> {
+        match &e.kind {
+            ExprKind::Number(x) => Some(*x),
+            ExprKind::Group(x) => self.number(x),
+            ExprKind::Negate(x) => Some(-self.number(x)?),
+            ExprKind::Name(text) => {
+                if let Some((_, value)) = self.arguments.last().and_then(|a| a.get(text.as_str())) {
+                    return *value;
+                }
+                match self.checker.scope.lets.get(text)?.value {
+                    Value::Number(x) => Some(x),
+                    _ => None,
+                }
+            }
+            ExprKind::Product(parts) => parts.iter().try_fold(1.0, |out, (side, x)| {
+                let x = self.number(x)?;
+                Some(if *side == Side::Above {
+                    out * x
+                } else {
+                    out / x
+                })
+            }),
+            _ => None,
+        }
+    }
 }
 
 /// The parts of a sum, and whether each is subtracted.
@@ -276,27 +342,5 @@ impl Measure {
             Measure::Is(unit) => unit.power(p).map_or(Measure::Unknown, Measure::Is),
             other => other,
         }
-    }
-}
-
-/// The value of a constant exponent.
-fn number(scope: &Scope, e: &Ast) -> Option<f64> {
-    match &e.kind {
-        ExprKind::Number(x) => Some(*x),
-        ExprKind::Group(x) => number(scope, x),
-        ExprKind::Negate(x) => Some(-number(scope, x)?),
-        ExprKind::Name(text) => match scope.lets.get(text)?.value {
-            Value::Number(x) => Some(x),
-            _ => None,
-        },
-        ExprKind::Product(parts) => parts.iter().try_fold(1.0, |out, (side, x)| {
-            let x = number(scope, x)?;
-            Some(if *side == Side::Above {
-                out * x
-            } else {
-                out / x
-            })
-        }),
-        _ => None,
     }
 }

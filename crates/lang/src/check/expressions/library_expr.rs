@@ -27,9 +27,15 @@ impl Checker<'_> {
             ExprKind::Power(x, _) => self.is_library(x),
             ExprKind::Range(..) => false,
             ExprKind::List(_) => true,
-            ExprKind::Call(call) => self.vocabulary.generator(&call.name.text).is_some(),
+            ExprKind::Call(call) => self.makes_library(call),
             _ => e.children().into_iter().any(|x| self.is_library(x)),
         }
+    }
+
+    /// A generator, or a function whose body is a library.
+    fn makes_library(&self, call: &Call) -> bool {
+        let name = call.name.text.as_str();
+        self.generator_named(name).is_some() || self.is_library_function(name)
     }
 
     /// An expression as a set of terms.
@@ -52,10 +58,15 @@ impl Checker<'_> {
                 let items = self.items(items)?;
                 Some(LibExpr::new(e.span, LibKind::List(items)))
             }
-            ExprKind::Call(call) if self.vocabulary.generator(&call.name.text).is_some() => {
+            ExprKind::Call(call) if self.generator_named(&call.name.text).is_some() => {
                 self.generator(e, call)
             }
-            ExprKind::Call(_) | ExprKind::Text(_) | ExprKind::Share(_) => self.term(e),
+            ExprKind::Call(call) if self.is_library_function(&call.name.text) => {
+                self.own_library(e, call)
+            }
+            ExprKind::Call(_) | ExprKind::Text(_) | ExprKind::Share(_) | ExprKind::Indexed(..) => {
+                self.term(e)
+            }
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
         }
     }
@@ -178,6 +189,7 @@ impl Checker<'_> {
     }
 
     fn set_power(&mut self, e: &Ast, base: &Ast, exponent: &Ast) -> Option<LibExpr> {
+        self.one_argument(e, base, exponent)?;
         let (base_set, p) = (self.library(base), self.exponent(exponent));
         let (set, p) = (base_set?, p?);
         if let LibKind::Term(expr) = set.kind {
@@ -188,7 +200,7 @@ impl Checker<'_> {
     }
 
     /// The items of a list or the arguments of a generator: terms, or whole libraries.
-    fn items(&mut self, items: &[Ast]) -> Option<Vec<LibExpr>> {
+    pub fn items(&mut self, items: &[Ast]) -> Option<Vec<LibExpr>> {
         let sets = every(items.iter().map(|item| self.item(item)))?;
         Some(sets.into_iter().flatten().collect())
     }
@@ -199,7 +211,7 @@ impl Checker<'_> {
         }
         let whole = match &e.ungrouped().kind {
             ExprKind::List(_) => true,
-            ExprKind::Call(call) => self.vocabulary.generator(&call.name.text).is_some(),
+            ExprKind::Call(call) => self.makes_library(call),
             ExprKind::Name(_) => self.is_library(e.ungrouped()),
             _ => false,
         };
@@ -247,10 +259,7 @@ impl Checker<'_> {
 
     fn generator(&mut self, e: &Ast, call: &Call) -> Option<LibExpr> {
         let name = &call.name;
-        let usage = self
-            .vocabulary
-            .generator(&name.text)
-            .map_or("", |g| g.usage);
+        let usage = self.generator_named(&name.text).map_or("", |g| g.usage);
         if call.juxtaposed || call.power.is_some() {
             return self.fail(errors::generator_without_arguments(
                 e.span, &name.text, usage,

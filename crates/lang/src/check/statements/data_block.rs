@@ -9,7 +9,7 @@ use crate::check::checker::{Checker, every};
 use crate::check::errors;
 use crate::model::{ColumnExpr, ColumnKind, DataBlock, DataEntry, VarKind};
 use crate::source::Span;
-use crate::term::{Func, Signal};
+use crate::term::Signal;
 use crate::thresholds::MODEL;
 
 impl Checker<'_> {
@@ -167,6 +167,7 @@ impl Checker<'_> {
                 ColumnKind::Power(Box::new(base?), p?)
             }
             ExprKind::Call(call) => self.column_call(e, call)?,
+            ExprKind::Indexed(name, _) => return self.stray_index(e, name),
             ExprKind::List(_) | ExprKind::Range(..) => {
                 return self.fail(errors::library_in_data(e.span));
             }
@@ -218,13 +219,22 @@ impl Checker<'_> {
 
     fn column_call(&mut self, e: &Ast, call: &Call) -> Option<ColumnKind> {
         let name = call.name.text.as_str();
+        if let Some(f) = self.functions.get(name) {
+            let (body, definition) = (self.text(f.body.span), f.span);
+            self.used_functions.insert(name.to_string());
+            return self.fail(errors::own_function_in_data(
+                call.name.span,
+                body,
+                definition,
+            ));
+        }
         if call.juxtaposed || call.power.is_some() || call.numbers.is_some() {
             return self.fail(errors::form(e.span, name, &format!("{name}(\"Column\")")));
         }
         if name == "unwrap" {
             return self.unwrap_call(e, call);
         }
-        let Some(f) = Func::named(name) else {
+        let Some(f) = self.function_named(name) else {
             return self.fail(errors::unknown_function(
                 call.name.span,
                 name,

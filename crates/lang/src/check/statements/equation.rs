@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 use crate::ast::{Call, Expr as Ast, ExprKind, Sign, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
-use crate::model::{Equation, LibExpr, Model, RightSide, VarKind};
+use crate::check::expressions::union;
+use crate::model::{Equation, LibExpr, LibKind, Model, RightSide, VarKind};
 use crate::parse::foreign_spellings::{foreign, functions};
 use crate::source::Span;
 use crate::term::{Expr, Signal};
@@ -22,10 +23,14 @@ impl Checker<'_> {
                 targets,
                 known,
                 right,
+                written,
             } = &s.kind
             else {
                 continue;
             };
+            if *known && self.is_bare_function(s.span, targets) {
+                continue;
+            }
             let targets = self.targets(targets);
             let copies = targets.len().max(1);
             let Some(size) = self.sized(right) else {
@@ -51,13 +56,36 @@ impl Checker<'_> {
                         target,
                         target_span,
                         span: s.span,
-                        written: one_line(self.text(s.span)),
+                        written: one_line(written.as_deref().unwrap_or(self.text(s.span))),
                         right,
                     });
                 }
             }
         }
         model
+    }
+
+    /// Reports `f(x) = x^2`.
+    fn is_bare_function(&mut self, statement: Span, targets: &[Ast]) -> bool {
+        let [target] = targets else {
+            return false;
+        };
+        let ExprKind::Call(call) = &target.kind else {
+            return false;
+        };
+        let name = call.name.text.as_str();
+        let names = !call.args.is_empty() && call.args.iter().all(|x| x.as_name().is_some());
+        let free = !self.is_declared(name)
+            && self.function_named(name).is_none()
+            && self.generator_named(name).is_none()
+            && functions::target(self.text(target.span)).is_none();
+        let is_function =
+            free && names && !call.juxtaposed && call.numbers.is_none() && name != "next";
+        if is_function {
+            let line = self.text(statement);
+            self.say(errors::function_without_let(target.span, statement, line));
+        }
+        is_function
     }
 
     pub fn spelling(&self, s: Signal) -> String {
@@ -79,6 +107,7 @@ impl Checker<'_> {
                 ExprKind::Call(call) if call.name.text == "next" => {
                     out.extend(self.target_next(e, call))
                 }
+                ExprKind::Indexed(name, _) => drop(self.stray_index::<()>(e, name)),
                 ExprKind::Range(from, to) => {
                     for name in self.expand_range(e.span, from, to).unwrap_or_default() {
                         out.extend(self.target_name(e.span, &name).map(|s| (s, e.span)));
@@ -163,7 +192,7 @@ impl Checker<'_> {
             ExprKind::Sum(parts) => parts.iter().map(|(s, x)| (*s, x)).collect(),
             _ => vec![(Sign::Plus, right)],
         };
-        let (mut known, mut rest) = (Vec::new(), Vec::new());
+        let (mut known, mut required, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         let mut complete = true;
         for (sign, part) in parts {
             match &part.kind {
@@ -173,18 +202,41 @@ impl Checker<'_> {
                         None => complete = false,
                     }
                 }
+                ExprKind::Call(call) if self.is_required(call) => {
+                    match self.required_summand(sign, part, call) {
+                        Some(set) => required.push(set),
+                        None => complete = false,
+                    }
+                }
                 _ => rest.push((sign, part)),
             }
         }
         if let Some((Sign::Minus, first)) = rest.first() {
             return self.fail(errors::minus_from_nothing(first.span));
         }
-        let library: Option<LibExpr> = if rest.is_empty() {
-            None
-        } else {
-            Some(self.set_sum(&rest)?)
-        };
+        // What is required is written beside the library and is part of it, whatever is taken out of that.
+        if !rest.is_empty() {
+            required.insert(0, self.set_sum(&rest)?);
+        }
+        let library = union(required);
         complete.then_some(RightSide::Search { known, library })
+    }
+
+    fn is_required(&self, call: &Call) -> bool {
+        call.name.text == "required" && !call.juxtaposed && !self.is_own_function("required")
+    }
+
+    /// `required(A, B)`
+    fn required_summand(&mut self, sign: Sign, e: &Ast, call: &Call) -> Option<LibExpr> {
+        if call.args.is_empty() {
+            return self.fail(errors::form(e.span, "required", "required(x, x^3)"));
+        }
+        if sign == Sign::Minus || call.numbers.is_some() || call.power.is_some() {
+            return self.fail(errors::required_subtracted(e.span));
+        }
+        let items = self.items(&call.args)?;
+        let set = LibExpr::new(e.span, LibKind::List(items));
+        Some(LibExpr::new(e.span, LibKind::Required(Box::new(set))))
     }
 
     fn known_summand(

@@ -1,4 +1,4 @@
-//! `let`: a number, an expression or a library with a name.
+//! `let`: a number, an expression or a library with a name. Functions are defined in order with them.
 //!
 //! In: the `let` statements. Out: their values in the scope. Plain numbers are defined first, so that attributes may use them. Every
 //! other `let` may use those above it, which rules out circular definitions.
@@ -8,7 +8,6 @@ use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::check::scope::{Let, Value};
 use crate::source::Span;
-use crate::term::Func;
 
 impl Checker<'_> {
     /// Defines the `let`s that are plain numbers.
@@ -34,7 +33,7 @@ impl Checker<'_> {
                 text == "pi" || matches!(value, Some(Value::Number(_)))
             }
             ExprKind::Text(_) | ExprKind::List(_) | ExprKind::Range(..) => false,
-            ExprKind::Call(call) if Func::named(&call.name.text).is_none() => false,
+            ExprKind::Call(call) if self.function_named(&call.name.text).is_none() => false,
             _ => e.children().into_iter().all(|x| self.is_numeric(x)),
         }
     }
@@ -53,6 +52,7 @@ impl Checker<'_> {
     pub fn lets(&mut self) {
         for s in self.statements() {
             let StatementKind::Let { name, body } = &s.kind else {
+                self.define_function(s);
                 continue;
             };
             let text = name.text.as_str();
@@ -63,6 +63,11 @@ impl Checker<'_> {
             if let Some(signal) = self.scope.signal(text) {
                 let declared = self.scope.var(signal.var).and_then(|v| v.span);
                 self.say(errors::let_clash(name.span, text, declared));
+                continue;
+            }
+            if let Some(first) = self.functions.get(text).map(|f| f.span) {
+                let what = format!("function `{text}`");
+                self.say(errors::twice(name.span, first, &what));
                 continue;
             }
             match self.scope.lets.get(text).map(|l| l.span) {

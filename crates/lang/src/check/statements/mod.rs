@@ -4,6 +4,7 @@ mod constraint;
 mod data_block;
 mod declaration;
 mod equation;
+mod function_definition;
 mod let_binding;
 mod symmetry;
 mod unknown;

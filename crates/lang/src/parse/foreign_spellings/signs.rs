@@ -198,7 +198,21 @@ fn bracket(place: &Place) -> Option<ForeignSign> {
         let ours = format!("{} .. {}", from.trim(), to.trim_start_matches('.').trim());
         return Some(place.spelt(len, &ours));
     }
-    unit(place, last, inner, len)
+    range_of_names(place, last, inner, len).or_else(|| unit(place, last, inner, len))
+}
+
+/// `state x[1..10]`
+fn range_of_names(place: &Place, name: &Token, inner: &str, len: usize) -> Option<ForeignSign> {
+    let digits = |t: &str| !t.is_empty() && t.chars().all(|c| c.is_ascii_digit());
+    let (from, to) = inner.split_once("..").or_else(|| inner.split_once(':'))?;
+    let (from, to) = (from.trim(), to.trim());
+    if name.kind != TokenKind::Name || name.end != place.start || !digits(from) || !digits(to) {
+        return None;
+    }
+    let theirs = format!("{}{}", name.text, &place.rest[..len]);
+    let ours = format!("{0}{from}..{0}{to}", name.text);
+    let at = Span::new(place.file, name.start, place.start + len);
+    Some(ForeignSign::new(len, foreign(at, &theirs, &ours)))
 }
 
 /// `state x [m]`, `state y : order 2 [rad]`

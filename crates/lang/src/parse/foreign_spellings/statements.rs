@@ -1,4 +1,4 @@
-//! Statements: `const g = 9.81`, `for i in 1:3`, `if x > 0`, `include "a.sid"`, `let f(x) = …`, `x and y`, `;` at the end of a line.
+//! Statements: `const g = 9.81`, `for i in 1:3`, `if x > 0`, `include "a.sid"`, `def f(x)`, `x and y`, `;` at the end of a line.
 //!
 //! In: the tokens of a statement. Out: the error that says how it is written here, in place of all that the grammar would say.
 
@@ -85,7 +85,6 @@ pub fn statement(
     let own: Vec<&Token> = tokens.iter().filter(|t| t.is_code()).collect();
     let s = Written { file, text, own };
     s.opening_word(keyword)
-        .or_else(|| s.function(keyword))
         .or_else(|| s.branch(keyword))
         .or_else(|| s.conjunction(keyword))
 }
@@ -128,13 +127,13 @@ impl Written<'_, '_> {
         let because = |why: &str| foreign_because(at, first, why);
         if LOOPS.contains(&first) && !second.is("~") && !second.is("=") {
             return Some(because("there are no loops").help(
-                "a row of names is `x1..x10`: `state x1..x10`, then `dx1..dx10 ~ poly(x1..x10; 2)`",
+                "equations for a row of names `state x1..x10` are `dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`",
             ));
         }
         if FUNCTIONS.contains(&first) && names {
             return Some(
-                because("expressions have names, and no arguments")
-                    .help("write it out, or name it: `let f = x^2`"),
+                because("a function is an expression of its arguments")
+                    .help("write it as `let f(x) = x^2`"),
             );
         }
         if FILES.contains(&first) && (names || second.kind == TokenKind::Text) {
@@ -176,19 +175,6 @@ impl Written<'_, '_> {
         let declares = OPENING.iter().find(|(word, _)| *word == first);
         let (_, ours) = declares.filter(|_| names && !self.has("~") && equals.is_none())?;
         Some(foreign(at, first, ours))
-    }
-
-    /// `let f(x) = …`
-    fn function(&self, keyword: Option<Keyword>) -> Option<Diagnostic> {
-        let name = self.word(1).filter(|_| keyword == Some(Keyword::Let))?;
-        let close = self.own.iter().position(|t| t.is(")"))?;
-        let call = self.own.get(2)?.is("(") && self.own.get(close + 1)?.is("=");
-        let at = self.at(1).to(self.at(close));
-        call.then(|| {
-            foreign_because(at, "f(x) = …", "a `let` has no arguments").help(format!(
-                "name the expression of one signal: `let {name} = …`, with that signal in it"
-            ))
-        })
     }
 
     /// `if x > 0 then … else …`, `x > 0 ? … : …`

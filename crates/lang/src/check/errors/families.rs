@@ -1,0 +1,65 @@
+//! Families of equations and their indices.
+
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+
+/// The index of a family with the name of something else.
+pub fn index_declared(at: Span, name: &str) -> Diagnostic {
+    Diagnostic::error(
+        "name-clash",
+        format!("the index `{name}` has the name of something else"),
+    )
+    .at(at, "which of the two is meant in the equation?")
+    .help("give the index a name that nothing else has")
+}
+
+/// An end of a range that is no whole number.
+pub fn index_end(at: Span) -> Diagnostic {
+    Diagnostic::error("index", "an index runs between whole numbers")
+        .at(at, "no whole number that is known here")
+        .help("write numbers, `i = 1..10`, or a `let` that is one")
+}
+
+pub fn index_ends(at: Span, from: i64, to: i64, most: usize) -> Diagnostic {
+    let d = Diagnostic::error(
+        "index",
+        format!("an index does not run from {from} to {to}"),
+    );
+    match from > to {
+        true => d
+            .at(at, "the smaller number comes first")
+            .help(format!("write `{to}..{from}`"))
+            .fix(at, format!("{to}..{from}")),
+        false => d.at(at, "out of bounds").help(format!(
+            "names have numbers from 0 on, and a family at most {most} equations"
+        )),
+    }
+}
+
+/// `x[i/2]`
+pub fn index_not_whole(at: Span) -> Diagnostic {
+    Diagnostic::error(
+        "index",
+        "an index is a whole number in every equation of its family",
+    )
+    .at(at, "not one, or not known here")
+    .help("an index is made of the family's own and of whole numbers: `x[i - 1]`, `x[2*i]`")
+}
+
+/// `x[i + 1]` at the end of the names; `over` is the index with its value, `range` where it is said.
+pub fn index_beyond(at: Span, wanted: &str, (name, value): (&str, i64), range: Span) -> Diagnostic {
+    Diagnostic::error("index", format!("`{wanted}` is not declared"))
+        .at(at, format!("`{wanted}` where {name} is {value}"))
+        .also(range, "here the index runs")
+        .help("let the index run over fewer numbers, with equations of their own for the ends; or in a ring, whose ends are neighbours, by ` cyclic` behind the range")
+        .fix(range.after(), " cyclic")
+}
+
+/// `x[3]` where no index runs; `name` is that of the signal.
+pub fn index_without_range(at: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("index", "an index stands only in a family of equations")
+        .at(at, "no index runs here")
+        .help(format!(
+            "write out which one is meant, `{name}1`; or end the equation in `, i = 1..10`"
+        ))
+}

@@ -1,0 +1,91 @@
+//! Functions that a model defines.
+
+use crate::ast::Ident;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+
+/// A call with the wrong number of arguments; `at` and where the function is defined.
+pub fn own_arity(
+    (at, definition): (Span, Span),
+    name: &str,
+    params: &[Ident],
+    found: usize,
+) -> Diagnostic {
+    let wanted = match params.len() {
+        1 => "one argument".to_string(),
+        n => format!("{n} arguments"),
+    };
+    let names: Vec<&str> = params.iter().map(|p| p.text.as_str()).collect();
+    Diagnostic::error("arity", format!("`{name}` takes {wanted}, not {found}"))
+        .at(at, format!("expected {wanted}"))
+        .also(definition, "defined here")
+        .help(format!(
+            "write `{name}({})` with an expression for each",
+            names.join(", ")
+        ))
+}
+
+/// An argument with a name that means something else in the model; `renamed` is the statement with another name for it.
+pub fn argument_hides(
+    (at, declared): (Span, Option<Span>),
+    (name, meaning): (&str, &str),
+    other: &str,
+    statement: Span,
+    renamed: String,
+) -> Diagnostic {
+    Diagnostic::error(
+        "name-clash",
+        format!("the argument `{name}` has the name of {meaning}"),
+    )
+    .at(at, "which of the two is meant in the function?")
+    .also_if_known(declared, "declared here")
+    .help(format!("give the argument another name: `{other}`"))
+    .fix(statement, renamed)
+}
+
+pub fn form_as_function(at: Span, name: &str) -> Diagnostic {
+    Diagnostic::error(
+        "name-taken",
+        format!("`{name}(…)` has a meaning in every model"),
+    )
+    .at(at, "cannot be defined")
+    .help(format!("choose another name, such as `{name}_0`"))
+}
+
+/// A function with the name of one of the language.
+pub fn function_replaced(at: Span, name: &str) -> Diagnostic {
+    Diagnostic::note(
+        "function-replaced",
+        format!("`{name}` is this model's own function, not that of the language"),
+    )
+    .at(at, "holds wherever the model calls it")
+}
+
+/// `f(x) = x^2`
+pub fn function_without_let(at: Span, statement: Span, line: &str) -> Diagnostic {
+    Diagnostic::error("target", "a function is defined by `let`")
+        .at(at, "no target of an equation")
+        .help(format!("write `let {line}`"))
+        .fix(statement.before(), "let ")
+}
+
+/// A call in the data block; `body` is the function's.
+pub fn own_function_in_data(at: Span, body: &str, definition: Span) -> Diagnostic {
+    Diagnostic::error(
+        "unknown-function",
+        "functions of the model take signals, not columns",
+    )
+    .at(at, "not in a data block")
+    .also(definition, "defined here")
+    .help(format!(
+        "write it out with the column in quotes in place of the argument: `{body}`"
+    ))
+}
+
+/// `let f(v) = 1 + f(v - 1)`
+pub fn recursive_function(at: Span, name: &str, definition: Span) -> Diagnostic {
+    Diagnostic::error("let-order", format!("`{name}` is defined by itself"))
+        .at(at, "its own name")
+        .also(definition, "in this definition")
+        .help("a function is an expression of its arguments and of what stands above it; write out what is meant")
+}

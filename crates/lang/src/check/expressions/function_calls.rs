@@ -1,0 +1,142 @@
+//! Calls of functions that the model defines.
+//!
+//! In: a call. Out: what the body of the function is with these arguments: an expression or a library. What is
+//! wrong in a body with these arguments is shown with the call.
+
+use crate::ast::{Call, Expr as Ast};
+use crate::check::checker::{Checker, every};
+use crate::check::errors;
+use crate::check::own_functions::{Argument, Arguments, OwnFunction};
+use crate::check::vocabulary::GeneratorSignature;
+use crate::diagnostic::Diagnostic;
+use crate::model::{LibExpr, LibKind};
+use crate::source::Span;
+use crate::term::{Expr, Func};
+
+impl<'a> Checker<'a> {
+    /// What an argument of the function that is being read stands for.
+    pub fn argument(&self, name: &str) -> Option<&Argument> {
+        self.arguments.last()?.get(name)
+    }
+
+    /// Whether the model defines a function of this name, anywhere.
+    pub fn is_own_function(&self, name: &str) -> bool {
+        self.own_names.contains(name)
+    }
+
+    /// The generator of this name, unless the model has a function of the same.
+    pub fn generator_named(&self, name: &str) -> Option<&'a GeneratorSignature> {
+        match self.is_own_function(name) {
+            true => None,
+            false => self.vocabulary.generator(name),
+        }
+    }
+
+    /// The function of the language of this name, unless the model has one of the same.
+    pub fn function_named(&self, name: &str) -> Option<Func> {
+        match self.is_own_function(name) {
+            true => None,
+            false => Func::named(name),
+        }
+    }
+
+    /// True for a call of a function whose body is a library.
+    pub fn is_library_function(&self, name: &str) -> bool {
+        self.functions.get(name).is_some_and(|f| f.library)
+    }
+
+    /// The function that a call is of; the inner `None` after an error.
+    fn called(&mut self, e: &Ast, call: &Call) -> Option<Option<OwnFunction<'a>>> {
+        let name = call.name.text.as_str();
+        let function = self.functions.get(name)?.clone();
+        self.used_functions.insert(name.to_string());
+        if function.wrong {
+            return Some(None);
+        }
+        if call.numbers.is_some() {
+            return Some(self.fail(errors::numbers_of_function(e.span, name)));
+        }
+        if call.args.len() != function.params.len() {
+            let at = (e.span, function.span);
+            let d = errors::own_arity(at, name, function.params, call.args.len());
+            return Some(self.fail(d));
+        }
+        if let Some((p, at)) = call.power
+            && p < 0.0
+        {
+            let arg = call.args.first().and_then(Ast::as_name).unwrap_or("…");
+            return Some(self.fail(errors::inverse_or_reciprocal(at, name, arg)));
+        }
+        Some(Some(function))
+    }
+
+    /// The value of a call; the outer `None` if the model has no function of the name, the inner after an error.
+    pub fn own_call(&mut self, e: &Ast, call: &Call) -> Option<Option<Expr>> {
+        let function = self.called(e, call)?;
+        Some(function.and_then(|f| self.value_of(e, call, &f)))
+    }
+
+    fn value_of(&mut self, e: &Ast, call: &Call, f: &OwnFunction<'a>) -> Option<Expr> {
+        if f.library {
+            let name = self.text(e.span);
+            return self.fail(errors::library_by_name_inside(e.span, name, f.span));
+        }
+        let arguments = self.values(call, f)?;
+        let value = self.inside(e.span, arguments, |c| c.arithmetic(f.body))?;
+        if !value.is_finite() {
+            return self.fail(errors::not_finite(e.span));
+        }
+        match call.power {
+            Some((p, _)) => self.powered(e, value, p),
+            None => Some(value),
+        }
+    }
+
+    /// The library that a call is.
+    pub fn own_library(&mut self, e: &Ast, call: &Call) -> Option<LibExpr> {
+        let f = self.called(e, call).flatten()?;
+        if call.power.is_some() {
+            let name = &call.name.text;
+            return self.fail(errors::form(e.span, name, &format!("{name}(x)^2")));
+        }
+        let arguments = self.values(call, &f)?;
+        let body = self.inside(e.span, arguments, |c| c.library(f.body))?;
+        let (name, body) = (call.name.text.clone(), Box::new(body));
+        Some(LibExpr::new(e.span, LibKind::Named { name, body }))
+    }
+
+    fn values(&mut self, call: &Call, f: &OwnFunction) -> Option<Arguments> {
+        let values = every(call.args.iter().map(|x| self.arithmetic(x)))?;
+        let names = f.params.iter().map(|p| p.text.clone());
+        Some(names.zip(values.into_iter().map(Argument::Value)).collect())
+    }
+
+    /// Reads the body of a function with its arguments; what is found in it is found in this call.
+    fn inside<T>(
+        &mut self,
+        call: Span,
+        arguments: Arguments,
+        read: impl FnOnce(&mut Self) -> Option<T>,
+    ) -> Option<T> {
+        let before = self.found.len();
+        self.arguments.push(arguments);
+        let out = read(self);
+        self.arguments.pop();
+        let outermost = self.arguments.is_empty();
+        let inside = self.found.split_off(before.min(self.found.len()));
+        for d in inside {
+            let primary = d.labels.iter().find(|l| l.primary).map(|l| l.span);
+            // The same fault of one body is told once, however often it is called.
+            let again = outermost && !self.told_in_calls.insert((d.code, primary));
+            if !again {
+                self.found.push(in_call(d, call));
+            }
+        }
+        out
+    }
+}
+
+/// A finding in the body of a function, shown with its call.
+pub fn in_call(d: Diagnostic, call: Span) -> Diagnostic {
+    d.also(call, "in this call")
+}
