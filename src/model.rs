@@ -4,7 +4,7 @@ use sidc_lang::diagnostic::{Diagnostic, Severity};
 use sidc_lang::library::GENERATORS;
 use sidc_lang::model::{Equation, RightSide};
 use sidc_lang::render;
-use sidc_lang::source::{Sources, Span};
+use sidc_lang::source::Sources;
 use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 
 use crate::error::{Error, ErrorKind};
@@ -85,13 +85,14 @@ impl Model {
         Some(terms.map(|(_, term)| Language(&self.program.model).term(&term)))
     }
 
-    /// The model with other libraries: those of the targets given list these terms, as they are printed. Known parts stay.
+    /// The model with other libraries: those of the targets given list these terms, as they are printed. Known parts stay; equations that
+    /// share the statement of a target list all of theirs.
     ///
     /// ```
     /// let model = sidc::Model::parse("state x, y\ndx, dy ~ poly(x, y; 3)\n")?;
     /// let narrow = model.with_terms(&[("dy", vec!["x", "x*y^2"])])?;
     /// assert_eq!((narrow.candidates("dx"), narrow.candidates("dy")), (Some(10), Some(2)));
-    /// assert!(narrow.text().ends_with("dx ~ poly(x, y; 3)\ndy ~ <x, x*y^2>\n"));
+    /// assert!(narrow.text().ends_with("\ndy ~ <x, x*y^2>\n"));
     /// # Ok::<(), sidc::Error>(())
     /// ```
     ///
@@ -106,50 +107,36 @@ impl Model {
             );
             return Err(Error::new(ErrorKind::Options, "unknown-target", text));
         }
-        let mut statements: Vec<(Span, Vec<String>)> = Vec::new();
-        for equation in &model.equations {
-            let line = self.line(equation, libraries);
-            match statements
-                .last_mut()
-                .filter(|(span, _)| *span == equation.span)
-            {
-                Some((_, lines)) => lines.push(line),
-                None => statements.push((equation.span, vec![line])),
-            }
-        }
+        let listed = |e: &Equation| libraries.iter().any(|(t, _)| *t == model.name(e.target));
         let mut text = self.text.clone();
-        for (span, lines) in statements.iter().rev() {
-            text.replace_range(span.start..span.end, &lines.join("\n"));
+        let statements = model.equations.chunk_by(|a, b| a.span == b.span);
+        for statement in statements.rev().filter(|s| s.iter().any(listed)) {
+            let lines = statement.iter().map(|e| self.listed(e, libraries));
+            let lines: Vec<String> = lines.collect();
+            let span = statement.first().map_or(0..0, |e| e.span.start..e.span.end);
+            text.replace_range(span, &lines.join("\n"));
         }
         Model::named(&self.name, &text)
     }
 
-    /// The statement of one equation, with its terms listed if they are among these libraries.
-    fn line<T: AsRef<str>>(&self, equation: &Equation, libraries: &[(&str, Vec<T>)]) -> String {
-        let name = self.program.model.name(equation.target);
+    /// The statement of one equation with its terms listed: those given, or all. So the members of a family stand alone.
+    fn listed<T: AsRef<str>>(&self, equation: &Equation, libraries: &[(&str, Vec<T>)]) -> String {
+        let model = &self.program.model;
+        let name = model.name(equation.target);
         let given = libraries.iter().find(|(target, _)| *target == name);
-        match (given, &equation.right) {
-            (Some((_, terms)), RightSide::Search { known, .. }) => {
-                let known = known
-                    .iter()
-                    .filter_map(|(_, span)| self.text.get(span.start..span.end));
-                let terms: Vec<&str> = terms.iter().map(AsRef::as_ref).collect();
-                let listed = format!("<{}>", terms.join(", "));
-                let parts: Vec<&str> = known.chain([listed.as_str()]).collect();
-                format!("{name} ~ {}", parts.join(" + "))
-            }
-            _ => {
-                let sign = match equation.right {
-                    RightSide::Known(_) => '=',
-                    RightSide::Search { .. } => '~',
-                };
-                let right = equation
-                    .written
-                    .split_once(sign)
-                    .map_or("", |(_, right)| right);
-                format!("{name} {sign}{right}")
-            }
-        }
+        let terms: Vec<String> = match given {
+            Some((_, terms)) => terms.iter().map(|t| t.as_ref().to_string()).collect(),
+            None => self.candidate_terms(&name).into_iter().flatten().collect(),
+        };
+        let known = match &equation.right {
+            RightSide::Search { known, .. } => known.as_slice(),
+            RightSide::Known(_) => &[],
+        };
+        let known = known
+            .iter()
+            .map(|(e, _)| format!("known({})", Language(model).expr(e)));
+        let parts: Vec<String> = known.chain([format!("<{}>", terms.join(", "))]).collect();
+        format!("{name} ~ {}", parts.join(" + "))
     }
 
     /// The model as it was written.

@@ -1,5 +1,7 @@
 //! The library as other programs use it: what it offers beside the search.
 
+use std::collections::BTreeSet;
+
 use sidc::{Data, Discovery, ErrorKind, Model, Options, Target, Unwatched};
 use sidc_testing::program::{file, sidc};
 
@@ -172,4 +174,29 @@ fn names_are_looked_up() {
         .run([("t", vec![0.0, 1.0]), ("x", vec![1.0, 1.0])])
         .unwrap();
     assert_eq!(still.draft().unwrap_err().codes(), ["no-state"]);
+}
+
+/// Libraries listed anew: the others of the statement and what is known stay, in families too.
+#[test]
+fn libraries_are_listed_anew() {
+    let model = Model::parse(
+        "state x[1..3]\ninput u\ndx[i] ~ known(2*u - x[i]) + poly(x[i-1], x[i]; 2), i = 1..3 cyclic\n",
+    )
+    .unwrap();
+    let narrow = model.with_terms(&[("dx2", vec!["x1*x2", "1"])]).unwrap();
+    assert_eq!(narrow.targets(), model.targets());
+    let terms = |m: &Model, target: &str| -> BTreeSet<String> {
+        m.candidate_terms(target).into_iter().flatten().collect()
+    };
+    for target in ["dx1", "dx3"] {
+        assert_eq!(terms(&narrow, target), terms(&model, target));
+    }
+    assert_eq!(
+        terms(&narrow, "dx2"),
+        ["1", "x1*x2"].map(String::from).into()
+    );
+    assert!(narrow.text().contains("dx2 ~ known("), "{}", narrow.text());
+    let refused = model.with_terms(&[("dx4", vec!["1"])]).unwrap_err();
+    assert_eq!(refused.codes(), ["unknown-target"]);
+    assert!(model.with_terms(&[("dx2", vec!["x1*("])]).is_err());
 }

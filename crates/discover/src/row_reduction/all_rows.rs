@@ -117,7 +117,8 @@ fn preferred_support(
         target.as_slice().to_vec(),
         r[(n, n)].powi(2),
         criterion,
-    );
+    )
+    .requiring(task.library.required().to_vec());
     let most = TERM_SELECTION.max_terms.min(n);
     let found = search.run(most, &[support.to_vec()], watcher.during(Stage::Choosing));
     let mut best = found.first().map_or_else(Vec::new, |s| s.support.clone());
