@@ -180,7 +180,7 @@ fn names_are_looked_up() {
 #[test]
 fn libraries_are_listed_anew() {
     let model = Model::parse(
-        "state x[1..3]\ninput u\ndx[i] ~ known(2*u - x[i]) + poly(x[i-1], x[i]; 2), i = 1..3 cyclic\n",
+        "state x1..x3\ninput u\ndx[i] ~ known(2*u - x[i]) + poly(x[i-1], x[i]; 2), i = 1..3 cyclic\n",
     )
     .unwrap();
     let narrow = model.with_terms(&[("dx2", vec!["x1*x2", "1"])]).unwrap();
