@@ -2,7 +2,7 @@
 
 use crate::report::markup::{lead, number, section};
 use crate::report::report_contents::Subject;
-use crate::report::sections::equations::reading;
+use crate::report::sections::equations::{heading, reading};
 use crate::text::coefficient_inference::without;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::{MathMl, escape};
@@ -52,9 +52,9 @@ fn table(s: &Subject, e: &Equation) -> String {
         ),
         false => String::new(),
     };
-    let target = MathMl(s.discovery).symbol(e.target);
+    let target = heading(s, e);
     format!(
-        "<h3>{target}</h3>\n<table class=\"terms\">\n<thead><tr><th scope=\"col\">term</th><th scope=\"col\">coefficient</th>\
+        "{target}<table class=\"terms\">\n<thead><tr><th scope=\"col\">term</th><th scope=\"col\">coefficient</th>\
          <th scope=\"col\">95 % interval{axis}</th><th scope=\"col\">stability</th><th scope=\"col\">mark</th><th scope=\"col\">without it</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table>\n"
     )

@@ -2,7 +2,8 @@
 
 use crate::report::markup::{lead, number, section};
 use crate::report::report_contents::Subject;
-use crate::typeset::mathml::{MathMl, escape};
+use crate::report::sections::equations::heading;
+use crate::typeset::mathml::escape;
 use sidc_system::discovery::{Alike, Equation, Identifiability};
 
 /// Relations of one equation that are printed.
@@ -34,8 +35,8 @@ fn one(s: &Subject, e: &Equation) -> Option<String> {
         .iter()
         .map(|l| format!("<li>{}</li>\n", escape(l)))
         .collect();
-    let target = MathMl(s.discovery).symbol(e.target);
-    Some(format!("<h3>{target}</h3>\n{map}<ul>\n{each}</ul>\n"))
+    let target = heading(s, e);
+    Some(format!("{target}{map}<ul>\n{each}</ul>\n"))
 }
 
 fn table(a: &Alike) -> String {

@@ -7,6 +7,7 @@ use crate::text::matrices::consequences;
 use crate::text::{disturbance, evidence, relations};
 use crate::typeset::mathml::{MathMl, escape};
 use crate::unknown_constants;
+use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{Discovery, Equation};
 
 pub(crate) fn html(s: &Subject) -> String {
@@ -62,6 +63,15 @@ fn remarks(d: &Discovery, e: &Equation) -> String {
         .map(|l| format!("<li>{}</li>", escape(l)))
         .collect();
     format!("<ul class=\"remarks\">{lines}</ul>")
+}
+
+/// The target as a heading, which is read aloud by its name: dots over letters are read as punctuation.
+pub(super) fn heading(s: &Subject, e: &Equation) -> String {
+    let (name, symbol) = (
+        s.discovery.name(e.target),
+        MathMl(s.discovery).symbol(e.target),
+    );
+    format!("<h3 aria-label=\"{}\">{symbol}</h3>\n", escape(&name))
 }
 
 /// The units of the coefficients, where units were declared.
