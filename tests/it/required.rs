@@ -116,6 +116,34 @@ fn a_required_term_without_influence_is_told() {
     }
 }
 
+/// A lag that nothing measures, with a time constant that is sought, moves the oscillator: the search starts from guessed courses.
+#[test]
+fn beside_hidden_states_and_unknown_constants_a_required_term_is_kept() {
+    let mut random = Random::new(3);
+    let push = |t: f64| (0.9 * t).sin() + 0.7 * (0.33 * t).cos() + 0.5 * (2.1 * t).sin();
+    let law = |t: f64, z: &[f64; 3]| {
+        let pull = -2.0 * z[0] - 0.5 * z[1] + 3.0 * z[2];
+        [z[1], pull, (push(t) - z[2]) / 0.6]
+    };
+    let (mut data, mut z) = (String::from("t,x,u\n"), [0.2, 0.0, 0.0]);
+    for t in grid(800, STEP) {
+        data += &format!("{t},{},{}\n", z[0] + 0.01 * random.normal(), push(t));
+        z = integrate(&|t, z: &[f64; 3]| law(t, z), t, t + STEP, z);
+    }
+    let text = "unknown tau in 0.05..5\nstate x : order 2\nstate F : hidden\ninput u : linear\n\
+                dF = (u - F)/tau\nddx ~ required(dx, x^3) + <1, x, F>\n";
+    let (run, found) = identify(text, &data, &[]);
+    let law = &found["equations"][1]["terms"];
+    let terms: Vec<&str> = law
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|t| t["term"].as_str().unwrap())
+        .collect();
+    assert_eq!(terms, ["x", "dx", "F", "x^3"], "{}", run.stdout);
+    assert!(!run.stdout.contains("lost by the search"), "{}", run.stdout);
+}
+
 /// A weak term that noise hides: the search leaves it out, and the model may insist on it.
 #[test]
 fn a_term_that_noise_hides_is_kept_where_it_is_required() {

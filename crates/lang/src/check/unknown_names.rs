@@ -42,6 +42,10 @@ const PLACED: [(&str, &str); 6] = [
 impl Checker<'_> {
     /// Reports an unknown name, once.
     pub fn unknown_name<T>(&mut self, at: Span, text: &str) -> Option<T> {
+        let plain = text.trim_end_matches('\'');
+        if plain != text && self.argument(plain).is_some() {
+            return self.fail(errors::argument_differentiated(at, plain));
+        }
         if self.scope.is_poisoned(text) || !self.reported.insert(text.to_string()) {
             return None;
         }

@@ -9,7 +9,7 @@ use super::gauss_newton::undisturbed_fit;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use sidc_progress::Observer;
 
-/// Fits the support of `from` from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
+/// Fits the support of `from`, and what is required besides, from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
 /// `beat`. `None` where the laws diverge, the trajectory leaves the data, or the observer ends the work.
 pub(crate) fn fit(
     problem: &Problem,
@@ -18,6 +18,7 @@ pub(crate) fn fit(
     beat: f64,
     observer: &mut dyn Observer,
 ) -> Option<Fit> {
+    let from = from.requiring(&problem.system.constraints.required);
     match from.process {
         None => undisturbed_fit(problem, from, criterion, beat, observer),
         Some(_) => disturbed_fit(problem, from, criterion, beat, observer),

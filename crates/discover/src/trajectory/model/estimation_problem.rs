@@ -89,6 +89,20 @@ impl LinearizationPoint {
         let columns = self.support.iter().copied();
         columns.zip(self.coefficients.iter().copied()).collect()
     }
+
+    /// The same with these columns in its support, at zero where they are new.
+    pub fn requiring(mut self, required: &[usize]) -> LinearizationPoint {
+        for column in required
+            .iter()
+            .filter(|j| !self.support.contains(j))
+            .collect::<Vec<_>>()
+        {
+            let place = self.support.partition_point(|j| j < column);
+            self.support.insert(place, *column);
+            self.coefficients.insert(place, 0.0);
+        }
+        self
+    }
 }
 
 impl Problem {

@@ -47,14 +47,15 @@ impl<'a> SearchLevel<'a> {
         points: impl IntoIterator<Item = LinearizationPoint>,
         observer: &mut dyn Observer,
     ) -> bool {
-        let mut points = points.into_iter();
+        let required = &self.problem.system.constraints.required;
+        let mut points = points.into_iter().map(|p| p.requiring(required));
         let mut better = false;
         while observer.go_on() {
             let mut pair: Vec<LinearizationPoint> = Vec::new();
             while pair.len() < 2 {
                 let Some(point) = points.next() else { break };
                 let seen = pair.iter().any(|p| p.support == point.support);
-                let size = 1..=self.most_terms;
+                let size = 1..=self.most_terms.max(required.len());
                 let fits = size.contains(&point.support.len());
                 if fits && !seen && !self.tried.contains_key(&point.support) {
                     pair.push(point);

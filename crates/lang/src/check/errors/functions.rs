@@ -43,6 +43,15 @@ pub fn argument_hides(
     .fix(statement, renamed)
 }
 
+/// `a'` of an argument a.
+pub fn argument_differentiated(at: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("unknown-signal", format!("the argument `{name}` has no derivative"))
+        .at(at, "an argument is a number")
+        .help(format!(
+            "give the derivative as an argument of its own: `let f({name}, rate) = …`, called as `f(x, dx)`"
+        ))
+}
+
 pub fn form_as_function(at: Span, name: &str) -> Diagnostic {
     Diagnostic::error(
         "name-taken",
