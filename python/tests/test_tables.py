@@ -10,6 +10,7 @@ import pandas as pd
 import polars as pl
 import pyarrow as pa
 import pytest
+from scipy.integrate import solve_ivp
 
 import sidc
 from sidc import _tables
@@ -189,6 +190,25 @@ def test_columns_of_words_are_left_out_and_named_in_errors(decay: dict[str, np.n
     with pytest.raises(sidc.Error, match="note: the column x of run 1 holds no numbers") as raised:
         model.identify(words)
     assert raised.value.codes == ["missing-signal"]
+
+
+def test_signals_of_different_rates() -> None:
+    def plant(t: float, s: np.ndarray) -> list[float]:
+        return [s[1] - 0.1 * s[0], -2 * np.sin(s[0]) - 0.3 * s[1] + 2 * np.interp(t, t_u, u)]
+
+    t_x, t_y, t_u = np.arange(0, 20, 0.02), np.arange(0.007, 20, 0.05), np.arange(0, 20.1, 0.1)
+    u = np.sin(1.3 * t_u)
+    course = solve_ivp(plant, (0, 20), (1, 0), dense_output=True, rtol=1e-9, atol=1e-9, max_step=0.05).sol
+    random = np.random.default_rng(0)
+    x = pd.DataFrame({"t": t_x, "x": course(t_x)[0] + 0.005 * random.normal(size=len(t_x))})
+    y = pd.DataFrame({"t": t_y, "y": course(t_y)[1] + 0.005 * random.normal(size=len(t_y))})
+    table = x.merge(y, on="t", how="outer").merge(pd.DataFrame({"t": t_u, "u": u}), on="t", how="outer").sort_values("t")
+    model = sidc.Model("state x, y : noise 0.005\ninput u : linear\ndx ~ poly(x, y; 2)\ndy ~ <sin x, cos x, u> + poly(x, y; 2)\n")
+    found = model.identify(table)
+    assert found.passes, found
+    expected = {"dx": {"x": -0.1, "y": 1}, "dy": {"y": -0.3, "u": 2, "sin(x)": -2}}
+    for equation in found.equations:
+        assert equation.coefficients == pytest.approx(expected[equation.target], rel=0.02)
 
 
 def test_arrays_may_start_anywhere(decay: dict[str, np.ndarray]) -> None:

@@ -1,7 +1,7 @@
 //! Intersample behaviour of inputs: zero-order hold or linear, where held inputs jump, and what that hides from the samples.
 //!
 //! In: declarations and records. Out: hold or linear for every input, with a note where it was not declared; rows of jumps;
-//! errors for derivatives. Changes no record. The term is Ljung's (System Identification, 2nd ed. 1999, ch. 13).
+//! errors for derivatives; values between readings. The term is Ljung's (System Identification, 2nd ed. 1999, ch. 13).
 
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Between, Model, VarKind};
@@ -9,6 +9,7 @@ use sidc_lang::term::Signal;
 
 use crate::dataset::{Input, Trajectory};
 use crate::series::rows_of_steps;
+use crate::time_axis;
 
 sidc_thresholds::family! {
     /// How inputs are taken to move between samples.
@@ -38,8 +39,9 @@ pub(crate) fn infer(
         let signal = Signal::new(id);
         let (mut still, mut all) = (0usize, 0usize);
         for column in trajectories.iter().filter_map(|t| t.column(signal)) {
-            all += column.len().saturating_sub(1);
-            still += column.windows(2).filter(|w| w[0] == w[1]).count();
+            let known: Vec<f64> = column.iter().copied().filter(|u| u.is_finite()).collect();
+            all += known.len().saturating_sub(1);
+            still += known.windows(2).filter(|w| w[0] == w[1]).count();
         }
         if all == 0 && var.between.is_none() {
             continue;
@@ -56,6 +58,35 @@ pub(crate) fn infer(
         });
     }
     inputs
+}
+
+/// Gives inputs values between their readings, where these are missing: an input that was recorded at another rate than the states
+/// moves there as it is said to. Where its own readings are as far apart as a gap, nothing is known.
+pub(crate) fn fill(inputs: &[Input], trajectory: &mut Trajectory) {
+    let time = &trajectory.time;
+    for (signal, values) in &mut trajectory.columns {
+        let Some(input) = inputs.iter().find(|i| *signal == Signal::new(i.var)) else {
+            continue;
+        };
+        let known: Vec<usize> = (0..values.len())
+            .filter(|k| values[*k].is_finite())
+            .collect();
+        let times: Vec<f64> = known.iter().map(|k| time[*k]).collect();
+        let gaps = time_axis::gaps(&times);
+        for (place, pair) in known.windows(2).enumerate() {
+            let (a, b) = (pair[0], pair[1]);
+            if gaps.binary_search(&(place + 1)).is_ok() {
+                continue;
+            }
+            let (start, slope) = (values[a], (values[b] - values[a]) / (time[b] - time[a]));
+            for k in a + 1..b {
+                values[k] = match input.between {
+                    Between::Hold => start,
+                    Between::Linear => start + slope * (time[k] - time[a]),
+                };
+            }
+        }
+    }
 }
 
 fn assumed(name: &str, hold: bool, still: usize, all: usize) -> Diagnostic {
@@ -129,4 +160,64 @@ pub(crate) fn intersample_error(inputs: &[Input], trajectory: &Trajectory) -> In
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use sidc_lang::term::VarId;
+
+    use super::*;
+
+    fn filled(between: Between, time: &[f64], values: &[f64]) -> Vec<f64> {
+        let u = VarId(1);
+        let mut trajectory = Trajectory {
+            time: time.to_vec(),
+            columns: vec![(Signal::new(u), values.to_vec())],
+            ..Trajectory::default()
+        };
+        let input = Input {
+            var: u,
+            between,
+            declared: true,
+        };
+        fill(&[input], &mut trajectory);
+        trajectory.columns.swap_remove(0).1
+    }
+
+    #[test]
+    fn an_input_of_another_rate_has_values_between_its_readings() {
+        let none = f64::NAN;
+        let time = [0.0, 0.1, 0.4, 1.0, 1.5, 2.0];
+        let values = [none, 1.0, none, 4.0, none, 2.0];
+        let linear = filled(Between::Linear, &time, &values);
+        assert!(linear[0].is_nan());
+        let expected = [1.0, 2.0, 4.0, 3.0, 2.0];
+        assert!(
+            linear[1..]
+                .iter()
+                .zip(expected)
+                .all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+        assert_eq!(
+            filled(Between::Hold, &time, &values)[1..],
+            [1.0, 1.0, 4.0, 4.0, 2.0]
+        );
+    }
+
+    #[test]
+    fn nothing_is_known_of_an_input_in_its_gaps() {
+        let time: Vec<f64> = (0..60).map(f64::from).collect();
+        let read = |k: usize| k % 2 == 0 && !(20..40).contains(&k);
+        let values: Vec<f64> = (0..60)
+            .map(|k| if read(k) { 1.0 } else { f64::NAN })
+            .collect();
+        let linear = filled(Between::Linear, &time, &values);
+        assert!(linear[19..39].iter().all(|u| u.is_nan()), "{linear:?}");
+        assert!(
+            linear[..19]
+                .iter()
+                .chain(&linear[40..59])
+                .all(|u| *u == 1.0)
+        );
+    }
 }

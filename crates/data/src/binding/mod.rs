@@ -48,6 +48,9 @@ pub fn bind(
     let records = || bound.iter().map(|p| &p.trajectory);
     let mut assumed = Vec::new();
     let inputs = intersample::infer(model, &records().collect::<Vec<_>>(), &mut assumed);
+    for one in &mut bound {
+        intersample::fill(&inputs, &mut one.trajectory);
+    }
     let source = |signal| checks::source_text(model, sources, signal);
     let rate_faults = rate_columns::judge(model, &mut bound, &inputs, &source, &mut out);
     out.extend(assumed);

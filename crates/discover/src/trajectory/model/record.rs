@@ -208,7 +208,7 @@ fn record(
         };
         let mut values = smoothed.or_else(|| cut(*signal)).ok_or(*signal)?;
         let held = dataset.between(signal.var) == Some(Between::Hold) && signal.der == 0;
-        if !fill_missing(&mut values, held) {
+        if !fill_missing(time, &mut values, held) {
             return Err(*signal);
         }
         exogenous.push(Exogenous { values, held });
@@ -253,8 +253,8 @@ fn smoothed(
     })
 }
 
-/// Fills missing values with the last one if held, else by linear interpolation. False if there are no values.
-fn fill_missing(values: &mut [f64], held: bool) -> bool {
+/// Fills missing values with the last one if held, else by linear interpolation in time. False if there are no values.
+fn fill_missing(time: &[f64], values: &mut [f64], held: bool) -> bool {
     let known: Vec<usize> = (0..values.len())
         .filter(|i| values[*i].is_finite())
         .collect();
@@ -267,9 +267,9 @@ fn fill_missing(values: &mut [f64], held: bool) -> bool {
     for pair in known.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         let (x, y) = (values[a], values[b]);
-        for (i, value) in values[a + 1..b].iter_mut().enumerate() {
-            let part = (i + 1) as f64 / (b - a) as f64;
-            *value = if held { x } else { x + part * (y - x) };
+        for k in a + 1..b {
+            let part = (time[k] - time[a]) / (time[b] - time[a]);
+            values[k] = if held { x } else { x + part * (y - x) };
         }
     }
     true
