@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn nothing_is_known_of_an_input_in_its_gaps() {
         let time: Vec<f64> = (0..60).map(f64::from).collect();
-        let read = |k: usize| k % 2 == 0 && !(20..40).contains(&k);
+        let read = |k: usize| k.is_multiple_of(2) && !(20..40).contains(&k);
         let values: Vec<f64> = (0..60)
             .map(|k| if read(k) { 1.0 } else { f64::NAN })
             .collect();

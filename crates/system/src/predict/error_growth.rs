@@ -3,7 +3,7 @@
 //! In: states along the records, starts, signals, horizons. Out: errors of every start by horizon and signal. A run that ends early has
 //! infinite errors from there on. Chooses nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::horizon::{Predicted, row_ahead};
 use super::linear_model::{Along, InputSums, LinearModel};
@@ -100,7 +100,15 @@ impl Growth<'_> {
         };
         let wanted = self.ahead.iter().take(last_asked).map(row);
         let rows: Vec<Option<usize>> = wanted.map(|r| r.filter(|k| *k < start.end)).collect();
-        let last = rows.iter().flatten().max().copied().unwrap_or(start.row);
+        let ahead = start.row + 1..start.end;
+        let reading = |row: &Option<usize>, s: &Predicted| s.reading(record, (*row)?, &ahead);
+        let readings: Vec<Vec<Option<(usize, f64)>>> = rows
+            .iter()
+            .map(|row| self.signals.iter().map(|s| reading(row, s)).collect())
+            .collect();
+        let read = readings.iter().flatten().flatten().map(|(row, _)| *row);
+        let reached: BTreeSet<usize> = rows.iter().flatten().copied().chain(read).collect();
+        let last = reached.last().copied().unwrap_or(start.row);
         let run = state
             .as_ref()
             .map(|x| estimator.runs.run(start.row..last + 1, x, observer));
@@ -109,25 +117,20 @@ impl Growth<'_> {
             estimator,
             inputs: self.inputs.get(start.record)?,
         };
-        let behind: Vec<usize> = rows.iter().flatten().map(|k| k - start.row).collect();
+        let behind: Vec<usize> = reached.iter().map(|k| k - start.row).collect();
         let rival_start = linear.start(on, start.row, state.as_ref().ok());
         let linear = rival_start
             .as_ref()
             .and_then(|x| linear.ahead(on, start.row, x, &behind));
-        for (place, row) in rows.iter().enumerate() {
-            let Some(row) = row else { continue };
-            let rival = behind.iter().position(|b| *b == row - start.row);
-            let rival = rival.zip(linear.as_ref()).and_then(|(k, l)| l.get(k));
-            let reached = run.states.get(row - start.row);
-            for (s, errors) in self
-                .signals
-                .iter()
-                .zip(out.errors.get_mut(place).into_iter().flatten())
-            {
-                let reading = record.column(s.signal).and_then(|c| c.get(*row)).copied();
-                let Some(reading) = reading.filter(|r| r.is_finite()) else {
+        for (readings, errors) in readings.iter().zip(&mut out.errors) {
+            let each = self.signals.iter().zip(readings).zip(errors);
+            for ((s, reading), errors) in each {
+                let Some((row, reading)) = *reading else {
                     continue;
                 };
+                let rival = behind.binary_search(&(row - start.row)).ok();
+                let rival = rival.zip(linear.as_ref()).and_then(|(k, l)| l.get(k));
+                let reached = run.states.get(row - start.row);
                 let off = |x: Option<&Vec<f64>>| {
                     let error = x.and_then(|x| x.get(s.place)).map(|x| (x - reading).abs());
                     error.filter(|e| e.is_finite()).unwrap_or(f64::INFINITY)

@@ -9,7 +9,7 @@ use super::continued_records::continued;
 use super::document::{Band, DataKind, EndedRuns, HorizonChoice, Prediction, SignalPrediction};
 use super::error_growth::Growth;
 use super::figures::signal;
-use super::horizon::{Predicted, choose, median_step};
+use super::horizon::{Predicted, choose, median_step, reach};
 use super::linear_model::{Along, InputSums, LinearModel};
 use super::plan::Plan;
 use super::state_estimation::StateEstimator;
@@ -247,7 +247,8 @@ fn predicted(model: &Model, runs: Option<&SegmentRuns>, all: &[&Trajectory]) -> 
     let one = |(place, signal): (usize, &Signal)| {
         let columns = || all.iter().filter_map(|t| t.column(*signal));
         let finite = || columns().flatten().copied().filter(|v| v.is_finite());
-        let count = finite().count().max(1) as f64;
+        let readings = finite().count();
+        let count = readings.max(1) as f64;
         let mean = finite().sum::<f64>() / count;
         let spread = (finite().map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt();
         let moves = spread > 1e-12 * mean.abs() && spread > 0.0;
@@ -259,6 +260,7 @@ fn predicted(model: &Model, runs: Option<&SegmentRuns>, all: &[&Trajectory]) -> 
             place,
             spread,
             noise: noise.min(spread),
+            reach: reach(columns().map(<[f64]>::len).sum(), readings),
         })
     };
     state.iter().enumerate().filter_map(one).collect()

@@ -3,6 +3,8 @@
 //! In: records, the signals that are predicted with their spread and noise. Out: a horizon and the rule that gave it. Knows no
 //! equations, so that all models of the same data are asked the same.
 
+use std::ops::Range;
+
 use super::document::HorizonChoice;
 use super::thresholds::PREDICTION;
 use sidc_data::Trajectory;
@@ -16,6 +18,32 @@ pub(super) struct Predicted {
     pub place: usize,
     pub spread: f64,
     pub noise: f64,
+    /// Rows to either side of a horizon in which its reading is taken: none where every row has one, else half of those between two
+    /// readings.
+    pub reach: usize,
+}
+
+impl Predicted {
+    /// The reading nearest to a row among rows of `within`, and its row.
+    pub fn reading(
+        &self,
+        record: &Trajectory,
+        row: usize,
+        within: &Range<usize>,
+    ) -> Option<(usize, f64)> {
+        let column = record.column(self.signal)?;
+        let near = (0..=self.reach).flat_map(|d| [row.checked_sub(d), Some(row + d)]);
+        let mut read = near
+            .flatten()
+            .filter(|k| within.contains(k))
+            .filter_map(|k| Some((k, *column.get(k)?)));
+        read.find(|(_, value)| value.is_finite())
+    }
+}
+
+/// [`Predicted::reach`] of a signal that is read in so many of the rows; a tenth of them lost is still every row.
+pub(super) fn reach(rows: usize, readings: usize) -> usize {
+    (2 * rows + readings) / (4 * readings.max(1))
 }
 
 /// The horizon in seconds (samples in discrete time). `longest` is the longest uninterrupted record, in the same unit.
@@ -96,6 +124,7 @@ mod tests {
             place: 0,
             spread: 0.5_f64.sqrt(),
             noise: 0.0,
+            reach: 0,
         }
     }
 
@@ -121,5 +150,46 @@ mod tests {
         assert_eq!(row_ahead(&time, 0, 3.0, 1.0), Some(3));
         assert_eq!(row_ahead(&time, 0, 5.0, 1.0), None);
         assert_eq!(row_ahead(&time, 3, 10.0, 1.0), None);
+    }
+
+    #[test]
+    fn a_reading_of_a_slower_sensor_is_the_nearest() {
+        assert_eq!(
+            [(10, 10), (10, 9), (12, 8), (10, 4), (10, 1)].map(|(m, k)| reach(m, k)),
+            [0, 0, 1, 1, 5]
+        );
+        let record = Trajectory {
+            time: (0..8).map(f64::from).collect(),
+            columns: vec![(
+                signal().signal,
+                vec![
+                    1.0,
+                    f64::NAN,
+                    f64::NAN,
+                    4.0,
+                    f64::NAN,
+                    f64::NAN,
+                    7.0,
+                    f64::NAN,
+                ],
+            )],
+            ..Trajectory::default()
+        };
+        let slow = Predicted {
+            reach: 1,
+            ..signal()
+        };
+        let read = |row: usize| slow.reading(&record, row, &(1..8));
+        assert_eq!(
+            [3, 4, 5, 2].map(read),
+            [
+                Some((3, 4.0)),
+                Some((3, 4.0)),
+                Some((6, 7.0)),
+                Some((3, 4.0))
+            ]
+        );
+        assert_eq!(read(1), None, "row 0 is the start");
+        assert_eq!(signal().reading(&record, 4, &(1..8)), None);
     }
 }
