@@ -152,11 +152,8 @@ class Model:
         horizon: float | None,
         good: float | Mapping[str, float] | None,
     ) -> tuple[_sidc.Options, Reducer]:
-        options = search_options(
-            noise=noise, window=None, horizon=horizon, good=good, method="regression", solver=None, samples=None, seed=0, robust=False,
-            path=False, prove_sparsest=False, verify=False, memory_limit=None,
-        )  # fmt: skip
-        return options, Reducer.of(self._text, self._name, look_at, holdout, noise, params)
+        reducer = Reducer.of(self._text, self._name, look_at, holdout, noise, params)
+        return reducer.options(horizon, good), reducer
 
     def _identify_gathered(
         self,

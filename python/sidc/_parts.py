@@ -90,9 +90,10 @@ class Reducer:
         model = _sidc.Model(self.text, self.name)
         return model.reduce(measured(runs, self.params).native, self.options())
 
-    def options(self) -> _sidc.Options:
+    def options(self, horizon: float | None = None, good: float | Mapping[str, float] | None = None) -> _sidc.Options:
+        """Those of its regression; predictions are asked of what is found, not of a part."""
         return search_options(
-            noise=self.noise, window=None, horizon=None, good=None, method="regression", solver=None, samples=None, seed=0, robust=False,
+            noise=self.noise, window=None, horizon=horizon, good=good, method="regression", solver=None, samples=None, seed=0, robust=False,
             path=False, prove_sparsest=False, verify=False, memory_limit=None,
         )  # fmt: skip
 
@@ -115,8 +116,11 @@ class Gathered:
         else:
             self.reduced.merge(part.reduced)
         if part.looked_at is not None and self._parts % self._every == 0:
-            self.stretches.append((part.looked_at, part.held_out))
+            self._keep(part.looked_at, part.held_out)
         self._parts += 1
+
+    def _keep(self, looked_at: Columns, held_out: Columns | None) -> None:
+        self.stretches.append((looked_at, held_out))
         if len(self.stretches) > STRETCHES:
             self.stretches = self.stretches[::2]
             self._every *= 2

@@ -78,14 +78,20 @@ pub(crate) fn fill(inputs: &[Input], trajectory: &mut Trajectory) {
             if gaps.binary_search(&(place + 1)).is_ok() {
                 continue;
             }
-            let (start, slope) = (values[a], (values[b] - values[a]) / (time[b] - time[a]));
-            for k in a + 1..b {
-                values[k] = match input.between {
-                    Between::Hold => start,
-                    Between::Linear => start + slope * (time[k] - time[a]),
-                };
-            }
+            fill_between(input.between, time, values, (a, b));
         }
+    }
+}
+
+/// Gives a signal values at the rows between two of its readings.
+pub fn fill_between(between: Between, time: &[f64], values: &mut [f64], (a, b): (usize, usize)) {
+    let (start, end) = (values[a], values[b]);
+    for k in a + 1..b {
+        let part = (time[k] - time[a]) / (time[b] - time[a]);
+        values[k] = match between {
+            Between::Hold => start,
+            Between::Linear => start + part * (end - start),
+        };
     }
 }
 

@@ -80,11 +80,7 @@ impl Task<'_> {
 
     /// The target minus its known terms, length M.
     pub fn target_values(&self, samples: &Samples) -> Vec<f64> {
-        let mut y = samples
-            .column(self.target)
-            .map_or_else(|| vec![0.0; samples.len()], |c| c.values.clone());
-        subtract(&mut y, self.known.iter().map(|(c, t)| (*c, t)), samples);
-        y
+        target_values(self.target, &self.known, samples)
     }
 
     /// The term of a column of Φ.
@@ -139,6 +135,15 @@ impl Task<'_> {
             reasons: vec![reason],
         }
     }
+}
+
+/// A target minus its known terms, length M.
+pub(crate) fn target_values(target: Signal, known: &[(f64, Term)], samples: &Samples) -> Vec<f64> {
+    let mut y = samples
+        .column(target)
+        .map_or_else(|| vec![0.0; samples.len()], |c| c.values.clone());
+    subtract(&mut y, known.iter().map(|(c, t)| (*c, t)), samples);
+    y
 }
 
 /// Names of terms, in the order in which they are printed.

@@ -34,10 +34,7 @@ pub(crate) fn refit(
     watcher: &mut EquationObserver,
 ) {
     let searched = |t: &&FoundTerm| !t.fixed;
-    let column = |t: &FoundTerm| {
-        (0..task.library.slots())
-            .find(|j| !task.library.is_empty_slot(*j) && task.term(*j) == t.term)
-    };
+    let column = |t: &FoundTerm| task.library.contains(&t.term);
     let support: Option<Vec<usize>> = equation.terms.iter().filter(searched).map(column).collect();
     let Some(support) = support.filter(|s| !s.is_empty()) else {
         return;

@@ -8,10 +8,12 @@ use sidc_lang::library::Library;
 use sidc_lang::term::{Signal, Term};
 use sidc_solve::linalg::Qr;
 
-use crate::dictionary::{BadValue, compile, subtract};
+use crate::dictionary::{BadValue, compile};
+use crate::regression::task::target_values;
 use crate::row_reduction::factor::{Factor, triangle_below};
 use crate::row_reduction::thresholds::ROW_REDUCTION;
 use crate::row_weights::Weights;
+use crate::statistics::product;
 
 /// An equation with its target on all rows.
 pub(super) struct EquationRows<'a> {
@@ -31,15 +33,13 @@ impl<'a> EquationRows<'a> {
         library: &'a Library,
         samples: &Samples,
     ) -> EquationRows<'a> {
-        let column = samples.column(target);
-        let mut y = column.map_or_else(|| vec![0.0; samples.len()], |c| c.values.clone());
-        subtract(&mut y, known.iter().map(|(c, t)| (*c, t)), samples);
+        let y = target_values(target, known, samples);
         let estimated = |c: &Column| matches!(c.origin, Origin::Estimated { .. });
         EquationRows {
             place,
             library,
             weights: Weights::new(samples, target, library, &y).row,
-            estimated: column.is_some_and(estimated),
+            estimated: samples.column(target).is_some_and(estimated),
             y,
         }
     }
@@ -102,18 +102,10 @@ pub(super) fn factors(
         })?;
         let mut columns = vec![0.0; rows.len() * width];
         for (j, column) in columns.chunks_exact_mut(rows.len()).enumerate() {
-            if j < terms && library.is_empty_slot(j) {
-                continue;
-            }
-            if j < terms {
-                phi.column(j, column);
-            } else {
-                let y = &group[j - terms].y[first..end];
-                let weighted = y.iter().zip(weights).map(|(y, w)| y * w);
-                column
-                    .iter_mut()
-                    .zip(weighted)
-                    .for_each(|(out, y)| *out = y);
+            match j.checked_sub(terms) {
+                Some(k) => column.copy_from_slice(&product(&group[k].y[first..end], weights)),
+                None if library.is_empty_slot(j) => {}
+                None => phi.column(j, column),
             }
         }
         triangle = triangle_below(&triangle, &DMatrix::from_vec(rows.len(), width, columns));

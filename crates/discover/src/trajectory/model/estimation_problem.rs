@@ -92,14 +92,12 @@ impl LinearizationPoint {
 
     /// The same with these columns in its support, at zero where they are new.
     pub fn requiring(mut self, required: &[usize]) -> LinearizationPoint {
-        for column in required
-            .iter()
-            .filter(|j| !self.support.contains(j))
-            .collect::<Vec<_>>()
-        {
-            let place = self.support.partition_point(|j| j < column);
-            self.support.insert(place, *column);
-            self.coefficients.insert(place, 0.0);
+        for column in required {
+            if !self.support.contains(column) {
+                let place = self.support.partition_point(|j| j < column);
+                self.support.insert(place, *column);
+                self.coefficients.insert(place, 0.0);
+            }
         }
         self
     }

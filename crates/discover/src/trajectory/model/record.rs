@@ -262,15 +262,11 @@ fn fill_missing(time: &[f64], values: &mut [f64], held: bool) -> bool {
         return false;
     };
     let (start, end) = (values[*first], values[*last]);
+    let between = if held { Between::Hold } else { Between::Linear };
     values[..*first].fill(start);
     values[last + 1..].fill(end);
     for pair in known.windows(2) {
-        let (a, b) = (pair[0], pair[1]);
-        let (x, y) = (values[a], values[b]);
-        for k in a + 1..b {
-            let part = (time[k] - time[a]) / (time[b] - time[a]);
-            values[k] = if held { x } else { x + part * (y - x) };
-        }
+        data::fill_between(between, time, values, (pair[0], pair[1]));
     }
     true
 }
