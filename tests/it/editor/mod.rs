@@ -1,5 +1,7 @@
 //! `sidc lsp` as Neovim runs it, with the plugin of editors/neovim; the protocol itself is tested in crates/lsp.
 
+mod trees;
+
 use std::fs;
 use std::io::Write;
 use std::path::Path;

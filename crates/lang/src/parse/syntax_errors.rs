@@ -2,6 +2,7 @@
 //!
 //! Constructors only: places and parts of the user's text in, a [`Diagnostic`] with a fix to copy out.
 
+use crate::ast::KEYWORDS;
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, is_unseen};
 
@@ -201,9 +202,13 @@ pub fn ends_early(at: Span, expected: &str) -> Diagnostic {
 }
 
 pub fn not_a_statement(at: Span, text: &str) -> Diagnostic {
+    let keywords: Vec<&str> = KEYWORDS.iter().map(|(text, _)| *text).collect();
+    let statements = keywords.join(", ");
     Diagnostic::error("unknown-statement", format!("`{text}` opens no statement"))
         .at(at, "not understood")
-        .fact("statements: state, input, output, param, system, let, data, constrain, symmetry, limit, prefer, and equations `TARGET ~ LIBRARY`")
+        .fact(format!(
+            "statements: {statements}, and equations `TARGET ~ LIBRARY`"
+        ))
 }
 
 /// Cannot happen unless the grammar and the builder of the ast disagree.

@@ -1,6 +1,7 @@
 //! The help of a diagnostic as an action: every fix that changes the text.
 //!
-//! In: a range. Out: an action for each fix of each diagnostic that the range touches.
+//! In: a range. Out: an action for each fix of each diagnostic on its lines. Editors ask about the place of the cursor, which seldom stands
+//! in the word that is wrong.
 
 use std::collections::HashMap;
 
@@ -13,7 +14,9 @@ use super::diagnostics;
 use crate::text::document::Document;
 
 pub fn actions(document: &Document, uri: &Uri, range: Range) -> Vec<CodeActionOrCommand> {
-    let (start, end) = (document.offset(range.start), document.offset(range.end));
+    let lines = document.lines();
+    let line = |n: u32| lines.range(&document.text, n as usize);
+    let (start, end) = (line(range.start.line).start, line(range.end.line).end);
     let touched = |d: &&Diagnostic| {
         let touches = |from: usize, to: usize| from <= end && start <= to;
         d.labels.iter().any(|l| touches(l.span.start, l.span.end))

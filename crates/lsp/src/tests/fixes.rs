@@ -1,7 +1,7 @@
 //! Help that can be applied: what it changes is right.
 
 use super::session::{Session, corpus, edited};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// A change that a help offers takes its error away, and leaves no more of the same kind than there were.
 #[test]
@@ -49,4 +49,25 @@ fn every_fix_removes_what_it_is_offered_for() {
         helped * 3 > errors,
         "only {helped} of {errors} errors have one"
     );
+}
+
+/// Editors ask for the help at the cursor, which seldom stands in the word that is wrong.
+#[test]
+fn fixes_are_offered_from_anywhere_on_their_line() {
+    let mut session = Session::new(&["utf-16"]);
+    session.open("state x\nstaet v : order 2\ndx ~ <x>\n");
+    let mut offered = |line: usize, character: usize| {
+        let cursor = json!({ "line": line, "character": character });
+        let params = json!({
+            "textDocument": { "uri": super::session::URI },
+            "range": { "start": cursor, "end": cursor },
+            "context": { "diagnostics": [] },
+        });
+        let actions = session.ask("textDocument/codeAction", params).unwrap();
+        actions[0]["title"].as_str().map(str::to_string)
+    };
+    let fix = Some("replace `staet` by `state`".to_string());
+    assert_eq!([offered(1, 0), offered(1, 17)], [fix.clone(), fix]);
+    assert_eq!([offered(0, 7), offered(2, 0)], [None, None]);
+    assert!(session.end());
 }
