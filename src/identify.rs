@@ -55,6 +55,10 @@ impl Model {
             );
             Error::new(ErrorKind::Options, "unknown-good", text)
         })?;
+        if data.tables.is_empty() {
+            let text = "there are no data\n  = help: add a table: `Data::new().file(…)` or `.run(…)`";
+            return Err(Error::new(ErrorKind::Data, "no-data", text));
+        }
         let mut sources = self.sources.clone();
         let (measured, found) = pipeline::measure(program, data, options, &mut sources, observer);
         let Some(measured) = measured else {

@@ -27,7 +27,7 @@
     (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "delay" "hidden" "degree" "per" "run" "cyclic") 'symbols)
      . font-lock-type-face)
     (,(regexp-opt '("poly" "powers" "fourier" "lags" "known" "required" "next" "lag" "unwrap" "sin" "cos" "tan" "asin" "acos"
-                    "atan" "sinh" "cosh" "tanh" "exp" "log" "sqrt" "abs" "sign" "min" "max")
+                    "atan" "sinh" "cosh" "tanh" "exp" "log" "sqrt" "abs" "sign" "step" "min" "max")
                   'symbols)
      . font-lock-function-name-face)))
 

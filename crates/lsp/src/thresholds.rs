@@ -16,6 +16,10 @@ family! {
         range: usize = 1_000, unit "names", source "set by hand";
         /// Terms of a library that are listed.
         terms: usize = 12, unit "terms", source "set by hand: more fill the screen";
+        /// Times that a text with errors is compiled without the statements that have them, for the sizes of its libraries.
+        attempts: usize = 3, unit "times", source "set by hand: a declaration, the lets that use it, the equations that use those";
+        /// Messages that wait to be answered before the editor has to wait.
+        waiting: usize = 1_000, unit "messages", source "set by hand: more than an editor sends while one text is understood";
         /// Findings that are sent for one text, the gravest first.
         findings: usize = 200, unit "findings", source "set by hand";
     }

@@ -15,7 +15,7 @@ use sidc_testing::runtimes;
 const SYSTEMS: u64 = 100;
 const POINTS: usize = 4;
 
-fn cases() -> Vec<Case> {
+pub fn cases() -> Vec<Case> {
     let written = systems().into_iter().map(|(_, d)| d);
     let drawn = (0..SYSTEMS).map(random::system);
     let all = written.chain([corpus::system()]).chain(drawn);
@@ -23,7 +23,7 @@ fn cases() -> Vec<Case> {
     all.map(|(i, d)| Case::new(d, POINTS, i as u64)).collect()
 }
 
-fn emitted(target: &str, case: &Case) -> String {
+pub fn emitted(target: &str, case: &Case) -> String {
     let target = emit::target(target).unwrap();
     target.emit(&case.discovery).unwrap()
 }
@@ -45,7 +45,7 @@ pub fn finished(command: &mut Command) -> String {
 }
 
 /// `a, b, c`, each so that it reads back.
-fn list(values: &[f64]) -> String {
+pub fn list(values: &[f64]) -> String {
     let all: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
     all.join(", ")
 }

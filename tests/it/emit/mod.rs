@@ -6,6 +6,7 @@ mod examples;
 mod languages;
 mod random;
 mod reference;
+mod systems;
 
 use sidc_emit as emit;
 use sidc_system::discovery::{Discovery, UnknownValue};
@@ -172,7 +173,10 @@ fn constants() -> Discovery {
 #[test]
 fn constants_are_arguments_with_the_values_found() {
     let constants = constants();
-    for target in ["c", "python", "sympy", "matlab", "rust", "text"] {
+    for target in [
+        "c", "python", "sympy", "matlab", "rust", "text", "jax", "casadi", "julia", "modelica",
+        "sbml",
+    ] {
         let code = emit::target(target).unwrap().emit(&constants).unwrap();
         insta::assert_snapshot!(format!("constants_{target}"), code);
     }
@@ -180,7 +184,9 @@ fn constants_are_arguments_with_the_values_found() {
 
 #[test]
 fn every_target_reads_well() {
-    for target in ["c", "python", "sympy", "matlab"] {
+    for target in [
+        "c", "python", "sympy", "matlab", "jax", "casadi", "julia", "modelica",
+    ] {
         let code = emit::target(target).unwrap().emit(&pendulum()).unwrap();
         insta::assert_snapshot!(format!("pendulum_{target}"), code);
     }

@@ -4,7 +4,9 @@
 //! [`printer`] writes statements.
 
 pub(crate) mod bracket_lists;
+pub(crate) mod equation_list;
 pub(crate) mod identifiers;
 pub(crate) mod infix;
 pub(crate) mod printer;
 pub(crate) mod program;
+pub(crate) mod python_modules;

@@ -6,7 +6,7 @@
 use crate::code::bracket_lists::{list, solver_call, unpacked_names};
 use crate::code::identifiers::Identifiers;
 use crate::code::infix::{Infix, Syntax};
-use crate::code::program::{Function, Name, Newton, Program, Solve, Step};
+use crate::code::program::{Function, Kind, Name, Newton, Program, Solve, Step};
 use crate::target::Target;
 use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
@@ -40,6 +40,11 @@ pub(crate) trait Language: Syntax + Sized + Sync {
 
     /// A function of the table in this language; empty if it has none.
     fn spelling(f: Func) -> &'static str;
+
+    /// Whether a function is written; languages that differentiate need no Jacobians.
+    fn writes(&self, _kind: Kind) -> bool {
+        true
+    }
 
     /// What stands before all functions.
     fn header(&self, d: &Discovery, program: &Program) -> String;
@@ -101,7 +106,7 @@ impl<L: Language> Target for L {
         program.check_calls(L::DIALECT.language, L::spelling)?;
         let reserved = L::DIALECT.reserved.iter().copied();
         let names = Identifiers::new(program.names.iter().cloned(), reserved);
-        let functions = program.functions.iter();
+        let functions = program.functions.iter().filter(|f| self.writes(f.kind));
         let functions = functions.map(|f| function(self, &program, f, &names));
         let mut parts = [functions.collect(), self.helpers(&program)];
         if L::DIALECT.helpers_first {

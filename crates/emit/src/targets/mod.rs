@@ -1,10 +1,15 @@
 //! The export targets, one file each, and their registry. Targets are alternatives: none imports another.
 
 mod c;
+mod casadi;
+mod jax;
+mod julia;
 mod latex;
 mod matlab;
+mod modelica;
 mod python;
 mod rust;
+mod sbml;
 mod sympy;
 mod text;
 
@@ -19,6 +24,11 @@ pub static TARGETS: &[&dyn Target] = &[
     &python::Python,
     &sympy::Sympy,
     &matlab::Matlab,
+    &jax::Jax,
+    &casadi::Casadi,
+    &julia::Julia,
+    &modelica::Modelica,
+    &sbml::Sbml,
 ];
 
 /// Looks a target up by name.

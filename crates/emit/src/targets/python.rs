@@ -5,10 +5,11 @@
 
 use crate::caveats::{caveats, delays, python_constants};
 use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
-use crate::code::identifiers::{plain, titled};
+use crate::code::identifiers::titled;
 use crate::code::infix::Syntax;
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
-use crate::code::program::{Function, Kind, Newton, Program, SIDES, Step};
+use crate::code::program::{Function, Kind, Newton, Program, Step};
+use crate::code::python_modules::{RESERVED, constants, parameters};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
 
@@ -64,27 +65,14 @@ impl Language for Python {
         out.push_str(&commented("", caveats(d).into_iter()));
         out.push_str("\"\"\"\nimport numpy as np\n\n");
         out.push_str(&python_constants(d, &program.form.inputs));
-        out.push_str(&program.python_constants());
-        for a in &program.arguments {
-            out.push_str(&tuple(a.name, &a.names));
-        }
-        let outputs = program.outputs(d);
-        if !outputs.is_empty() {
-            out.push_str(&tuple("output", &outputs));
-        }
-        out
+        out + &constants(d, program)
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
-        let sides = program.arguments_of(f.kind).filter(|a| a.name == SIDES);
-        let given = program.given().chain(sides);
-        let given = given.map(|a| format!(", {}", a.name));
-        let constants = Some(", constant=SIDC_CONSTANTS".to_string());
-        let arguments = given.chain(constants.filter(|_| !program.constants.is_empty()));
         let mut out = format!(
-            "\n\n@np.errstate(all=\"ignore\")\ndef {}(t{}):\n    \"\"\"{}\"\"\"\n",
+            "\n\n@np.errstate(all=\"ignore\")\ndef {}({}):\n    \"\"\"{}\"\"\"\n",
             f.kind.name(program.discrete),
-            arguments.collect::<String>(),
+            parameters(program, f),
             f.kind.about(program.discrete)
         );
         for a in program.arguments_of(f.kind) {
@@ -176,17 +164,6 @@ impl Syntax for Python {
     }
 }
 
-/// `STATE = ("x", "dx")`: the names in their order.
-fn tuple(name: &str, all: &[String]) -> String {
-    let all: String = all.iter().map(|n| format!("\"{}\", ", plain(n))).collect();
-    let all = match all.strip_suffix(", ") {
-        Some(several) if several.contains("\", \"") => several,
-        Some(_) => all.trim_end(),
-        None => "",
-    };
-    format!("{} = ({all})\n", name.to_uppercase())
-}
-
 /// Steps from event to event.
 const STEPS: &str = include_str!("event_steps/steps.py");
 
@@ -228,13 +205,3 @@ def _newton(step, size):
             return unknown
     return np.full(size, np.nan)
 ";
-
-/// Keywords of Python, and names in the emitted code.
-#[rustfmt::skip]
-const RESERVED: &[&str] = &[
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
-    "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
-    "return", "try", "while", "with", "yield",
-    "np", "t", "state", "input", "parameter", "history", "constant", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
-    "outputs", "side", "guards", "rates_by_side", "guard_rates", "advance", "run", "settle", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
-];

@@ -107,12 +107,18 @@ impl<'t> FailurePoint<'_, 't> {
 
     /// `state x order 2`
     fn missing_colon(&self, rule: Rule) -> Option<Diagnostic> {
-        if rule != Rule::declare || self.tokens.iter().any(|t| t.is(":")) {
+        if self.tokens.iter().any(|t| t.is(":")) {
             return None;
         }
+        let opens = |t: &Token| match rule {
+            Rule::declare => ATTRIBUTES.contains(&t.text),
+            // `coef(dx, x) per run`
+            Rule::per_run | Rule::constrain => t.text == "per",
+            _ => false,
+        };
         let key = [self.at.checked_sub(1)?, self.at]
             .into_iter()
-            .find(|&i| self.get(i).is_some_and(|t| ATTRIBUTES.contains(&t.text)))?;
+            .find(|&i| self.get(i).is_some_and(opens))?;
         let word = self.get(key)?;
         let (names, rest) = (self.phrase(0, key), self.phrase(key, self.tokens.len()));
         Some(

@@ -85,6 +85,14 @@ impl<'t> Splitter<'t> {
             sound: true,
             minuses: 0,
         };
+        if let Some(end) = self.unopened_block(start, keyword) {
+            return StatementTokens {
+                keyword,
+                tokens: start..end + 1,
+                entries: None,
+                sound: true,
+            };
+        }
         let mut entries = None;
         let (mut i, mut last) = (start, start);
         while let Some(token) = self.get(i).copied() {
@@ -117,6 +125,27 @@ impl<'t> Splitter<'t> {
             tokens: start..last + 1,
             entries,
             sound: open.sound && open.brackets.is_empty(),
+        }
+    }
+
+    /// The `}` of a data block without its `{`: what stands between them is of the block, and not equations.
+    fn unopened_block(&self, start: usize, keyword: Option<Keyword>) -> Option<usize> {
+        let next = self.next_code(start + 1)?;
+        if keyword != Some(Keyword::Data) || self.get(next)?.is("{") {
+            return None;
+        }
+        let mut i = start + 1;
+        loop {
+            let token = self.get(i)?;
+            if token.is("}") {
+                return Some(i);
+            }
+            let opens = token.kind == TokenKind::Newline
+                && self.next_code(i).is_some_and(|n| self.opens_statement(n));
+            if token.is("{") || opens {
+                return None;
+            }
+            i += 1;
         }
     }
 
@@ -171,6 +200,9 @@ impl<'t> Splitter<'t> {
             keyword,
             Some(Keyword::Constrain | Keyword::Data | Keyword::Symmetry)
         );
+        // What an open quote swallowed may have closed a bracket.
+        let quote = token.kind == TokenKind::Bad && token.text.starts_with('"');
+        open.sound &= !quote;
         open.minuses = if token.is("-") { open.minuses + 1 } else { 0 };
         match token.text {
             _ if token.kind != TokenKind::Symbol => {}

@@ -7,13 +7,17 @@ use crate::diagnostic::Diagnostic;
 use crate::source::{Span, is_unseen};
 
 pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
+    // A brace at the end of the line closes the data block, and is no part of a header.
+    let text = text.trim_end();
+    let inside = text.trim_end_matches('}').trim_end();
+    let rest = text.get(inside.len()..).unwrap_or("");
     Diagnostic::error(
         "unclosed-quote",
         "a quote is opened and not closed on its line",
     )
     .at(at, "opened here")
-    .help(format!("close it: `{}\"`", text.trim_end()))
-    .fix(at, format!("{}\"", text.trim_end()))
+    .help(format!("close it: `{inside}\"`"))
+    .fix(at, format!("{inside}\"{rest}"))
 }
 
 pub fn dangling_dot(at: Span, text: &str) -> Diagnostic {

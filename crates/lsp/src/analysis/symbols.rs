@@ -42,6 +42,8 @@ pub struct Symbol {
     /// Bytes of the statement.
     pub statement: Range<usize>,
     pub by_range: bool,
+    /// A state that nothing measures.
+    pub hidden: bool,
 }
 
 /// A name as used: whose it is, and how often differentiated.
@@ -148,6 +150,7 @@ impl Symbols {
             place: 0..0,
             statement: first.start..last.end,
             by_range: false,
+            hidden: false,
         };
         let after = match kind {
             SymbolKind::Let if own.get(2).is_some_and(|t| t.is("(")) => {
@@ -156,6 +159,7 @@ impl Symbols {
             SymbolKind::Let => own.len().min(2),
             _ => names_end(&own),
         };
+        symbol.hidden = own.iter().skip(after).any(|t| t.text == "hidden");
         for pair in own.get(after..).unwrap_or(&[]).windows(2) {
             let [key, value] = pair else { continue };
             match (key.text, value.kind) {

@@ -13,6 +13,13 @@ use sidc_lang::diagnostic::{Diagnostic, Fix};
 use super::diagnostics;
 use crate::text::document::Document;
 
+/// Whether quick fixes are of one of these kinds; a kind holds those that its name begins.
+pub fn has_fixes(kinds: &[CodeActionKind]) -> bool {
+    let own = CodeActionKind::QUICKFIX;
+    let holds = |k: &CodeActionKind| k.as_str().is_empty() || *k == own;
+    kinds.iter().any(holds)
+}
+
 pub fn actions(document: &Document, uri: &Uri, range: Range) -> Vec<CodeActionOrCommand> {
     let lines = document.lines();
     let line = |n: u32| lines.range(&document.text, n as usize);

@@ -48,6 +48,13 @@ pub fn items(
     list.out
 }
 
+fn on_one_line(text: &str) -> String {
+    text.split('\n')
+        .map(str::trim)
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
 /// The bytes of the word that is being typed. Inside quotes, all up to the quote.
 fn replaced(document: &Document, at: usize) -> Range<usize> {
     match document.analysis().typed(at) {
@@ -80,7 +87,11 @@ impl List<'_> {
     fn push(&mut self, label: &str, form: &str, kind: Kind, detail: String, group: u8) {
         let (format, text) = match self.snippets && form.contains("${") {
             true => (InsertTextFormat::SNIPPET, form.to_string()),
-            false => (InsertTextFormat::PLAIN_TEXT, vocabulary::plain(form)),
+            // Editors without snippets may put a line break into a line as it is.
+            false => (
+                InsertTextFormat::PLAIN_TEXT,
+                on_one_line(&vocabulary::plain(form)),
+            ),
         };
         self.add(label, (format, text), kind, detail, group);
     }
@@ -173,7 +184,18 @@ impl List<'_> {
 
     fn attributes(&mut self, keyword: Keyword) {
         let known = vocabulary::attributes(keyword);
-        let fits = |e: &&Entry| known.contains(&e.word);
+        let said = self.said();
+        let hidden = said.contains(&"hidden");
+        // Nothing measures a hidden state.
+        let of_sensors = |word: &str| matches!(word, "noise" | "memory" | "delay");
+        let measured = said.iter().any(|word| of_sensors(word));
+        let fits = |e: &&Entry| {
+            let moves = |word: &str| matches!(word, "hold" | "linear");
+            let contradicts = hidden && of_sensors(e.word)
+                || measured && e.word == "hidden"
+                || moves(e.word) && said.iter().any(|word| moves(word));
+            known.contains(&e.word) && !said.contains(&e.word) && !contradicts
+        };
         let entries: Vec<&Entry> = vocabulary::ATTRIBUTES.iter().filter(fits).collect();
         self.entries(entries, Kind::PROPERTY);
         if keyword == Keyword::Unknown || keyword == Keyword::Coef {
@@ -182,10 +204,22 @@ impl List<'_> {
         }
     }
 
+    /// The words of the statement up to the place.
+    fn said(&self) -> Vec<&str> {
+        let analysis = self.document.analysis();
+        let start = analysis.statement(self.replaced.start);
+        let start = start.map_or(usize::MAX, |(_, s)| s.bytes.start);
+        let own = |w: &&Word| start <= w.bytes.start && w.bytes.end <= self.replaced.start;
+        let words = analysis.words.iter().filter(own);
+        words
+            .map(|w| self.document.slice(w.bytes.clone()))
+            .collect()
+    }
+
     fn data_entries(&mut self) {
         self.push("t", "t = ${1:\"Time\"}", Kind::VARIABLE, "time".into(), 1);
         let symbols: Vec<Symbol> = self.document.analysis().symbols.all.clone();
-        let measured = |s: &&Symbol| is_variable(s) && s.kind != SymbolKind::Unknown;
+        let measured = |s: &&Symbol| is_variable(s) && s.kind != SymbolKind::Unknown && !s.hidden;
         for symbol in symbols.iter().filter(measured) {
             let form = format!("{} = ${{1:\"Column\"}}", symbol.name);
             self.push(&symbol.name, &form, Kind::VARIABLE, kind(symbol).into(), 1);
@@ -238,7 +272,11 @@ impl List<'_> {
     /// Functions of the model, and the arguments of the one that is being defined.
     fn functions(&mut self) {
         let analysis = self.document.analysis();
-        let is_function = |s: &&Symbol| s.kind == SymbolKind::Function;
+        // A function is not known in its own definition.
+        let at = self.replaced.start;
+        let is_function = |s: &&Symbol| {
+            s.kind == SymbolKind::Function && !(s.statement.start..=s.statement.end).contains(&at)
+        };
         for f in analysis.symbols.all.iter().filter(is_function) {
             let arguments = analysis.symbols.arguments_of(f.statement.start);
             let names: Vec<&str> = arguments.map(|a| a.name.as_str()).collect();

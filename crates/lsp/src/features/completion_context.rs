@@ -111,6 +111,9 @@ impl Place<'_> {
             return self.fresh(Context::Statement);
         }
         let colon = self.in_statement().any(|w| self.is(w, ":"));
+        // `unknown k in 0.1..10, unit "1/s"`
+        let ranged =
+            keyword == Some(Keyword::Unknown) && self.in_statement().any(|w| self.is(w, ".."));
         match keyword {
             Some(
                 k @ (Keyword::State
@@ -118,7 +121,7 @@ impl Place<'_> {
                 | Keyword::Output
                 | Keyword::Param
                 | Keyword::Unknown),
-            ) => match colon && (self.text(0) == ":" || self.text(0) == ",") {
+            ) => match (colon || ranged) && (self.text(0) == ":" || self.text(0) == ",") {
                 true => Context::Attributes(k),
                 false => Context::Nothing,
             },

@@ -92,6 +92,12 @@ fn kind(symbol: &Symbol, derivative: usize) -> String {
     let name = &symbol.name;
     let of = match symbol.kind {
         SymbolKind::Time => "time".to_string(),
+        SymbolKind::State if symbol.hidden => {
+            format!(
+                "hidden state of order {}, which nothing measures",
+                symbol.order
+            )
+        }
         SymbolKind::State => format!("state of order {}", symbol.order),
         SymbolKind::Input => "input".into(),
         SymbolKind::Output => "output".into(),

@@ -6,12 +6,17 @@
 use std::collections::HashMap;
 
 use lsp_types::{Position, PrepareRenameResponse, TextEdit, Uri, WorkspaceEdit};
+use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::library::generator;
 use sidc_lang::parse::{is_name, normalise};
+use sidc_lang::term::Func;
 
+use crate::analysis::Analysis;
 use crate::analysis::symbols::{Symbol, SymbolKind, Use};
 use crate::analysis::words::Word;
 use crate::features::navigation::occurrences;
 use crate::text::document::Document;
+use crate::vocabulary;
 
 /// The part of the word at a place that would be renamed: `theta` of `ddtheta`.
 ///
@@ -45,17 +50,55 @@ pub fn rename(
             "`{new}` is no name: letters, digits and `_`, a letter first"
         ));
     }
-    if new == "t" || new == "pi" {
-        return Err(format!("`{new}` has a meaning in every model"));
+    if has_meaning(&new) {
+        return Err(format!("`{new}` has a meaning in the language"));
     }
     free(document, symbol, &new)?;
     let words = occurrences(document, document.offset(at)).into_iter();
-    let edits = words.filter_map(|word| {
-        let range = document.range(base(document, word, word.used()?));
-        Some(TextEdit::new(range, new.clone()))
-    });
-    let edits = edits.collect();
+    let places: Vec<_> = words
+        .filter_map(|word| Some(base(document, word, word.used()?)))
+        .collect();
+    still_compiles(document, symbol, &places, &new)?;
+    let edit =
+        |place: &std::ops::Range<usize>| TextEdit::new(document.range(place.clone()), new.clone());
+    let edits = places.iter().map(edit).collect();
     Ok(WorkspaceEdit::new(HashMap::from([(uri.clone(), edits)])))
+}
+
+/// Words that mean something wherever they stand, or in a data block.
+fn has_meaning(name: &str) -> bool {
+    let forms = vocabulary::FORMS.iter().chain(&vocabulary::DATA);
+    matches!(name, "t" | "pi" | "in")
+        || Func::named(name).is_some()
+        || generator(name).is_some()
+        || forms.map(|e| e.word).any(|word| word == name)
+}
+
+/// Ranges `x1..x5`, families and data blocks may need the old name: what comes out has no error that was not there.
+fn still_compiles(
+    document: &Document,
+    symbol: &Symbol,
+    places: &[std::ops::Range<usize>],
+    new: &str,
+) -> Result<(), String> {
+    let mut text = document.text.clone();
+    let mut places = places.to_vec();
+    places.sort_by_key(|p| p.start);
+    for place in places.into_iter().rev() {
+        text.replace_range(place, new);
+    }
+    let errors = |found: &[Diagnostic]| found.iter().filter(|d| d.is_error()).count();
+    let after = Analysis::of(&text);
+    if errors(&after.found) <= errors(&document.analysis().found) {
+        return Ok(());
+    }
+    let before = &document.analysis().found;
+    let known = |d: &&Diagnostic| before.iter().any(|b| b.message == d.message);
+    let mut broken = after.found.iter().filter(|d| d.is_error());
+    let why = broken
+        .find(|d| !known(d))
+        .map_or("an error", |d| d.message.as_str());
+    Err(format!("`{}` cannot be `{new}`: then {why}", symbol.name))
 }
 
 fn target(document: &Document, at: Position) -> Result<(&Word, &Symbol, Use), String> {
@@ -93,6 +136,7 @@ fn free(document: &Document, symbol: &Symbol, new: &str) -> Result<(), String> {
         let taken = symbols.find(&spelling).and_then(|used| symbols.get(used));
         if let Some(other) = taken.filter(|other| other.place != symbol.place) {
             return Err(match derivative {
+                0 if other.name == new => format!("`{new}` is taken"),
                 0 => format!("`{new}` is taken: it belongs to `{}`", other.name),
                 _ => format!(
                     "its derivative `{spelling}` would be that of `{}`",

@@ -96,8 +96,14 @@ impl Server<'_> {
             }
             "textDocument/codeAction" => {
                 let p: CodeActionParams = read(params)?;
-                self.about(&p.text_document.uri, |d, uri| {
-                    code_actions::actions(d, uri, p.range)
+                let wanted = p
+                    .context
+                    .only
+                    .as_deref()
+                    .is_none_or(code_actions::has_fixes);
+                self.about(&p.text_document.uri, |d, uri| match wanted {
+                    true => code_actions::actions(d, uri, p.range),
+                    false => Vec::new(),
                 })
             }
             _ => self.whole(method, params),

@@ -1,9 +1,12 @@
 //! A conversation from `initialize` to `exit`.
 
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
 use lsp_server::{Connection, Message, ProtocolError};
 
 use super::Server;
 use crate::analysis::tables::Tables;
+use crate::thresholds::EDITOR;
 
 /// Answers an editor until it says `exit` or closes the connection. True if it said `shutdown` before.
 ///
@@ -13,22 +16,100 @@ pub fn serve(connection: &Connection, tables: &dyn Tables) -> Result<bool, Proto
     let (id, params) = connection.initialize_start()?;
     let mut server = Server::new(tables);
     connection.initialize_finish(id, server.introduce(params))?;
-    while let Ok(message) = connection.receiver.recv() {
-        if let Message::Notification(n) = &message
-            && n.method == "exit"
-        {
+    // The channel of lsp-server holds nothing, so that it never tells whether a message waits.
+    let (sender, waiting) = sync_channel(EDITOR.waiting);
+    std::thread::scope(|scope| {
+        scope.spawn(|| forward(connection, sender));
+        answer_all(&mut server, &waiting, |answer| {
+            connection.sender.send(answer).is_ok()
+        });
+        // What still comes finds nobody, and the thread ends.
+        drop(waiting);
+    });
+    Ok(server.down)
+}
+
+fn is_exit(message: &Message) -> bool {
+    matches!(message, Message::Notification(n) if n.method == "exit")
+}
+
+/// Every message up to `exit`, as far as somebody listens.
+fn forward(connection: &Connection, sender: SyncSender<Message>) {
+    for message in &connection.receiver {
+        let last = is_exit(&message);
+        if sender.send(message).is_err() || last {
             break;
         }
-        let mut answers = server.receive(message);
-        // Whoever types faster than texts are understood hears about the last of them.
-        if connection.receiver.is_empty() {
-            answers.extend(server.due());
+    }
+}
+
+/// Answers until `exit`, or until there is nobody to `send` to. Whoever types faster than texts are understood hears about the last of them.
+fn answer_all(server: &mut Server, waiting: &Receiver<Message>, send: impl Fn(Message) -> bool) {
+    let mut next = waiting.recv().ok();
+    while let Some(message) = next.filter(|m| !is_exit(m)) {
+        let answers = server.receive(message);
+        let after = waiting.try_recv().ok();
+        let due = match &after {
+            Some(_) => Vec::new(),
+            None => server.due(),
+        };
+        if !answers.into_iter().chain(due).all(&send) {
+            return;
         }
-        for answer in answers {
-            if connection.sender.send(answer).is_err() {
-                return Ok(server.down);
-            }
+        next = after.or_else(|| waiting.recv().ok());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use serde_json::json;
+
+    use super::*;
+    use crate::analysis::tables::TableHeader;
+
+    struct NoTables;
+
+    impl Tables for NoTables {
+        fn beside(&self, _: &str) -> Vec<TableHeader> {
+            Vec::new()
         }
     }
-    Ok(server.down)
+
+    #[test]
+    fn only_the_last_of_the_texts_that_wait_is_understood() {
+        let (sender, waiting) = sync_channel(EDITOR.waiting);
+        let say = |method: &str, params: serde_json::Value| {
+            let message = json!({ "jsonrpc": "2.0", "method": method, "params": params });
+            sender
+                .send(serde_json::from_value(message).unwrap())
+                .unwrap();
+        };
+        let uri = "file:///m.sid";
+        let text = "state x\ndx ~ <x>\n";
+        say(
+            "textDocument/didOpen",
+            json!({ "textDocument": { "uri": uri, "languageId": "sid", "version": 0, "text": text } }),
+        );
+        for version in 1..=500 {
+            let place = json!({ "line": 1, "character": 7 });
+            let change = json!({ "range": { "start": place, "end": place }, "text": "x" });
+            say(
+                "textDocument/didChange",
+                json!({ "textDocument": { "uri": uri, "version": version }, "contentChanges": [change] }),
+            );
+        }
+        drop(sender);
+        let sent = RefCell::new(Vec::new());
+        answer_all(&mut Server::new(&NoTables), &waiting, |message| {
+            sent.borrow_mut().push(message);
+            true
+        });
+        let sent = sent.into_inner();
+        let [Message::Notification(only)] = sent.as_slice() else {
+            panic!("{sent:?}");
+        };
+        assert_eq!(only.params["version"], 500);
+    }
 }

@@ -48,9 +48,10 @@ fn attributes_fit_their_declaration() {
     );
     assert_eq!(
         offered("input u : hold, |"),
-        ["delay", "hold", "linear", "noise", "order", "unit"]
+        ["delay", "noise", "order", "unit"]
     );
-    assert_eq!(offered("unknown k in 0..1, |"), [] as [&str; 0]);
+    assert_eq!(offered("unknown k in 0..1, |"), ["per run", "unit"]);
+    assert_eq!(offered("state x : order 2, hidden, |"), ["unit"]);
     assert_eq!(offered("unknown k : p|"), ["per run", "unit"]);
     assert_eq!(offered("state x|"), [] as [&str; 0], "a name is invented");
     assert_eq!(offered("limit |"), ["degree"]);

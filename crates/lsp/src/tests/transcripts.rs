@@ -113,19 +113,53 @@ fn renaming_takes_derivatives_along() {
     let renamed = edited(MODEL, edits);
     assert_eq!(renamed, MODEL.replace("theta", "φ"));
     for (new, why) in [
-        ("F", "`F` is taken: it belongs to `F`"),
+        ("F", "`F` is taken"),
         ("dy", "`dy` is taken: it belongs to `y`"),
-        ("y", "`y` is taken: it belongs to `y`"),
+        ("y", "`y` is taken"),
         (
             "2x",
             "`2x` is no name: letters, digits and `_`, a letter first",
         ),
-        ("t", "`t` has a meaning in every model"),
+        ("t", "`t` has a meaning in the language"),
+        ("cos", "`cos` has a meaning in the language"),
+        ("run", "`run` has a meaning in the language"),
     ] {
         assert_eq!(session.rename(place("theta", 0, 0), new).unwrap_err(), why);
     }
     let no_name = session.rename(place("sin", 0, 0), "s").unwrap_err();
     assert_eq!(no_name, "no name that this model declares");
+    assert!(session.end());
+}
+
+/// A range `x1..x3` and a family need the names that they are made of.
+#[test]
+fn no_rename_breaks_the_model() {
+    let mut session = Session::new(&["utf-16"]);
+    session.open("state x1, x2, x3\ndx1, dx2, dx3 ~ poly(x1..x3; 2)\n");
+    let why = session.rename((0, 10), "z").unwrap_err();
+    assert!(why.starts_with("`x2` cannot be `z`: then "), "{why}");
+    session.open("state x1, x2, x3\ndx[i] ~ <x[i]>, i = 1..3\n");
+    assert!(session.rename((0, 6), "z").is_err());
+    session.open("unknown k in 0..1, per run\nstate x\ndata { run = \"r\" }\ndx ~ <k*x>\n");
+    assert!(session.rename((0, 8), "run").is_err());
+    assert!(session.rename((0, 8), "rate").is_ok());
+    assert!(session.end());
+}
+
+/// Sizes of libraries stay while a line is typed elsewhere.
+#[test]
+fn a_mistake_elsewhere_hides_no_sizes() {
+    let mut session = Session::new(&["utf-16"]);
+    let model = "state x, y\nlet a = poly(x, y; 3)\ndx ~ a\ndy ~ a\n";
+    let hints = |session: &mut Session| session.whole("inlayHint").as_array().unwrap().len();
+    session.open(model);
+    assert_eq!(hints(&mut session), 3);
+    session.open(&format!("{model}limi"));
+    assert_eq!(hints(&mut session), 3);
+    session.open(&format!("{model}let b = <x\ndx + dy ~ b\n"));
+    assert_eq!(hints(&mut session), 3);
+    session.open("let a = ");
+    assert_eq!(hints(&mut session), 0);
     assert!(session.end());
 }
 

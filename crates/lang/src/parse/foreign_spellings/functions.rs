@@ -157,12 +157,19 @@ pub fn constant(name: &str) -> Option<&'static str> {
     matches!(name, "PI" | "Pi" | "π" | "M_PI").then_some("pi")
 }
 
-/// The form with its argument, without brackets around what needs none.
+/// The form with its argument, without brackets around what needs none. The brackets of a call stay.
 fn in_place(form: &str, x: &str) -> String {
-    match is_plain(x) {
-        true => form.replace("(#)", x).replace('#', x),
-        false => form.replace('#', x),
+    let mut pieces = form.split("(#)");
+    let mut out = pieces.next().unwrap_or("").to_string();
+    for piece in pieces {
+        let called = out.ends_with(|c: char| c.is_alphanumeric());
+        match is_plain(x) && !called {
+            true => out.push_str(x),
+            false => out.push_str(&format!("({x})")),
+        }
+        out.push_str(piece);
     }
+    out.replace('#', x)
 }
 
 fn bracketed(x: &str) -> String {

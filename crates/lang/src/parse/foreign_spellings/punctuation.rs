@@ -21,6 +21,21 @@ pub struct Stumble<'a, 't> {
 /// The error where a token is one of another language's punctuation.
 pub fn punctuation(s: &Stumble, rule: Rule) -> Option<Diagnostic> {
     match s.get(s.at)?.text {
+        // `state x : order 2; unit "m"`
+        ";" if s
+            .get(s.at + 1)
+            .is_some_and(|t| ATTRIBUTES.contains(&t.text)) =>
+        {
+            Some(
+                foreign_because(
+                    s.span(s.at, s.at),
+                    ";",
+                    "attributes are separated by commas",
+                )
+                .help("write a comma")
+                .fix(s.span(s.at, s.at), ","),
+            )
+        }
         ";" if s.open().is_empty() => Some(
             foreign_because(s.span(s.at, s.at), ";", "a statement ends with its line")
                 .help("begin a line here")

@@ -133,6 +133,11 @@ fn block_comment(place: &Place) -> ForeignSign {
         .map(|l| format!("# {l}"))
         .collect();
     let at = place.span(len);
+    let code_follows = rest
+        .get(len..)
+        .and_then(|r| r.lines().next())
+        .is_some_and(|r| !r.trim().is_empty());
+    let end = if code_follows { "\n" } else { "" };
     ForeignSign {
         len,
         comment: true,
@@ -142,7 +147,7 @@ fn block_comment(place: &Place) -> ForeignSign {
             "a comment begins with `#` and ends with its line",
         )
         .help("begin each line of it with `#`")
-        .fix(at, lines.join("\n")),
+        .fix(at, lines.join("\n") + end),
     }
 }
 

@@ -1,0 +1,53 @@
+//! What the modules of Python have in common, whatever library computes.
+//!
+//! In: a program. Out: its constants as tuples, its arguments as names, the words that no name may be.
+
+use crate::code::identifiers::plain;
+use crate::code::program::{Function, Program, SIDES};
+use sidc_system::discovery::Discovery;
+
+/// Keywords of Python, and names in the emitted code.
+#[rustfmt::skip]
+pub(crate) const RESERVED: &[&str] = &[
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
+    "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
+    "return", "try", "while", "with", "yield",
+    "np", "jax", "jnp", "ca", "function",
+    "t", "state", "input", "parameter", "history", "constant", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
+    "outputs", "side", "guards", "rates_by_side", "guard_rates", "advance", "run", "settle", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
+];
+
+/// The constants that were found, and the names of the entries of each argument: `STATE = ("x", "dx")`.
+pub(crate) fn constants(d: &Discovery, program: &Program) -> String {
+    let mut out = program.python_constants();
+    for a in &program.arguments {
+        out.push_str(&tuple(a.name, &a.names));
+    }
+    let outputs = program.outputs(d);
+    if !outputs.is_empty() {
+        out.push_str(&tuple("output", &outputs));
+    }
+    out
+}
+
+fn tuple(name: &str, all: &[String]) -> String {
+    let all: String = all.iter().map(|n| format!("\"{}\", ", plain(n))).collect();
+    let all = match all.strip_suffix(", ") {
+        Some(several) if several.contains("\", \"") => several,
+        Some(_) => all.trim_end(),
+        None => "",
+    };
+    format!("{} = ({all})\n", name.to_uppercase())
+}
+
+/// `t, state, input` as a function takes them; constants have the values found as their default.
+pub(crate) fn parameters(program: &Program, f: &Function) -> String {
+    let sides = program.arguments_of(f.kind).filter(|a| a.name == SIDES);
+    let given = program
+        .given()
+        .chain(sides)
+        .map(|a| format!(", {}", a.name));
+    let constants = Some(", constant=SIDC_CONSTANTS".to_string());
+    let all = given.chain(constants.filter(|_| !program.constants.is_empty()));
+    format!("t{}", all.collect::<String>())
+}
