@@ -1,5 +1,7 @@
 // A page of the playground in Chromium, with everything that it asked the network for.
+import { once } from "node:events";
 import { existsSync } from "node:fs";
+import { get } from "node:http";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { chromium } from "playwright-core";
@@ -78,4 +80,10 @@ export async function write(page, text) {
 export async function choose(page, files) {
   const given = files.map(({ name, text }) => ({ name, mimeType: "text/csv", buffer: Buffer.from(text) }));
   await page.setInputFiles("#files", given);
+}
+
+/** How the server answers a path, which a browser would put right before it asks. */
+export async function answer(site, path) {
+  const [response] = await once(get(site.origin, { path, agent: false, signal: AbortSignal.timeout(REACTION) }), "response");
+  return response.resume().statusCode;
 }

@@ -4,7 +4,7 @@ import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { choose, example, root, run, start, status, write } from "./page.mjs";
+import { answer, choose, example, root, run, start, status, write } from "./page.mjs";
 
 let site;
 before(async () => (site = await start()));
@@ -289,6 +289,13 @@ for (const width of [390, 1280]) {
     }, { viewport: { width, height: width === 390 ? 844 : 900 }, colorScheme });
   }
 }
+
+test("a wrong address is refused, and the server lives on", async () => {
+  for (const path of ["/%ZZ", "/%00", "/%", "//", "/%E0%A4%A"]) assert.equal(await answer(site, path), 400, path);
+  const outside = ["/../package.json", "/..%2fpackage.json", "/%2e%2e/package.json", "/..%5cpackage.json", "//../package.json"];
+  for (const path of ["/none", "/gallery", `/${"a".repeat(9000)}`, ...outside]) assert.equal(await answer(site, path), 404, path.slice(0, 40));
+  assert.equal(await answer(site, "/"), 200);
+});
 
 test("the page is 5 MB at most", () => {
   const files = ["index.html", "main.js", "worker.js", "style.css", "frame.html", "sidc.wasm.gz"];
