@@ -6,6 +6,9 @@ import initialize, { Data, Editor, Model, targets } from "sidc-bindings";
 /** First bytes of a data file, in which its header ends. */
 const HEADER = 1 << 16;
 
+const NO_DATA =
+  "error[no-data]: there are no data\n  = help: choose a table under `Data`, drop one on the page, or take an example; a link brings a model without its data";
+
 let editor;
 let data;
 let found;
@@ -43,6 +46,7 @@ const calls = {
   async identify(model, files, holdout) {
     // Mistakes in the model come before long reading.
     const compiled = new Model(model.name, model.text);
+    if (files.length === 0) throw NO_DATA;
     data = await read(files);
     found = compiled.identify(data, holdout, progress);
     return { answer: found.answer(), passes: found.passes(), document: found.document() };

@@ -130,6 +130,16 @@ scene("what is wrong with a model or a table is said as the program says it", as
   assert.match(await page.textContent("#answer"), /error\[unknown-signal\]/);
 });
 
+scene("a run without data says so, and what to do", async (page) => {
+  await page.click("#tables button");
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  assert.match(await run(page), /^no answer/);
+  assert.match(await page.textContent("#answer"), /^error\[no-data\][^]*help: choose a table/);
+  assert.equal(await page.textContent("#verdict"), "No answer");
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  assert.match(await run(page), /^found, in/);
+});
+
 scene("names from files are text, wherever they are shown", async (page) => {
   const name = `<img src=x onerror=alert(1)>.csv`;
   await choose(page, [{ name, text: DECAY.replace("t,x", "t,<script>alert(1)</script>") }]);
