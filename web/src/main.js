@@ -19,6 +19,8 @@ let files = [];
 /** The example whose text and data are shown, as long as nobody changed either. */
 let example = "";
 let name = "model.sid";
+/** Counts the changes of model, data and settings. */
+let changes = 0;
 
 /** The compiler, unpacked and compiled while it comes in. */
 async function compiled() {
@@ -38,7 +40,13 @@ function progress(words) {
   speakProgress(words);
 }
 
-const editor = new Editor(element("editor"), language, { changed: () => results.outdate(), run, broken });
+const editor = new Editor(element("editor"), language, { changed, run, broken });
+
+/** Model, data or a setting is another one. */
+function changed() {
+  changes += 1;
+  results.outdate();
+}
 
 /** The editor's compiler broke; with a fresh one it has the headers of the data again. */
 function broken(again) {
@@ -73,6 +81,7 @@ function setFiles(given) {
   });
   element("tables").replaceChildren(...items);
   element("draft").hidden = files.length === 0;
+  changed();
   tell();
 }
 
@@ -84,7 +93,6 @@ function size(bytes) {
 function changeFiles(given) {
   example = "";
   element("examples").value = "";
-  results.outdate();
   setFiles(given);
 }
 
@@ -93,8 +101,10 @@ async function take(given) {
   const models = given.filter((file) => file.name.endsWith(".sid"));
   const tables = given.filter((file) => !file.name.endsWith(".sid"));
   if (models.length > 0) {
+    const text = await models[0].text();
+    leave();
     setName(models[0].name);
-    editor.text = await models[0].text();
+    editor.text = text;
   }
   if (tables.length > 0) changeFiles(example === "" ? [...files, ...tables] : tables);
 }
@@ -125,6 +135,11 @@ function setName(given) {
   element("model-name").textContent = name;
 }
 
+/** Ends the work on a model in whose place another comes. */
+function leave() {
+  if (working()) runner.cancel("cancelled: another model was opened");
+}
+
 async function fetched(path) {
   const answer = await fetch(path);
   if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
@@ -135,6 +150,7 @@ async function fetched(path) {
 async function open({ model, data }, text) {
   const read = async (file) => new File([await (await fetched(`gallery/${file}`)).arrayBuffer()], file);
   const [own, ...tables] = await Promise.all([read(model), ...data.map(read)]);
+  leave();
   setName(model);
   editor.text = text ?? (await own.text());
   setFiles(tables);
@@ -157,18 +173,20 @@ async function work(piece) {
   if (working()) return;
   setWorking(true);
   document.body.classList.add("working");
+  const [model, before] = [name, changes];
   try {
     await piece();
   } catch (error) {
-    if (error instanceof Cancelled) say("cancelled");
+    if (error instanceof Cancelled) say(error.message);
     else if (error instanceof Refusal) {
-      results.refuse(error.message);
+      results.refuse(error.message, model);
       say("no answer: see the message");
     } else {
       say(`a fault of this page: ${error.message}`);
       throw error;
     }
   } finally {
+    if (changes !== before) results.outdate();
     setWorking(false);
     document.body.classList.remove("working");
   }
@@ -178,18 +196,20 @@ function run() {
   work(async () => {
     say("running …");
     const began = performance.now();
-    const holdout = Number(element("holdout").value);
-    const found = await runner.call("identify", { name, text: editor.text }, files, holdout);
+    const model = { name, text: editor.text };
+    const before = changes;
+    const found = await runner.call("identify", model, files, Number(element("holdout").value));
     const seconds = (performance.now() - began) / 1000;
-    results.show(found, name);
+    results.show(found, model.name);
+    const outdated = changes === before ? "" : "; outdated, there was a change meanwhile";
     const answer = "; the answer is under the heading Results";
-    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s`, answer);
+    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s${outdated}`, answer);
   });
 }
 
 element("run").addEventListener("click", run);
 element("cancel").addEventListener("click", () => working() && runner.cancel());
-element("holdout").addEventListener("change", () => results.outdate());
+element("holdout").addEventListener("change", changed);
 element("share").addEventListener("click", async () => {
   const hash = await pack({ text: editor.text, holdout: Number(element("holdout").value), example });
   history.replaceState(null, "", hash);
@@ -208,7 +228,6 @@ async function begin() {
   const byName = (model) => examples.find((e) => e.model === model);
   element("examples").addEventListener("change", async ({ target }) => {
     const chosen = byName(target.value);
-    results.outdate();
     if (chosen) await open(chosen);
     else changeFiles(files);
   });

@@ -87,3 +87,10 @@ export async function answer(site, path) {
   const [response] = await once(get(site.origin, { path, agent: false, signal: AbortSignal.timeout(REACTION) }), "response");
   return response.resume().statusCode;
 }
+
+/** The name of the file that a button saves, once there is something to save. */
+export async function saved(page, button) {
+  await page.waitForSelector(`${button}:enabled`);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+  return download.suggestedFilename();
+}

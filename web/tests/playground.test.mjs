@@ -4,7 +4,7 @@ import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { answer, choose, example, root, run, start, status, write } from "./page.mjs";
+import { answer, choose, example, root, run, saved, start, status, write } from "./page.mjs";
 
 let site;
 before(async () => (site = await start()));
@@ -192,6 +192,40 @@ scene("a run is cancelled, and the next one works", async (page) => {
   await status(page, /^cancelled$/);
   await example(page, "lorenz.sid", 1);
   assert.match(await run(page), /^found, in/);
+});
+
+scene("a run whose model is left for another is cancelled", async (page) => {
+  assert.match(await run(page), /^found/);
+  await example(page, "double_pendulum.sid", 1);
+  await page.click("#run");
+  await status(page, /…$/);
+  await example(page, "lorenz.sid", 1);
+  await status(page, /^cancelled: another model was opened$/);
+  // What the pendulum had is still there, and says whose it is.
+  assert.match(await page.textContent("#answer"), /^ddy/);
+  assert.match(await page.innerText("#outdated"), /^Outdated: this is for pendulum\.sid,/);
+  await page.click("#tab-code");
+  await page.waitForFunction(() => document.getElementById("code").textContent.includes("run the model again"));
+  assert.match(await run(page), /^found, in/);
+  assert.equal(await page.locator("#outdated").isVisible(), false);
+  assert.equal(await saved(page, "#save-code"), "lorenz.py");
+});
+
+scene("what is found after a change is marked, under the name of what was run", async (page) => {
+  await example(page, "double_pendulum.sid", 1);
+  await page.click("#run");
+  await status(page, /…$/);
+  await page.click(".cm-content");
+  await page.keyboard.type("# Mine\n");
+  await status(page, /^found/);
+  assert.match(await page.textContent("#status"), /; outdated, there was a change meanwhile$/);
+  assert.match(await page.innerText("#outdated"), /^Outdated: this is for double_pendulum\.sid,/);
+  await page.click("#tab-code");
+  assert.equal(await saved(page, "#save-code"), "double_pendulum.py");
+  await page.click("#tab-report");
+  assert.equal(await saved(page, "#save-report"), "double_pendulum.html");
+  await page.click("#tab-document");
+  assert.equal(await saved(page, "#save-document"), "double_pendulum.json");
 });
 
 scene("a link brings model and settings to another page", async (page) => {
