@@ -1,4 +1,5 @@
 // The editor of the model: CodeMirror, with the language server for all that it knows.
+import { isolateHistory } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { setDiagnostics } from "@codemirror/lint";
@@ -162,7 +163,9 @@ export class Editor {
     return this.#view.state.doc.toString();
   }
 
+  /** Another text; undo brings the one before back. */
   set text(text) {
-    this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: text } });
+    const changes = { from: 0, to: this.#view.state.doc.length, insert: text };
+    this.#view.dispatch({ changes, annotations: isolateHistory.of("full") });
   }
 }

@@ -4,6 +4,7 @@ import { existsSync } from "node:fs";
 import { get } from "node:http";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { deflateRawSync } from "node:zlib";
 import { chromium } from "playwright-core";
 import { serve } from "../serve.mjs";
 
@@ -80,6 +81,11 @@ export async function write(page, text) {
 export async function choose(page, files) {
   const given = files.map(({ name, text }) => ({ name, mimeType: "text/csv", buffer: Buffer.from(text) }));
   await page.setInputFiles("#files", given);
+}
+
+/** The part of a link behind the page's address. */
+export function link(state) {
+  return `#m=${deflateRawSync(JSON.stringify(state)).toString("base64url")}`;
 }
 
 /** How the server answers a path, which a browser would put right before it asks. */

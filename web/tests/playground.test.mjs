@@ -4,7 +4,7 @@ import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { answer, choose, example, root, run, saved, start, status, write } from "./page.mjs";
+import { answer, choose, example, link, root, run, saved, start, status, write } from "./page.mjs";
 
 let site;
 before(async () => (site = await start()));
@@ -45,8 +45,7 @@ scene("a report names the files by their content", async (page) => {
   const { files } = JSON.parse(await page.textContent("#document")).settings;
   const hash = (text) => createHash("sha256").update(text).digest("hex");
   assert.deepEqual(files, [
-    // The name of the example that was there before.
-    { name: "pendulum.sid", sha256: hash("state x\ndx ~ poly(x; 3)\n") },
+    { name: "model.sid", sha256: hash("state x\ndx ~ poly(x; 3)\n") },
     { name: "decay.csv", sha256: hash(DECAY) },
   ]);
   await page.click("#tab-report");
@@ -237,6 +236,54 @@ scene("a link brings model and settings to another page", async (page) => {
   assert.match(await other.innerText(".cm-content"), /^# mine/);
   assert.equal(await other.inputValue("#holdout"), "0.25");
   await other.context().close();
+});
+
+scene("a link put into the address of the open page is followed", async (page) => {
+  const put = (hash) => page.evaluate((hash) => void (location.hash = hash), hash);
+  const shows = (line) => page.waitForFunction((line) => document.querySelector(".cm-line").textContent === line, line);
+  const own = "# theirs\nstate x\ndx ~ poly(x; 2)\n";
+  await write(page, "# unsaved\nstate x\n");
+  await put(link({ text: own, holdout: 0.25, example: "" }));
+  await shows("# theirs");
+  assert.equal(await page.textContent("#model-name"), "model.sid");
+  assert.equal(await page.inputValue("#holdout"), "0.25");
+  // The pendulum's data are not those of the link.
+  assert.equal(await page.locator("#tables li").count(), 0);
+  await page.focus(".cm-content");
+  await page.keyboard.press("Control+Z");
+  await shows("# unsaved");
+  // Tables of the user's own stay.
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  await put(link({ text: own, holdout: 0, example: "" }));
+  await shows("# theirs");
+  assert.equal(await page.locator("#tables li").count(), 1);
+  await put(link({ text: "# changed lorenz\nstate x\n", holdout: 0, example: "lorenz.sid" }));
+  await shows("# changed lorenz");
+  assert.match(await page.innerText("#tables"), /^lorenz\.csv/);
+  await put("#m=abc");
+  await status(page, /cannot be read/);
+  await shows("# changed lorenz");
+});
+
+test("a link may hold out any part", async () => {
+  for (const [holdout, words] of [[0.33, "the last 33 %"], [0.07, "the last 7 %"], [2, "nothing"], ["x", "nothing"]]) {
+    const page = await site.open({}, link({ text: "state x\n", holdout, example: "" }));
+    assert.equal(await page.locator("#holdout option:checked").innerText(), words);
+    await page.context().close();
+  }
+});
+
+scene("an example that was changed is the user's own, until the change is undone", async (page) => {
+  const names = async () => [await page.textContent("#model-name"), await page.inputValue("#examples")];
+  assert.deepEqual(await names(), ["pendulum.sid", "pendulum.sid"]);
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  assert.deepEqual(await names(), ["model.sid", ""]);
+  await page.keyboard.press("Control+Z");
+  assert.deepEqual(await names(), ["pendulum.sid", "pendulum.sid"]);
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  assert.deepEqual(await names(), ["pendulum.sid", ""]);
+  await example(page, "lorenz.sid", 1);
+  assert.deepEqual(await names(), ["lorenz.sid", "lorenz.sid"]);
 });
 
 test("a broken link opens the page as it is without one", async () => {
