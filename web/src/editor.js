@@ -5,7 +5,7 @@ import { EditorView, keymap } from "@codemirror/view";
 import { setDiagnostics } from "@codemirror/lint";
 import { LSPClient, LSPPlugin, languageServerExtensions } from "@codemirror/lsp-client";
 import { Broken, Cancelled } from "./compiler.js";
-import { mistakeKeys, speakMistakes } from "./mistakes.js";
+import { listMistakes, mistakeKeys, mistakeTaps, speakMistakes } from "./mistakes.js";
 import { setup } from "./setup.js";
 import { serverMarks, unmarked } from "./server_marks.js";
 
@@ -100,6 +100,7 @@ async function show(client, { uri, version, diagnostics }) {
     actions: (fixes[place] ?? []).filter((fix) => fix.diagnostics.some((of) => of.message === d.message)).map(action),
   }));
   view.dispatch(setDiagnostics(view.state, found));
+  listMistakes(view);
   speakMistakes(view);
 }
 
@@ -136,6 +137,7 @@ export class Editor {
           EditorView.contentAttributes.of({ "aria-label": "Model", "aria-describedby": "keys" }),
           this.#client.plugin(URI, "sid"),
           serverMarks(this.#client, URI),
+          mistakeTaps,
           changes,
         ],
       }),

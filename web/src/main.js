@@ -65,6 +65,8 @@ function broken(again) {
   } else {
     const lost = "The editor's compiler broke again: mistakes, completion and colours are gone until the page is loaded anew. Runs still work.";
     element("keys").textContent = lost;
+    element("count").hidden = true;
+    element("mistakes").hidden = true;
     say(lost);
   }
 }

@@ -64,6 +64,30 @@ scene("mistakes are shown while they are typed, with fixes that mend them", asyn
   assert.match(await page.innerText(".cm-content"), /poly\(theta, dtheta; 2\)/);
 });
 
+scene("mistakes are read and mended by touch", async (page) => {
+  const button = page.getByRole("button", { name: /mistake/ });
+  const items = page.getByRole("list", { name: "Mistakes" }).getByRole("listitem");
+  const counts = (words) => page.waitForFunction((words) => document.getElementById("count").textContent === words, words);
+  await counts("no mistakes");
+  await write(page, "state theta : order 2\nddtheta ~ poly(theta, dthta, thta; 2)\n");
+  await counts("2 mistakes");
+  assert.equal(await items.count(), 0);
+  await page.tap(".cm-lintRange-error");
+  assert.match(await items.nth(0).innerText(), /^error, line 2: no signal named `dthta`/);
+  assert.equal(await items.getByRole("button").count(), 2);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth), 0);
+  await items.nth(1).getByRole("button", { name: "by `theta`" }).tap();
+  await counts("1 mistake");
+  assert.match(await page.innerText(".cm-content"), /poly\(theta, dthta, theta; 2\)/);
+  // By keyboard the same: the focus is on the button.
+  assert.equal(await button.evaluate((e) => e === document.activeElement), true);
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await counts("no mistakes");
+  await button.tap();
+  assert.equal(await button.getAttribute("aria-expanded"), "false");
+}, { viewport: { width: 320, height: 640 }, hasTouch: true, isMobile: true });
+
 scene("libraries show their size, and statements fold", async (page) => {
   await write(page, "state x, y\nlet both = poly(\n  x, y; 2)\ndx, dy ~ both\n");
   await page.waitForFunction(() => document.querySelectorAll(".sid-hint").length === 2);
@@ -202,7 +226,7 @@ scene("a run whose model is left for another is cancelled", async (page) => {
   await status(page, /^cancelled: another model was opened$/);
   // What the pendulum had is still there, and says whose it is.
   assert.match(await page.textContent("#answer"), /^ddy/);
-  assert.match(await page.innerText("#outdated"), /^Outdated: this is for pendulum\.sid,/);
+  assert.match(await page.innerText("#outdated"), /^Outdated: pendulum\.sid was run before/);
   await page.click("#tab-code");
   await page.waitForFunction(() => document.getElementById("code").textContent.includes("run the model again"));
   assert.match(await run(page), /^found, in/);
@@ -218,7 +242,7 @@ scene("what is found after a change is marked, under the name of what was run", 
   await page.keyboard.type("# Mine\n");
   await status(page, /^found/);
   assert.match(await page.textContent("#status"), /; outdated, there was a change meanwhile$/);
-  assert.match(await page.innerText("#outdated"), /^Outdated: this is for double_pendulum\.sid,/);
+  assert.match(await page.innerText("#outdated"), /^Outdated: double_pendulum\.sid was run before/);
   await page.click("#tab-code");
   assert.equal(await saved(page, "#save-code"), "double_pendulum.py");
   await page.click("#tab-report");
