@@ -292,7 +292,11 @@ async function begin() {
   say("ready");
 }
 
-const notLoaded = ({ message }) => say(`this could not be loaded: ${message}`);
+/** What was to be opened did not come: all is as it was, the field of examples too. */
+function notLoaded({ message }) {
+  nameModel();
+  say(`this could not be loaded: ${message}`);
+}
 
 element("examples").addEventListener("change", ({ target }) => {
   const chosen = byName(target.value);

@@ -310,6 +310,15 @@ scene("an example that was changed is the user's own, until the change is undone
   assert.deepEqual(await names(), ["lorenz.sid", "lorenz.sid"]);
 });
 
+test("an example that does not come leaves all as it was", async () => {
+  const page = await site.open();
+  await page.route("**/lorenz.csv", (route) => route.abort());
+  await page.selectOption("#examples", "lorenz.sid");
+  await status(page, /^this could not be loaded/);
+  assert.deepEqual([await page.textContent("#model-name"), await page.inputValue("#examples")], ["pendulum.sid", "pendulum.sid"]);
+  await page.context().close();
+});
+
 test("a broken link opens the page as it is without one", async () => {
   for (const hash of ["#m=abc", "#m=", `#m=${"A".repeat(9000)}`, "#x"]) {
     const page = await site.open({}, hash);
