@@ -12,11 +12,22 @@ const KINDS = {
   ".gz": "application/gzip",
 };
 
+/** The path of the file that an address asks for; undefined if it cannot be read as one. */
+function asked(url) {
+  try {
+    const { pathname } = new URL(url, "http://localhost");
+    const path = normalize(decodeURIComponent(pathname.endsWith("/") ? `${pathname}index.html` : pathname));
+    return path.includes("\0") ? undefined : path;
+  } catch {
+    return undefined;
+  }
+}
+
 /** A server of the folder; `port` 0 takes any that is free. */
 export function serve(folder, port) {
   const server = createServer(async (request, response) => {
-    const { pathname } = new URL(request.url, "http://localhost");
-    const path = normalize(decodeURIComponent(pathname.endsWith("/") ? `${pathname}index.html` : pathname));
+    const path = asked(request.url);
+    if (path === undefined) return response.writeHead(400).end("bad address");
     try {
       const body = await readFile(join(folder, path));
       response.writeHead(200, { "content-type": KINDS[extname(path)] ?? "text/plain; charset=utf-8" }).end(body);

@@ -56,10 +56,10 @@ export class Compiler {
     return this.#call(call, args);
   }
 
-  /** Ends all work at once; the next call finds a fresh worker. */
-  cancel() {
+  /** Ends all work at once, and says why; the next call finds a fresh worker. */
+  cancel(why = "cancelled") {
     this.#worker.terminate();
-    this.#end(new Cancelled("cancelled"));
+    this.#end(new Cancelled(why));
     this.#begin();
   }
 

@@ -1,10 +1,11 @@
 // The editor of the model: CodeMirror, with the language server for all that it knows.
+import { isolateHistory } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { setDiagnostics } from "@codemirror/lint";
 import { LSPClient, LSPPlugin, languageServerExtensions } from "@codemirror/lsp-client";
 import { Broken, Cancelled } from "./compiler.js";
-import { mistakeKeys, speakMistakes } from "./mistakes.js";
+import { listMistakes, mistakeKeys, mistakeTaps, speakMistakes } from "./mistakes.js";
 import { setup } from "./setup.js";
 import { serverMarks, unmarked } from "./server_marks.js";
 
@@ -99,6 +100,7 @@ async function show(client, { uri, version, diagnostics }) {
     actions: (fixes[place] ?? []).filter((fix) => fix.diagnostics.some((of) => of.message === d.message)).map(action),
   }));
   view.dispatch(setDiagnostics(view.state, found));
+  listMistakes(view);
   speakMistakes(view);
 }
 
@@ -135,6 +137,7 @@ export class Editor {
           EditorView.contentAttributes.of({ "aria-label": "Model", "aria-describedby": "keys" }),
           this.#client.plugin(URI, "sid"),
           serverMarks(this.#client, URI),
+          mistakeTaps,
           changes,
         ],
       }),
@@ -162,7 +165,9 @@ export class Editor {
     return this.#view.state.doc.toString();
   }
 
+  /** Another text; undo brings the one before back. */
   set text(text) {
-    this.#view.dispatch({ changes: { from: 0, to: this.#view.state.doc.length, insert: text } });
+    const changes = { from: 0, to: this.#view.state.doc.length, insert: text };
+    this.#view.dispatch({ changes, annotations: isolateHistory.of("full") });
   }
 }

@@ -32,7 +32,7 @@ export async function unpack(hash) {
     }
     const { text: model, holdout, example } = JSON.parse(await new Blob(chunks).text());
     if (typeof model !== "string") return undefined;
-    return { text: model, holdout: Number(holdout) || 0, example: typeof example === "string" ? example : undefined };
+    return { text: model, holdout: holdout > 0 && holdout < 1 ? Number(holdout) : 0, example: typeof example === "string" ? example : undefined };
   } catch {
     return undefined;
   }

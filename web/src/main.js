@@ -7,6 +7,8 @@ import { speak, speakProgress } from "./spoken.js";
 
 const element = (id) => document.getElementById(id);
 
+/** A model that nobody named. */
+const OWN = "model.sid";
 const START = "state x\n\ndx ~ poly(x; 3)\n";
 
 const module = compiled();
@@ -16,9 +18,17 @@ const results = new Results(runner, say);
 
 /** The data files, in the order of their runs. */
 let files = [];
-/** The example whose text and data are shown, as long as nobody changed either. */
+/** The example whose data are shown, as long as nobody changed them. */
 let example = "";
-let name = "model.sid";
+/** The example that was opened last, `{name, text}`; undefined once another model is in its place. */
+let opened;
+let name = OWN;
+/** The examples, `{model, data}`. */
+let examples = [];
+/** Counts what was opened: of two that are fetched at once, the later one is shown. */
+let openings = 0;
+/** Counts the changes of model, data and settings. */
+let changes = 0;
 
 /** The compiler, unpacked and compiled while it comes in. */
 async function compiled() {
@@ -38,7 +48,14 @@ function progress(words) {
   speakProgress(words);
 }
 
-const editor = new Editor(element("editor"), language, { changed: () => results.outdate(), run, broken });
+const editor = new Editor(element("editor"), language, { changed, run, broken });
+
+/** Model, data or a setting is another one. */
+function changed() {
+  changes += 1;
+  results.outdate();
+  nameModel();
+}
 
 /** The editor's compiler broke; with a fresh one it has the headers of the data again. */
 function broken(again) {
@@ -48,6 +65,8 @@ function broken(again) {
   } else {
     const lost = "The editor's compiler broke again: mistakes, completion and colours are gone until the page is loaded anew. Runs still work.";
     element("keys").textContent = lost;
+    element("count").hidden = true;
+    element("mistakes").hidden = true;
     say(lost);
   }
 }
@@ -73,6 +92,7 @@ function setFiles(given) {
   });
   element("tables").replaceChildren(...items);
   element("draft").hidden = files.length === 0;
+  changed();
   tell();
 }
 
@@ -83,8 +103,6 @@ function size(bytes) {
 
 function changeFiles(given) {
   example = "";
-  element("examples").value = "";
-  results.outdate();
   setFiles(given);
 }
 
@@ -93,8 +111,9 @@ async function take(given) {
   const models = given.filter((file) => file.name.endsWith(".sid"));
   const tables = given.filter((file) => !file.name.endsWith(".sid"));
   if (models.length > 0) {
-    setName(models[0].name);
-    editor.text = await models[0].text();
+    const text = await models[0].text();
+    leave();
+    setModel(models[0].name, text);
   }
   if (tables.length > 0) changeFiles(example === "" ? [...files, ...tables] : tables);
 }
@@ -112,8 +131,7 @@ addEventListener("drop", (event) => {
 
 element("draft").addEventListener("click", () =>
   work(async () => {
-    editor.text = await runner.call("draft", files);
-    setName("model.sid");
+    setModel(OWN, await runner.call("draft", files));
     say("a first model, guessed from the data; read it before you run it");
   }),
 );
@@ -125,6 +143,26 @@ function setName(given) {
   element("model-name").textContent = name;
 }
 
+/** Shows a model that is no example. */
+function setModel(given, text) {
+  openings += 1;
+  opened = undefined;
+  setName(given);
+  editor.text = text;
+}
+
+/** An example that was changed is the user's own, until the change is undone. */
+function nameModel() {
+  const same = opened?.text === editor.text;
+  if (opened) setName(same ? opened.name : OWN);
+  element("examples").value = same && opened.name === example ? example : "";
+}
+
+/** Ends the work on a model in whose place another comes. */
+function leave() {
+  if (working()) runner.cancel("cancelled: another model was opened");
+}
+
 async function fetched(path) {
   const answer = await fetch(path);
   if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
@@ -133,13 +171,17 @@ async function fetched(path) {
 
 /** Opens an example: its model unless another text is given, and its data. */
 async function open({ model, data }, text) {
+  openings += 1;
+  const opening = openings;
   const read = async (file) => new File([await (await fetched(`gallery/${file}`)).arrayBuffer()], file);
   const [own, ...tables] = await Promise.all([read(model), ...data.map(read)]);
-  setName(model);
-  editor.text = text ?? (await own.text());
-  setFiles(tables);
+  const lines = (await own.text()).replaceAll("\r\n", "\n");
+  if (opening !== openings) return;
+  leave();
+  opened = { name: model, text: lines };
   example = model;
-  element("examples").value = model;
+  editor.text = text ?? lines;
+  setFiles(tables);
 }
 
 // Runs
@@ -157,18 +199,20 @@ async function work(piece) {
   if (working()) return;
   setWorking(true);
   document.body.classList.add("working");
+  const [model, before] = [name, changes];
   try {
     await piece();
   } catch (error) {
-    if (error instanceof Cancelled) say("cancelled");
+    if (error instanceof Cancelled) say(error.message);
     else if (error instanceof Refusal) {
-      results.refuse(error.message);
+      results.refuse(error.message, model);
       say("no answer: see the message");
     } else {
       say(`a fault of this page: ${error.message}`);
       throw error;
     }
   } finally {
+    if (changes !== before) results.outdate();
     setWorking(false);
     document.body.classList.remove("working");
   }
@@ -178,18 +222,20 @@ function run() {
   work(async () => {
     say("running …");
     const began = performance.now();
-    const holdout = Number(element("holdout").value);
-    const found = await runner.call("identify", { name, text: editor.text }, files, holdout);
+    const model = { name, text: editor.text };
+    const before = changes;
+    const found = await runner.call("identify", model, files, Number(element("holdout").value));
     const seconds = (performance.now() - began) / 1000;
-    results.show(found, name);
+    results.show(found, model.name);
+    const outdated = changes === before ? "" : "; outdated, there was a change meanwhile";
     const answer = "; the answer is under the heading Results";
-    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s`, answer);
+    say(`${found.passes ? "found" : "found, with doubts"}, in ${seconds.toPrecision(2)} s${outdated}`, answer);
   });
 }
 
 element("run").addEventListener("click", run);
 element("cancel").addEventListener("click", () => working() && runner.cancel());
-element("holdout").addEventListener("change", () => results.outdate());
+element("holdout").addEventListener("change", changed);
 element("share").addEventListener("click", async () => {
   const hash = await pack({ text: editor.text, holdout: Number(element("holdout").value), example });
   history.replaceState(null, "", hash);
@@ -201,27 +247,62 @@ element("share").addEventListener("click", async () => {
   }
 });
 
+const byName = (model) => examples.find((e) => e.model === model);
+
+/** Shows what a link holds. It holds no data: tables that the user chose stay. */
+async function follow({ text, holdout, example: named }) {
+  setHoldOut(holdout);
+  const chosen = byName(named);
+  if (chosen) return open(chosen, text);
+  leave();
+  setModel(OWN, text);
+  if (example !== "") changeFiles([]);
+}
+
+/** Sets how much is held out, which a link may have as no choice of this page. */
+function setHoldOut(part) {
+  const select = element("holdout");
+  const value = String(part);
+  const known = [...select.options].some((option) => option.value === value);
+  if (!known) select.add(new Option(`the last ${Number((100 * part).toPrecision(3))} %`, value));
+  select.value = value;
+  changed();
+}
+
+/** A link that is put into the address of the open page. */
+async function linkChanged() {
+  const { hash } = location;
+  const linked = await unpack(hash);
+  if (hash !== location.hash || hash === "") return;
+  if (!linked) return say("this link cannot be read; the model is as it was");
+  await follow(linked);
+  say("the model is that of the link");
+}
+
 /** The page as its link or the first example has it. */
 async function begin() {
-  const examples = await (await fetched("gallery/index.json")).json();
+  examples = await (await fetched("gallery/index.json")).json();
   for (const { model } of examples) element("examples").add(new Option(model.slice(0, -4), model));
-  const byName = (model) => examples.find((e) => e.model === model);
-  element("examples").addEventListener("change", async ({ target }) => {
-    const chosen = byName(target.value);
-    results.outdate();
-    if (chosen) await open(chosen);
-    else changeFiles(files);
-  });
+  setFiles([]);
   const linked = await unpack(location.hash);
-  if (linked) element("holdout").value = String(linked.holdout);
-  const chosen = linked ? byName(linked.example) : examples[0];
-  if (chosen) await open(chosen, linked?.text);
-  else {
-    editor.text = linked?.text ?? START;
-    setFiles([]);
-  }
+  if (linked) await follow(linked);
+  else if (examples.length > 0) await open(examples[0]);
+  else setModel(OWN, START);
   results.setTargets(await runner.ready);
   say("ready");
 }
+
+/** What was to be opened did not come: all is as it was, the field of examples too. */
+function notLoaded({ message }) {
+  nameModel();
+  say(`this could not be loaded: ${message}`);
+}
+
+element("examples").addEventListener("change", ({ target }) => {
+  const chosen = byName(target.value);
+  if (chosen) open(chosen).catch(notLoaded);
+  else changeFiles(files);
+});
+addEventListener("hashchange", () => linkChanged().catch(notLoaded));
 
 begin().catch((error) => say(`this page could not be loaded: ${error.message}`));

@@ -22,7 +22,8 @@ export class Results {
   #found;
   #report;
   #code = "";
-  #stem = "model";
+  /** The model that was run. */
+  #model = "";
 
   constructor(runner, say) {
     this.#runner = runner;
@@ -39,12 +40,12 @@ export class Results {
       await this.#write();
       if (this.#found) speak(`${element("target").value} below`);
     });
-    element("save-report").addEventListener("click", () => save(`${this.#stem}.html`, this.#report, "text/html"));
+    element("save-report").addEventListener("click", () => save(this.#file("html"), this.#report, "text/html"));
     element("save-code").addEventListener("click", () => {
       const extension = EXTENSIONS[element("target").value] ?? "txt";
-      save(`${this.#stem}.${extension}`, this.#code, "text/plain");
+      save(this.#file(extension), this.#code, "text/plain");
     });
-    element("save-document").addEventListener("click", () => save("result.json", this.#found.document, "application/json"));
+    element("save-document").addEventListener("click", () => save(this.#file("json"), this.#found.document, "application/json"));
   }
 
   setTargets(targets) {
@@ -52,22 +53,24 @@ export class Results {
     element("target").value = "python";
   }
 
-  /** Shows what a run found. */
+  #file(extension) {
+    return `${this.#model.replace(/\.sid$/, "")}.${extension}`;
+  }
+
+  /** Shows what a run of the model found. */
   show(found, model) {
+    this.#clear(model);
     this.#found = found;
-    this.#report = undefined;
-    this.#stem = model.replace(/\.sid$/, "");
     this.#verdict(found.passes ? "Passes" : "Doubted: see the reasons", found.passes ? "passes" : "doubted");
     element("answer").textContent = found.answer;
     element("document").textContent = found.document;
     element("save-document").disabled = false;
-    document.body.classList.remove("outdated");
     this.#choose(VIEWS.find((view) => element(`tab-${view}`).ariaSelected === "true"), false);
   }
 
-  /** Shows why there is nothing. */
-  refuse(message) {
-    this.#clear();
+  /** Shows why there is nothing for the model. */
+  refuse(message, model) {
+    this.#clear(model);
     this.#verdict("No answer", "doubted");
     element("answer").textContent = message;
     this.#choose("answer", false);
@@ -75,13 +78,16 @@ export class Results {
 
   /** Marks what is shown as that of another model or other data. */
   outdate() {
-    if (this.#found) document.body.classList.add("outdated");
+    if (this.#model) document.body.classList.add("outdated");
   }
 
-  #clear() {
+  #clear(model) {
     this.#found = undefined;
     this.#report = undefined;
-    element("report").src = "frame.html";
+    this.#model = model;
+    element("run-model").textContent = model;
+    // It holds the report of an earlier run.
+    element("report").hidden = true;
     element("code").textContent = "";
     element("document").textContent = "";
     for (const button of ["save-report", "save-code", "save-document"]) element(button).disabled = true;
@@ -119,6 +125,7 @@ export class Results {
         frame.onload = null;
         frame.contentWindow.postMessage(page, "*");
       };
+      frame.hidden = false;
       frame.src = "frame.html";
       element("save-report").disabled = false;
       this.#say("the report is written");
@@ -130,11 +137,15 @@ export class Results {
 
   async #write() {
     if (!this.#found) return;
+    const found = this.#found;
     try {
-      this.#code = await this.#runner.call("export", element("target").value);
-      element("code").textContent = this.#code;
+      const code = await this.#runner.call("export", element("target").value);
+      if (found !== this.#found) return;
+      this.#code = code;
+      element("code").textContent = code;
       element("save-code").disabled = false;
     } catch (error) {
+      if (found !== this.#found) return;
       element("code").textContent = error.message;
       element("save-code").disabled = true;
     }

@@ -6,6 +6,12 @@ import initialize, { Data, Editor, Model, targets } from "sidc-bindings";
 /** First bytes of a data file, in which its header ends. */
 const HEADER = 1 << 16;
 
+const NO_DATA =
+  "error[no-data]: there are no data\n  = help: choose a table under `Data`, drop one on the page, or take an example; a link brings a model without its data";
+
+/** A run that was cancelled took the worker along, with what an earlier run had found. */
+const GONE = "what was found went when a later run was cancelled; run the model again for its report and code";
+
 let editor;
 let data;
 let found;
@@ -43,14 +49,17 @@ const calls = {
   async identify(model, files, holdout) {
     // Mistakes in the model come before long reading.
     const compiled = new Model(model.name, model.text);
+    if (files.length === 0) throw NO_DATA;
     data = await read(files);
     found = compiled.identify(data, holdout, progress);
     return { answer: found.answer(), passes: found.passes(), document: found.document() };
   },
   report() {
+    if (!found) throw GONE;
     return found.report(data, progress);
   },
   export(target) {
+    if (!found) throw GONE;
     return found.export(target);
   },
 };

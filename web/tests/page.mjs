@@ -1,7 +1,10 @@
 // A page of the playground in Chromium, with everything that it asked the network for.
+import { once } from "node:events";
 import { existsSync } from "node:fs";
+import { get } from "node:http";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
+import { deflateRawSync } from "node:zlib";
 import { chromium } from "playwright-core";
 import { serve } from "../serve.mjs";
 
@@ -78,4 +81,22 @@ export async function write(page, text) {
 export async function choose(page, files) {
   const given = files.map(({ name, text }) => ({ name, mimeType: "text/csv", buffer: Buffer.from(text) }));
   await page.setInputFiles("#files", given);
+}
+
+/** The part of a link behind the page's address. */
+export function link(state) {
+  return `#m=${deflateRawSync(JSON.stringify(state)).toString("base64url")}`;
+}
+
+/** How the server answers a path, which a browser would put right before it asks. */
+export async function answer(site, path) {
+  const [response] = await once(get(site.origin, { path, agent: false, signal: AbortSignal.timeout(REACTION) }), "response");
+  return response.resume().statusCode;
+}
+
+/** The name of the file that a button saves, once there is something to save. */
+export async function saved(page, button) {
+  await page.waitForSelector(`${button}:enabled`);
+  const [download] = await Promise.all([page.waitForEvent("download"), page.click(button)]);
+  return download.suggestedFilename();
 }

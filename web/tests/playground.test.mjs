@@ -4,7 +4,7 @@ import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { choose, example, root, run, start, status, write } from "./page.mjs";
+import { answer, choose, example, link, root, run, saved, start, status, write } from "./page.mjs";
 
 let site;
 before(async () => (site = await start()));
@@ -45,8 +45,7 @@ scene("a report names the files by their content", async (page) => {
   const { files } = JSON.parse(await page.textContent("#document")).settings;
   const hash = (text) => createHash("sha256").update(text).digest("hex");
   assert.deepEqual(files, [
-    // The name of the example that was there before.
-    { name: "pendulum.sid", sha256: hash("state x\ndx ~ poly(x; 3)\n") },
+    { name: "model.sid", sha256: hash("state x\ndx ~ poly(x; 3)\n") },
     { name: "decay.csv", sha256: hash(DECAY) },
   ]);
   await page.click("#tab-report");
@@ -64,6 +63,30 @@ scene("mistakes are shown while they are typed, with fixes that mend them", asyn
   await page.waitForFunction(() => document.querySelectorAll(".cm-lintRange-error").length === 0);
   assert.match(await page.innerText(".cm-content"), /poly\(theta, dtheta; 2\)/);
 });
+
+scene("mistakes are read and mended by touch", async (page) => {
+  const button = page.getByRole("button", { name: /mistake/ });
+  const items = page.getByRole("list", { name: "Mistakes" }).getByRole("listitem");
+  const counts = (words) => page.waitForFunction((words) => document.getElementById("count").textContent === words, words);
+  await counts("no mistakes");
+  await write(page, "state theta : order 2\nddtheta ~ poly(theta, dthta, thta; 2)\n");
+  await counts("2 mistakes");
+  assert.equal(await items.count(), 0);
+  await page.tap(".cm-lintRange-error");
+  assert.match(await items.nth(0).innerText(), /^error, line 2: no signal named `dthta`/);
+  assert.equal(await items.getByRole("button").count(), 2);
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth - innerWidth), 0);
+  await items.nth(1).getByRole("button", { name: "by `theta`" }).tap();
+  await counts("1 mistake");
+  assert.match(await page.innerText(".cm-content"), /poly\(theta, dthta, theta; 2\)/);
+  // By keyboard the same: the focus is on the button.
+  assert.equal(await button.evaluate((e) => e === document.activeElement), true);
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await counts("no mistakes");
+  await button.tap();
+  assert.equal(await button.getAttribute("aria-expanded"), "false");
+}, { viewport: { width: 320, height: 640 }, hasTouch: true, isMobile: true });
 
 scene("libraries show their size, and statements fold", async (page) => {
   await write(page, "state x, y\nlet both = poly(\n  x, y; 2)\ndx, dy ~ both\n");
@@ -130,6 +153,16 @@ scene("what is wrong with a model or a table is said as the program says it", as
   assert.match(await page.textContent("#answer"), /error\[unknown-signal\]/);
 });
 
+scene("a run without data says so, and what to do", async (page) => {
+  await page.click("#tables button");
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  assert.match(await run(page), /^no answer/);
+  assert.match(await page.textContent("#answer"), /^error\[no-data\][^]*help: choose a table/);
+  assert.equal(await page.textContent("#verdict"), "No answer");
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  assert.match(await run(page), /^found, in/);
+});
+
 scene("names from files are text, wherever they are shown", async (page) => {
   const name = `<img src=x onerror=alert(1)>.csv`;
   await choose(page, [{ name, text: DECAY.replace("t,x", "t,<script>alert(1)</script>") }]);
@@ -184,6 +217,40 @@ scene("a run is cancelled, and the next one works", async (page) => {
   assert.match(await run(page), /^found, in/);
 });
 
+scene("a run whose model is left for another is cancelled", async (page) => {
+  assert.match(await run(page), /^found/);
+  await example(page, "double_pendulum.sid", 1);
+  await page.click("#run");
+  await status(page, /…$/);
+  await example(page, "lorenz.sid", 1);
+  await status(page, /^cancelled: another model was opened$/);
+  // What the pendulum had is still there, and says whose it is.
+  assert.match(await page.textContent("#answer"), /^ddy/);
+  assert.match(await page.innerText("#outdated"), /^Outdated: pendulum\.sid was run before/);
+  await page.click("#tab-code");
+  await page.waitForFunction(() => document.getElementById("code").textContent.includes("run the model again"));
+  assert.match(await run(page), /^found, in/);
+  assert.equal(await page.locator("#outdated").isVisible(), false);
+  assert.equal(await saved(page, "#save-code"), "lorenz.py");
+});
+
+scene("what is found after a change is marked, under the name of what was run", async (page) => {
+  await example(page, "double_pendulum.sid", 1);
+  await page.click("#run");
+  await status(page, /…$/);
+  await page.click(".cm-content");
+  await page.keyboard.type("# Mine\n");
+  await status(page, /^found/);
+  assert.match(await page.textContent("#status"), /; outdated, there was a change meanwhile$/);
+  assert.match(await page.innerText("#outdated"), /^Outdated: double_pendulum\.sid was run before/);
+  await page.click("#tab-code");
+  assert.equal(await saved(page, "#save-code"), "double_pendulum.py");
+  await page.click("#tab-report");
+  assert.equal(await saved(page, "#save-report"), "double_pendulum.html");
+  await page.click("#tab-document");
+  assert.equal(await saved(page, "#save-document"), "double_pendulum.json");
+});
+
 scene("a link brings model and settings to another page", async (page) => {
   await write(page, "# mine\nstate x\ndx ~ poly(x; 2)\n");
   await page.selectOption("#holdout", "0.25");
@@ -193,6 +260,63 @@ scene("a link brings model and settings to another page", async (page) => {
   assert.match(await other.innerText(".cm-content"), /^# mine/);
   assert.equal(await other.inputValue("#holdout"), "0.25");
   await other.context().close();
+});
+
+scene("a link put into the address of the open page is followed", async (page) => {
+  const put = (hash) => page.evaluate((hash) => void (location.hash = hash), hash);
+  const shows = (line) => page.waitForFunction((line) => document.querySelector(".cm-line").textContent === line, line);
+  const own = "# theirs\nstate x\ndx ~ poly(x; 2)\n";
+  await write(page, "# unsaved\nstate x\n");
+  await put(link({ text: own, holdout: 0.25, example: "" }));
+  await shows("# theirs");
+  assert.equal(await page.textContent("#model-name"), "model.sid");
+  assert.equal(await page.inputValue("#holdout"), "0.25");
+  // The pendulum's data are not those of the link.
+  assert.equal(await page.locator("#tables li").count(), 0);
+  await page.focus(".cm-content");
+  await page.keyboard.press("Control+Z");
+  await shows("# unsaved");
+  // Tables of the user's own stay.
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  await put(link({ text: own, holdout: 0, example: "" }));
+  await shows("# theirs");
+  assert.equal(await page.locator("#tables li").count(), 1);
+  await put(link({ text: "# changed lorenz\nstate x\n", holdout: 0, example: "lorenz.sid" }));
+  await shows("# changed lorenz");
+  assert.match(await page.innerText("#tables"), /^lorenz\.csv/);
+  await put("#m=abc");
+  await status(page, /cannot be read/);
+  await shows("# changed lorenz");
+});
+
+test("a link may hold out any part", async () => {
+  for (const [holdout, words] of [[0.33, "the last 33 %"], [0.07, "the last 7 %"], [2, "nothing"], ["x", "nothing"]]) {
+    const page = await site.open({}, link({ text: "state x\n", holdout, example: "" }));
+    assert.equal(await page.locator("#holdout option:checked").innerText(), words);
+    await page.context().close();
+  }
+});
+
+scene("an example that was changed is the user's own, until the change is undone", async (page) => {
+  const names = async () => [await page.textContent("#model-name"), await page.inputValue("#examples")];
+  assert.deepEqual(await names(), ["pendulum.sid", "pendulum.sid"]);
+  await write(page, "state x\ndx ~ poly(x; 3)\n");
+  assert.deepEqual(await names(), ["model.sid", ""]);
+  await page.keyboard.press("Control+Z");
+  assert.deepEqual(await names(), ["pendulum.sid", "pendulum.sid"]);
+  await choose(page, [{ name: "decay.csv", text: DECAY }]);
+  assert.deepEqual(await names(), ["pendulum.sid", ""]);
+  await example(page, "lorenz.sid", 1);
+  assert.deepEqual(await names(), ["lorenz.sid", "lorenz.sid"]);
+});
+
+test("an example that does not come leaves all as it was", async () => {
+  const page = await site.open();
+  await page.route("**/lorenz.csv", (route) => route.abort());
+  await page.selectOption("#examples", "lorenz.sid");
+  await status(page, /^this could not be loaded/);
+  assert.deepEqual([await page.textContent("#model-name"), await page.inputValue("#examples")], ["pendulum.sid", "pendulum.sid"]);
+  await page.context().close();
 });
 
 test("a broken link opens the page as it is without one", async () => {
@@ -289,6 +413,13 @@ for (const width of [390, 1280]) {
     }, { viewport: { width, height: width === 390 ? 844 : 900 }, colorScheme });
   }
 }
+
+test("a wrong address is refused, and the server lives on", async () => {
+  for (const path of ["/%ZZ", "/%00", "/%", "//", "/%E0%A4%A"]) assert.equal(await answer(site, path), 400, path);
+  const outside = ["/../package.json", "/..%2fpackage.json", "/%2e%2e/package.json", "/..%5cpackage.json", "//../package.json"];
+  for (const path of ["/none", "/gallery", `/${"a".repeat(9000)}`, ...outside]) assert.equal(await answer(site, path), 404, path.slice(0, 40));
+  assert.equal(await answer(site, "/"), 200);
+});
 
 test("the page is 5 MB at most", () => {
   const files = ["index.html", "main.js", "worker.js", "style.css", "frame.html", "sidc.wasm.gz"];
