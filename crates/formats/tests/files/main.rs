@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod logs;
+
 use sidc_data::Limits;
 use sidc_formats::{FileTable, read};
 use sidc_lang::source::Sources;
@@ -139,16 +141,70 @@ fn variables_of_matlab() {
 #[test]
 fn columns_of_parquet() {
     for packed in ["snappy", "zstd", "gzip", "lz4", "none"] {
-        let found = table(&format!("{packed}.parquet"));
-        let names = ["t", "x", "count", "run", "date", "single", "both_a"];
-        assert_eq!(found.table.headers(), names, "{packed}");
-        assert_eq!(column(&found, "t"), time());
-        let x = column(&found, "x");
-        assert!(x[0].is_nan());
-        assert_eq!(x[1..], squares(1.0)[1..]);
-        assert_eq!(column(&found, "date"), time());
-        assert_eq!(cells(&found, "run"), RUNS);
-        assert!(note(&found).contains("(no numbers and no text)"));
+        is_the_frame(&table(&format!("{packed}.parquet")));
+    }
+}
+
+/// What is true of every file of columns.
+fn is_the_frame(found: &FileTable) {
+    let names = ["t", "x", "count", "run", "date", "single", "both_a"];
+    assert_eq!(found.table.headers(), names);
+    assert_eq!(column(found, "t"), time());
+    let x = column(found, "x");
+    assert!(x[0].is_nan());
+    assert_eq!(x[1..], squares(1.0)[1..]);
+    assert_eq!(column(found, "date"), time());
+    assert_eq!(cells(found, "run"), RUNS);
+    assert!(close(&column(found, "both_a"), &squares(1.0), 0.0));
+    assert!(note(found).contains("both_b"));
+    assert!(note(found).contains("(no numbers and no text)"));
+}
+
+#[test]
+fn columns_of_arrow() {
+    for packed in ["lz4", "zstd", "uncompressed"] {
+        is_the_frame(&table(&format!("{packed}.feather")));
+    }
+    let found = table("more.arrows");
+    let names = [
+        "ok", "large", "half", "day", "clock", "span", "nothing", "view", "maybe_a", "t",
+    ];
+    assert_eq!(found.table.headers(), names);
+    assert_eq!(column(&found, "t"), time());
+    assert_eq!(column(&found, "clock"), time());
+    assert_eq!(column(&found, "span"), time());
+    assert_eq!(column(&found, "day")[2], 86_400.0);
+    assert_eq!(column(&found, "ok").iter().sum::<f64>(), 5.0);
+    assert!(close(&column(&found, "half"), &squares(1.0), 1e-3));
+    assert!(column(&found, "nothing")[9].is_nan());
+    let maybe = column(&found, "maybe_a");
+    assert!(maybe[3].is_nan() && maybe[2] == 0.2 * 0.2 && maybe[9] == 0.9 * 0.9);
+    assert_eq!(cells(&found, "large"), RUNS);
+    assert_eq!(cells(&found, "view")[8..], ["b", "b, whose name is long"]);
+    for other in ["union", "bytes", "pair", "runs"] {
+        assert!(note(&found).contains(other), "{}", note(&found));
+    }
+
+    let found = table("polars.arrow");
+    assert_eq!(column(&found, "x"), squares(1.0));
+    assert_eq!(cells(&found, "run"), RUNS);
+    assert_eq!(cells(&found, "kind"), RUNS);
+}
+
+/// Cut anywhere, a file is refused; a stream is shorter where it is cut between two messages.
+#[test]
+fn cut_files_of_arrow_are_refused() {
+    let whole = bytes("lz4.feather");
+    for length in 8..whole.len() {
+        let text = reading("cut", &whole[..length], &LIMITS).unwrap_err();
+        assert!(text.starts_with("[damaged-file] cut"), "{length}: {text}");
+    }
+    let whole = bytes("more.arrows");
+    for length in 8..whole.len() {
+        match reading("cut", &whole[..length], &LIMITS) {
+            Ok(found) => assert!([7, 10].contains(&found.table.len()), "{length}"),
+            Err(text) => assert!(!text.is_empty()),
+        }
     }
 }
 
@@ -218,7 +274,7 @@ fn what_is_no_table_says_what_it_is() {
         (
             "a.arrow",
             b"ARROW1\0\0".to_vec(),
-            "[not-text] a.arrow is an Arrow or Feather file",
+            "[damaged-file] a.arrow: its end is missing",
         ),
     ];
     for (name, content, expected) in cases {
@@ -230,7 +286,14 @@ fn what_is_no_table_says_what_it_is() {
 #[test]
 fn memory_is_asked_for_before_it_is_taken() {
     let content = |file: &str| bytes(file);
-    for file in ["stored.npz", "packed.npz", "scipy.mat", "octave6.mat"] {
+    for file in [
+        "stored.npz",
+        "packed.npz",
+        "scipy.mat",
+        "octave6.mat",
+        "zstd.feather",
+        "more.arrows",
+    ] {
         let content = content(file);
         let small = Limits {
             table_bytes: content.len() as u64 + 300,
@@ -264,6 +327,14 @@ fn damaged_files_are_refused_or_read() {
         "scipy.mat",
         "octave7.mat",
         "octave6.mat",
+        "lz4.feather",
+        "zstd.feather",
+        "more.arrows",
+        "polars.arrow",
+        "pendulum.ulg",
+        "none.mcap",
+        "lz4.mcap",
+        "zstd.mcap",
     ];
     if cfg!(feature = "parquet") {
         files.extend(["snappy.parquet", "zstd.parquet", "gzip.parquet"]);
