@@ -24,6 +24,7 @@ pub(crate) enum Kind {
     Npy,
     Zip,
     Mat,
+    Hdf5,
     Parquet,
     Arrow,
     Ulog,
@@ -54,8 +55,7 @@ impl Kind {
             return Ok(Kind::Mcap);
         }
         if starts(b"MATLAB 7.3") || starts(b"\x89HDF") {
-            return Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file")
-                .help("in MATLAB, save('data.mat', …, '-v7') writes a file that is read"));
+            return Ok(Kind::Hdf5);
         }
         if is_mat(head) {
             return Ok(Kind::Mat);

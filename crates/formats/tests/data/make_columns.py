@@ -46,3 +46,50 @@ more = {
 with pa.ipc.new_stream("more.arrows", pa.table(more).schema) as stream:
     stream.write_table(pa.table(more), max_chunksize=7)
 pl.DataFrame({"t": t, "x": x, "run": run, "count": k.astype("u1"), "kind": pl.Series(run, dtype=pl.Categorical)}).write_ipc("polars.arrow", compression="zstd")
+
+
+def classed(array, name):
+    array.attrs["MATLAB_class"] = np.bytes_(name)
+    return array
+
+
+def mat73(path):
+    """As MATLAB's `save -v7.3` writes it: HDF5 behind 512 bytes of its own, rows and columns exchanged."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        classed(file.create_dataset("t", data=t[None, :]), "double")
+        classed(file.create_dataset("x", data=x[None, :].astype("f4")), "single")
+        classed(file.create_dataset("pair", data=np.stack([x, -x]), chunks=(1, 4), compression="gzip", shuffle=True), "double")
+        classed(file.create_dataset("ok", data=(t > 0.4)[None, :].astype("u1")), "logical")
+        classed(file.create_dataset("n", data=k[None, :].astype("i2")), "int16")
+        text = np.frombuffer("a rig".encode("utf-16-le"), np.uint16)[:, None]
+        classed(file.create_dataset("note", data=text), "char")
+        rig = classed(file.create_group("rig"), "struct")
+        classed(rig.create_dataset("t", data=t[None, :]), "double")
+        classed(rig.create_dataset("y", data=-x[None, :], chunks=(1, 4), compression="gzip"), "double")
+        more = classed(rig.create_group("more"), "struct")
+        classed(more.create_dataset("z", data=3 * x[None, :]), "double")
+        cell = classed(file.create_group("#refs#").create_dataset("a", data=text), "char")
+        classed(file.create_dataset("cells", data=np.array([[cell.ref]], dtype=h5py.ref_dtype)), "cell")
+        empty = classed(file.create_dataset("none", data=np.array([0, 0], dtype="u8")), "double")
+        empty.attrs["MATLAB_empty"] = np.uint8(1)
+        numbers = np.array([(1, 2)] * 10, dtype=[("real", "f8"), ("imag", "f8")])[None, :]
+        classed(file.create_dataset("complex", data=numbers), "double")
+        classed(file.create_dataset("Ts", data=[[0.1]]), "double")
+    with open(path, "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+
+
+def hdf5(path):
+    with h5py.File(path, "w") as file:
+        file["t"], file["x"], file["ok"], file["name"] = t, x, t > 0.4, "rig"
+
+
+def packed_tightly(path):
+    """Ten numbers in a chunk of 32 MB."""
+    with h5py.File(path, "w") as file:
+        file.create_dataset("x", data=x, chunks=(1 << 22,), maxshape=(None,), compression="gzip", compression_opts=9)
+
+
+mat73("v73.mat")
+hdf5("plain.h5")
+packed_tightly("tight.h5")

@@ -1,4 +1,4 @@
-//! Files that NumPy, SciPy, Octave and pyarrow wrote (tests/data/make.py): ten rows of t = 0, 0.1, …, and x = t².
+//! Files that NumPy, SciPy, Octave, pyarrow, polars and h5py wrote (tests/data/make.py, make_columns.py): ten rows of t = 0, 0.1, …, and x = t².
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -160,6 +160,47 @@ fn is_the_frame(found: &FileTable) {
     assert!(note(found).contains("(no numbers and no text)"));
 }
 
+#[cfg(feature = "hdf5")]
+#[test]
+fn arrays_of_hdf5() {
+    let found = table("v73.mat");
+    let names = ["n", "ok", "pair_1", "pair_2", "t", "x", "rig_t", "y", "z"];
+    assert_eq!(found.table.headers(), names);
+    assert_eq!(column(&found, "t"), time());
+    assert_eq!(column(&found, "rig_t"), time());
+    assert_eq!(column(&found, "pair_2"), squares(-1.0));
+    assert_eq!(column(&found, "y"), squares(-1.0));
+    assert!(close(&column(&found, "x"), &squares(1.0), 1e-7));
+    assert_eq!(column(&found, "ok").iter().sum::<f64>(), 5.0);
+    assert_eq!(
+        note(&found),
+        "v73.mat: not read as columns: Ts (one number, 0.1), cells (a cell array), complex (complex numbers), \
+         none (empty), note (text)"
+    );
+    let found = table("plain.h5");
+    assert_eq!(found.table.headers(), ["ok", "t", "x"]);
+    assert_eq!(column(&found, "x"), squares(1.0));
+    // Ten numbers, in a chunk that is longer than all tables may be.
+    let text = reading("tight.h5", &bytes("tight.h5"), &LIMITS).unwrap_err();
+    assert!(text.starts_with("[table-too-large]"), "{text}");
+    // A file may end in bytes that nothing needs.
+    let whole = bytes("plain.h5");
+    for length in (8..whole.len() / 2).step_by(11) {
+        assert!(
+            reading("cut", &whole[..length], &LIMITS).is_err(),
+            "{length}"
+        );
+    }
+}
+
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn hdf5_without_its_reader_is_told_what_to_do() {
+    let text = reading("v73.mat", &bytes("v73.mat"), &LIMITS).unwrap_err();
+    let told = "[not-text] v73.mat is an HDF5 or MATLAB 7.3 file, and this program was built without them | in MATLAB, save";
+    assert!(text.starts_with(told), "{text}");
+}
+
 #[test]
 fn columns_of_arrow() {
     for packed in ["lz4", "zstd", "uncompressed"] {
@@ -243,7 +284,7 @@ fn workbook() -> Vec<u8> {
 #[test]
 fn what_is_no_table_says_what_it_is() {
     let cut = |file: &str, length: usize| bytes(file)[..length].to_vec();
-    let cases: [(&str, Vec<u8>, &str); 7] = [
+    let cases: [(&str, Vec<u8>, &str); 6] = [
         (
             "book.xlsx",
             workbook(),
@@ -261,11 +302,6 @@ fn what_is_no_table_says_what_it_is() {
             "[damaged-file] cut.npz: it is no whole ZIP archive",
         ),
         ("cut.mat", cut("scipy.mat", 600), "[damaged-file] cut.mat"),
-        (
-            "v73.mat",
-            b"MATLAB 7.3 MAT-file, Platform".to_vec(),
-            "[not-text] v73.mat is an HDF5 or MATLAB 7.3 file | in MATLAB, save",
-        ),
         (
             "a.gz",
             b"\x1f\x8b\x08".to_vec(),
@@ -336,6 +372,9 @@ fn damaged_files_are_refused_or_read() {
         "lz4.mcap",
         "zstd.mcap",
     ];
+    if cfg!(feature = "hdf5") {
+        files.extend(["v73.mat", "plain.h5"]);
+    }
     if cfg!(feature = "parquet") {
         files.extend(["snappy.parquet", "zstd.parquet", "gzip.parquet"]);
         files.extend(["lz4.parquet", "none.parquet"]);
