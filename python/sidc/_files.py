@@ -1,4 +1,4 @@
-"""Files that other packages read for us: Arrow and Feather (pyarrow), MATLAB's `-v7.3` (h5py).
+"""Files that another package reads for us: MATLAB's `-v7.3` (h5py).
 
 In: a path. Out: a table and what of the file is none of its columns; None where the compiled code reads the file itself.
 """
@@ -48,10 +48,6 @@ def _by(package: str, read: Callable[[Any, Any], Read], path: str | os.PathLike[
         raise Error(text, "data", ["damaged-file"]) from None
 
 
-def _arrow(feather: Any, path: Any) -> Read:
-    return feather.read_table(path), []
-
-
 def _hdf5(h5py: Any, path: Any) -> Read:
     with h5py.File(path, "r") as file:
         found = dict(_variables(h5py, file))
@@ -90,7 +86,6 @@ def _variables(h5py: Any, group: Any, inside: str = "", taken: set[str] | None =
 
 
 KINDS: list[tuple[bytes, str, Callable[[Any, Any], Read]]] = [
-    (b"ARROW1", "pyarrow.feather", _arrow),
     (b"MATLAB 7.3", "h5py", _hdf5),
     (b"\x89HDF", "h5py", _hdf5),
 ]

@@ -78,7 +78,7 @@ def mat73(open_file: Any, table: dict[str, Any]) -> None:
         file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
 
 
-WRITERS = [feather, arrow_of_polars, mat73, npz, mat, parquet, of_polars, of_pandas, text]
+WRITERS = [mat73, feather, arrow_of_polars, npz, mat, parquet, of_polars, of_pandas, text]
 
 
 @pytest.mark.parametrize("write", WRITERS, ids=[write.__name__ for write in WRITERS])
@@ -89,11 +89,11 @@ def test_a_file_is_the_table_that_was_written(write: Any, lorenz: dict[str, Any]
         write(file, lorenz)
     model = sidc.read(root / "models/lorenz.sid")
     from_file = model.identify(path).to_json()
-    assert ('"name": "run 1"' in from_file) != (write in WRITERS[:3]), "what another package read has no hash"
+    assert ('"name": "run 1"' in from_file) != (write is mat73), "what another package read has no hash"
     assert FILES.sub("", from_file) == model.identify(lorenz).to_json()
 
 
-@pytest.mark.parametrize("write", [npz, mat])
+@pytest.mark.parametrize("write", [npz, mat, feather, arrow_of_polars])
 def test_the_program_reads_it_too(write: Any, lorenz: dict[str, Any], root: Path, program: Path, tmp_path: Path) -> None:
     with open(tmp_path / "rig", "wb") as file:
         write(file, lorenz)

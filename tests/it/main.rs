@@ -39,6 +39,7 @@ mod lasting_noise;
 mod library;
 mod limits;
 mod linearize;
+mod logs;
 mod measured;
 mod noise;
 mod norms;

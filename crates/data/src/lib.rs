@@ -27,8 +27,8 @@ mod time_axis;
 
 pub use binding::bind;
 pub use csv::{
-    ArrayColumn, ArrayFault, Limits, Table, Words, bad_cells, column_names, io_error_text, read,
-    size, too_large,
+    ArrayColumn, ArrayFault, Limits, Table, TooLarge, Topic, Words, bad_cells, column_names,
+    io_error_text, read, size, too_large,
 };
 pub use dataset::{
     Column, ConstantValue, Dataset, HoldOut, HoldOutRange, Input, Origin, RateFault, Samples,

@@ -23,6 +23,11 @@ impl Budget {
         }
     }
 
+    /// Bytes that may still be taken.
+    pub(crate) fn left(&self) -> u64 {
+        self.left
+    }
+
     /// Takes `count` values of `bytes` bytes each.
     ///
     /// # Errors
@@ -34,6 +39,11 @@ impl Budget {
         }
         self.left -= all;
         Ok(())
+    }
+
+    /// Gives back what was taken for a while.
+    pub(crate) fn give(&mut self, bytes: u64) {
+        self.left = self.left.saturating_add(bytes);
     }
 
     /// Everything that a decompressor gives: what is packed is not trusted to say how long it is.

@@ -59,6 +59,14 @@ impl<'a> Bytes<'a> {
         })
     }
 
+    pub(crate) fn u64(&mut self) -> Result<u64, Fault> {
+        let bytes = self.array()?;
+        Ok(match self.big_endian {
+            true => u64::from_be_bytes(bytes),
+            false => u64::from_le_bytes(bytes),
+        })
+    }
+
     fn array<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let bytes = self.take(N as u64)?;
         let mut out = [0; N];

@@ -2,6 +2,18 @@
 
 use crate::fault::Fault;
 
+/// First and last bytes of a file of Arrow.
+pub(crate) const ARROW: &[u8] = b"ARROW1";
+
+/// First bytes of every message of Arrow, and so of a stream.
+const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
+
+/// First bytes of a log of PX4, but for the version.
+const ULOG: &[u8] = b"ULog\x01\x12\x35";
+
+/// First bytes of an MCAP file.
+pub(crate) const MCAP: &[u8] = b"\x89MCAP0\r\n";
+
 /// Bytes that tell.
 pub(crate) const HEAD: u64 = 512;
 
@@ -12,7 +24,11 @@ pub(crate) enum Kind {
     Npy,
     Zip,
     Mat,
+    Hdf5,
     Parquet,
+    Arrow,
+    Ulog,
+    Mcap,
 }
 
 impl Kind {
@@ -29,16 +45,24 @@ impl Kind {
         if starts(b"PAR1") {
             return Ok(Kind::Parquet);
         }
+        if starts(ARROW) || starts(ARROW_STREAM) {
+            return Ok(Kind::Arrow);
+        }
+        if starts(ULOG) {
+            return Ok(Kind::Ulog);
+        }
+        if starts(MCAP) {
+            return Ok(Kind::Mcap);
+        }
         if starts(b"MATLAB 7.3") || starts(b"\x89HDF") {
-            return Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file")
-                .help("in MATLAB, save('data.mat', …, '-v7') writes a file that is read"));
+            return Ok(Kind::Hdf5);
         }
         if is_mat(head) {
             return Ok(Kind::Mat);
         }
-        if starts(b"ARROW1") {
-            return Err(Fault::unsupported("an Arrow or Feather file")
-                .help("write it as Parquet or CSV, or give the table to sidc in Python"));
+        if starts(b"FEA1") {
+            return Err(Fault::unsupported("a Feather file of version 1")
+                .help("write it again, by a pandas or pyarrow of today"));
         }
         if starts(b"\xd0\xcf\x11\xe0") {
             return Err(Fault::unsupported("an old Excel workbook").help(CSV));

@@ -3,20 +3,28 @@
 //! In: a reader. Out: a [`FileTable`], whatever the file was, or every reason why there is none. What a file is, is told by its first
 //! bytes and not by its name. Opens no files, and takes no memory that the limits do not allow.
 //!
-//! Flow: bytes → `kind` → `sidc_data::read` (text), or `npy`, `mat`, `parquet` → `variables` → `sidc_data::Table`.
+//! Flow: bytes → `kind` → `sidc_data::read` (text); or `npy`, `mat`, `hdf5`, `arrow`, `parquet` → `variables`; or, of logs, `ulog`, `mcap` → `topics` → `sidc_data::Table`.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+mod arrow;
 mod budget;
 mod bytes;
 mod fault;
+mod gathered;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 mod kind;
 mod mat;
+mod mcap;
 mod moments;
 mod npy;
+mod packing;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod read;
+mod topics;
+mod ulog;
 mod variables;
 
 pub use read::{FileTable, read};

@@ -10,7 +10,7 @@ use crate::budget::Budget;
 use crate::fault::Fault;
 use crate::kind::{CSV, HEAD, Kind};
 use crate::variables::{Assembled, FirstIndex, assemble};
-use crate::{mat, npy};
+use crate::{arrow, mat, mcap, npy, topics, ulog};
 
 /// The table of a file.
 #[derive(Clone, Debug)]
@@ -20,8 +20,9 @@ pub struct FileTable {
     pub notes: Vec<Diagnostic>,
 }
 
-/// Reads a table of text, an `.npz` or `.npy` file of NumPy, a `.mat` file of MATLAB (level 5, which `-v6` and `-v7` write) or, with the
-/// feature `parquet`, a Parquet file. Dates of NumPy and Parquet count in seconds from the first of their column.
+/// Reads a table of text, an `.npz` or `.npy` file of NumPy, a `.mat` file of MATLAB (level 5, which `-v6` and `-v7` write), a log of PX4
+/// (`.ulg`) or of robots (`.mcap`), an Arrow or Feather file or, with the
+/// features `parquet` and `hdf5`, a Parquet or HDF5 file (MATLAB's `-v7.3`). Dates of NumPy, Arrow and Parquet count in seconds from the first of their column.
 ///
 /// # Errors
 /// Those of [`sidc_data::read`] for text; for other files `unreadable-file`, `file-too-large`, `table-too-large`, `too-many-columns`,
@@ -76,7 +77,20 @@ fn assembled(
         Kind::Npy => (npy::file(&bytes, &mut budget)?, FirstIndex::Zero),
         Kind::Zip => (npy::archive(&bytes, &mut budget)?, FirstIndex::Zero),
         Kind::Mat => (mat::variables(&bytes, &mut budget)?, FirstIndex::One),
+        Kind::Hdf5 => (hierarchical(bytes, &mut budget)?, FirstIndex::One),
         Kind::Parquet => (columnar(bytes, &mut budget, limits)?, FirstIndex::Zero),
+        Kind::Arrow => (
+            arrow::variables(&bytes, &mut budget, limits)?,
+            FirstIndex::Zero,
+        ),
+        Kind::Ulog => {
+            let logged = ulog::topics(&bytes, &mut budget)?;
+            return topics::assemble(name, logged, &budget);
+        }
+        Kind::Mcap => {
+            let logged = mcap::topics(&bytes, &mut budget)?;
+            return topics::assemble(name, logged, &budget);
+        }
         Kind::Text => return Err(Fault::unsupported("text").help(CSV)),
     };
     assemble(name, variables, first, limits)
@@ -93,6 +107,16 @@ fn columnar(
 ) -> Result<Vec<crate::variables::Variable>, Fault> {
     Err(Fault::unsupported("a Parquet file, and this program was built without them").help(
         "build it with --features parquet, give the file to sidc in Python, or export the data as CSV",
+    ))
+}
+
+#[cfg(feature = "hdf5")]
+use crate::hdf5::variables as hierarchical;
+
+#[cfg(not(feature = "hdf5"))]
+fn hierarchical(_: Vec<u8>, _: &mut Budget) -> Result<Vec<crate::variables::Variable>, Fault> {
+    Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file, and this program was built without them").help(
+        "in MATLAB, save('data.mat', …, '-v7') writes a file that is read; or build it with --features hdf5, or give the file to sidc in Python",
     ))
 }
 

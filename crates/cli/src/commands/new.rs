@@ -9,8 +9,8 @@ use crate::inputs::tables;
 use crate::monitoring::monitor::Monitor;
 use crate::outputs::{diagnostics, files, paths};
 use sidc_data as data;
-use sidc_data::Table;
 use sidc_data::draft::{ChosenRoles, NoDraft, draft};
+use sidc_data::{Table, TooLarge};
 use sidc_lang as lang;
 use sidc_lang::diagnostic::{Diagnostic, did_you_mean};
 use sidc_lang::source::{Sources, printable};
@@ -66,6 +66,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let text = drafted.map_err(|why| match why {
         NoDraft::NoState => nothing(&name, &tables, &mut sources),
         NoDraft::NoColumn(column, headers) => no_column(&name, &column, &headers),
+        NoDraft::TooLarge(large) => too_large(&large),
     })?;
     let mut sources = Sources::default();
     let file = sources.add(name, text.as_str());
@@ -88,6 +89,15 @@ fn no_column(name: &str, column: &str, headers: &[String]) -> Failure {
         "error[missing-column]: {name} has no column \"{}\" that can be used\n  = columns: {}\n  = help: {help}",
         printable(column),
         listed.join(", ")
+    ))
+}
+
+fn too_large(large: &TooLarge) -> Failure {
+    let topics: Vec<String> = large.topics().iter().map(|t| printable(t)).collect();
+    Failure::new(format!(
+        "error[table-too-large]: {}\n  = topics: {}\n  = help: name the columns that matter: --state TOPIC_FIELD --input TOPIC_FIELD",
+        printable(&large.text()),
+        topics.join(", ")
     ))
 }
 

@@ -49,6 +49,25 @@ pub(super) fn sources_of<'a>(
     out
 }
 
+/// The headers of every column that a model can read: of its signals, and what its data block names.
+pub(super) fn headers(model: &Model) -> BTreeSet<String> {
+    let mut out = BTreeSet::new();
+    for (i, var) in model.vars.iter().enumerate() {
+        let id = sidc_lang::term::VarId(i as u16);
+        let signals = (0..=var.order).map(|der| Signal::derivative(id, der));
+        out.extend(signals.map(|signal| model.name(signal)));
+    }
+    for entry in &model.data.entries {
+        for source in entry.source.iter().chain(&entry.beside) {
+            for_each_column(source, &mut |header, _| {
+                out.insert(header.to_string());
+            });
+        }
+    }
+    out.extend(model.data.run.iter().map(|(header, _)| header.clone()));
+    out
+}
+
 /// Signals that the equations mention, targets included, sorted.
 pub(super) fn mentioned(model: &Model) -> BTreeSet<Signal> {
     let mut out = BTreeSet::new();

@@ -246,8 +246,7 @@ pub(super) fn param_count(name: &str, values: usize, bound: &[BoundTrajectory]) 
 fn found(table: &Table) -> String {
     const MAX_HEADERS_SHOWN: usize = 12;
     let named: Vec<String> = table
-        .headers()
-        .iter()
+        .known_headers()
         .filter(|h| !h.is_empty())
         .map(|h| format!("\"{h}\""))
         .collect();
@@ -269,8 +268,7 @@ fn likely_header<'a>(header: &str, table: &'a Table) -> Option<&'a str> {
     let wanted = normalised(header);
     let headers = || {
         table
-            .headers()
-            .iter()
+            .known_headers()
             .map(|h| h.as_str())
             .filter(|h| !h.is_empty())
     };
@@ -290,7 +288,7 @@ fn likely_entry(name: &str, table: &Table) -> Option<(String, String)> {
         let h = normalised(h);
         !h.is_empty() && (h == wanted || aliases.contains(&h.as_str()))
     };
-    let named = || table.headers().iter().filter(|h| !h.is_empty());
+    let named = || table.known_headers().filter(|h| !h.is_empty());
     let header = named().find(alike).cloned().or_else(|| {
         // A name of one letter is near every other one.
         let long = name.chars().count() > 2;

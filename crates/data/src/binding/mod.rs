@@ -7,6 +7,8 @@ mod column_sources;
 mod missing_data;
 mod side_by_side;
 
+use std::borrow::Cow;
+
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::source::Sources;
@@ -30,6 +32,7 @@ pub fn bind(
 ) -> (Dataset, Vec<Diagnostic>) {
     let mut out = Vec::new();
     let mut bound = Vec::new();
+    let tables = asked_of(model, tables, &mut out);
     for (file, table) in tables.iter().enumerate() {
         for run in 0..model.data.side_by_side() {
             let mut of_table = bind_table((model, run), table, params, sources, &mut out);
@@ -60,6 +63,23 @@ pub fn bind(
         rate_faults,
     };
     (dataset, out)
+}
+
+/// Of logs the columns that the model reads; other tables as they are.
+fn asked_of<'a>(
+    model: &Model,
+    tables: &'a [Table],
+    out: &mut Vec<Diagnostic>,
+) -> Vec<Cow<'a, Table>> {
+    let read = column_sources::headers(model);
+    let mut asked = Vec::new();
+    for table in tables {
+        match table.of_columns(&|header| read.contains(header)) {
+            Ok(table) => asked.push(table),
+            Err(large) => out.push(large.diagnostic()),
+        }
+    }
+    asked
 }
 
 /// The trajectories of a table, or of one of the experiments that stand side by side in it.

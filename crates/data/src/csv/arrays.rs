@@ -128,7 +128,10 @@ impl Table {
             name: name.to_string(),
             headers,
             rows,
-            origin: Origin::Arrays { words },
+            origin: Origin::Arrays {
+                words,
+                unread: Vec::new(),
+            },
         })
     }
 }

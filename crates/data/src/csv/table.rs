@@ -3,12 +3,14 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::sync::Arc;
 
 use sidc_lang::source::{Sources, Span};
 
 use super::cell::{self, Fault};
 use super::excerpt::{excerpt, line_at, slice};
 use super::lines::Line;
+use super::log::Log;
 use super::rows::{FirstFew, Rows};
 use super::words::Words;
 
@@ -30,8 +32,13 @@ pub(super) enum Origin {
         header: Line,
         separator: u8,
     },
-    /// Arrays in memory; columns of texts by their place.
-    Arrays { words: BTreeMap<usize, Words> },
+    /// Arrays in memory; columns of texts by their place, and headers of columns that were not asked for.
+    Arrays {
+        words: BTreeMap<usize, Words>,
+        unread: Vec<String>,
+    },
+    /// Signals of several rates, which are rows when they are asked for.
+    Log(Arc<Log>),
 }
 
 /// What a table of so many rows and columns takes.
@@ -46,6 +53,7 @@ impl Table {
         let text = match &self.origin {
             Origin::Text { text, .. } => text,
             Origin::Arrays { .. } => "",
+            Origin::Log(log) => return log.bytes(),
         };
         table_bytes(text, self.len(), self.headers.len())
     }
@@ -62,6 +70,15 @@ impl Table {
     /// The headers, trimmed, in file order; some may be empty.
     pub fn headers(&self) -> &[String] {
         &self.headers
+    }
+
+    /// The headers, and those of the columns of a log that were not asked for.
+    pub(crate) fn known_headers(&self) -> impl Iterator<Item = &String> {
+        let unread = match &self.origin {
+            Origin::Arrays { unread, .. } => unread.as_slice(),
+            _ => &[],
+        };
+        self.headers.iter().chain(unread)
     }
 
     /// Index of the column with exactly this header.
@@ -93,7 +110,7 @@ impl Table {
     pub(crate) fn place(&self, row: usize) -> String {
         match &self.origin {
             Origin::Text { .. } => format!("row {} (line {})", row + 1, self.line_number(row)),
-            Origin::Arrays { .. } => format!("row {}", row + 1),
+            _ => format!("row {}", row + 1),
         }
     }
 
@@ -115,7 +132,7 @@ impl Table {
                 let range = cell_range(line, *separator, column);
                 (header.number, Cow::Borrowed(line), range)
             }
-            Origin::Arrays { .. } => {
+            _ => {
                 let (line, range) = line_of_values(self.headers.iter(), column);
                 (0, Cow::Owned(line), range)
             }
@@ -156,8 +173,12 @@ impl Table {
                 let range = cell_range(line, *separator, column);
                 (at.number, Cow::Borrowed(line), range)
             }
-            Origin::Arrays { words } => {
-                let cell = |column: usize| match words.get(&column) {
+            other => {
+                let words = match other {
+                    Origin::Arrays { words, .. } => Some(words),
+                    _ => None,
+                };
+                let cell = |column: usize| match words.and_then(|words| words.get(&column)) {
                     Some(words) => words.get(row).to_string(),
                     None => self.number_text(row, column),
                 };

@@ -103,12 +103,17 @@ pub struct ChosenRoles {
 }
 
 impl ChosenRoles {
+    /// Columns that were given a role.
+    pub(super) fn columns(&self) -> Vec<&str> {
+        let lone = self.time.iter().chain(&self.run);
+        let all = lone.chain(&self.inputs).chain(&self.states);
+        all.map(String::as_str).collect()
+    }
+
     /// Names that no column has.
     pub(super) fn unknown<'a>(&'a self, columns: &[Column]) -> Option<&'a str> {
-        let lone = self.time.iter().chain(&self.run);
-        let mut all = lone.chain(&self.inputs).chain(&self.states);
+        let mut all = self.columns().into_iter();
         all.find(|name| !columns.iter().any(|c| is_called(c, name)))
-            .map(String::as_str)
     }
 }
 

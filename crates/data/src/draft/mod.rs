@@ -15,7 +15,7 @@ mod states;
 mod table_column;
 pub(crate) mod thresholds;
 
-use crate::csv::Table;
+use crate::csv::{Table, TooLarge};
 use column_roles::roles;
 use model_text::model_text;
 use parts::Parts;
@@ -31,17 +31,26 @@ pub enum NoDraft {
     NoState,
     /// No column has a name that was given a role; with the headers that there are.
     NoColumn(String, Vec<String>),
+    /// A log with more columns than fit into a table, and none was given a role.
+    TooLarge(TooLarge),
 }
 
-/// The text of a first model, not yet formatted.
+/// The text of a first model, not yet formatted. Of a log, columns that were given roles leave out all others.
 ///
 /// # Errors
-/// No column can be a state, or one that was given a role does not exist.
+/// No column can be a state, one that was given a role does not exist, or there are too many.
 pub fn draft(table: &Table, chosen: &ChosenRoles) -> Result<String, NoDraft> {
+    let asked = chosen.columns();
+    let wanted = |header: &str| asked.is_empty() || asked.contains(&header);
+    let table = &*table.of_columns(&wanted).map_err(NoDraft::TooLarge)?;
     let (all, mut left_out) = columns(table);
     if let Some(name) = chosen.unknown(&all) {
-        let headers = all.iter().map(|c| c.header.clone()).collect();
-        return Err(NoDraft::NoColumn(name.to_owned(), headers));
+        let unread = table.known_headers().skip(table.headers().len());
+        let headers = all.iter().map(|c| &c.header).chain(unread);
+        return Err(NoDraft::NoColumn(
+            name.to_owned(),
+            headers.cloned().collect(),
+        ));
     }
     let roles = roles(&all, chosen);
     let words = all

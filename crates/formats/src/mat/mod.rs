@@ -6,6 +6,7 @@ mod array;
 mod element;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use crate::budget::Budget;
 use crate::bytes::Bytes;
@@ -55,10 +56,10 @@ pub(crate) fn variables(bytes: &[u8], budget: &mut Budget) -> Result<Vec<Variabl
 }
 
 /// An array, its name and that of the structure that it is a field of.
-struct Found {
-    parent: Option<String>,
-    name: String,
-    content: Content,
+pub(crate) struct Found {
+    pub parent: Option<String>,
+    pub name: String,
+    pub content: Content,
 }
 
 /// An array, or each field of a structure and of those within it.
@@ -81,8 +82,13 @@ fn flatten(array: Array, parent: Option<&str>, out: &mut Vec<Found>) {
     }
 }
 
-fn named(found: Vec<Found>) -> Vec<Variable> {
-    let twice = |name: &str| found.iter().filter(|f| f.name == name).count() > 1;
+/// Arrays by their names, and after that of their structure where another is called alike.
+pub(crate) fn named(found: Vec<Found>) -> Vec<Variable> {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for array in &found {
+        *counts.entry(array.name.clone()).or_default() += 1;
+    }
+    let twice = |name: &str| counts.get(name).is_some_and(|count| *count > 1);
     let names: Vec<String> = found
         .iter()
         .map(|f| match &f.parent {

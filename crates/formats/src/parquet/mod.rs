@@ -11,8 +11,9 @@ use parquet::schema::types::ColumnDescriptor;
 
 use crate::budget::Budget;
 use crate::fault::Fault;
+use crate::gathered::{Gathered, Meaning};
 use crate::variables::{Content, Variable};
-use column::{Gathered, Meaning, damaged};
+use column::damaged;
 use sidc_data::Limits;
 
 /// Every column of the file.
@@ -66,9 +67,7 @@ fn columns(bytes: Vec<u8>, budget: &mut Budget, limits: &Limits) -> Result<Vec<V
                     let reader = group.get_column_reader(place).map_err(|e| damaged(&e))?;
                     let within = |fault: Fault| fault.within(&name);
                     let nullable = described.max_def_level();
-                    gathered
-                        .read(reader, nullable, rows, budget)
-                        .map_err(within)?;
+                    column::read(&mut gathered, reader, nullable, rows, budget).map_err(within)?;
                 }
                 gathered.content()
             }

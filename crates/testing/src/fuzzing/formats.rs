@@ -1,4 +1,4 @@
-//! Files of NumPy and MATLAB that were changed or cut off.
+//! Files of arrays and logs that were changed or cut off.
 //!
 //! Promises: a table whose columns are as long as it is, or reasons that can be shown; no more memory than the limit.
 
@@ -19,7 +19,11 @@ pub fn formats(data: &[u8]) {
     let mut sources = Sources::default();
     match sidc_formats::read("fuzz.bin", data, &LIMITS, &mut sources) {
         Ok(read) => {
-            let table = read.table;
+            assert!(read.table.bytes() <= LIMITS.table_bytes);
+            // All columns of a log may be more than fits.
+            let Ok(table) = read.table.of_columns(&|_| true) else {
+                return;
+            };
             assert!(table.bytes() <= LIMITS.table_bytes);
             for column in 0..table.headers().len() {
                 assert_eq!(table.values(column).len(), table.len());

@@ -1,6 +1,8 @@
-//! Files that NumPy, SciPy, Octave and pyarrow wrote (tests/data/make.py): ten rows of t = 0, 0.1, …, and x = t².
+//! Files that NumPy, SciPy, Octave, pyarrow, polars and h5py wrote (tests/data/make.py, make_columns.py): ten rows of t = 0, 0.1, …, and x = t².
 
 #![allow(clippy::unwrap_used, clippy::panic)]
+
+mod logs;
 
 use sidc_data::Limits;
 use sidc_formats::{FileTable, read};
@@ -139,16 +141,111 @@ fn variables_of_matlab() {
 #[test]
 fn columns_of_parquet() {
     for packed in ["snappy", "zstd", "gzip", "lz4", "none"] {
-        let found = table(&format!("{packed}.parquet"));
-        let names = ["t", "x", "count", "run", "date", "single", "both_a"];
-        assert_eq!(found.table.headers(), names, "{packed}");
-        assert_eq!(column(&found, "t"), time());
-        let x = column(&found, "x");
-        assert!(x[0].is_nan());
-        assert_eq!(x[1..], squares(1.0)[1..]);
-        assert_eq!(column(&found, "date"), time());
-        assert_eq!(cells(&found, "run"), RUNS);
-        assert!(note(&found).contains("(no numbers and no text)"));
+        is_the_frame(&table(&format!("{packed}.parquet")));
+    }
+}
+
+/// What is true of every file of columns.
+fn is_the_frame(found: &FileTable) {
+    let names = ["t", "x", "count", "run", "date", "single", "both_a"];
+    assert_eq!(found.table.headers(), names);
+    assert_eq!(column(found, "t"), time());
+    let x = column(found, "x");
+    assert!(x[0].is_nan());
+    assert_eq!(x[1..], squares(1.0)[1..]);
+    assert_eq!(column(found, "date"), time());
+    assert_eq!(cells(found, "run"), RUNS);
+    assert!(close(&column(found, "both_a"), &squares(1.0), 0.0));
+    assert!(note(found).contains("both_b"));
+    assert!(note(found).contains("(no numbers and no text)"));
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+fn arrays_of_hdf5() {
+    let found = table("v73.mat");
+    let names = ["n", "ok", "pair_1", "pair_2", "t", "x", "rig_t", "y", "z"];
+    assert_eq!(found.table.headers(), names);
+    assert_eq!(column(&found, "t"), time());
+    assert_eq!(column(&found, "rig_t"), time());
+    assert_eq!(column(&found, "pair_2"), squares(-1.0));
+    assert_eq!(column(&found, "y"), squares(-1.0));
+    assert!(close(&column(&found, "x"), &squares(1.0), 1e-7));
+    assert_eq!(column(&found, "ok").iter().sum::<f64>(), 5.0);
+    assert_eq!(
+        note(&found),
+        "v73.mat: not read as columns: Ts (one number, 0.1), cells (a cell array), complex (complex numbers), \
+         none (empty), note (text)"
+    );
+    let found = table("plain.h5");
+    assert_eq!(found.table.headers(), ["ok", "t", "x"]);
+    assert_eq!(column(&found, "x"), squares(1.0));
+    // Ten numbers, in a chunk that is longer than all tables may be.
+    let text = reading("tight.h5", &bytes("tight.h5"), &LIMITS).unwrap_err();
+    assert!(text.starts_with("[table-too-large]"), "{text}");
+    // A file may end in bytes that nothing needs.
+    let whole = bytes("plain.h5");
+    for length in (8..whole.len() / 2).step_by(11) {
+        assert!(
+            reading("cut", &whole[..length], &LIMITS).is_err(),
+            "{length}"
+        );
+    }
+}
+
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn hdf5_without_its_reader_is_told_what_to_do() {
+    let text = reading("v73.mat", &bytes("v73.mat"), &LIMITS).unwrap_err();
+    let told = "[not-text] v73.mat is an HDF5 or MATLAB 7.3 file, and this program was built without them | in MATLAB, save";
+    assert!(text.starts_with(told), "{text}");
+}
+
+#[test]
+fn columns_of_arrow() {
+    for packed in ["lz4", "zstd", "uncompressed"] {
+        is_the_frame(&table(&format!("{packed}.feather")));
+    }
+    let found = table("more.arrows");
+    let names = [
+        "ok", "large", "half", "day", "clock", "span", "nothing", "view", "maybe_a", "t",
+    ];
+    assert_eq!(found.table.headers(), names);
+    assert_eq!(column(&found, "t"), time());
+    assert_eq!(column(&found, "clock"), time());
+    assert_eq!(column(&found, "span"), time());
+    assert_eq!(column(&found, "day")[2], 86_400.0);
+    assert_eq!(column(&found, "ok").iter().sum::<f64>(), 5.0);
+    assert!(close(&column(&found, "half"), &squares(1.0), 1e-3));
+    assert!(column(&found, "nothing")[9].is_nan());
+    let maybe = column(&found, "maybe_a");
+    assert!(maybe[3].is_nan() && maybe[2] == 0.2 * 0.2 && maybe[9] == 0.9 * 0.9);
+    assert_eq!(cells(&found, "large"), RUNS);
+    assert_eq!(cells(&found, "view")[8..], ["b", "b, whose name is long"]);
+    for other in ["union", "bytes", "pair", "runs"] {
+        assert!(note(&found).contains(other), "{}", note(&found));
+    }
+
+    let found = table("polars.arrow");
+    assert_eq!(column(&found, "x"), squares(1.0));
+    assert_eq!(cells(&found, "run"), RUNS);
+    assert_eq!(cells(&found, "kind"), RUNS);
+}
+
+/// Cut anywhere, a file is refused; a stream is shorter where it is cut between two messages.
+#[test]
+fn cut_files_of_arrow_are_refused() {
+    let whole = bytes("lz4.feather");
+    for length in 8..whole.len() {
+        let text = reading("cut", &whole[..length], &LIMITS).unwrap_err();
+        assert!(text.starts_with("[damaged-file] cut"), "{length}: {text}");
+    }
+    let whole = bytes("more.arrows");
+    for length in 8..whole.len() {
+        match reading("cut", &whole[..length], &LIMITS) {
+            Ok(found) => assert!([7, 10].contains(&found.table.len()), "{length}"),
+            Err(text) => assert!(!text.is_empty()),
+        }
     }
 }
 
@@ -187,7 +284,7 @@ fn workbook() -> Vec<u8> {
 #[test]
 fn what_is_no_table_says_what_it_is() {
     let cut = |file: &str, length: usize| bytes(file)[..length].to_vec();
-    let cases: [(&str, Vec<u8>, &str); 7] = [
+    let cases: [(&str, Vec<u8>, &str); 6] = [
         (
             "book.xlsx",
             workbook(),
@@ -206,11 +303,6 @@ fn what_is_no_table_says_what_it_is() {
         ),
         ("cut.mat", cut("scipy.mat", 600), "[damaged-file] cut.mat"),
         (
-            "v73.mat",
-            b"MATLAB 7.3 MAT-file, Platform".to_vec(),
-            "[not-text] v73.mat is an HDF5 or MATLAB 7.3 file | in MATLAB, save",
-        ),
-        (
             "a.gz",
             b"\x1f\x8b\x08".to_vec(),
             "[not-text] a.gz is compressed with gzip",
@@ -218,7 +310,7 @@ fn what_is_no_table_says_what_it_is() {
         (
             "a.arrow",
             b"ARROW1\0\0".to_vec(),
-            "[not-text] a.arrow is an Arrow or Feather file",
+            "[damaged-file] a.arrow: its end is missing",
         ),
     ];
     for (name, content, expected) in cases {
@@ -230,7 +322,14 @@ fn what_is_no_table_says_what_it_is() {
 #[test]
 fn memory_is_asked_for_before_it_is_taken() {
     let content = |file: &str| bytes(file);
-    for file in ["stored.npz", "packed.npz", "scipy.mat", "octave6.mat"] {
+    for file in [
+        "stored.npz",
+        "packed.npz",
+        "scipy.mat",
+        "octave6.mat",
+        "zstd.feather",
+        "more.arrows",
+    ] {
         let content = content(file);
         let small = Limits {
             table_bytes: content.len() as u64 + 300,
@@ -264,7 +363,18 @@ fn damaged_files_are_refused_or_read() {
         "scipy.mat",
         "octave7.mat",
         "octave6.mat",
+        "lz4.feather",
+        "zstd.feather",
+        "more.arrows",
+        "polars.arrow",
+        "pendulum.ulg",
+        "none.mcap",
+        "lz4.mcap",
+        "zstd.mcap",
     ];
+    if cfg!(feature = "hdf5") {
+        files.extend(["v73.mat", "plain.h5"]);
+    }
     if cfg!(feature = "parquet") {
         files.extend(["snappy.parquet", "zstd.parquet", "gzip.parquet"]);
         files.extend(["lz4.parquet", "none.parquet"]);

@@ -1,0 +1,40 @@
+//! Compressions of logs and of Arrow.
+
+use crate::budget::Budget;
+use crate::fault::Fault;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Packing {
+    /// In frames.
+    Lz4,
+    Zstd,
+}
+
+impl Packing {
+    /// The bytes that were packed, as many as are announced.
+    ///
+    /// # Errors
+    /// Another number of them, or more than is left; damage.
+    pub(crate) fn unpack(
+        self,
+        packed: &[u8],
+        announced: u64,
+        budget: &mut Budget,
+    ) -> Result<Vec<u8>, Fault> {
+        let unpacked = match self {
+            Packing::Lz4 => budget.unpack(lz4_flex::frame::FrameDecoder::new(packed))?,
+            Packing::Zstd => {
+                let decoder = ruzstd::decoding::StreamingDecoder::new(packed);
+                let unreadable = |e| Fault::damaged(format!("it cannot be unpacked ({e})"));
+                budget.unpack(decoder.map_err(unreadable)?)?
+            }
+        };
+        let there = unpacked.len();
+        match there as u64 == announced {
+            true => Ok(unpacked),
+            false => Err(Fault::damaged(format!(
+                "{announced} bytes are announced where {there} were packed"
+            ))),
+        }
+    }
+}
