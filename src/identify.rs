@@ -56,7 +56,8 @@ impl Model {
             Error::new(ErrorKind::Options, "unknown-good", text)
         })?;
         if data.tables.is_empty() {
-            let text = "there are no data\n  = help: add a table: `Data::new().file(…)` or `.run(…)`";
+            let text =
+                "there are no data\n  = help: add a table: `Data::new().file(…)` or `.run(…)`";
             return Err(Error::new(ErrorKind::Data, "no-data", text));
         }
         let mut sources = self.sources.clone();

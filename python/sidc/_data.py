@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from . import _files, _sidc, _tables
+from . import _sidc, _tables
 from ._errors import Error
 
 
@@ -46,15 +46,8 @@ class Measured:
         return place
 
     def _add_file(self, path: str | os.PathLike[str]) -> None:
-        name = os.path.basename(os.fspath(path))
-        read = _files.foreign(path)
-        if read is None:
-            with open(path, "rb") as file:
-                self.native.file(name, file.read())
-        else:
-            table, notes = read
-            self._notes += notes
-            self._add_columns(name, table)
+        with open(path, "rb") as file:
+            self.native.file(os.path.basename(os.fspath(path)), file.read())
 
     def _add_columns(self, name: str, table: Any) -> None:
         columns, others = _tables.columns(table)

@@ -89,18 +89,18 @@ def test_a_file_is_the_table_that_was_written(write: Any, lorenz: dict[str, Any]
         write(file, lorenz)
     model = sidc.read(root / "models/lorenz.sid")
     from_file = model.identify(path).to_json()
-    assert ('"name": "run 1"' in from_file) != (write is mat73), "what another package read has no hash"
+    assert '"name": "run 1"' in from_file
     assert FILES.sub("", from_file) == model.identify(lorenz).to_json()
 
 
-@pytest.mark.parametrize("write", [npz, mat, feather, arrow_of_polars])
+@pytest.mark.parametrize("write", [mat73, npz, mat, feather, arrow_of_polars])
 def test_the_program_reads_it_too(write: Any, lorenz: dict[str, Any], root: Path, program: Path, tmp_path: Path) -> None:
     with open(tmp_path / "rig", "wb") as file:
         write(file, lorenz)
     command = [program, "identify", root / "models/lorenz.sid", "rig", "-o", "result.json"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert ("not read as columns: Ts (one number, 0.01)" in done.stderr) == (write is mat)
+    assert ("not read as columns: Ts (one number, 0.01)" in done.stderr) == (write in (mat, mat73))
     result = sidc.read(root / "models/lorenz.sid").identify(tmp_path / "rig")
     assert result.to_json() == (tmp_path / "result.json").read_text(encoding="utf-8")
     assert "data, the same here" in str(result.report())
@@ -127,7 +127,7 @@ def test_matrices_of_matlab_are_columns(tmp_path: Path) -> None:
         file["gain"] = np.ones((3, 4))
     result = sidc.Model("state y_1\ndy_1 ~ <y_1>\n").identify(tmp_path / "rig.mat")
     assert abs(result.equations[0].terms[0].coefficient + 3) < 1e-3
-    with pytest.raises(sidc.Error, match=r"not read as a column: gain \(of shape \(3, 4\)\)"):
+    with pytest.raises(sidc.Error, match="not read as columns: gain"):
         sidc.Model("state gain\ndgain ~ <gain>\n").identify(tmp_path / "rig.mat")
     (tmp_path / "cut.mat").write_bytes((tmp_path / "rig.mat").read_bytes()[:3000])
     (tmp_path / "cut.arrow").write_bytes(b"ARROW1" + bytes(40))

@@ -140,3 +140,46 @@ fn the_server_ends_with_its_client() {
         assert!(shown.starts_with("error[protocol]: "), "{said:?}: {shown}");
     }
 }
+
+/// A burst of changes, all in the pipe before the first is read: the last is understood, and few of the others.
+#[test]
+fn the_program_understands_the_last_of_many_changes() {
+    const CHANGES: usize = 1_000;
+    let text = file("models/double_pendulum.sid");
+    let end = text.lines().count();
+    let document =
+        json!({ "uri": "file:///m.sid", "languageId": "sid", "version": 0, "text": text });
+    let mut said = vec![
+        json!({ "id": 1, "method": "initialize", "params": { "capabilities": {} } }),
+        json!({ "method": "initialized", "params": {} }),
+        json!({ "method": "textDocument/didOpen", "params": { "textDocument": document } }),
+    ];
+    said.extend((1..=CHANGES).map(|version| {
+        let place = json!({ "line": end, "character": version - 1 });
+        let change = json!({ "range": { "start": place, "end": place }, "text": "#" });
+        let document = json!({ "uri": "file:///m.sid", "version": version });
+        json!({ "method": "textDocument/didChange", "params": { "textDocument": document, "contentChanges": [change] } })
+    }));
+    said.push(json!({ "id": 2, "method": "shutdown" }));
+    said.push(json!({ "method": "exit" }));
+    let framed = |message: &Value| {
+        let mut message = message.clone();
+        message["jsonrpc"] = json!("2.0");
+        let body = message.to_string();
+        format!("Content-Length: {}\r\n\r\n{body}", body.len())
+    };
+    let all: String = said.iter().map(framed).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("said");
+    fs::write(&path, all).unwrap();
+    let done = Command::new(binary())
+        .arg("lsp")
+        .stdin(fs::File::open(&path).unwrap())
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(0));
+    let heard = String::from_utf8(done.stdout).unwrap();
+    let answers = heard.matches("publishDiagnostics").count();
+    assert!(heard.contains("\"version\":1000"), "{answers} answers");
+    assert!(answers < CHANGES / 2, "{answers} answers");
+}

@@ -4,7 +4,7 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::equation_list::{check_continuous, equation_list};
-use crate::code::identifiers::{Identifiers, ascii, titled};
+use crate::code::identifiers::{Identifiers, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
@@ -28,14 +28,13 @@ impl Target for Julia {
         check_continuous("ModelingToolkit", &program)?;
         let outputs = program.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
         let signals = program.names.iter().cloned().chain(outputs);
-        let system = ascii(program.system.as_deref().unwrap_or("identified"));
-        let reserved = RESERVED.iter().copied().chain([system.as_str()]);
-        let names = Identifiers::new(signals, reserved);
+        let mut names = Identifiers::new(signals, RESERVED.iter().copied());
+        let system = names.fresh(program.system.as_deref().unwrap_or("identified"));
         let body = program.sides()?;
         let infix = Infix::new(&Words, &body, &names);
         let all = equation_list(&program, &body, &infix);
-        let equal = |(left, right): &(String, String)| format!("    {left} ~ {right},\n");
-        let rate = |(left, right): &(String, String)| format!("    D({left}) ~ {right},\n");
+        let equal = |(left, right): &(String, String)| format!("    ({left} ~ {right}),\n");
+        let rate = |(left, right): &(String, String)| format!("    (D({left}) ~ {right}),\n");
         let let_ = |(name, value): &(String, String)| format!("{name} = {value}\n");
         let mut out = header(d, &program);
         out.push_str(&declarations(&program, &infix));

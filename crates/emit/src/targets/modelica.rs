@@ -4,7 +4,7 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::equation_list::{check_continuous, equation_list};
-use crate::code::identifiers::{Identifiers, ascii, plain, titled};
+use crate::code::identifiers::{Identifiers, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
@@ -28,9 +28,8 @@ impl Target for Modelica {
         check_continuous("Modelica", &program)?;
         let outputs = program.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
         let signals = program.names.iter().cloned().chain(outputs);
-        let system = ascii(program.system.as_deref().unwrap_or("identified"));
-        let reserved = RESERVED.iter().copied().chain([system.as_str()]);
-        let names = Identifiers::new(signals, reserved);
+        let mut names = Identifiers::new(signals, RESERVED.iter().copied());
+        let system = names.fresh(program.system.as_deref().unwrap_or("identified"));
         let body = program.sides()?;
         let infix = Infix::new(&Words, &body, &names);
         let all = equation_list(&program, &body, &infix);
