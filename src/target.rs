@@ -18,11 +18,17 @@ pub enum Target {
     Sympy,
     /// MATLAB and Octave.
     Matlab,
+    Jax,
+    Casadi,
+    /// A system of ModelingToolkit.
+    Julia,
+    Modelica,
+    Sbml,
 }
 
 impl Target {
     /// Every target, in the order of `sidc list`.
-    pub const ALL: [Target; 7] = [
+    pub const ALL: [Target; 12] = [
         Target::Text,
         Target::Latex,
         Target::Rust,
@@ -30,6 +36,11 @@ impl Target {
         Target::Python,
         Target::Sympy,
         Target::Matlab,
+        Target::Jax,
+        Target::Casadi,
+        Target::Julia,
+        Target::Modelica,
+        Target::Sbml,
     ];
 
     /// What `sidc export --to` takes.

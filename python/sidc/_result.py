@@ -111,7 +111,7 @@ class Result:
         return Prediction(_records.records(found))
 
     def export(self, target: str) -> str:
-        """The equations in another language: `text`, `latex`, `rust`, `c`, `python`, `sympy` or `matlab`, with Jacobians."""
+        """The equations in another language, by the names that `sidc list` gives: `rust`, `c`, `python`, `casadi`, `modelica`, …"""
         return self._native.export(target)
 
     def function(self) -> Function:

@@ -160,8 +160,6 @@ fn the_program_understands_the_last_of_many_changes() {
         let document = json!({ "uri": "file:///m.sid", "version": version });
         json!({ "method": "textDocument/didChange", "params": { "textDocument": document, "contentChanges": [change] } })
     }));
-    said.push(json!({ "id": 2, "method": "shutdown" }));
-    said.push(json!({ "method": "exit" }));
     let framed = |message: &Value| {
         let mut message = message.clone();
         message["jsonrpc"] = json!("2.0");
@@ -177,7 +175,6 @@ fn the_program_understands_the_last_of_many_changes() {
         .stdin(fs::File::open(&path).unwrap())
         .output()
         .unwrap();
-    assert_eq!(done.status.code(), Some(0));
     let heard = String::from_utf8(done.stdout).unwrap();
     let answers = heard.matches("publishDiagnostics").count();
     assert!(heard.contains("\"version\":1000"), "{answers} answers");
