@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from . import _sidc, _tables
@@ -70,8 +71,10 @@ class Identifier:
         states, inputs = self._names(X, trials[0])
         tables = [trial.table(states, inputs, self.discrete_time) for trial in trials]
         self.model_ = Model(_model_text(self.library, states, inputs, self.discrete_time))
-        noise = {name: self.noise for name in states} if isinstance(self.noise, (int, float)) else self.noise
+        noise = {name: float(self.noise) for name in states} if isinstance(self.noise, (int, float, Real)) else self.noise
         self.result_ = self.model_.identify(tables, noise=noise, method=self.method)
+        first = X[0] if _are_several(X) else X
+        self.columns_ = [str(name) for name in first.columns] if hasattr(first, "columns") else None
         self.feature_names_in_ = states
         self.input_names_in_ = inputs
         self.n_features_in_ = len(states)
@@ -79,6 +82,7 @@ class Identifier:
 
     def predict(self, X: Any, u: Any = None, *, t: Any = None) -> Any:
         """The derivatives, or the next samples in discrete time, at each row: (M, n); a list for a list."""
+        self._check_columns(X)
         rates = self._rates(list(_trials(X, t, u, None, self.t_default)))
         return rates if _are_several(X) else rates[0]
 
@@ -111,6 +115,7 @@ class Identifier:
         """
         import numpy as np
 
+        self._check_columns(X)
         t, x_dot = _times_or_rates(X, y, t, x_dot)
         true, found = [], []
         trials = list(_trials(X, t, u, x_dot, self.t_default))
@@ -159,7 +164,8 @@ class Identifier:
 
     def print(self, precision: int = 3) -> None:
         """Prints the equations as PySINDy does."""
-        for name, side in zip(self.feature_names_in_, self.equations(precision)):
+        sides = self.equations(precision)
+        for name, side in zip(self.feature_names_in_, sides):
             print(f"({name})[k+1] = {side}" if self.discrete_time else f"({name})' = {side}")
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
@@ -194,7 +200,15 @@ class Identifier:
 
     def _check_fitted(self) -> None:
         if not self.__sklearn_is_fitted__():
-            raise AttributeError("this Identifier is not fitted yet: call fit first")
+            raise _not_fitted()("this Identifier is not fitted yet: call fit first")
+
+    def _check_columns(self, X: Any) -> None:
+        """A frame has the columns that were fitted, in their order: rows are taken by place."""
+        self._check_fitted()
+        first = X[0] if _are_several(X) else X
+        columns = [str(name) for name in first.columns] if hasattr(first, "columns") else self.columns_
+        if self.columns_ is not None and columns != self.columns_:
+            raise ValueError(f"X has the columns {', '.join(columns or [])}, and was fitted with {', '.join(self.columns_)}")
 
     def _rates(self, trials: Sequence[_Trial]) -> list[NDArray[float64]]:
         """What the equations give at each row of each trajectory."""
@@ -211,9 +225,10 @@ class Identifier:
         first = X[0] if _are_several(X) else X
         columns = [str(name) for name in first.columns] if hasattr(first, "columns") else []
         written = [name for name in _names_in(self.library or "") if name not in columns]
-        states = list(self.feature_names or columns or written[:n] or [f"x{k}" for k in range(n)])
+        given, named = (None if names is None else [str(name) for name in names] for names in (self.feature_names, self.input_names))
+        states = given or columns or written[:n] or [f"x{k}" for k in range(n)]
         others = [name for name in written if name not in states]
-        inputs = list(self.input_names or others[:m] or [f"u{k}" for k in range(m)])
+        inputs = list(named or others[:m] or [f"u{k}" for k in range(m)])
         for names, count, what, option in ((states, n, "X", "feature_names"), (inputs, m, "u", "input_names")):
             if len(names) != count:
                 raise ValueError(f"{what} has {count} columns, and their names would be {', '.join(names)}: give {option}")
@@ -229,6 +244,16 @@ def _defaults(kind: type[Identifier]) -> dict[str, Any]:
     return {name: parameter.default for name, parameter in parameters.items()}
 
 
+def _not_fitted() -> type[Exception]:
+    """scikit-learn's own where it is installed."""
+    try:
+        from sklearn.exceptions import NotFittedError
+    except ImportError:
+        return AttributeError
+    kind: type[Exception] = NotFittedError
+    return kind
+
+
 class _Trial:
     """One trajectory."""
 
@@ -236,10 +261,11 @@ class _Trial:
         import numpy as np
 
         self.x = _as_matrix(x)
-        step = t_default if t is None else t
-        self.t: NDArray[float64] = np.asarray(step, dtype=np.float64)
-        if self.t.ndim == 0:
-            self.t = self.t * np.arange(len(self.x))
+        given = _tables.index_times(x) if t is None else t
+        if given is None or np.ndim(given) == 0:
+            step = t_default if given is None else float(given)
+            given = step * np.arange(len(self.x))
+        self.t: NDArray[float64] = _tables.times(given)
         self.u = None if u is None else _as_matrix(u)
         self.x_dot = None if x_dot is None else _as_matrix(x_dot)
         for values, name in ((self.t, "t"), (self.u, "u"), (self.x_dot, "x_dot")):
@@ -316,7 +342,4 @@ def _are_several(X: Any) -> bool:
 
 def _as_matrix(values: Any) -> NDArray[float64]:
     """A column for each signal."""
-    import numpy as np
-
-    matrix = np.asarray(values, dtype=np.float64)
-    return matrix[:, None] if matrix.ndim == 1 else matrix
+    return _tables.matrix(values)

@@ -73,12 +73,14 @@ class Reducer:
         held = round(kept * self.holdout)
         return kept - held, held
 
-    def reduce(self, table: Any, parts: int, keeps: bool = True) -> Part:
-        """Reduces a part, one of so many; its first rows are looked at closely if it `keeps` them."""
+    def reduce(self, table: Any, parts: int, keeps: bool = True) -> Part | None:
+        """Reduces a part, one of so many; its first rows are looked at closely if it `keeps` them. None of a part without rows."""
         columns, _ = _tables.columns(table)
+        rows = _length(columns)
+        if columns and rows == 0:
+            return None
         if not keeps:
             return Part(self._reduced([columns]), None, None)
-        rows = len(columns[0][1]) if columns else 0
         ahead, held = self.share(parts, rows)
         behind = ahead + held
         looked_at, held_out = _rows(columns, 0, ahead), _rows(columns, ahead, behind)
@@ -110,7 +112,10 @@ class Gathered:
         self._every = 1
         self._parts = 0
 
-    def add(self, part: Part) -> None:
+    def add(self, part: Part | None) -> None:
+        """A part without rows changes nothing."""
+        if part is None:
+            return
         if self.reduced is None:
             self.reduced = part.reduced
         else:
@@ -159,7 +164,7 @@ def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
     """Reduces the parts on every core, some at a time."""
     cores = os.cpu_count() or 1
     gathered = Gathered(reducer)
-    waiting: deque[Future[Part]] = deque()
+    waiting: deque[Future[Part | None]] = deque()
     with ThreadPoolExecutor(cores) as pool:
         try:
             for place, part in enumerate(parts):

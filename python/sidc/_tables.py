@@ -134,10 +134,47 @@ def _array(values: Any) -> NDArray[Any]:
         return np.asarray(values.to_numpy(dtype="datetime64[ns]"))
     if hasattr(values, "combine_chunks"):
         return np.asarray(values.to_numpy())
-    is_masked = isinstance(values, np.ma.MaskedArray)
-    if is_masked:
-        return np.asarray(values.astype(np.float64).filled(np.nan))
+    if isinstance(values, np.ma.MaskedArray):
+        return _unmasked(values)
     return np.asarray(values.to_numpy() if hasattr(values, "to_numpy") else values)
+
+
+def _unmasked(values: Any) -> NDArray[Any]:
+    """NaN, NaT or None where a value is masked."""
+    import numpy as np
+
+    kind = values.dtype.kind
+    if kind in "mM":
+        return np.asarray(values.filled(np.array("NaT", values.dtype)))
+    return np.asarray(values.astype(np.float64).filled(np.nan) if kind in "fiub" else values.astype(object).filled(None))
+
+
+def times(values: Any) -> NDArray[float64]:
+    """Times as numbers; dates as seconds from the first."""
+    found = _numbers(values)
+    if found is None:
+        raise TypeError("times are numbers, dates or time spans")
+    return found
+
+
+def matrix(values: Any) -> NDArray[float64]:
+    """Rows of numbers, a column for each signal; NaN where a value is missing."""
+    import numpy as np
+
+    if hasattr(values, "toarray"):
+        raise TypeError("a sparse matrix is no measurement: give X.toarray()")
+    array = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
+    if array.dtype.kind == "c":
+        raise ValueError("Complex data not supported: give real and imaginary parts as columns of their own")
+    array = np.asarray(array, dtype=np.float64)
+    return array[:, None] if array.ndim == 1 else array
+
+
+def index_times(table: Any) -> NDArray[float64] | None:
+    """The times of a frame of pandas whose index has them."""
+    index: Any = getattr(table, "index", None)
+    is_time = hasattr(table, "iloc") and getattr(index, "nlevels", 2) == 1 and index.dtype.kind in "fmM"
+    return times(index) if is_time else None
 
 
 def _seconds(spans: NDArray[Any]) -> NDArray[float64]:

@@ -20,7 +20,7 @@ from ._errors import Error
 from ._fleet import Fleet, majority
 from ._model import Model
 from ._options import Noise
-from ._parts import LOOK_AT, STRETCHES, Columns, Gathered, Part, Reducer
+from ._parts import LOOK_AT, STRETCHES, Columns, Gathered, Reducer
 from ._result import Result
 
 __all__ = ["Fleet", "identify", "identify_each", "identify_fleet"]
@@ -62,7 +62,10 @@ def identify(
     level = [reduce(reducer, partition, count, place % every == 0) for place, partition in enumerate(partitions)]
     while len(level) > 1:
         level = [merge(level[first : first + FAN_IN]) for first in range(0, len(level), FAN_IN)]
-    ((reduced, stretches),) = dask.compute(level[0])
+    (merged,) = dask.compute(level[0])
+    if merged is None:
+        raise ValueError("no rows: every partition is empty")
+    reduced, stretches = merged
     gathered = Gathered(reducer, _sidc.Reduced.from_json(reduced), stretches)
     return model._identify_gathered(gathered, options, params, time_limit, progress)
 
@@ -100,14 +103,19 @@ def _identify(model: Model, record: Any, options: Mapping[str, Any]) -> str | Er
         return error
 
 
-def _reduce(reducer: Reducer, table: Any, parts: int, keeps: bool) -> Packed:
-    part: Part = reducer.reduce(table, parts, keeps)
+def _reduce(reducer: Reducer, table: Any, parts: int, keeps: bool) -> Packed | None:
+    part = reducer.reduce(table, parts, keeps)
+    if part is None:
+        return None
     return part.reduced.to_json(), [] if part.looked_at is None else [(part.looked_at, part.held_out)]
 
 
-def _merge(parts: list[Packed]) -> Packed:
-    """In their order, so that the same partitions give the same digits."""
-    (first, stretches), *others = parts
+def _merge(parts: list[Packed | None]) -> Packed | None:
+    """In their order, so that the same partitions give the same digits. Those without rows are left out."""
+    filled = [part for part in parts if part is not None]
+    if not filled:
+        return None
+    (first, stretches), *others = filled
     reduced = _sidc.Reduced.from_json(first)
     for other, more in others:
         reduced.merge(_sidc.Reduced.from_json(other))
