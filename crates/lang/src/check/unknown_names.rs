@@ -302,11 +302,14 @@ impl Checker<'_> {
             None => left,
         };
         let tail = Span::new(at_file(e), left.end, e.span.end);
-        let fixed = format!("{}*{}", self.text(left), self.text(tail).trim());
+        let (first, second) = (self.text(left), self.text(tail).trim());
+        let fixed = format!("{first}*{second}");
+        let listed = call.juxtaposed.then(|| format!("{first}, {second}"));
         self.fail(errors::product_without_sign(
             e.span,
             &call.name.text,
             &fixed,
+            listed,
         ))
     }
 }

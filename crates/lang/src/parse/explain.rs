@@ -213,6 +213,12 @@ impl<'t> FailurePoint<'_, 't> {
         if !ends || !begins || opens {
             return None;
         }
+        let words = self.tokens.get(1..).unwrap_or(&[]);
+        if self.keyword == Some(Keyword::System) && words.iter().all(|t| t.is_operand() && t.kind != TokenKind::Text) {
+            let (first, end) = (words.first()?, words.last()?);
+            let all = self.phrase(1, self.tokens.len());
+            return Some(syntax_errors::several_words(self.span(first, end), &all));
+        }
         let applied = self
             .before(2)
             .filter(|t| is_function(t) && last.kind == TokenKind::Name);

@@ -149,6 +149,19 @@ impl<'t> Lexer<'t> {
         }
     }
 
+    /// Whether a name is declared here: behind the keyword of a declaration, and names and commas.
+    fn declares(&self) -> bool {
+        let line = self.out.get(self.line..).unwrap_or(&[]);
+        let mut code = line.iter().filter(|t| t.is_code());
+        let opens = code.next().is_some_and(|t| {
+            matches!(
+                t.text,
+                "system" | "state" | "input" | "output" | "param" | "unknown" | "let"
+            )
+        });
+        opens && code.all(|t| t.kind == TokenKind::Name || t.is(","))
+    }
+
     fn quoted(&mut self, start: usize) {
         self.at += 1;
         self.skip(|c| c != '"' && c != '\n');
@@ -183,7 +196,11 @@ impl<'t> Lexer<'t> {
             self.skip(continues_name);
             let name = self.text.get(name..self.at).unwrap_or("");
             let span = self.span(start);
-            self.bad(start, syntax_errors::implicit_product(span, number, name));
+            let error = match self.declares() {
+                true => syntax_errors::digit_first(span, number, name),
+                false => syntax_errors::implicit_product(span, number, name),
+            };
+            self.bad(start, error);
         } else {
             // `2%`
             self.at += usize::from(self.peek() == Some('%'));

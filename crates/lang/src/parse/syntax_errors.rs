@@ -48,6 +48,23 @@ pub fn implicit_product(at: Span, left: &str, right: &str) -> Diagnostic {
         .fix(at, format!("{left}*{right}"))
 }
 
+/// `state 1x`
+pub fn digit_first(at: Span, number: &str, name: &str) -> Diagnostic {
+    Diagnostic::error("syntax", "a name begins with a letter")
+        .at(at, "begins with a digit")
+        .help(format!("write `{name}{number}`"))
+        .fix(at, format!("{name}{number}"))
+}
+
+/// `system my rig`
+pub fn several_words(at: Span, words: &str) -> Diagnostic {
+    let name = words.split_whitespace().collect::<Vec<_>>().join("_");
+    Diagnostic::error("syntax", "the name of a system is one word")
+        .at(at, "several words")
+        .help(format!("write `system {name}`"))
+        .fix(at, name)
+}
+
 pub fn missing_operator(left: Span, right: Span, first: &str, second: &str) -> Diagnostic {
     let d = Diagnostic::error(
         "implicit-product",

@@ -332,12 +332,22 @@ pub fn word_elsewhere(at: Span, word: &str, help: &str) -> Diagnostic {
     .help(help)
 }
 
-/// `x(1 - x)`, `x y` where x is a signal; `fixed` is the same with its `*`.
-pub fn product_without_sign(at: Span, name: &str, fixed: &str) -> Diagnostic {
-    Diagnostic::error("implicit-product", format!("`{name}` is not a function"))
+/// `x(1 - x)`, `x y` where x is a signal; `fixed` is the same with its `*`, `listed` with a comma where two names stand side by side.
+pub fn product_without_sign(
+    at: Span,
+    name: &str,
+    fixed: &str,
+    listed: Option<String>,
+) -> Diagnostic {
+    let d = Diagnostic::error("implicit-product", format!("`{name}` is not a function"))
         .at(at, "a product needs its `*`, a list its comma")
-        .help(format!("write `{fixed}`"))
-        .fix(at, fixed)
+        .fix(at, fixed);
+    match listed {
+        None => d.help(format!("write `{fixed}`")),
+        Some(listed) => d
+            .help(format!("write `{fixed}`, or `{listed}` for two"))
+            .fix(at, listed),
+    }
 }
 
 /// Two lines of a list, and nothing between them.
