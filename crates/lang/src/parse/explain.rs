@@ -144,7 +144,8 @@ impl<'t> FailurePoint<'_, 't> {
     fn phrase(&self, from: usize, to: usize) -> String {
         let mut out = String::new();
         for token in (from..to).filter_map(|i| self.get(i)) {
-            if !out.is_empty() && !token.is(",") {
+            let tight = out.ends_with('(') || [",", "(", ")"].contains(&token.text);
+            if !out.is_empty() && !tight {
                 out.push(' ');
             }
             out.push_str(token.text);
@@ -214,7 +215,11 @@ impl<'t> FailurePoint<'_, 't> {
             return None;
         }
         let words = self.tokens.get(1..).unwrap_or(&[]);
-        if self.keyword == Some(Keyword::System) && words.iter().all(|t| t.is_operand() && t.kind != TokenKind::Text) {
+        if self.keyword == Some(Keyword::System)
+            && words
+                .iter()
+                .all(|t| t.is_operand() && t.kind != TokenKind::Text)
+        {
             let (first, end) = (words.first()?, words.last()?);
             let all = self.phrase(1, self.tokens.len());
             return Some(syntax_errors::several_words(self.span(first, end), &all));
