@@ -6,7 +6,7 @@
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 use std::sync::{Mutex, OnceLock};
 
 use crate::program::root;
@@ -50,6 +50,26 @@ pub fn python(modules: &str) -> Option<PathBuf> {
     let import = format!("import {modules}");
     let has = |python: &PathBuf| runs(python, &["-c", &import]);
     told(&format!("Python with {modules}"), all.into_iter().find(has))
+}
+
+/// What a program prints that has to end well.
+///
+/// # Panics
+/// If it does not, with what it said.
+pub fn finished(command: &mut Command) -> String {
+    let Output {
+        status,
+        stdout,
+        stderr,
+    } = command.output().unwrap();
+    let errors = String::from_utf8_lossy(&stderr);
+    let first: String = errors.chars().take(4000).collect();
+    assert!(
+        status.success(),
+        "{command:?}\n{first}\n{}",
+        String::from_utf8_lossy(&stdout)
+    );
+    String::from_utf8(stdout).unwrap()
 }
 
 /// True if the program starts and ends well.

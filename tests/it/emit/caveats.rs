@@ -3,12 +3,12 @@
 use std::fs;
 use std::process::Command;
 
-use super::languages::finished;
 use sidc_emit as emit;
 use sidc_system::discovery::{Discovery, Evidence, InputDelay, Together};
 use sidc_system::result;
 use sidc_testing::program::sidc;
 use sidc_testing::runtimes;
+use sidc_testing::runtimes::finished;
 
 /// What would end a comment or a string in some language.
 const HOSTILE: &str = "missed */ by \"\"\" 'far' \\end{x} %} //\n\u{7} ??/ `$(x)`";

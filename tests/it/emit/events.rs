@@ -6,9 +6,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::languages::finished;
 use sidc_testing::program::sidc;
 use sidc_testing::runtimes;
+use sidc_testing::runtimes::finished;
 
 const STEP: f64 = 0.005;
 const ROWS: usize = 800;

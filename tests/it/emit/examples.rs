@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::Command;
 
 use super::events::systems;
-use super::languages::finished;
 use super::pendulum;
 use sidc_emit as emit;
 use sidc_testing::program::{file, root, sidc};
 use sidc_testing::runtimes;
+use sidc_testing::runtimes::finished;
 
 /// A program, and what is shown to come out.
 struct Example {

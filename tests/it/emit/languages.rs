@@ -3,14 +3,14 @@
 //! A runtime that is not here is named in the last lines of `cargo test`: `.ci/run` installs them all.
 
 use std::fs;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use super::random;
 use super::reference::{Case, check, check_to, compare, number};
 use super::{constants, systems};
 use crate::hostile::corpus;
 use sidc_emit as emit;
-use sidc_testing::runtimes;
+use sidc_testing::runtimes::{self, finished};
 
 const SYSTEMS: u64 = 100;
 const POINTS: usize = 4;
@@ -26,22 +26,6 @@ pub fn cases() -> Vec<Case> {
 pub fn emitted(target: &str, case: &Case) -> String {
     let target = emit::target(target).unwrap();
     target.emit(&case.discovery).unwrap()
-}
-
-pub fn finished(command: &mut Command) -> String {
-    let Output {
-        status,
-        stdout,
-        stderr,
-    } = command.output().unwrap();
-    let errors = String::from_utf8_lossy(&stderr);
-    let first: String = errors.chars().take(4000).collect();
-    assert!(
-        status.success(),
-        "{command:?}\n{first}\n{}",
-        String::from_utf8_lossy(&stdout)
-    );
-    String::from_utf8(stdout).unwrap()
 }
 
 /// `a, b, c`, each so that it reads back.

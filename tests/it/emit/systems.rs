@@ -3,10 +3,10 @@
 use std::fs;
 use std::process::Command;
 
-use super::languages::{cases, emitted, finished, list};
+use super::languages::{cases, emitted, list};
 use super::reference::{Case, check_to, compare, number};
 use sidc_emit as emit;
-use sidc_testing::runtimes;
+use sidc_testing::runtimes::{self, finished};
 
 /// Runs one script of Python on a file for each case, and the points of each: `[t, groups…]`.
 fn run_all(

@@ -17,49 +17,77 @@ pub(crate) trait Syntax {
     fn finite(&self, x: f64) -> String {
         format!("{x:?}")
     }
-    /// The name of a function.
-    fn function(&self, f: Func) -> String;
+    /// The name of a function; that of the language of models unless said otherwise.
+    fn function(&self, f: Func) -> String {
+        f.name.into()
+    }
     /// x^½: +0 for −0, NaN for negative x.
-    fn root(&self, x: &str) -> String;
+    fn root(&self, x: &str) -> String {
+        format!("sqrt({x})")
+    }
     /// x^p, where p is a symbol, not whole or very large.
     fn power(&self, x: &str, p: &str) -> String;
 }
 
-/// Writes the nodes of one body.
-pub(crate) struct Infix<'a, S> {
-    syntax: &'a S,
-    body: &'a Body,
-    names: BTreeMap<Name, String>,
+/// The identifiers of one body.
+pub(crate) struct BodyNames {
+    own: BTreeMap<Name, String>,
     identifiers: Identifiers,
 }
 
-impl<'a, S: Syntax> Infix<'a, S> {
+impl BodyNames {
     /// `identifiers` holds arguments and unknowns; other names of the body get free identifiers.
-    pub fn new(syntax: &'a S, body: &'a Body, identifiers: &Identifiers) -> Self {
+    pub fn new(body: &Body, identifiers: &Identifiers) -> BodyNames {
         let mut identifiers = identifiers.clone();
         let fresh = |(name, preferred): &(Name, String)| (*name, identifiers.fresh(preferred));
-        let names = body.preferred_names.iter().map(fresh).collect();
-        Infix {
-            syntax,
-            body,
-            names,
-            identifiers,
-        }
+        let own = body.preferred_names.iter().map(fresh).collect();
+        BodyNames { own, identifiers }
     }
 
     pub fn signal(&self, s: Signal) -> String {
         if s == Signal::TIME {
             return "t".into();
         }
-        let own = self.names.get(&Name::Signal(s)).cloned();
+        let own = self.own.get(&Name::Signal(s)).cloned();
         own.unwrap_or_else(|| self.identifiers.get(s).to_string())
     }
 
     pub fn name(&self, name: Name) -> String {
         match name {
             Name::Signal(s) => self.signal(s),
-            Name::Node(_) => self.names.get(&name).cloned().unwrap_or_default(),
+            Name::Node(node) => self.node(node).cloned().unwrap_or_default(),
         }
+    }
+
+    /// The name of a node; none of one that is written where it is used.
+    pub fn node(&self, node: usize) -> Option<&String> {
+        self.own.get(&Name::Node(node))
+    }
+}
+
+/// Writes the nodes of one body.
+pub(crate) struct Infix<'a, S> {
+    syntax: &'a S,
+    body: &'a Body,
+    names: BodyNames,
+}
+
+impl<'a, S: Syntax> Infix<'a, S> {
+    /// As [`BodyNames::new`].
+    pub fn new(syntax: &'a S, body: &'a Body, identifiers: &Identifiers) -> Self {
+        Infix {
+            syntax,
+            body,
+            names: BodyNames::new(body, identifiers),
+        }
+    }
+
+    pub fn signal(&self, s: Signal) -> String {
+        self.names.signal(s)
+    }
+
+    pub fn name(&self, name: Name) -> String {
+        self.names.name(name)
     }
 
     /// The name of a node, or else its value.
@@ -90,7 +118,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
     }
 
     fn piece(&self, node: usize) -> (String, Precedence) {
-        match self.names.get(&Name::Node(node)) {
+        match self.names.node(node) {
             Some(name) => (name.clone(), Precedence::Atom),
             None => self.computed(node),
         }
@@ -140,7 +168,7 @@ impl<'a, S: Syntax> Infix<'a, S> {
     }
 
     fn is_inline(&self, node: usize, is: impl Fn(&Node) -> bool) -> bool {
-        !self.names.contains_key(&Name::Node(node)) && self.body.nodes().get(node).is_some_and(is)
+        self.names.node(node).is_none() && self.body.nodes().get(node).is_some_and(is)
     }
 
     /// Products associate to the left. The order of two factors does not change rounding, so a product goes first.

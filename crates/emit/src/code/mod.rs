@@ -3,6 +3,7 @@
 //! In: a discovery. Out: source text. [`program`] decides what is computed and when, [`infix`] writes expressions,
 //! [`printer`] writes statements.
 
+pub(crate) mod autodiff_modules;
 pub(crate) mod bracket_lists;
 pub(crate) mod equation_list;
 pub(crate) mod identifiers;

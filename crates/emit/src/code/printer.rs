@@ -41,6 +41,12 @@ pub(crate) trait Language: Syntax + Sized + Sync {
     /// A function of the table in this language; empty if it has none.
     fn spelling(f: Func) -> &'static str;
 
+    /// # Errors
+    /// What this language cannot say of the system.
+    fn check(&self, _program: &Program) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Whether a function is written; languages that differentiate need no Jacobians.
     fn writes(&self, _kind: Kind) -> bool {
         true
@@ -103,6 +109,7 @@ impl<L: Language> Target for L {
 
     fn emit(&self, d: &Discovery) -> Result<String, String> {
         let program = Program::new(d)?;
+        self.check(&program)?;
         program.check_calls(L::DIALECT.language, L::spelling)?;
         let reserved = L::DIALECT.reserved.iter().copied();
         let names = Identifiers::new(program.names.iter().cloned(), reserved);

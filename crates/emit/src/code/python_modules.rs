@@ -1,14 +1,36 @@
 //! What the modules of Python have in common, whatever library computes.
 //!
-//! In: a program. Out: its constants as tuples, its arguments as names, the words that no name may be.
+//! In: a program. Out: its constants as tuples, its functions up to their first statement, Newton loops, the words that no name may be.
 
+use crate::code::bracket_lists::unpacked_names;
 use crate::code::identifiers::plain;
-use crate::code::program::{Function, Program, SIDES};
+use crate::code::printer::{Dialect, Language, Printer};
+use crate::code::program::{Function, Newton, Program, SIDES};
 use sidc_system::discovery::Discovery;
+
+/// How the statements of Python look.
+pub(crate) const fn dialect(
+    target: &'static str,
+    about: &'static str,
+    language: &'static str,
+) -> Dialect {
+    Dialect {
+        target,
+        about,
+        language,
+        indent: "    ",
+        declares: "",
+        end: "",
+        index: (0, "[", "]"),
+        close: "",
+        helpers_first: false,
+        reserved: RESERVED,
+    }
+}
 
 /// Keywords of Python, and names in the emitted code.
 #[rustfmt::skip]
-pub(crate) const RESERVED: &[&str] = &[
+const RESERVED: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
     "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise",
     "return", "try", "while", "with", "yield",
@@ -50,4 +72,26 @@ pub(crate) fn parameters(program: &Program, f: &Function) -> String {
     let constants = Some(", constant=SIDC_CONSTANTS".to_string());
     let all = given.chain(constants.filter(|_| !program.constants.is_empty()));
     format!("t{}", all.collect::<String>())
+}
+
+/// `def derivatives(t, state):` and what it gives.
+pub(crate) fn definition(program: &Program, f: &Function) -> String {
+    format!(
+        "def {}({}):\n    \"\"\"{}\"\"\"\n",
+        f.kind.name(program.discrete),
+        parameters(program, f),
+        f.kind.about(program.discrete)
+    )
+}
+
+/// A call of the helper `_newton` with the function that it repeats.
+pub(crate) fn newton<L: Language>(p: &Printer<L>, n: &Newton) -> String {
+    format!(
+        "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",
+        unpacked_names(&p.infix, &n.used_inside),
+        p.named_inside(n),
+        p.solver_call(&n.mass, &n.right, 2),
+        unpacked_names(&p.infix, &n.used_after),
+        n.signals.len()
+    )
 }

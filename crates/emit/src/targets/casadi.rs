@@ -3,50 +3,30 @@
 //! Coupled equations are solved in symbols. Jacobians are CasADi's to take, so none are written.
 
 use crate::caveats::{caveats, python_constants};
+use crate::code::autodiff_modules::Autodiff;
 use crate::code::identifiers::titled;
-use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
-use crate::code::program::{Function, Kind, Newton, Program};
-use crate::code::python_modules::{RESERVED, constants, parameters};
-use crate::target::Target;
+use crate::code::printer::{Dialect, commented};
+use crate::code::program::{Function, Program};
+use crate::code::python_modules::{constants, dialect};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Casadi;
 
-/// The language behind the target, which refuses what symbols cannot say.
-struct Symbols;
-
-impl Target for Casadi {
-    fn name(&self) -> &'static str {
-        Symbols.name()
-    }
-
-    fn about(&self) -> &'static str {
-        Symbols.about()
-    }
-
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
-        match Program::new(d)?.form.linear {
-            true => Symbols.emit(d),
-            false => Err("CasADi's symbols have no form for equations that are not linear in the highest derivatives; --to python solves them by Newton's method".into()),
-        }
-    }
-}
-
-impl Language for Symbols {
-    const DIALECT: Dialect = Dialect {
-        target: "casadi",
-        about: "a CasADi module: functions of symbols, for optimal control",
-        language: "CasADi",
-        indent: "    ",
-        declares: "",
-        end: "",
-        index: (0, "[", "]"),
-        close: "",
-        helpers_first: false,
-        reserved: RESERVED,
-    };
+impl Autodiff for Casadi {
+    const DIALECT: Dialect = dialect(
+        "casadi",
+        "a CasADi module: functions of symbols, for optimal control",
+        "CasADi",
+    );
+    const MODULE: &'static str = "ca";
+    const NUMBER: &'static str = "ca.DM";
+    const INFINITY: &'static str = "ca.inf";
+    const NAN: &'static str = "ca.nan";
+    const SOLVE: &'static str = SOLVE;
+    const NEWTON: Result<&'static str, &'static str> = Err(
+        "CasADi's symbols have no form for equations that are not linear in the highest derivatives; --to python solves them by Newton's method",
+    );
 
     fn spelling(f: Func) -> &'static str {
         match f.name {
@@ -55,11 +35,7 @@ impl Language for Symbols {
         }
     }
 
-    fn writes(&self, kind: Kind) -> bool {
-        matches!(kind, Kind::Rates | Kind::Outputs)
-    }
-
-    fn header(&self, d: &Discovery, program: &Program) -> String {
+    fn header(d: &Discovery, program: &Program) -> String {
         let system = titled(program.system.as_deref());
         let mut out = format!(
             "\"\"\"Written by sidc: the identified system{system} as code, for CasADi.\n\nThe functions take symbols (SX or MX) and numbers.\n\n"
@@ -70,83 +46,26 @@ impl Language for Symbols {
         out + &constants(d, program)
     }
 
-    fn opening(&self, program: &Program, f: &Function) -> String {
+    fn vector(entries: &str) -> String {
+        format!("ca.vertcat({entries})")
+    }
+
+    /// The `casadi.Function` of a function, with named arguments.
+    fn last(program: &Program, f: &Function) -> String {
+        let name = f.kind.name(program.discrete);
+        let arguments: Vec<(&str, usize)> = std::iter::once(("t", 1))
+            .chain(program.arguments.iter().map(|a| (a.name, a.names.len())))
+            .collect();
+        let symbols = arguments
+            .iter()
+            .map(|(name, size)| format!("ca.SX.sym(\"{name}\", {size})"));
+        let names = arguments.iter().map(|(name, _)| format!("\"{name}\""));
         format!(
-            "\n\ndef {}({}):\n    \"\"\"{}\"\"\"\n",
-            f.kind.name(program.discrete),
-            parameters(program, f),
-            f.kind.about(program.discrete)
+            "\n\ndef {name}_function():\n    \"\"\"`{name}` as a casadi.Function.\"\"\"\n    symbols = [{}]\n    \
+             return ca.Function(\"{name}\", symbols, [{name}(*symbols)], [{}], [\"result\"])\n",
+            symbols.collect::<Vec<_>>().join(", "),
+            names.collect::<Vec<_>>().join(", ")
         )
-    }
-
-    /// Division of Python's own numbers by zero raises an exception; a matrix's gives an infinity.
-    fn bare_number(&self, number: String) -> String {
-        format!("ca.DM({number})")
-    }
-
-    fn solver(&self, _: usize) -> &'static str {
-        "_solve"
-    }
-
-    /// Refused before.
-    fn newton(&self, _: &Printer<Self>, _: &Newton) -> String {
-        String::new()
-    }
-
-    fn vector(&self, _: &Printer<Self>, entries: &[String]) -> String {
-        format!("    return ca.vertcat({})\n", entries.join(", "))
-    }
-
-    fn matrix(&self, _: &Function) -> (String, String) {
-        (String::new(), String::new())
-    }
-
-    fn cell(&self, _: &Function, _: usize, _: usize) -> String {
-        String::new()
-    }
-
-    fn helpers(&self, program: &Program) -> String {
-        used_helpers(&[(program.solves(|_| true), SOLVE)])
-    }
-
-    fn last(&self, program: &Program) -> String {
-        let written = program.functions.iter().filter(|f| self.writes(f.kind));
-        written.map(|f| function(program, f)).collect()
-    }
-}
-
-/// The `casadi.Function` of a function, with named arguments.
-fn function(program: &Program, f: &Function) -> String {
-    let name = f.kind.name(program.discrete);
-    let arguments: Vec<(&str, usize)> = std::iter::once(("t", 1))
-        .chain(program.arguments.iter().map(|a| (a.name, a.names.len())))
-        .collect();
-    let symbols = arguments
-        .iter()
-        .map(|(name, size)| format!("ca.SX.sym(\"{name}\", {size})"));
-    let names = arguments.iter().map(|(name, _)| format!("\"{name}\""));
-    format!(
-        "\n\ndef {name}_function():\n    \"\"\"`{name}` as a casadi.Function.\"\"\"\n    symbols = [{}]\n    \
-         return ca.Function(\"{name}\", symbols, [{name}(*symbols)], [{}], [\"result\"])\n",
-        symbols.collect::<Vec<_>>().join(", "),
-        names.collect::<Vec<_>>().join(", ")
-    )
-}
-
-impl Syntax for Symbols {
-    const INFINITY: &'static str = "ca.inf";
-    const NAN: &'static str = "ca.nan";
-
-    fn function(&self, f: Func) -> String {
-        format!("ca.{}", Symbols::spelling(f))
-    }
-
-    fn root(&self, x: &str) -> String {
-        format!("ca.sqrt({x})")
-    }
-
-    fn power(&self, x: &str, p: &str) -> String {
-        format!("ca.power({x}, {p})")
     }
 }
 

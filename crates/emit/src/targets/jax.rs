@@ -3,40 +3,34 @@
 //! Coupled equations are solved at every call. Jacobians are JAX's to take, so none are written.
 
 use crate::caveats::{caveats, python_constants};
-use crate::code::bracket_lists::unpacked_names;
+use crate::code::autodiff_modules::Autodiff;
 use crate::code::identifiers::titled;
-use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
-use crate::code::program::{Function, Kind, Newton, Program, Step};
-use crate::code::python_modules::{RESERVED, constants, parameters};
+use crate::code::printer::{Dialect, commented};
+use crate::code::program::{Kind, Program};
+use crate::code::python_modules::{constants, dialect, parameters};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Jax;
 
-impl Language for Jax {
-    const DIALECT: Dialect = Dialect {
-        target: "jax",
-        about: "a JAX module: functions for jit, vmap, grad and diffrax",
-        language: "JAX",
-        indent: "    ",
-        declares: "",
-        end: "",
-        index: (0, "[", "]"),
-        close: "",
-        helpers_first: false,
-        reserved: RESERVED,
-    };
+impl Autodiff for Jax {
+    const DIALECT: Dialect = dialect(
+        "jax",
+        "a JAX module: functions for jit, vmap, grad and diffrax",
+        "JAX",
+    );
+    const MODULE: &'static str = "jnp";
+    const NUMBER: &'static str = "jnp.asarray";
+    const INFINITY: &'static str = "jnp.inf";
+    const NAN: &'static str = "jnp.nan";
+    const SOLVE: &'static str = SOLVE;
+    const NEWTON: Result<&'static str, &'static str> = Ok(NEWTON);
 
     fn spelling(f: Func) -> &'static str {
         f.spelling.numpy
     }
 
-    fn writes(&self, kind: Kind) -> bool {
-        matches!(kind, Kind::Rates | Kind::Outputs)
-    }
-
-    fn header(&self, d: &Discovery, program: &Program) -> String {
+    fn header(d: &Discovery, program: &Program) -> String {
         let system = titled(program.system.as_deref());
         let mut out =
             format!("\"\"\"Written by sidc: the identified system{system} as code, for JAX.\n");
@@ -54,70 +48,8 @@ impl Language for Jax {
         out + &constants(d, program)
     }
 
-    fn opening(&self, program: &Program, f: &Function) -> String {
-        format!(
-            "\n\ndef {}({}):\n    \"\"\"{}\"\"\"\n",
-            f.kind.name(program.discrete),
-            parameters(program, f),
-            f.kind.about(program.discrete)
-        )
-    }
-
-    /// Division of Python's own numbers by zero raises an exception; an array's gives an infinity.
-    fn bare_number(&self, number: String) -> String {
-        format!("jnp.asarray({number})")
-    }
-
-    fn solver(&self, _: usize) -> &'static str {
-        "_solve"
-    }
-
-    fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
-        format!(
-            "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",
-            unpacked_names(&p.infix, &n.used_inside),
-            p.named_inside(n),
-            p.solver_call(&n.mass, &n.right, 2),
-            unpacked_names(&p.infix, &n.used_after),
-            n.signals.len()
-        )
-    }
-
-    fn vector(&self, _: &Printer<Self>, entries: &[String]) -> String {
-        format!(
-            "    return jnp.stack(jnp.broadcast_arrays({}))\n",
-            entries.join(", ")
-        )
-    }
-
-    fn matrix(&self, _: &Function) -> (String, String) {
-        (String::new(), String::new())
-    }
-
-    fn cell(&self, _: &Function, _: usize, _: usize) -> String {
-        String::new()
-    }
-
-    fn helpers(&self, program: &Program) -> String {
-        let newton = program.makes(|s| matches!(s, Step::Newton(_)));
-        used_helpers(&[(program.solves(|_| true), SOLVE), (newton, NEWTON)])
-    }
-}
-
-impl Syntax for Jax {
-    const INFINITY: &'static str = "jnp.inf";
-    const NAN: &'static str = "jnp.nan";
-
-    fn function(&self, f: Func) -> String {
-        format!("jnp.{}", f.spelling.numpy)
-    }
-
-    fn root(&self, x: &str) -> String {
-        format!("jnp.sqrt({x})")
-    }
-
-    fn power(&self, x: &str, p: &str) -> String {
-        format!("jnp.power({x}, {p})")
+    fn vector(entries: &str) -> String {
+        format!("jnp.stack(jnp.broadcast_arrays({entries}))")
     }
 }
 

@@ -4,12 +4,12 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::equation_list::{check_continuous, equation_list};
-use crate::code::identifiers::{Identifiers, titled};
+use crate::code::identifiers::titled;
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
 use crate::target::Target;
-use sidc_lang::term::{Func, Signal, SignalNames};
+use sidc_lang::term::Signal;
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Julia;
@@ -26,9 +26,7 @@ impl Target for Julia {
     fn emit(&self, d: &Discovery) -> Result<String, String> {
         let program = Program::new(d)?;
         check_continuous("ModelingToolkit", &program)?;
-        let outputs = program.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
-        let signals = program.names.iter().cloned().chain(outputs);
-        let mut names = Identifiers::new(signals, RESERVED.iter().copied());
+        let mut names = program.identifiers(d, RESERVED);
         let system = names.fresh(program.system.as_deref().unwrap_or("identified"));
         let body = program.sides()?;
         let infix = Infix::new(&Words, &body, &names);
@@ -96,14 +94,6 @@ struct Words;
 impl Syntax for Words {
     const INFINITY: &'static str = "Inf";
     const NAN: &'static str = "NaN";
-
-    fn function(&self, f: Func) -> String {
-        f.name.into()
-    }
-
-    fn root(&self, x: &str) -> String {
-        format!("sqrt({x})")
-    }
 
     fn power(&self, x: &str, p: &str) -> String {
         format!("({x})^({p})")

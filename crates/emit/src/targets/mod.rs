@@ -13,6 +13,7 @@ mod sbml;
 mod sympy;
 mod text;
 
+use crate::code::autodiff_modules::Module;
 use crate::target::Target;
 
 /// Every target, for the command line and its suggestions.
@@ -24,8 +25,8 @@ pub static TARGETS: &[&dyn Target] = &[
     &python::Python,
     &sympy::Sympy,
     &matlab::Matlab,
-    &jax::Jax,
-    &casadi::Casadi,
+    &Module::<jax::Jax>::NEW,
+    &Module::<casadi::Casadi>::NEW,
     &julia::Julia,
     &modelica::Modelica,
     &sbml::Sbml,

@@ -9,7 +9,7 @@ use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
 use crate::target::Target;
-use sidc_lang::term::{Func, Signal, SignalNames};
+use sidc_lang::term::Signal;
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Modelica;
@@ -26,9 +26,7 @@ impl Target for Modelica {
     fn emit(&self, d: &Discovery) -> Result<String, String> {
         let program = Program::new(d)?;
         check_continuous("Modelica", &program)?;
-        let outputs = program.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
-        let signals = program.names.iter().cloned().chain(outputs);
-        let mut names = Identifiers::new(signals, RESERVED.iter().copied());
+        let mut names = program.identifiers(d, RESERVED);
         let system = names.fresh(program.system.as_deref().unwrap_or("identified"));
         let body = program.sides()?;
         let infix = Infix::new(&Words, &body, &names);
@@ -166,14 +164,6 @@ struct Words;
 impl Syntax for Words {
     const INFINITY: &'static str = "Modelica.Constants.inf";
     const NAN: &'static str = "(0.0 / 0.0)";
-
-    fn function(&self, f: Func) -> String {
-        f.name.into()
-    }
-
-    fn root(&self, x: &str) -> String {
-        format!("sqrt({x})")
-    }
 
     fn power(&self, x: &str, p: &str) -> String {
         format!("({x}) ^ ({p})")

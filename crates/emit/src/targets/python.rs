@@ -4,30 +4,23 @@
 //! derivatives.
 
 use crate::caveats::{caveats, delays, python_constants};
-use crate::code::bracket_lists::{LINE_WIDTH, unpacked_names};
+use crate::code::bracket_lists::LINE_WIDTH;
 use crate::code::identifiers::titled;
 use crate::code::infix::Syntax;
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
-use crate::code::python_modules::{RESERVED, constants, parameters};
+use crate::code::python_modules::{constants, definition, dialect, newton};
 use sidc_lang::term::Func;
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Python;
 
 impl Language for Python {
-    const DIALECT: Dialect = Dialect {
-        target: "python",
-        about: "a numpy module: functions for SciPy's solve_ivp, and their Jacobians",
-        language: "numpy",
-        indent: "    ",
-        declares: "",
-        end: "",
-        index: (0, "[", "]"),
-        close: "",
-        helpers_first: false,
-        reserved: RESERVED,
-    };
+    const DIALECT: Dialect = dialect(
+        "python",
+        "a numpy module: functions for SciPy's solve_ivp, and their Jacobians",
+        "numpy",
+    );
 
     fn spelling(f: Func) -> &'static str {
         f.spelling.numpy
@@ -69,12 +62,8 @@ impl Language for Python {
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
-        let mut out = format!(
-            "\n\n@np.errstate(all=\"ignore\")\ndef {}({}):\n    \"\"\"{}\"\"\"\n",
-            f.kind.name(program.discrete),
-            parameters(program, f),
-            f.kind.about(program.discrete)
-        );
+        let definition = definition(program, f);
+        let mut out = format!("\n\n@np.errstate(all=\"ignore\")\n{definition}");
         for a in program.arguments_of(f.kind) {
             if f.body.reads.iter().any(|r| r.argument == a.name) {
                 let numbers = if a.name == "input" && program.is_delayed {
@@ -101,14 +90,7 @@ impl Language for Python {
     }
 
     fn newton(&self, p: &Printer<Self>, n: &Newton) -> String {
-        format!(
-            "\n    def step(unknown):\n        {} = unknown\n{}        return {}\n\n    {} = _newton(step, {})\n",
-            unpacked_names(&p.infix, &n.used_inside),
-            p.named_inside(n),
-            p.solver_call(&n.mass, &n.right, 2),
-            unpacked_names(&p.infix, &n.used_after),
-            n.signals.len()
-        )
+        newton(p, n)
     }
 
     fn vector(&self, _: &Printer<Self>, entries: &[String]) -> String {

@@ -5,10 +5,10 @@
 use crate::caveats::{caveats, verdict_summary};
 use crate::code::equation_list::check_continuous;
 use crate::code::identifiers::{Identifiers, ascii, plain};
-use crate::code::infix::{Infix, Syntax};
-use crate::code::program::{Body, Kind, Name, Program, Step};
+use crate::code::infix::BodyNames;
+use crate::code::program::{Body, Name, Program, Step};
 use crate::target::Target;
-use sidc_lang::term::{Func, Node, Signal, SignalNames};
+use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
 
 pub(crate) struct Sbml;
@@ -25,34 +25,21 @@ impl Target for Sbml {
     fn emit(&self, d: &Discovery) -> Result<String, String> {
         let program = Program::new(d)?;
         check_continuous("SBML", &program)?;
-        let outputs = program.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
-        let signals = program.names.iter().cloned().chain(outputs);
-        let names = Identifiers::new(signals, RESERVED.iter().copied());
+        let identifiers = program.identifiers(d, RESERVED);
+        let body = program.formulas()?;
         let mut document = Document::default();
-        document.given(&program, &names);
-        for kind in [Kind::Rates, Kind::Outputs] {
-            let Some(f) = program.get(kind) else { continue };
-            let infix = Infix::new(&Ids, &f.body, &names);
-            let math = Math {
-                infix: &infix,
-                body: &f.body,
-                prefix: if kind == Kind::Rates { "" } else { "out_" },
-            };
-            math.steps(&mut document)?;
-            let results: Vec<usize> = f.body.results.iter().flatten().copied().collect();
-            match kind {
-                Kind::Rates => {
-                    for (x, node) in program.form.state.iter().zip(&results) {
-                        document.rule("rateRule", names.get(*x), &math.text(*node));
-                    }
-                }
-                _ => {
-                    for ((s, _), node) in program.form.outputs.iter().zip(&results) {
-                        document.variable(names.get(*s), "");
-                        document.rule("assignmentRule", names.get(*s), &math.text(*node));
-                    }
-                }
-            }
+        document.given(&program, &identifiers);
+        let math = Math {
+            names: BodyNames::new(&body, &identifiers),
+            body: &body,
+        };
+        math.steps(&mut document)?;
+        let mut results = body.results.iter().flatten();
+        for (x, node) in program.form.state.iter().zip(results.by_ref()) {
+            document.rule("rateRule", identifiers.get(*x), &math.text(*node));
+        }
+        for ((s, _), node) in program.form.outputs.iter().zip(results) {
+            document.computed(identifiers.get(*s), &math.text(*node));
         }
         let id = ascii(program.system.as_deref().unwrap_or("identified"));
         Ok(document.written(d, &id, program.system.as_deref()))
@@ -97,6 +84,12 @@ impl Document {
         ));
     }
 
+    /// A variable that a formula gives.
+    fn computed(&mut self, id: &str, math: &str) {
+        self.variable(id, "");
+        self.rule("assignmentRule", id, math);
+    }
+
     fn rule(&mut self, kind: &str, id: &str, math: &str) {
         self.rules.push_str(&format!(
             "      <{kind} variable=\"{id}\">\n        <math xmlns=\"http://www.w3.org/1998/Math/MathML\">{math}</math>\n      </{kind}>\n"
@@ -132,12 +125,10 @@ fn escaped(text: &str) -> String {
         .replace('"', "&quot;")
 }
 
-/// Content MathML of the nodes of one body.
+/// Content MathML of the nodes of a body.
 struct Math<'a> {
-    infix: &'a Infix<'a, Ids>,
+    names: BodyNames,
     body: &'a Body,
-    /// Before the names of subexpressions, which another body may use too.
-    prefix: &'static str,
 }
 
 impl Math<'_> {
@@ -148,7 +139,7 @@ impl Math<'_> {
     fn steps(&self, document: &mut Document) -> Result<(), String> {
         for step in &self.body.steps {
             let (name, math) = match step {
-                Step::Let(name, node) => (self.id(*name), self.value(*node)),
+                Step::Let(name, node) => (self.names.name(*name), self.value(*node)),
                 Step::Solve(solve) => match (
                     solve.mass.as_slice(),
                     solve.right.as_slice(),
@@ -157,7 +148,7 @@ impl Math<'_> {
                     ([mass], [right], [signals]) => {
                         match (mass.as_slice(), right.as_slice(), signals.as_slice()) {
                             ([mass], [right], [Some(signal)]) => (
-                                self.id(Name::Signal(*signal)),
+                                self.names.name(Name::Signal(*signal)),
                                 apply("divide", &[self.text(*right), self.text(*mass)]),
                             ),
                             _ => return Err(TOGETHER.into()),
@@ -167,21 +158,16 @@ impl Math<'_> {
                 },
                 Step::Newton(_) => return Err(TOGETHER.into()),
             };
-            document.variable(&name, "");
-            document.rule("assignmentRule", &name, &math);
+            document.computed(&name, &math);
         }
         Ok(())
     }
 
-    fn id(&self, name: Name) -> String {
-        format!("{}{}", self.prefix, self.infix.name(name))
-    }
-
     /// The name of a node, or else its value.
     fn text(&self, node: usize) -> String {
-        match self.infix.name(Name::Node(node)) {
-            name if name.is_empty() => self.value(node),
-            name => format!("<ci>{}{name}</ci>", self.prefix),
+        match self.names.node(node) {
+            None => self.value(node),
+            Some(name) => format!("<ci>{name}</ci>"),
         }
     }
 
@@ -193,14 +179,7 @@ impl Math<'_> {
         if s == Signal::TIME {
             return "<csymbol encoding=\"text\" definitionURL=\"http://www.sbml.org/sbml/symbols/time\">t</csymbol>".into();
         }
-        // What a step computes has the prefix of its body.
-        let computed = self.body.steps.iter().any(|step| match step {
-            Step::Let(name, _) => *name == Name::Signal(s),
-            Step::Solve(solve) => solve.signals.iter().flatten().any(|q| *q == Some(s)),
-            Step::Newton(_) => false,
-        });
-        let prefix = if computed { self.prefix } else { "" };
-        format!("<ci>{prefix}{}</ci>", self.infix.signal(s))
+        format!("<ci>{}</ci>", self.names.signal(s))
     }
 
     fn value(&self, node: usize) -> String {
@@ -260,26 +239,6 @@ fn call(f: Func, arguments: &[String]) -> String {
             format!("<piecewise>{above}{below}<otherwise><cn>0</cn></otherwise></piecewise>")
         }
         (name, _) => apply(name, arguments),
-    }
-}
-
-/// Names alone: expressions are written as MathML.
-struct Ids;
-
-impl Syntax for Ids {
-    const INFINITY: &'static str = "";
-    const NAN: &'static str = "";
-
-    fn function(&self, _: Func) -> String {
-        String::new()
-    }
-
-    fn root(&self, _: &str) -> String {
-        String::new()
-    }
-
-    fn power(&self, _: &str, _: &str) -> String {
-        String::new()
     }
 }
 

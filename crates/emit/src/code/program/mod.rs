@@ -15,7 +15,7 @@ pub(crate) use statements::{Argument, Body, Name, Newton, Solve, Step};
 use definitions::Definitions;
 use lowering::Scope;
 
-use crate::code::identifiers::{harmless, plain};
+use crate::code::identifiers::{Identifiers, harmless, plain};
 use crate::unknown_constants;
 use sidc_lang::term::{Expr, Func, Node, Signal, SignalNames};
 use sidc_system::discovery::{Discovery, Form, Rate};
@@ -286,6 +286,27 @@ impl Program {
         let arguments: Vec<&Argument> = self.arguments.iter().collect();
         let body = self.scope(&arguments).lower(Definitions::default(), rows);
         body.map_err(|_| NOT_GIVEN.to_string())
+    }
+
+    /// The rates of the state, then the outputs, with the subexpressions that they share: a row for each.
+    ///
+    /// # Errors
+    /// An equation mentions a signal that is no argument.
+    pub fn formulas(&self) -> Result<Body, String> {
+        let form = &self.form;
+        let rates = form.rates.iter().map(|r| vec![rate_signal(form, *r)]);
+        let outputs = form.outputs.iter().map(|(_, e)| vec![e.clone()]);
+        let rows = rates.chain(outputs).collect();
+        let arguments: Vec<&Argument> = self.arguments.iter().collect();
+        let body = self.scope(&arguments).lower(Definitions::new(form), rows);
+        body.map_err(|_| NOT_GIVEN.to_string())
+    }
+
+    /// Identifiers of all signals, outputs among them.
+    pub fn identifiers(&self, d: &Discovery, reserved: &[&'static str]) -> Identifiers {
+        let outputs = self.form.outputs.iter().map(|(s, _)| (*s, d.name(*s)));
+        let signals = self.names.iter().cloned().chain(outputs);
+        Identifiers::new(signals, reserved.iter().copied())
     }
 
     fn scope<'a>(&'a self, arguments: &'a [&'a Argument]) -> Scope<'a> {
