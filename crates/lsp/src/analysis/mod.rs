@@ -36,7 +36,7 @@ pub struct Analysis {
     pub words: Vec<Word>,
     pub symbols: Symbols,
     pub statements: Vec<Outline>,
-    /// The checked model with its libraries; of a text with errors what is left without the statements that have them, if that is a model.
+    /// The checked model with its libraries, if there are no errors.
     pub program: Option<Program>,
     pub found: Vec<Diagnostic>,
     /// The text is larger than any model that is read.
@@ -61,11 +61,10 @@ impl Analysis {
             keyword: s.keyword,
             bytes: bytes(&s.tokens),
         });
-        let statements: Vec<Outline> = statements.collect();
+        let statements = statements.collect();
         let mut sources = Sources::default();
         let file = sources.add("model", text.as_ref());
         let (program, found) = pipeline::compile(file, &sources, MEMORY);
-        let program = program.or_else(|| sound_part(&text, &statements, &found));
         Analysis {
             words,
             symbols,
@@ -74,6 +73,35 @@ impl Analysis {
             found,
             too_large: false,
         }
+    }
+
+    /// The model without the statements in which errors are, if what is left is one. Others may need those, so it is tried again without
+    /// them, a few times. `text` is that of this analysis.
+    pub fn sound_part(&self, text: &str) -> Option<Program> {
+        let mut found = Cow::Borrowed(&self.found);
+        let mut text = with_line_ends(text).into_owned();
+        for _ in 0..EDITOR.attempts {
+            let errors = found.iter().filter(|d| d.is_error());
+            let places: Vec<usize> = errors
+                .filter_map(|d| d.labels.iter().find(|l| l.primary))
+                .map(|l| l.span.start)
+                .collect();
+            let wrong = |s: &&Outline| {
+                let mut places = places.iter();
+                places.any(|at| (s.bytes.start..=s.bytes.end).contains(at))
+            };
+            for statement in self.statements.iter().filter(wrong) {
+                blank(&mut text, &statement.bytes);
+            }
+            let mut sources = Sources::default();
+            let file = sources.add("model", text.as_str());
+            let (program, after) = pipeline::compile(file, &sources, MEMORY);
+            if program.is_some() {
+                return program;
+            }
+            found = Cow::Owned(after);
+        }
+        None
     }
 
     /// The word at a byte, or the one that ends there.
@@ -106,37 +134,6 @@ impl Analysis {
         let number = behind.checked_sub(1)?;
         Some((number, self.statements.get(number)?))
     }
-}
-
-/// The model without the statements in which errors are. Others may need them, so it is tried again without those, a few times.
-fn sound_part(text: &str, statements: &[Outline], found: &[Diagnostic]) -> Option<Program> {
-    let mut found: Cow<'_, [Diagnostic]> = Cow::Borrowed(found);
-    let mut text = text.to_string();
-    for _ in 0..EDITOR.attempts {
-        let before = text.len();
-        let errors = found.iter().filter(|d| d.is_error());
-        let places: Vec<usize> = errors
-            .filter_map(|d| d.labels.iter().find(|l| l.primary))
-            .map(|l| l.span.start)
-            .collect();
-        let wrong = |s: &&Outline| {
-            places
-                .iter()
-                .any(|at| (s.bytes.start..=s.bytes.end).contains(at))
-        };
-        for statement in statements.iter().filter(wrong) {
-            blank(&mut text, &statement.bytes);
-        }
-        debug_assert_eq!(text.len(), before, "places stay where they are");
-        let mut sources = Sources::default();
-        let file = sources.add("model", text.as_str());
-        let (program, after) = pipeline::compile(file, &sources, MEMORY);
-        if program.is_some() {
-            return program;
-        }
-        found = Cow::Owned(after);
-    }
-    None
 }
 
 /// Blanks in place of all but line ends.

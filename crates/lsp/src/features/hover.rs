@@ -142,7 +142,7 @@ fn unit_of_time(document: &Document) -> String {
 
 /// The library that is sought for a target.
 fn target(document: &Document, canonical: &str) -> Option<String> {
-    let program = document.analysis().program.as_ref()?;
+    let program = document.program()?;
     let sought = |(e, _): &(&sidc_lang::model::Equation, &Library)| {
         program.model.name(e.target) == canonical
     };
@@ -152,7 +152,7 @@ fn target(document: &Document, canonical: &str) -> Option<String> {
 
 /// The libraries of the equation whose `~` this is.
 fn sought(document: &Document, tilde: &Word) -> Option<String> {
-    let program = document.analysis().program.as_ref()?;
+    let program = document.program()?;
     let here = libraries::sought(program)
         .filter(|(e, _)| e.span.start <= tilde.bytes.start && tilde.bytes.end <= e.span.end);
     let each = here.map(|(e, library)| {
@@ -167,14 +167,14 @@ fn sought(document: &Document, tilde: &Word) -> Option<String> {
 }
 
 fn named_library(document: &Document, symbol: &Symbol) -> Option<String> {
-    let program = document.analysis().program.as_ref()?;
+    let program = document.program()?;
     let part = libraries::named(program, &symbol.name)?;
     Some(described(document, &part.library(program)))
 }
 
 /// Size, memory and the first terms.
 fn described(document: &Document, library: &Library) -> String {
-    let Some(program) = &document.analysis().program else {
+    let Some(program) = document.program() else {
         return String::new();
     };
     let names = Language(&program.model);
@@ -190,7 +190,7 @@ fn described(document: &Document, library: &Library) -> String {
 fn generated(document: &Document, word: &Word, name: &str) -> Option<String> {
     let generator = generator(name)?;
     let mut text = format!("{}\n\n{}", code(generator.usage()), generator.about());
-    let program = document.analysis().program.as_ref();
+    let program = document.program();
     let part = program.and_then(|p| libraries::generated(p, word.bytes.start).map(|g| (p, g)));
     if let Some((program, part)) = part {
         let library = part.library(program);

@@ -11,7 +11,7 @@ use crate::text::document::Document;
 pub fn hints(document: &Document, range: Range) -> Vec<InlayHint> {
     let (start, end) = (document.offset(range.start), document.offset(range.end));
     let analysis = document.analysis();
-    let Some(program) = &analysis.program else {
+    let Some(program) = document.program() else {
         return Vec::new();
     };
     let mut out: Vec<InlayHint> = Vec::new();

@@ -6,6 +6,7 @@ use std::cell::OnceCell;
 use std::ops::Range as Bytes;
 
 use lsp_types::{Position, Range, TextDocumentContentChangeEvent};
+use sidc::pipeline::Program;
 
 use crate::analysis::Analysis;
 use crate::text::positions::{Encoding, Lines};
@@ -17,6 +18,8 @@ pub struct Document {
     pub encoding: Encoding,
     lines: Lines,
     analysis: OnceCell<Analysis>,
+    /// Of a text with errors, the model without them.
+    sound_part: OnceCell<Option<Program>>,
 }
 
 impl Document {
@@ -27,6 +30,7 @@ impl Document {
             version,
             encoding,
             analysis: OnceCell::new(),
+            sound_part: OnceCell::new(),
         }
     }
 
@@ -42,11 +46,20 @@ impl Document {
         }
         self.lines = Lines::of(&self.text);
         self.analysis = OnceCell::new();
+        self.sound_part = OnceCell::new();
     }
 
     /// What the text means; found at the first question after a change.
     pub fn analysis(&self) -> &Analysis {
         self.analysis.get_or_init(|| Analysis::of(&self.text))
+    }
+
+    /// The model and its libraries; of a text with errors those of the rest. Found when it is asked for: diagnostics do not wait for it.
+    pub fn program(&self) -> Option<&Program> {
+        let analysis = self.analysis();
+        let rest = || analysis.sound_part(&self.text);
+        let program = analysis.program.as_ref();
+        program.or_else(|| self.sound_part.get_or_init(rest).as_ref())
     }
 
     pub fn lines(&self) -> &Lines {
