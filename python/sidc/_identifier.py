@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from . import _sidc, _tables
@@ -71,10 +70,9 @@ class Identifier:
         states, inputs = self._names(X, trials[0])
         tables = [trial.table(states, inputs, self.discrete_time) for trial in trials]
         self.model_ = Model(_model_text(self.library, states, inputs, self.discrete_time))
-        noise = {name: float(self.noise) for name in states} if isinstance(self.noise, (int, float, Real)) else self.noise
+        noise = self.noise if self.noise is None or isinstance(self.noise, Mapping) else dict.fromkeys(states, float(self.noise))
         self.result_ = self.model_.identify(tables, noise=noise, method=self.method)
-        first = X[0] if _are_several(X) else X
-        self.columns_ = [str(name) for name in first.columns] if hasattr(first, "columns") else None
+        self.columns_ = _columns_of(X)
         self.feature_names_in_ = states
         self.input_names_in_ = inputs
         self.n_features_in_ = len(states)
@@ -100,7 +98,7 @@ class Identifier:
         table = {_tables.TIME: times}
         if u is not None:
             each = np.array([u(time) for time in times]) if callable(u) else np.asarray(u, dtype=np.float64)
-            table.update(zip(self.input_names_in_, _as_matrix(each).T))
+            table.update(zip(self.input_names_in_, _tables.matrix(each).T))
         start = dict(zip(self.feature_names_in_, np.ravel(np.asarray(x0, dtype=np.float64))))
         run = self.result_.simulate(table, start=start)
         states = np.full((len(times), self.n_features_in_), np.nan)
@@ -205,10 +203,9 @@ class Identifier:
     def _check_columns(self, X: Any) -> None:
         """A frame has the columns that were fitted, in their order: rows are taken by place."""
         self._check_fitted()
-        first = X[0] if _are_several(X) else X
-        columns = [str(name) for name in first.columns] if hasattr(first, "columns") else self.columns_
-        if self.columns_ is not None and columns != self.columns_:
-            raise ValueError(f"X has the columns {', '.join(columns or [])}, and was fitted with {', '.join(self.columns_)}")
+        columns = _columns_of(X)
+        if columns and self.columns_ and columns != self.columns_:
+            raise ValueError(f"X has the columns {', '.join(columns)}, and was fitted with {', '.join(self.columns_)}")
 
     def _rates(self, trials: Sequence[_Trial]) -> list[NDArray[float64]]:
         """What the equations give at each row of each trajectory."""
@@ -222,8 +219,7 @@ class Identifier:
     def _names(self, X: Any, trial: _Trial) -> tuple[list[str], list[str]]:
         """Names of the columns of X and of u."""
         n, m = trial.x.shape[1], 0 if trial.u is None else trial.u.shape[1]
-        first = X[0] if _are_several(X) else X
-        columns = [str(name) for name in first.columns] if hasattr(first, "columns") else []
+        columns = _columns_of(X) or []
         written = [name for name in _names_in(self.library or "") if name not in columns]
         given, named = (None if names is None else [str(name) for name in names] for names in (self.feature_names, self.input_names))
         states = given or columns or written[:n] or [f"x{k}" for k in range(n)]
@@ -260,14 +256,14 @@ class _Trial:
     def __init__(self, x: Any, t: Any, u: Any, x_dot: Any, t_default: float) -> None:
         import numpy as np
 
-        self.x = _as_matrix(x)
+        self.x = _tables.matrix(x)
         given = _tables.index_times(x) if t is None else t
         if given is None or np.ndim(given) == 0:
             step = t_default if given is None else float(given)
             given = step * np.arange(len(self.x))
         self.t: NDArray[float64] = _tables.times(given)
-        self.u = None if u is None else _as_matrix(u)
-        self.x_dot = None if x_dot is None else _as_matrix(x_dot)
+        self.u = None if u is None else _tables.matrix(u)
+        self.x_dot = None if x_dot is None else _tables.matrix(x_dot)
         for values, name in ((self.t, "t"), (self.u, "u"), (self.x_dot, "x_dot")):
             if values is not None and len(values) != len(self.x):
                 raise ValueError(f"{name} has {len(values)} rows, and X has {len(self.x)}")
@@ -322,7 +318,7 @@ def _times_or_rates(X: Any, y: Any, t: Any, x_dot: Any) -> tuple[Any, Any]:
         return t, x_dot
     several = _are_several(X)
     first, rows = (X[0], y[0]) if several and not _is_number(y) else (X, y)
-    if t is None and (_is_number(rows) or (np.ndim(rows) == 1 and _as_matrix(first).shape[1] > 1)):
+    if t is None and (_is_number(rows) or (np.ndim(rows) == 1 and _tables.matrix(first).shape[1] > 1)):
         return y, x_dot
     return t, y if x_dot is None else x_dot
 
@@ -340,6 +336,7 @@ def _are_several(X: Any) -> bool:
     return isinstance(X, (list, tuple)) and len(X) > 0 and (hasattr(X[0], "shape") or np.ndim(X[0]) > 1)
 
 
-def _as_matrix(values: Any) -> NDArray[float64]:
-    """A column for each signal."""
-    return _tables.matrix(values)
+def _columns_of(X: Any) -> list[str] | None:
+    """The columns of a frame, or of the first of several."""
+    first = X[0] if _are_several(X) else X
+    return [str(name) for name in first.columns] if hasattr(first, "columns") else None

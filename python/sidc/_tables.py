@@ -163,10 +163,9 @@ def matrix(values: Any) -> NDArray[float64]:
 
     if hasattr(values, "toarray"):
         raise TypeError("a sparse matrix is no measurement: give X.toarray()")
-    array = np.ma.filled(np.ma.asarray(values).astype(np.float64), np.nan) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
-    if array.dtype.kind == "c":
+    if np.iscomplexobj(values):
         raise ValueError("Complex data not supported: give real and imaginary parts as columns of their own")
-    array = np.asarray(array, dtype=np.float64)
+    array = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values, dtype=np.float64)
     return array[:, None] if array.ndim == 1 else array
 
 
