@@ -1,5 +1,5 @@
 -- Run by tests/it/editor: the plugin of editors/neovim on real files. Prints one line of JSON, and ends with the status 1 after an error.
--- From the environment: the job, the model, and for `type` the steps in JSON.
+-- From the environment: the job, the model, and for some jobs steps in JSON.
 local job, path = vim.env.SIDC_JOB, vim.env.SIDC_MODEL
 
 -- As with a plugin for snippets, which Neovim 0.7 lacks.
@@ -132,6 +132,42 @@ function jobs.type()
     complete(step[1], step[2])
   end
   return { found = diagnostics(), text = table.concat(lines(), "\n") }
+end
+
+-- What the parser of editors/tree-sitter makes of texts: the model is a file of them in JSON, the steps are the parser and a file of colours.
+function jobs.trees()
+  local parser, colours = unpack(vim.fn.json_decode(vim.env.SIDC_STEPS))
+  local function read(path)
+    local file = assert(io.open(path))
+    local all = file:read("*a")
+    file:close()
+    return all
+  end
+
+  if vim.treesitter.language and vim.treesitter.language.add then
+    vim.treesitter.language.add("sid", { path = parser })
+  else
+    vim.treesitter.require_language("sid", parser)
+  end
+  local query = (vim.treesitter.query.parse or vim.treesitter.parse_query)("sid", read(colours))
+
+  -- Whether a text is understood, the first byte of each statement, and the first and last byte of each word with its colour.
+  local function seen(text)
+    local root = vim.treesitter.get_string_parser(text, "sid"):parse()[1]:root()
+    local statements, words = vim.empty_dict(), vim.empty_dict()
+    for node in root:iter_children() do
+      local _, _, start = node:start()
+      if node:type() ~= "comment" then table.insert(statements, start) end
+    end
+    for capture, node in query:iter_captures(root, text, 0, -1) do
+      local _, _, start = node:start()
+      local _, _, stop = node:end_()
+      table.insert(words, { start, stop, query.captures[capture] })
+    end
+    return { sound = not root:has_error(), statements = statements, words = words }
+  end
+
+  return { trees = vim.tbl_map(seen, vim.fn.json_decode(read(path))) }
 end
 
 local ok, result = pcall(jobs[job])

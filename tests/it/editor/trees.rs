@@ -10,7 +10,9 @@ use sidc_lang::source::FileId;
 use sidc_lsp::{Message, Server, TableHeader, Tables};
 use sidc_testing::program::{file, models, root};
 use sidc_testing::random::Random;
-use sidc_testing::runtimes::{c_compiler, neovim};
+use sidc_testing::runtimes::{c_compiler, finished, neovim};
+
+use super::in_neovim;
 
 /// A word: its first byte, the byte behind it, its kind.
 type Word = (usize, usize, String);
@@ -50,37 +52,18 @@ fn trees(texts: &[(String, String)], colours: &str) -> Option<Vec<Tree>> {
     let (neovim, compiler) = (neovim()?, c_compiler()?);
     let folder = tempfile::tempdir().unwrap();
     let parser = folder.path().join("sid.so");
-    let built = Command::new(compiler)
-        .args(["-shared", "-fPIC", "-I", "editors/tree-sitter/src"])
-        .args(["editors/tree-sitter/src/parser.c", "-o"])
-        .arg(&parser)
-        .current_dir(root())
-        .output()
-        .unwrap();
-    assert!(
-        built.status.success(),
-        "{}",
-        String::from_utf8_lossy(&built.stderr)
+    finished(
+        Command::new(compiler)
+            .args(["-shared", "-fPIC", "-I", "editors/tree-sitter/src"])
+            .args(["editors/tree-sitter/src/parser.c", "-o"])
+            .arg(&parser)
+            .current_dir(root()),
     );
     let all = folder.path().join("texts.json");
     let texts: Vec<&String> = texts.iter().map(|(_, text)| text).collect();
     fs::write(&all, serde_json::to_string(&texts).unwrap()).unwrap();
-    let run = Command::new(neovim)
-        .args(["--headless", "--clean", "-n", "-c"])
-        .arg("luafile tests/it/editor/trees.lua")
-        .env("SIDC_PARSER", parser)
-        .env("SIDC_COLOURS", colours)
-        .env("SIDC_TEXTS", all)
-        .current_dir(root())
-        .output()
-        .unwrap();
-    assert!(
-        run.status.success(),
-        "{}",
-        String::from_utf8_lossy(&run.stderr)
-    );
-    let shown = String::from_utf8(run.stdout).unwrap();
-    let found: Vec<Value> = serde_json::from_str(shown.trim()).unwrap();
+    let found = in_neovim(&neovim, "trees", &all, &json!([parser, colours]));
+    let found = found["trees"].as_array().unwrap();
     Some(found.iter().map(tree).collect())
 }
 
