@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use sidc_data::draft::ChosenRoles;
-use sidc_data::{ArrayFault, Limits, Table};
+use sidc_data::{ArrayColumn, ArrayFault, Limits, Table};
 use sidc_lang::source::{Sources, printable};
 use sidc_system::result::FileEntry;
 
@@ -13,7 +13,8 @@ use crate::pipeline::Hashed;
 /// Records of one system: each is a set of arrays with names, as the columns of a file would be. Lengths, steps and starts may
 /// differ between records.
 ///
-/// Names are those of the model's signals, or the headers that its data block reads; `t` is time. NaN marks a missing value.
+/// Names are those of the model's signals, or the headers that its data block reads; `t` is time. NaN marks a missing value; an
+/// infinite one is refused where a model reads its array.
 ///
 /// ```
 /// use sidc::Data;
@@ -44,7 +45,7 @@ impl Data {
     /// Adds a record called `run 1`, `run 2`, …; `columns` are pairs of a name and M values.
     ///
     /// # Errors
-    /// [`ErrorKind::Data`]: no values, arrays of different lengths, a name twice, an infinite value.
+    /// [`ErrorKind::Data`]: no values, arrays of different lengths, a name twice.
     pub fn run<N, V>(self, columns: impl IntoIterator<Item = (N, V)>) -> Result<Data, Error>
     where
         N: Into<String>,
@@ -68,8 +69,8 @@ impl Data {
         V: Into<Vec<f64>>,
     {
         let columns = columns.into_iter();
-        let columns = columns.map(|(n, v)| (n.into(), v.into())).collect();
-        let table = Table::from_arrays(name, columns);
+        let columns = columns.map(|(n, v)| (n.into(), ArrayColumn::Numbers(v.into())));
+        let table = Table::from_columns(name, columns.collect());
         self.tables
             .push(table.map_err(|fault| refused(name, fault))?);
         Ok(self)
@@ -172,12 +173,6 @@ fn refused(run: &str, fault: ArrayFault) -> Error {
                     1 => "1 value".into(),
                     n => format!("{n} values"),
                 }
-            ),
-        ),
-        ArrayFault::Infinite { name, row } => (
-            "out-of-range",
-            format!(
-                "the array {name} of {run} is infinite at place {row}, counted from 0\n  = help: mark missing values by NaN"
             ),
         ),
     };

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -46,8 +47,13 @@ class Measured:
         return place
 
     def _add_file(self, path: str | os.PathLike[str]) -> None:
+        name = os.path.basename(os.fspath(path))
+        known = len(self.native.notes())
         with open(path, "rb") as file:
-            self.native.file(os.path.basename(os.fspath(path)), file.read())
+            self.native.file(name, file.read())
+        for note in self.native.notes()[known:]:
+            # Of who calls a method of a model or a result.
+            warnings.warn(note, stacklevel=5)
 
     def _add_columns(self, name: str, table: Any) -> None:
         columns, others = _tables.columns(table)

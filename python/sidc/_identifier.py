@@ -186,7 +186,9 @@ class Identifier:
         from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
 
         target = TargetTags(required=False, multi_output=True)
-        return Tags(estimator_type="regressor", target_tags=target, regressor_tags=RegressorTags(), input_tags=InputTags())
+        # NaN marks a reading that is missing.
+        given = InputTags(allow_nan=True)
+        return Tags(estimator_type="regressor", target_tags=target, regressor_tags=RegressorTags(), input_tags=given)
 
     def __repr__(self) -> str:
         defaults = _defaults(type(self))
@@ -206,10 +208,20 @@ class Identifier:
         columns = _columns_of(X)
         if columns and self.columns_ and columns != self.columns_:
             raise ValueError(f"X has the columns {', '.join(columns)}, and was fitted with {', '.join(self.columns_)}")
+        for x in X if _are_several(X) else [X]:
+            features = _tables.matrix(x).shape[1]
+            if features != self.n_features_in_:
+                kind = type(self).__name__
+                # The words of scikit-learn, which programs look for.
+                text = f"X has {features} features, but {kind} is expecting {self.n_features_in_} features as input"
+                raise ValueError(f"{text}. Reshape your data: rows are samples, columns are states")
 
     def _rates(self, trials: Sequence[_Trial]) -> list[NDArray[float64]]:
         """What the equations give at each row of each trajectory."""
         self._check_fitted()
+        if self.result_.failed:
+            missing = ", ".join(entry["target"] for entry in self.result_.failed)
+            raise ValueError(f"no equation was found for {missing}; result_.failed says why")
         function = self.result_.function()
         # Of u the columns that the equations mention.
         given = [self.input_names_in_.index(name) for name in function.inputs]
@@ -257,6 +269,9 @@ class _Trial:
         import numpy as np
 
         self.x = _tables.matrix(x)
+        if 0 in self.x.shape:
+            what = "feature(s)" if len(self.x) else "sample(s)"
+            raise ValueError(f"Found array with 0 {what} (shape={self.x.shape}) while a minimum of 1 is required.")
         given = _tables.index_times(x) if t is None else t
         if given is None or np.ndim(given) == 0:
             step = t_default if given is None else float(given)

@@ -9,8 +9,8 @@ from typing import Any
 from . import _sidc
 from ._data import Measured
 from ._options import PROOFS, Noise, Span, search_options
-from ._parts import LOOK_AT, Gathered, Reducer, gather, parts_of
-from ._progress import Progress
+from ._parts import LOOK_AT, Gathered, Parts, Reducer, gather
+from ._progress import Progress, over_parts
 from ._result import Result
 
 
@@ -136,12 +136,15 @@ class Model:
         errors from all rows. Where all rows say something else than those looked at, that is the doubt `rows-differ`.
 
         holdout: the part of the rows looked at that no equation is found from, behind each stretch.
+        time_limit: seconds for the search among the rows looked at, once all parts are read.
 
         The other options are those of `identify`. Derivatives that are not measured are estimated within each part. Hidden states,
         unknown constants, constraints and libraries of more than 400 terms need all rows at once: `Error` says so.
         """
         options, reducer = self._reducer(look_at, holdout, noise, params, horizon, good)
-        return self._identify_gathered(gather(reducer, parts_of(parts)), options, params, time_limit, progress)
+        source = Parts.of(parts)
+        gathered = gather(reducer, over_parts(source.tables, source.count, progress))
+        return self._identify_gathered(gathered, options, params, time_limit, progress)
 
     def _reducer(
         self,

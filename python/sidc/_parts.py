@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -150,14 +150,23 @@ def measured(runs: Sequence[Columns], params: Mapping[str, float] | None) -> Mea
     return Measured.of([dict(run) for run in runs], params)
 
 
-def parts_of(source: Any) -> Iterable[Any]:
-    """The parts of a source: the batches of a Parquet file, or the tables that it yields."""
-    if isinstance(source, (str, os.PathLike)):
-        return _batches(source)
-    if isinstance(source, Iterable) and not isinstance(source, Mapping):
-        return source
-    kind = type(source).__name__
-    raise TypeError(f"parts are the path of a Parquet file or tables one after another, not {kind}; a table in memory is for `identify`")
+@dataclass
+class Parts:
+    """The parts of a source, one after another."""
+
+    tables: Iterable[Any]
+    count: int | None
+    """How many there are, where that is known."""
+
+    @staticmethod
+    def of(source: Any) -> Parts:
+        """The batches of a Parquet file, or the tables that the source yields."""
+        if isinstance(source, (str, os.PathLike)):
+            return _batches(source)
+        if isinstance(source, Iterable) and not isinstance(source, Mapping):
+            return Parts(source, len(source) if isinstance(source, Sized) else None)
+        kind = type(source).__name__
+        raise TypeError(f"parts are the path of a Parquet file or tables one after another, not {kind}; a table in memory is for `identify`")
 
 
 def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
@@ -165,29 +174,38 @@ def gather(reducer: Reducer, parts: Iterable[Any]) -> Gathered:
     cores = os.cpu_count() or 1
     gathered = Gathered(reducer)
     waiting: deque[Future[Part | None]] = deque()
-    with ThreadPoolExecutor(cores) as pool:
-        try:
-            for place, part in enumerate(parts):
-                waiting.append(pool.submit(reducer.reduce, part, place + 1))
-                if len(waiting) > cores:
-                    gathered.add(waiting.popleft().result())
-            while waiting:
+    pool = ThreadPoolExecutor(cores)
+    try:
+        for place, part in enumerate(parts):
+            waiting.append(pool.submit(reducer.reduce, part, place + 1))
+            if len(waiting) > cores:
                 gathered.add(waiting.popleft().result())
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+        while waiting:
+            gathered.add(waiting.popleft().result())
+    finally:
+        # After Ctrl-C nobody waits for the parts at hand.
+        pool.shutdown(wait=False, cancel_futures=True)
     return gathered
 
 
-def _batches(path: str | os.PathLike[str]) -> Iterator[Any]:
+def _batches(path: str | os.PathLike[str]) -> Parts:
     try:
         from pyarrow.parquet import ParquetFile
     except ImportError:
         raise ImportError("the parts of a Parquet file are read by pyarrow: install it, or give tables one after another") from None
     import pyarrow
 
-    with ParquetFile(path) as file:
-        for batch in file.iter_batches(batch_size=BATCH):
-            yield pyarrow.Table.from_batches([batch])
+    try:
+        file = ParquetFile(path)
+    except pyarrow.ArrowInvalid as error:
+        raise ValueError(f"{os.fspath(path)} is no Parquet file that pyarrow reads: {error}") from None
+
+    def tables() -> Iterator[Any]:
+        with file:
+            for batch in file.iter_batches(batch_size=BATCH):
+                yield pyarrow.Table.from_batches([batch])
+
+    return Parts(tables(), -(-file.metadata.num_rows // BATCH))
 
 
 def _rows(columns: Columns, start: int, end: int) -> Columns:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from types import TracebackType
 from typing import Any
@@ -20,7 +20,7 @@ class Progress:
     def __init__(self, targets: Sequence[str], wanted: bool | None) -> None:
         self._targets = targets
         self._bar: Any = None
-        self._shows = (wanted or (wanted is None and _is_watched())) and find_spec("tqdm") is not None
+        self._shows = _shows(wanted)
         self._show_at = time.monotonic() + (0.0 if wanted else DELAY)
 
     def __enter__(self) -> Progress:
@@ -39,7 +39,7 @@ class Progress:
         if self._bar is None:
             if time.monotonic() < self._show_at:
                 return
-            self._bar = _bar(len(self._targets))
+            self._bar = _bar(total=len(self._targets), unit="equation")
         done = min(place, len(self._targets))
         name = f"{self._targets[place]}: " if place < len(self._targets) else ""
         self._bar.set_description(name + words, refresh=False)
@@ -47,12 +47,24 @@ class Progress:
         self._bar.refresh()
 
 
-def _bar(total: int) -> Any:
+def over_parts(parts: Iterable[Any], count: int | None, wanted: bool | None) -> Iterable[Any]:
+    """The parts of a table, with a bar that counts them."""
+    if not _shows(wanted):
+        return parts
+    counted: Iterable[Any] = _bar(parts, total=count, unit="part", delay=0.0 if wanted else DELAY)
+    return counted
+
+
+def _shows(wanted: bool | None) -> bool:
+    return (wanted or (wanted is None and _is_watched())) and find_spec("tqdm") is not None
+
+
+def _bar(*parts: Iterable[Any], **options: Any) -> Any:
     with warnings.catch_warnings():
         # In a notebook without widgets tqdm draws a bar of text, and says so.
         warnings.simplefilter("ignore")
         import tqdm.auto
-    return tqdm.auto.tqdm(total=total, unit="equation", leave=False)
+    return tqdm.auto.tqdm(*parts, leave=False, **options)
 
 
 def _is_watched() -> bool:

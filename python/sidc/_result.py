@@ -116,7 +116,7 @@ class Result:
 
     def function(self) -> Function:
         """The equations as a function for `scipy.integrate.solve_ivp`, with its Jacobian."""
-        return Function(self._native.right_side())
+        return Function(self._native)
 
     def to_sympy(self) -> list[Any]:
         """The equations as they were found: a `sympy.Eq` for each derivative, next value or output."""

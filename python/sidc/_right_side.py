@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Union
 
+from . import _sidc
+
 if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import ArrayLike, NDArray
-
-    from . import _sidc
 
     Inputs = Union[ArrayLike, Callable[[float], ArrayLike]]
 
@@ -25,9 +25,10 @@ class Function:
     that the equations do not have is NaN.
     """
 
-    def __init__(self, native: _sidc.RightSide) -> None:
-        self._native = native
-        self._delays = native.input_delays
+    def __init__(self, found: _sidc.Discovery) -> None:
+        self._found = found
+        self._native = found.right_side()
+        self._delays = self._native.input_delays
 
     @property
     def states(self) -> list[str]:
@@ -51,6 +52,9 @@ class Function:
         given = f", [{', '.join(self.inputs)}]" if self.inputs else ""
         return f"<sidc.Function f(t, [{', '.join(self.states)}]{given})>"
 
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        return _of_document, (self._found.to_json(),)
+
     def _arguments(self, t: Any, y: Any, u: Any) -> tuple[Any, Any, Any]:
         import numpy as np
 
@@ -68,3 +72,8 @@ class Function:
         import numpy as np
 
         return np.array([np.atleast_1d(u(t - delay))[place] for place, delay in enumerate(self._delays)])
+
+
+def _of_document(text: str) -> Function:
+    """The equations of a result document, in the process that a function was sent to."""
+    return Function(_sidc.Discovery.from_json(text))

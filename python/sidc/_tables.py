@@ -163,9 +163,10 @@ def matrix(values: Any) -> NDArray[float64]:
 
     if hasattr(values, "toarray"):
         raise TypeError("a sparse matrix is no measurement: give X.toarray()")
-    if np.iscomplexobj(values):
+    array = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values)
+    if np.iscomplexobj(array):
         raise ValueError("Complex data not supported: give real and imaginary parts as columns of their own")
-    array = np.asarray(_unmasked(values) if isinstance(values, np.ma.MaskedArray) else values, dtype=np.float64)
+    array = array.astype(np.float64, copy=False)
     return array[:, None] if array.ndim == 1 else array
 
 

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedBytes;
 
 use crate::raised::raised;
+use crate::watching::{Watch, watched};
 
 /// Records of one system.
 #[pyclass(module = "sidc._sidc")]
@@ -46,10 +48,10 @@ impl Data {
         Ok(())
     }
 
-    /// Adds a record from the bytes of a file.
-    fn file(&mut self, py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<()> {
+    /// Adds a record from the bytes of a file. After Ctrl-C there are no records.
+    fn file(&mut self, py: Python<'_>, name: String, bytes: PyBackedBytes) -> PyResult<()> {
         let before = self.take();
-        let more = py.detach(|| before.file(name, bytes));
+        let more = watched(py, Watch::default(), move |_| before.file(&name, &*bytes))?;
         self.inner = Arc::new(more.map_err(|e| raised(py, &e))?);
         Ok(())
     }

@@ -96,7 +96,9 @@ impl Model {
 
     /// Reduces the rows of a part of a table.
     fn reduce(&self, py: Python<'_>, part: &Data, options: &Options) -> PyResult<Reduced> {
-        let reduced = py.detach(|| self.inner.reduce(&part.inner, &options.inner));
+        let (model, part) = (self.inner.clone(), part.inner.clone());
+        let options = options.inner.clone();
+        let reduced = watched(py, Watch::default(), move |_| model.reduce(&part, &options))?;
         let inner = reduced.map_err(|e| raised(py, &e))?;
         Ok(Reduced { inner })
     }

@@ -137,6 +137,14 @@ def test_matrices_of_matlab_are_columns(tmp_path: Path) -> None:
         assert refused.value.codes == ["damaged-file"]
 
 
+def test_what_a_file_loses_is_a_warning(root: Path, tmp_path: Path) -> None:
+    log = (root / "crates/formats/tests/data/pendulum.ulg").read_bytes()
+    (tmp_path / "cut.ulg").write_bytes(log[:20_000])
+    with pytest.warns(UserWarning, match="cut.ulg: not read as columns: what follows byte 19979, in the middle of a message") as told:
+        sidc.new(tmp_path / "cut.ulg")
+    assert told[0].filename == __file__
+
+
 def test_a_file_that_is_none_says_why(tmp_path: Path) -> None:
     model = sidc.Model("state x\ndx ~ poly(x; 2)\n")
     with pytest.raises(FileNotFoundError):

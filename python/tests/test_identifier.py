@@ -13,6 +13,7 @@ from sklearn.base import clone
 from sklearn.model_selection import GridSearchCV, TimeSeriesSplit, cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import FunctionTransformer
+from sklearn.utils.estimator_checks import check_estimator
 
 import sidc
 
@@ -158,3 +159,46 @@ def test_model_selection_of_scikit_learn(lorenz: Record) -> None:
     pipeline.fit(X, identifier__t=0.005)
     assert pipeline.predict(X[:5]).shape == (5, 3)
     assert pipeline[-1].result_.equations[1].coefficients["x*z"] == pytest.approx(-10, abs=1e-2)
+
+
+class OfStates(sidc.Identifier):
+    """Without targets: those of scikit-learn's checks are no derivatives of X."""
+
+    def fit(self, X: Any, y: Any = None) -> OfStates:  # type: ignore[override]
+        super().fit(X)
+        return self
+
+    def score(self, X: Any, y: Any = None) -> float:  # type: ignore[override]
+        return super().score(X)
+
+
+def test_the_conventions_of_scikit_learn_hold() -> None:
+    checks = check_estimator(OfStates(), on_skip=None, on_fail=None)
+    # Most of its samples are drawn at random and have no law, and without equations nothing is predicted.
+    wrong = [c for c in checks if c["status"] == "failed" and "no equation was found" not in str(c["exception"])]
+    assert {c["check_name"] for c in wrong} == {
+        # Targets are left away here; `test_rows_that_do_not_fit_are_refused` has them.
+        "check_regressors_train",
+        "check_supervised_y_no_nan",
+        # One column is one state, as PySINDy has it.
+        "check_fit1d",
+    }
+    assert sum(c["status"] == "passed" for c in checks) >= 30
+
+
+def test_rows_that_do_not_fit_are_refused(lorenz: Record) -> None:
+    t, X = lorenz
+    model = sidc.Identifier(library="poly(x, y, z; 2)").fit(X, t=t)
+    with pytest.raises(ValueError, match="X has 2 features, but Identifier is expecting 3 features"):
+        model.predict(X[:, :2])
+    with pytest.raises(ValueError, match=r"0 sample\(s\) \(shape=\(0, 3\)\)"):
+        sidc.Identifier().fit(X[:0], t=t[:0])
+    with pytest.raises(ValueError, match="x_dot has 5 rows, and X has"):
+        sidc.Identifier().fit(X, t=t, x_dot=X[:5])
+    rates = np.gradient(X, t, axis=0)
+    rates[7, 1] = np.inf
+    with pytest.raises(sidc.Error, match="inf"):
+        sidc.Identifier().fit(X, t=t, x_dot=rates)
+    noise = np.random.default_rng(0).normal(size=(40, 2))
+    with pytest.raises(ValueError, match="no equation was found for dx0, dx1; result_.failed says why"):
+        sidc.Identifier(library="poly(x0, x1; 1)").fit(noise).predict(noise)

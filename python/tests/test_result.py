@@ -56,6 +56,8 @@ def test_unknown_constants_have_values(root: Path) -> None:
     assert constant.name == "K"
     assert constant.value == pytest.approx(0.3, rel=1e-3)
     assert result.function()(0.0, [0.3]) == pytest.approx([0.6 - 1.5 / 2], rel=1e-3)
+    elsewhere = pickle.loads(pickle.dumps(result.function()))
+    assert elsewhere(0.0, [0.3]) == result.function()(0.0, [0.3])
 
 
 def test_functions_are_those_of_the_exported_code(pendulum: tuple[dict[str, np.ndarray], sidc.Result]) -> None:

@@ -8,6 +8,9 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,6 +43,33 @@ def test_ctrl_c_ends_work_within_half_a_second() -> None:
         timer.start()
         with pytest.raises(KeyboardInterrupt):
             model.identify(data, method="regression")
+        assert time.monotonic() - sent[-1] < 0.5
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are those of Unix")
+def test_ctrl_c_ends_reading_and_reducing_at_once(tmp_path: Path) -> None:
+    model = sidc.Model("state x\ndx ~ poly(x; 3)\n")
+    rows = "\n".join(f"{0.001 * k:.3f},{k % 997},{k % 331}" for k in range(1_000_000))
+    path = tmp_path / "large.csv"
+    path.write_text(f"t,x,dx\n{rows}\n")
+    t = np.arange(2_000_000) * 1e-3
+    part = {"t": t, "x": np.sin(t), "dx": np.cos(t)}
+
+    def forever() -> Iterator[dict[str, np.ndarray]]:
+        while True:
+            yield part
+
+    work: list[Callable[[], Any]] = [lambda: model.identify(path), lambda: model.identify_parts(forever())]
+    for one in work:
+        sent: list[float] = []
+
+        def interrupt(sent: list[float] = sent) -> None:
+            sent.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Timer(0.1, interrupt).start()
+        with pytest.raises(KeyboardInterrupt):
+            one()
         assert time.monotonic() - sent[-1] < 0.5
 
 

@@ -16,6 +16,8 @@ family! {
         range: usize = 1_000, unit "names", source "set by hand";
         /// Terms of a library that are listed.
         terms: usize = 12, unit "terms", source "set by hand: more fill the screen";
+        /// Terms of a library that are offered where one is named.
+        offered: usize = 500, unit "terms", source "set by hand: a list that an editor filters as one types";
         /// Times that a text with errors is compiled without the statements that have them, for the sizes of its libraries.
         attempts: usize = 3, unit "times", source "set by hand: a declaration, the lets that use it, the equations that use those";
         /// Messages that wait to be answered before the editor has to wait.

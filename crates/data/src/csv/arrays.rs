@@ -22,8 +22,6 @@ pub enum ArrayFault {
         name: String,
         length: usize,
     },
-    /// An infinite value, by its column and row, counted from 0.
-    Infinite { name: String, row: usize },
 }
 
 impl Display for ArrayFault {
@@ -40,9 +38,6 @@ impl Display for ArrayFault {
                     f,
                     "column \"{name}\" has {length} rows, the first one {first}"
                 )
-            }
-            ArrayFault::Infinite { name, row } => {
-                write!(f, "column \"{name}\" is infinite in row {}", row + 1)
             }
         }
     }
@@ -65,27 +60,6 @@ impl ArrayColumn {
 }
 
 impl Table {
-    /// The table of named arrays, all of one length R.
-    ///
-    /// # Errors
-    /// The first fault.
-    pub fn from_arrays(name: &str, arrays: Vec<(String, Vec<f64>)>) -> Result<Table, ArrayFault> {
-        let columns = arrays.into_iter();
-        let columns = columns.map(|(name, values)| (name, ArrayColumn::Numbers(values)));
-        let table = Table::from_columns(name, columns.collect())?;
-        // Nothing else is at fault in a column of numbers.
-        let infinite = table.rows.faults.iter().zip(&table.headers);
-        let mut infinite =
-            infinite.filter_map(|(faults, name)| Some((faults.first.first()?.0, name)));
-        match infinite.next() {
-            Some((row, name)) => Err(ArrayFault::Infinite {
-                name: name.clone(),
-                row,
-            }),
-            None => Ok(table),
-        }
-    }
-
     /// The table of named columns, all of one length R. Texts and infinite values are cells that are no numbers, as they are in a file of
     /// text: they matter only if a model uses their column.
     ///
@@ -142,8 +116,9 @@ mod tests {
     use sidc_lang::source::Sources;
 
     fn table(arrays: &[(&str, &[f64])]) -> Result<Table, ArrayFault> {
-        let owned = arrays.iter().map(|(n, v)| (n.to_string(), v.to_vec()));
-        Table::from_arrays("run 1", owned.collect())
+        let numbers = |v: &[f64]| ArrayColumn::Numbers(v.to_vec());
+        let columns = arrays.iter().map(|(n, v)| (n.to_string(), numbers(v)));
+        Table::from_columns("run 1", columns.collect())
     }
 
     #[test]
@@ -197,14 +172,6 @@ mod tests {
                 first,
                 name,
                 length: 0
-            }
-        );
-        let infinite = table(&[("t", &[0.0, f64::INFINITY])]).unwrap_err();
-        assert_eq!(
-            infinite,
-            ArrayFault::Infinite {
-                name: "t".into(),
-                row: 1
             }
         );
     }

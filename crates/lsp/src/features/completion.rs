@@ -11,13 +11,15 @@ use lsp_types::{
 };
 use sidc_lang::ast::Keyword;
 use sidc_lang::library::GENERATORS;
-use sidc_lang::term::FUNCTIONS;
+use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 
+use crate::analysis::libraries::sought;
 use crate::analysis::symbols::{Symbol, SymbolKind};
 use crate::analysis::tables::TableHeader;
 use crate::analysis::words::{Role, Word};
 use crate::features::completion_context::{Context, context};
 use crate::text::document::Document;
+use crate::thresholds::EDITOR;
 use crate::vocabulary::{self, Entry};
 
 pub fn items(
@@ -43,6 +45,7 @@ pub fn items(
         Context::Column { quoted } => list.columns(&tables(), quoted),
         Context::Variables => list.variables(),
         Context::Target => list.targets(),
+        Context::Term { of: (start, end) } => list.terms(document.slice(start..end)),
         Context::Expression => list.expression(),
     }
     list.out
@@ -266,6 +269,23 @@ impl List<'_> {
         let discrete = self.is_discrete();
         for target in symbols.iter().filter_map(|s| target_of(s, discrete)) {
             self.push(&target, &target, Kind::VARIABLE, "target".into(), 1);
+        }
+    }
+
+    /// The terms of an equation's library; what terms are made of if nothing is sought there.
+    fn terms(&mut self, target: &str) {
+        let document = self.document;
+        let sought = document.program().and_then(|program| {
+            let mut all = sought(program);
+            let (_, library) = all.find(|(e, _)| program.model.name(e.target) == target)?;
+            Some((Language(&program.model), library))
+        });
+        let Some((names, library)) = sought else {
+            return self.expression();
+        };
+        for (_, term) in library.terms().take(EDITOR.offered) {
+            let about = format!("term of {target}");
+            self.literal(&names.term(&term), Kind::VALUE, about, 1);
         }
     }
 

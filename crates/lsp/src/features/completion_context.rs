@@ -27,6 +27,10 @@ pub enum Context {
     Variables,
     /// The first argument of `coef`.
     Target,
+    /// The second one: a term of the equation of the first, which stands in these bytes.
+    Term {
+        of: (usize, usize),
+    },
     Expression,
 }
 
@@ -131,6 +135,10 @@ impl Place<'_> {
             {
                 Context::Target
             }
+            Some(Keyword::Coef | Keyword::Constrain) => match self.target() {
+                Some(of) => Context::Term { of },
+                None => self.fresh(Context::Expression),
+            },
             Some(Keyword::Let) if !self.in_statement().any(|w| self.is(w, "=")) => Context::Nothing,
             Some(Keyword::Sidc | Keyword::System) => Context::Nothing,
             Some(Keyword::Limit) => Context::Limit,
@@ -138,6 +146,16 @@ impl Place<'_> {
             Some(Keyword::Symmetry) => Context::Variables,
             _ => self.fresh(Context::Expression),
         }
+    }
+
+    /// The first argument of the `coef` whose second argument begins here.
+    fn target(&self) -> Option<(usize, usize)> {
+        let own: Vec<&Word> = self.in_statement().collect();
+        let opened = own.iter().position(|w| self.is(w, "("))?;
+        let called = own.get(opened + 1).is_some_and(|w| self.is(w, "coef"));
+        let first = own.get(opened.checked_sub(1)?)?;
+        let (comma, last) = (own.first()?, own.get(1)?);
+        (called && self.is(comma, ",")).then_some((first.bytes.start, last.bytes.end))
     }
 
     /// In quotes nothing is offered but columns.

@@ -127,3 +127,20 @@ fn constraints_offer_targets_and_symmetries_variables() {
     assert_eq!(offered(&format!("{model}constrain coef(|")), ["ddx", "ddy"]);
     assert_eq!(offered(&format!("{model}symmetry |")), ["u", "x", "y"]);
 }
+
+#[test]
+fn coefficients_offer_the_terms_of_their_equation() {
+    let model = "state x : order 2\ninput u\nddx ~ powers(x; 2) + <dx, sin(x)*u>\n";
+    let terms = ["1", "dx", "u*sin(x)", "x", "x^2"];
+    assert_eq!(
+        offered(&format!("{model}constrain coef(ddx, |) < 0")),
+        terms
+    );
+    assert_eq!(offered(&format!("{model}coef(ddx, s|")), terms);
+    let two = format!("{model}constrain coef(ddx, x) = 2*coef(ddx, |)");
+    assert_eq!(offered(&two), terms);
+    let discrete = "state x\ninput u\nnext x ~ <x, u>\nconstrain coef(next x, |) < 1";
+    assert_eq!(offered(discrete), ["u", "x"]);
+    // No library: what terms are made of.
+    assert!(offered(&format!("{model}constrain coef(dq, |")).contains(&"sin".to_string()));
+}

@@ -217,37 +217,40 @@ fn fit(used: &[Along], rows: usize) -> Option<DMatrix<f64>> {
                     Some((regressors(*on, row, &x, rows, past)?, next))
                 };
                 if let Some((regressors, next)) = pair() {
-                    left.push(DVector::from_vec(regressors));
-                    right.push(DVector::from_vec(next));
+                    left.push(regressors);
+                    right.push(next);
                 }
             }
         }
     }
     let columns = left.first()?.len();
-    if left.len() < 2 * columns {
-        return None;
+    match left.len() < 2 * columns {
+        true => None,
+        false => ridge_regression(&stacked(&left), &stacked(&right)),
     }
-    let (mut normal, mut product) = (
-        DMatrix::zeros(columns, columns),
-        DMatrix::zeros(columns, right.first()?.len()),
-    );
-    for (a, b) in left.iter().zip(&right) {
-        normal.ger(1.0, a, a, 1.0);
-        product.ger(1.0, a, b, 1.0);
+}
+
+fn stacked(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    let columns = rows.first().map_or(0, Vec::len);
+    DMatrix::from_row_iterator(rows.len(), columns, rows.iter().flatten().copied())
+}
+
+/// X that minimises ‖A X − B‖² and a little of ‖X‖², by QR: products of A with itself would lose half of the digits.
+fn ridge_regression(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let (m, n) = a.shape();
+    let size = |norm: f64| if norm > 0.0 { norm } else { 1.0 };
+    let sizes: Vec<f64> = a.column_iter().map(|c| size(c.norm())).collect();
+    let mut augmented = a.clone().resize_vertically(m + n, 0.0);
+    for (j, size) in sizes.iter().enumerate() {
+        augmented.column_mut(j).scale_mut(1.0 / size);
+        augmented[(m + j, j)] = LINEAR_MODEL.ridge.sqrt();
     }
-    let sizes = normal
-        .diagonal()
-        .map(|s: f64| if s > 0.0 { s.sqrt() } else { 1.0 });
-    let scaled = DMatrix::from_fn(columns, columns, |i, j| {
-        let ridge = if i == j { LINEAR_MODEL.ridge } else { 0.0 };
-        normal[(i, j)] / (sizes[i] * sizes[j]) + ridge
-    });
-    for (mut row, size) in product.row_iter_mut().zip(sizes.iter()) {
-        row /= *size;
-    }
-    let mut solved = scaled.cholesky()?.solve(&product);
-    for (mut row, size) in solved.row_iter_mut().zip(sizes.iter()) {
-        row /= *size;
+    let qr = augmented.qr();
+    let mut right = b.clone().resize_vertically(m + n, 0.0);
+    qr.q_tr_mul(&mut right);
+    let mut solved = qr.r().solve_upper_triangular(&right.rows(0, n))?;
+    for (mut row, size) in solved.row_iter_mut().zip(sizes) {
+        row /= size;
     }
     solved.iter().all(|v| v.is_finite()).then_some(solved)
 }
