@@ -45,8 +45,8 @@ fn fastest(calls: usize, mut call: impl FnMut()) -> f64 {
 const LOOP: &str = r#"
 #include <stdio.h>
 #include <time.h>
-void sidc_derivatives(double t, const double *state, const double *input, double *rate);
-void sidc_jacobian(double t, const double *state, const double *input, double *slope);
+void pendulum_on_cart_derivatives(double t, const double *state, const double *input, double *rate);
+void pendulum_on_cart_jacobian(double t, const double *state, const double *input, double *slope);
 static double now(void) { struct timespec s; clock_gettime(CLOCK_MONOTONIC, &s); return 1e9 * s.tv_sec + s.tv_nsec; }
 typedef void function(double, const double *, const double *, double *);
 static double fastest(function *f, int which, double *sum) {
@@ -63,7 +63,7 @@ static double fastest(function *f, int which, double *sum) {
 }
 int main(void) {
     double sum = 0.0;
-    const double rate = fastest(sidc_derivatives, 1, &sum), slope = fastest(sidc_jacobian, 5, &sum);
+    const double rate = fastest(pendulum_on_cart_derivatives, 1, &sum), slope = fastest(pendulum_on_cart_jacobian, 5, &sum);
     printf("%.1f ns, Jacobian %.1f ns\n", rate, slope);
     return sum == 0.0;
 }

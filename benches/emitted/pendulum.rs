@@ -80,6 +80,18 @@ pub fn jacobian_input(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [[f64; 1]; 
     slope
 }
 
+/// One step of length h by the classical method of Runge and Kutta; what is not the state is held during it.
+#[allow(dead_code, clippy::all)]
+pub fn step(t: f64, h: f64, state: &[f64; 4], input: &[f64; 1]) -> [f64; 4] {
+    let (mut rate, mut sum) = ([0.0; 4], [0.0; 4]);
+    for (part, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        let point = core::array::from_fn(|i| state[i] + part * h * rate[i]);
+        rate = derivatives(t + part * h, &point, input);
+        sum = core::array::from_fn(|i| sum[i] + weight * rate[i]);
+    }
+    core::array::from_fn(|i| state[i] + h / 6.0 * sum[i])
+}
+
 /// Solves a linear system of two unknowns, column by column of the right side; NaN where it is singular.
 #[inline]
 #[allow(clippy::all)]

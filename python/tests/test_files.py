@@ -155,6 +155,9 @@ def test_a_file_that_is_none_says_why(tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", t=np.arange(9.0), y=np.arange(9.0), x=np.float64(3))
     with pytest.raises(sidc.Error, match=r"not read as columns: x \(one number, 3\)"):
         model.identify(tmp_path / "x.npz")
+    pq.write_table(pa.table({"t": np.arange(9.0), "x": np.arange(9.0)}), tmp_path / "packed.parquet", compression="brotli")
+    with pytest.raises(sidc.Error, match="packed.parquet is a Parquet file compressed by Brotli, which is not read"):
+        model.identify(tmp_path / "packed.parquet")
     whole = tmp_path / "cut.parquet"
     pq.write_table(pa.table({"t": np.arange(99.0), "x": np.arange(99.0)}), whole)
     whole.write_bytes(whole.read_bytes()[:-40])

@@ -91,8 +91,10 @@ fn c_agrees_with_the_evaluator() {
     );
     for (k, case) in cases.iter().enumerate() {
         // All systems in one file: each needs names of its own.
-        let code = emitted("c", case).replace("sidc_", &format!("m{k}_"));
-        let code = code.replace("SIDC_CONSTANTS", &format!("M{k}_CONSTANTS"));
+        let code = emitted("c", case);
+        let prefix = super::controllers::prefix(&code);
+        let code = code.replace(&format!("{prefix}_"), &format!("m{k}_"));
+        let code = code.replace(&format!("{}_", prefix.to_uppercase()), &format!("M{k}_"));
         let declared: String = code
             .lines()
             .filter(|l| l.starts_with("void "))

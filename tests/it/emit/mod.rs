@@ -1,6 +1,7 @@
 //! Emitted code is run and compared with our own evaluator (`languages.rs`); what people read is a snapshot.
 
 mod caveats;
+mod controllers;
 mod events;
 mod examples;
 mod languages;

@@ -92,6 +92,11 @@ pub(crate) trait Language: Syntax + Sized + Sync {
     /// The helpers that the code calls.
     fn helpers(&self, program: &Program) -> String;
 
+    /// The whole file as it is given away.
+    fn finished(&self, _program: &Program, text: String) -> String {
+        text
+    }
+
     /// What stands behind all functions.
     fn last(&self, _program: &Program) -> String {
         String::new()
@@ -119,7 +124,8 @@ impl<L: Language> Target for L {
         if L::DIALECT.helpers_first {
             parts.reverse();
         }
-        Ok(self.header(d, &program) + &parts.concat() + &self.last(&program))
+        let text = self.header(d, &program) + &parts.concat() + &self.last(&program);
+        Ok(self.finished(&program, text))
     }
 }
 
@@ -227,11 +233,8 @@ pub(crate) fn used_helpers(all: &[(bool, &str)]) -> String {
     used.map(|(_, text)| *text).collect()
 }
 
-/// A text of steps from event to event with the sizes and the arguments of a program; empty where nothing jumps.
-pub(crate) fn event_steps(program: &Program, text: &str, arguments: (String, String)) -> String {
-    if program.switches.is_empty() {
-        return String::new();
-    }
+/// A text with the sizes and the arguments of a program.
+pub(crate) fn sized(program: &Program, text: &str, arguments: (String, String)) -> String {
     let (declared, passed) = arguments;
     text.replace("@N@", &program.form.state.len().to_string())
         .replace("@K@", &program.switches.len().to_string())

@@ -7,7 +7,7 @@ use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
-use crate::code::printer::{Dialect, Language, Printer, commented, event_steps, used_helpers};
+use crate::code::printer::{Dialect, Language, Printer, commented, sized, used_helpers};
 use crate::code::program::{Function, Newton, Program, Step};
 use sidc_lang::term::{Func, Node};
 use sidc_system::discovery::Discovery;
@@ -127,9 +127,12 @@ impl Language for Rust {
             .clone()
             .map(|a| format!(", {}: &[f64; {}]", a.name, a.signals.len()));
         let passed = other.map(|a| format!(", {}", a.name));
-        let steps = event_steps(program, STEPS, (declared.collect(), passed.collect()));
+        let arguments = (declared.collect::<String>(), passed.collect::<String>());
+        let steps = |text| sized(program, text, arguments.clone());
+        let jumps = !program.switches.is_empty();
         used_helpers(&[
-            (!program.switches.is_empty(), steps.as_str()),
+            (program.has_step(), &steps(STEP)),
+            (jumps, &steps(STEPS)),
             (program.solves(|n| n == 2), SOLVE_2),
             (program.solves(|n| n != 2), SOLVE),
             (newton, NEWTON),
@@ -161,6 +164,21 @@ impl Syntax for Rust {
 
 /// Steps from event to event.
 const STEPS: &str = include_str!("event_steps/steps.rs.txt");
+
+/// A step of the equations.
+const STEP: &str = "
+/// One step of length h by the classical method of Runge and Kutta; what is not the state is held during it.
+#[allow(dead_code, clippy::all)]
+pub fn step(t: f64, h: f64, state: &[f64; @N@]@ARGS@) -> [f64; @N@] {
+    let (mut rate, mut sum) = ([0.0; @N@], [0.0; @N@]);
+    for (part, weight) in [(0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)] {
+        let point = core::array::from_fn(|i| state[i] + part * h * rate[i]);
+        rate = derivatives(t + part * h, &point@PASS@);
+        sum = core::array::from_fn(|i| sum[i] + weight * rate[i]);
+    }
+    core::array::from_fn(|i| state[i] + h / 6.0 * sum[i])
+}
+";
 
 /// Without loops, three times as fast as `SOLVE`.
 const SOLVE_2: &str = "

@@ -4,7 +4,7 @@
 
 mod column;
 
-use parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type};
+use parquet::basic::{Compression, ConvertedType, LogicalType, TimeUnit, Type};
 use parquet::file::metadata::ColumnChunkMetaData;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
@@ -35,16 +35,17 @@ fn columns(bytes: Vec<u8>, budget: &mut Budget, limits: &Limits) -> Result<Vec<V
     let bytes = bytes::Bytes::from(bytes);
     let file = SerializedFileReader::new(bytes).map_err(|e| damaged(&e))?;
     let metadata = file.metadata();
-    let chunks = metadata
-        .row_groups()
-        .iter()
-        .flat_map(|group| group.columns());
+    let chunks = || metadata.row_groups().iter().flat_map(|g| g.columns());
     let is_placed = |chunk: &ColumnChunkMetaData| {
         let start = chunk.dictionary_page_offset();
         start.unwrap_or(chunk.data_page_offset()) >= 0 && chunk.compressed_size() >= 0
     };
-    if !chunks.into_iter().all(is_placed) {
+    if !chunks().all(is_placed) {
         return Err(Fault::damaged("a column begins before the file"));
+    }
+    if let Some(how) = chunks().find_map(unread_compression) {
+        let text = format!("a Parquet file compressed by {how}, which is not read");
+        return Err(Fault::unsupported(text).help("write it with compression=\"zstd\""));
     }
     let schema = metadata.file_metadata().schema_descr();
     let count = schema.num_columns();
@@ -75,6 +76,15 @@ fn columns(bytes: Vec<u8>, budget: &mut Budget, limits: &Limits) -> Result<Vec<V
         variables.push(Variable { name, content });
     }
     Ok(variables)
+}
+
+/// The compression of values that is not built in.
+fn unread_compression(chunk: &ColumnChunkMetaData) -> Option<&'static str> {
+    match chunk.compression() {
+        Compression::BROTLI(_) => Some("Brotli"),
+        Compression::LZO => Some("LZO"),
+        _ => None,
+    }
 }
 
 /// What the values of a column mean; none for lists, raw bytes and what else is no column.

@@ -359,6 +359,11 @@ impl Program {
         self.functions.iter().find(|f| f.kind == kind)
     }
 
+    /// True if a step without events can be made of its rates; in discrete time `next` is one.
+    pub fn has_step(&self) -> bool {
+        !self.discrete && self.switches.is_empty() && self.get(Kind::Rates).is_some()
+    }
+
     /// True if some function contains such a node.
     pub fn computes(&self, is: impl Fn(&Node) -> bool) -> bool {
         self.functions
