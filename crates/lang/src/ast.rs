@@ -218,6 +218,46 @@ pub struct Call {
     pub juxtaposed: bool,
 }
 
+impl File {
+    /// The statement that holds a place; they stand in the order of the text.
+    pub fn statement_at(&self, at: Span) -> Option<&Statement> {
+        let before = self
+            .statements
+            .partition_point(|s| s.span.start <= at.start);
+        let last = self.statements.get(before.checked_sub(1)?)?;
+        last.span.holds(at).then_some(last)
+    }
+
+    /// A part of the text with other words in it.
+    pub fn edited(&self, whole: Span, mut edits: Vec<(Span, String)>) -> String {
+        edits.sort_by_key(|(at, _)| at.start);
+        let text = |from: usize, to: usize| self.text.get(from..to).unwrap_or("");
+        let (mut out, mut from) = (String::new(), whole.start);
+        for (at, new) in edits {
+            out.push_str(text(from, at.start));
+            out.push_str(&new);
+            from = at.end;
+        }
+        out.push_str(text(from, whole.end));
+        out
+    }
+
+    /// Factors as they were written, without those that were between them; empty if there are none.
+    pub fn product_of<'a>(&self, factors: impl IntoIterator<Item = &'a (Side, Expr)>) -> String {
+        let mut out = String::new();
+        for (side, x) in factors {
+            out.push_str(match (out.is_empty(), side) {
+                (true, Side::Above) => "",
+                (true, Side::Below) => "1/",
+                (false, Side::Above) => "*",
+                (false, Side::Below) => "/",
+            });
+            out.push_str(self.text.get(x.span.start..x.span.end).unwrap_or(""));
+        }
+        out
+    }
+}
+
 impl StatementKind {
     /// The expressions of an equation, a constraint or what is said of coefficients, to be changed.
     pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
@@ -251,12 +291,33 @@ impl Expr {
 
     /// The first call that satisfies the condition, depth first, a call before its arguments.
     pub fn find_call(&self, sought: &impl Fn(&Call) -> bool) -> Option<&Expr> {
-        match &self.kind {
-            ExprKind::Call(call) if sought(call) => Some(self),
-            _ => self
-                .children()
-                .into_iter()
-                .find_map(|x| x.find_call(sought)),
+        self.find(&|e| matches!(&e.kind, ExprKind::Call(call) if sought(call)))
+    }
+
+    /// The first expression that satisfies the condition, depth first, itself before its parts.
+    pub fn find(&self, sought: &impl Fn(&Expr) -> bool) -> Option<&Expr> {
+        match sought(self) {
+            true => Some(self),
+            false => self.children().into_iter().find_map(|x| x.find(sought)),
+        }
+    }
+
+    /// The places of a name, those in the numbers of generators too.
+    pub fn places_of(&self, name: &str) -> Vec<Span> {
+        let mut out = Vec::new();
+        self.find_places(name, &mut out);
+        out
+    }
+
+    fn find_places(&self, name: &str, out: &mut Vec<Span>) {
+        if self.as_name() == Some(name) {
+            out.push(self.span);
+        }
+        let children = self.children().into_iter();
+        children.for_each(|x| x.find_places(name, out));
+        if let ExprKind::Call(call) = &self.kind {
+            let numbers = call.numbers.iter().flatten();
+            numbers.for_each(|x| x.find_places(name, out));
         }
     }
 

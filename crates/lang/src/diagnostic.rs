@@ -35,6 +35,8 @@ pub struct Diagnostic {
     pub help: Option<String>,
     /// The help as changes of the text, where it can be said so; each does it alone.
     pub fixes: Vec<Fix>,
+    /// Fixes that take the text around them into account: [`mod@super::fixes`] makes them, after the checks.
+    pub(crate) edits: Vec<Vec<Edit>>,
 }
 
 /// A change of the text: what stands at a place is replaced.
@@ -44,6 +46,41 @@ pub struct Fix {
     pub span: Span,
     /// Empty to delete.
     pub text: String,
+}
+
+/// A part of a fix, by what it does to the model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Edit {
+    /// Other text at a place; at an empty one it is inserted.
+    Replace(Span, String),
+    /// What a place is of goes: an attribute, a name, a term, an entry, an argument, else the statement; with the sign or line that it leaves
+    /// without use.
+    Remove(Span),
+    /// The statement at a place goes.
+    RemoveStatement(Span),
+    /// Exactly this goes, with its line.
+    RemoveLine(Span),
+    /// The attribute of the declaration at a place goes.
+    RemoveAttribute(Span, &'static str),
+    /// The declaration at a place gets an attribute, or another value of it.
+    Attribute(Span, &'static str, String),
+    /// A line of its own above the statement at a place, or below it.
+    Above(Span, String),
+    Below(Span, String),
+    /// The term that a library is a part of becomes the library.
+    Alone(Span),
+    /// A call becomes a summand of its own.
+    Summand(Span),
+    /// A name nothing else has, made of this one.
+    Rename(Span, String),
+    /// Another name wherever this one stands in the statement at a place.
+    RenameAll(Span, String, String),
+    /// The first statement moves above the second.
+    Move(Span, Span),
+    /// The name at a place is declared by another word.
+    Redeclare(Span, &'static str),
+    /// The library of the second equation is added to that of the first.
+    Join(Span, Span),
 }
 
 impl Diagnostic {
@@ -68,6 +105,7 @@ impl Diagnostic {
             notes: Vec::new(),
             help: None,
             fixes: Vec::new(),
+            edits: Vec::new(),
         }
     }
 
@@ -114,6 +152,31 @@ impl Diagnostic {
         let text = text.into();
         self.fixes.push(Fix { span, text });
         self
+    }
+
+    /// A change to what the help shows, unless that is shortened.
+    pub fn fix_if_whole(self, span: Span, text: impl Into<String>) -> Self {
+        let text = text.into();
+        match text.contains('…') {
+            true => self,
+            false => self.fix(span, text),
+        }
+    }
+
+    /// A change that follows the help, with what it needs around its place.
+    pub(crate) fn edit(self, edit: Edit) -> Self {
+        self.edit_all([edit])
+    }
+
+    /// Several changes that follow the help together.
+    pub(crate) fn edit_all(mut self, edits: impl IntoIterator<Item = Edit>) -> Self {
+        self.edits.push(edits.into_iter().collect());
+        self
+    }
+
+    /// What stands at a place is to go: [`Edit::Remove`].
+    pub(crate) fn remove(self, at: Span) -> Self {
+        self.edit(Edit::Remove(at))
     }
 
     pub fn is_error(&self) -> bool {

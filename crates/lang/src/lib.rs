@@ -10,6 +10,7 @@ pub mod added_state;
 pub mod ast;
 mod check;
 pub mod diagnostic;
+mod fixes;
 mod format;
 pub mod library;
 pub mod model;
@@ -44,6 +45,7 @@ pub fn compile(
     let (file, mut found) = parse(id, text);
     let (model, more) = check(&file, vocabulary);
     found.extend(more);
+    fixes::complete(&mut found, &file);
     found.sort_by_key(|d| (d.severity, place(d)));
     let failed = found.iter().any(Diagnostic::is_error);
     (model.filter(|_| !failed), found)

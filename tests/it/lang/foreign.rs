@@ -172,7 +172,7 @@ fn advice() {
         ("if x > 0", "`step(x)` is 1 for x > 0"),
         ("include \"motor.sid\"", "copy what it needs"),
         ("import numpy as np", "copy what it needs"),
-        ("function rhs(x)", "`let f(x) = x^2`"),
+        ("function rhs(x)", "`let rhs(x) = x^2`"),
         ("model Pendulum", "`system NAME`"),
         ("parameters {", "leave the line out"),
     ] {

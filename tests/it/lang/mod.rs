@@ -8,6 +8,7 @@ mod corners;
 mod docs;
 mod edges;
 mod families;
+mod fixes;
 mod foreign;
 mod formatting;
 mod functions;

@@ -30,7 +30,7 @@ pub fn write_out(file: &File) -> Option<(File, Vec<Diagnostic>)> {
         };
         let mut kind = statement.as_ref().clone();
         let size: usize = kind.expressions_mut().iter().map(|e| size(e)).sum();
-        let written = pass.values(over).and_then(|range| {
+        let written = pass.values(statement, over).and_then(|range| {
             let count = range.1 - range.0 + 1;
             nodes = nodes.saturating_add(size.saturating_mul(count as usize));
             if nodes > MODEL.model_nodes {
@@ -120,20 +120,53 @@ struct Member<'a> {
 
 impl Pass<'_> {
     /// The ends of a range of an index.
-    fn values(&self, over: &IndexRange) -> Result<(i64, i64), Diagnostic> {
+    fn values(
+        &self,
+        statement: &StatementKind,
+        over: &IndexRange,
+    ) -> Result<(i64, i64), Diagnostic> {
         if self.declared.contains(&over.name.text) {
-            return Err(errors::index_declared(over.name.span, &over.name.text));
+            return Err(errors::index_declared(
+                over.name.span,
+                &over.name.text,
+                &self.free_index(),
+            ));
         }
-        let whole = |e: &Expr| {
+        let whole = |e: &Expr, last: bool| {
             let value = self.number(e, None, 0);
-            value.ok_or_else(|| errors::index_end(e.span))
+            value.ok_or_else(|| errors::index_end(e.span, self.declared_end(statement, last)))
         };
-        let (from, to) = (whole(&over.from)?, whole(&over.to)?);
+        let (from, to) = (whole(&over.from, false)?, whole(&over.to, true)?);
         let at = over.from.span.to(over.to.span);
         if from < 0 || from > to || to - from >= MODEL.range as i64 {
             return Err(errors::index_ends(at, from, to, MODEL.range));
         }
         Ok((from, to))
+    }
+
+    /// The last number, or the first, of the declared names that a statement has an index for.
+    fn declared_end(&self, statement: &StatementKind, last: bool) -> Option<usize> {
+        let indexed = |e: &Expr| matches!(e.kind, ExprKind::Indexed(..));
+        let mut kind = statement.clone();
+        let expressions = kind.expressions_mut().into_iter();
+        let found: Vec<String> = expressions
+            .filter_map(|e| match &e.find(&indexed)?.kind {
+                ExprKind::Indexed(name, _) => Some(name.text.clone()),
+                _ => None,
+            })
+            .collect();
+        let stem = found.first()?.as_str();
+        let number = |n: &String| n.strip_prefix(stem)?.parse::<usize>().ok();
+        let numbers = self.declared.iter().filter_map(number);
+        if last { numbers.max() } else { numbers.min() }
+    }
+
+    /// A name for an index that nothing else has.
+    fn free_index(&self) -> String {
+        let usual = ["i", "j", "k", "m", "n"].map(str::to_string);
+        let more = (0..).map(|k| format!("i_{k}"));
+        let mut all = usual.into_iter().chain(more);
+        all.find(|n| !self.declared.contains(n)).unwrap_or_default()
     }
 
     /// The whole number that an expression of numbers, plain `let`s and the index is.
@@ -186,7 +219,7 @@ impl Pass<'_> {
             self.write(e, &member, &mut edits)?;
         }
         if let StatementKind::Equation { written, .. } = &mut kind {
-            *written = whole.map(|whole| self.edited(whole, edits));
+            *written = whole.map(|whole| self.file.edited(whole, edits));
         }
         Ok(Statement { span: s.span, kind })
     }
@@ -228,7 +261,7 @@ impl Pass<'_> {
     ) -> Result<String, Diagnostic> {
         let over = (member.over.name.text.as_str(), member.value);
         let Some(at) = self.number(index, Some(over), 0) else {
-            return Err(errors::index_not_whole(index.span));
+            return Err(errors::index_not_whole(index.span, over.0));
         };
         let (from, to) = member.range;
         let at = match member.over.cyclic {
@@ -272,19 +305,5 @@ impl Pass<'_> {
             })
         };
         (0..=letters).any(|k| stem.get(k..).is_some_and(|s| !s.is_empty() && numbered(s)))
-    }
-
-    /// A part of the text with other words in it, on one line and without comments.
-    fn edited(&self, whole: Span, mut edits: Vec<(Span, String)>) -> String {
-        edits.sort_by_key(|(at, _)| at.start);
-        let text = |from: usize, to: usize| self.file.text.get(from..to).unwrap_or("");
-        let (mut out, mut from) = (String::new(), whole.start);
-        for (at, new) in edits {
-            out.push_str(text(from, at.start));
-            out.push_str(&new);
-            from = at.end;
-        }
-        out.push_str(text(from, whole.end));
-        out
     }
 }

@@ -44,20 +44,20 @@ impl Checker<'_> {
     /// What the model says of a sensor that is not there.
     fn sensor(&self, model: &Model, id: VarId, var: &Var, at: Span) -> Vec<Diagnostic> {
         let said = [
-            (!var.noise.is_empty(), "the noise"),
-            (var.noise_memory.is_some(), "the memory"),
-            (var.delay.is_some(), "the delay"),
+            (!var.noise.is_empty(), "the noise", "noise"),
+            (var.noise_memory.is_some(), "the memory", "memory"),
+            (var.delay.is_some(), "the delay", "delay"),
         ];
         let said = said
             .into_iter()
-            .filter(|(is, _)| *is)
-            .map(|(_, what)| (at, what));
+            .filter(|(is, ..)| *is)
+            .map(|(_, what, key)| (at, what, Some(key)));
         let own = model.data.entries.iter().filter(|e| e.signal.var == id);
         let read = own
             .filter(|e| e.source.is_some())
-            .map(|e| (e.span, "the column"));
+            .map(|e| (e.span, "the column", None));
         let all = said.chain(read);
-        all.map(|(at, what)| errors::hidden_sensor(at, &var.name, what))
+        all.map(|(at, what, key)| errors::hidden_sensor((at, var.span), &var.name, what, key))
             .collect()
     }
 }

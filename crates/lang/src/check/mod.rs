@@ -11,6 +11,7 @@ mod hidden_states;
 mod own_functions;
 mod scope;
 mod statements;
+mod suggestions;
 mod time_domain;
 mod undeclared_constants;
 mod unknown_names;
@@ -134,7 +135,7 @@ impl<'a> Checker<'a> {
             let written = |s: &Statement| matches!(s.kind, StatementKind::Equation { .. });
             if !is_broken(None) && !self.statements().any(written) {
                 let at = self.file.statements.last().map(|s| s.span);
-                let missing = errors::no_equation(at, model, self.file.id);
+                let missing = errors::no_equation(at, model, self.file);
                 self.say(missing);
             }
             return;

@@ -44,14 +44,18 @@ impl Checker<'_> {
         };
         let base = text.trim_end_matches('\'');
         let undotted = base.trim_start_matches('d');
-        let is_derivative = base.len() < text.len() && self.scope.signal(base).is_some()
-            || (0..base.len() - undotted.len()).any(|k| {
-                base.get(k + 1..)
-                    .is_some_and(|rest| self.scope.signals.get(rest).is_some_and(|s| s.var.0 != 0))
-            });
-        if is_derivative {
-            self.say(errors::derivative_in_discrete(at, text, place));
-        }
-        is_derivative
+        let declared = |name: &&str| self.scope.signals.get(*name).is_some_and(|s| s.var.0 != 0);
+        let mut undotted = (0..base.len() - undotted.len()).filter_map(|k| base.get(k + 1..));
+        let dotted = base.len() < text.len() && self.scope.signal(base).is_some();
+        let own = dotted.then_some(base);
+        let Some(name) = own.or_else(|| undotted.find(declared)) else {
+            return false;
+        };
+        let ours = match self.is_target(at) {
+            true => format!("next {name}"),
+            false => format!("lag({name}, 1)"),
+        };
+        self.say(errors::derivative_in_discrete(at, text, &ours, place));
+        true
     }
 }

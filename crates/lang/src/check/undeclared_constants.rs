@@ -22,8 +22,9 @@ pub enum Undeclared {
 /// Undeclared numbers before the terms of an equation.
 pub struct Coefficients {
     names: Vec<PlacedName>,
-    /// The equation as a library: `dx ~ <x, 1>`.
+    /// The equation as a library, and its place: `dx ~ <x, 1>`.
     library: String,
+    equation: Span,
 }
 
 type PlacedName = (String, Span);
@@ -53,7 +54,11 @@ impl Checker<'_> {
             Some((names, terms)) if names.iter().any(|(_, place)| *place == at) => {
                 let targets = self.text(first.span.to(last.span));
                 let library = format!("{targets} ~ <{}>", terms.join(", "));
-                Undeclared::Coefficients(Coefficients { names, library })
+                Undeclared::Coefficients(Coefficients {
+                    names,
+                    library,
+                    equation: first.span.to(right.span),
+                })
             }
             _ => Undeclared::Other,
         }
@@ -61,7 +66,11 @@ impl Checker<'_> {
 
     /// The message about names before terms; they are not reported again.
     pub fn undeclared_coefficients(&mut self, at: Span, coefficients: &Coefficients) -> Diagnostic {
-        let Coefficients { names, library } = coefficients;
+        let Coefficients {
+            names,
+            library,
+            equation,
+        } = coefficients;
         let mut said: BTreeSet<&str> = BTreeSet::new();
         let mut d = Diagnostic::error(
             "unknown-signal",
@@ -78,6 +87,12 @@ impl Checker<'_> {
             };
         }
         let name = self.text(at);
+        let d = d.fix(*equation, library.as_str());
+        let d = match said.len() {
+            1 => self.declaring(d, at, &["state", "input"], name),
+            // One alone would leave the others.
+            _ => d,
+        };
         d.help(format!(
             "list the terms alone: `{library}`; if `{name}` is a signal, declare it: `state {name}` or `input {name}`"
         ))
@@ -161,19 +176,14 @@ impl Checker<'_> {
                 None => (Vec::new(), self.text(e.span).into()),
             };
         };
-        let (mut names, mut text) = (Vec::new(), String::new());
-        for (side, part) in parts {
-            if let Some(found) = undeclared(part) {
-                names.extend(found);
-                continue;
+        let (mut names, mut rest) = (Vec::new(), Vec::new());
+        for factor in parts {
+            match undeclared(&factor.1) {
+                Some(found) => names.extend(found),
+                None => rest.push(factor),
             }
-            text = match (text.is_empty(), side) {
-                (true, Side::Above) => self.text(part.span).into(),
-                (true, Side::Below) => format!("1/{}", self.text(part.span)),
-                (false, Side::Above) => format!("{text}*{}", self.text(part.span)),
-                (false, Side::Below) => format!("{text}/{}", self.text(part.span)),
-            };
         }
+        let mut text = self.file.product_of(rest);
         if text.is_empty() {
             text.push('1');
         }

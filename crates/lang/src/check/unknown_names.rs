@@ -6,7 +6,7 @@ use crate::ast::{Call, Expr as Ast, Keyword, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::check::undeclared_constants::Undeclared;
-use crate::diagnostic::{Diagnostic, Fix, did_you_mean};
+use crate::diagnostic::{Diagnostic, Edit, Fix, did_you_mean};
 use crate::model::VarKind;
 use crate::parse::confusables;
 use crate::parse::foreign_spellings::functions::{self, Meant};
@@ -44,7 +44,8 @@ impl Checker<'_> {
     pub fn unknown_name<T>(&mut self, at: Span, text: &str) -> Option<T> {
         let plain = text.trim_end_matches('\'');
         if plain != text && self.argument(plain).is_some() {
-            return self.fail(errors::argument_differentiated(at, plain));
+            let last = self.last_param(at);
+            return self.fail(errors::argument_differentiated(at, plain, last));
         }
         if self.scope.is_poisoned(text) || !self.reported.insert(text.to_string()) {
             return None;
@@ -69,16 +70,20 @@ impl Checker<'_> {
 
     fn describe_unknown(&self, at: Span, text: &str) -> Diagnostic {
         if self.function_named(text).is_some() {
-            return errors::function_without_argument(at, text, self.negated_name_after(at));
+            return self.without_argument(at, text);
         }
         if let Some(generator) = self.generator_named(text) {
-            return errors::generator_without_arguments(at, generator.name, generator.usage);
+            let example = self.generator_example(generator, None);
+            return errors::generator_without_arguments(at, generator.name, &example);
         }
         if self.is_own_function(text) {
-            return errors::function_without_argument(at, text, self.negated_name_after(at));
+            return self.without_argument(at, text);
         }
-        if let Some(later) = self.later_let(text) {
-            return errors::let_used_before(at, text, later);
+        if let Some((later, whole)) = self.later_let(text) {
+            return match whole.holds(at) {
+                true => errors::recursive(at, text, later),
+                false => errors::let_used_before(at, text, later),
+            };
         }
         let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
         let constant = functions::constant(text).map(str::to_string);
@@ -95,16 +100,22 @@ impl Checker<'_> {
         let known = self.scope.signal(&plain).is_some();
         match self.too_high_derivative(&plain).filter(|_| !known) {
             Some((help, fix)) => match fix {
-                Some(fix) => d.help(help).fix(fix.span, fix.text),
+                Some(fix) if plain == text => d.help(help).fix(fix.span, fix.text),
+                Some(fix) => d.help(help).edit_all([
+                    Edit::Replace(fix.span, fix.text),
+                    Edit::Replace(at, plain),
+                ]),
                 None => d.help(help),
             },
             None if meant.is_some() => d,
-            None if Keyword::named(text).is_some() => d.help(format!(
-                "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`; as a name declare it: \
-                 `state {text}`"
-            )),
+            None if Keyword::named(text).is_some() => d
+                .help(format!(
+                    "as the word that opens a statement `{text}` misses what it is about, before the `=` or `~`: complete it, or delete the \
+                     line; as a name declare it: `state {text}`"
+                ))
+                .edit(Edit::RemoveStatement(at)),
             None => match self.undeclared(at) {
-                Undeclared::InsideTerm => self.declaring(d, at, &["unknown", "state", "input"], text).help(format!(
+                Undeclared::InsideTerm => self.declaring(d, at, self.keywords_inside(at), text).help(format!(
                     "a number that is not known is sought with the terms: add the line `unknown {text}`; a signal or a known number is \
                      declared by `state {text}`, `input {text}` or `let {text} = …`"
                 )),
@@ -115,8 +126,17 @@ impl Checker<'_> {
         }
     }
 
+    /// What may declare a name inside of a term: an exponent is no signal.
+    fn keywords_inside(&self, at: Span) -> &'static [&'static str] {
+        let before = self.file.text.get(..at.start).unwrap_or("");
+        match before.trim_end_matches([' ', '(', '-']).ends_with('^') {
+            true => &["unknown"],
+            false => &["unknown", "state", "input"],
+        }
+    }
+
     /// Fixes that declare a name in a line of its own before the statement at `at`.
-    fn declaring(&self, d: Diagnostic, at: Span, keywords: &[&str], name: &str) -> Diagnostic {
+    pub fn declaring(&self, d: Diagnostic, at: Span, keywords: &[&str], name: &str) -> Diagnostic {
         let statement = self.statements().find(|s| s.span.holds(at));
         let Some(before) = statement.map(|s| s.span.before()) else {
             return d;
@@ -125,19 +145,22 @@ impl Checker<'_> {
         fixes.fold(d, |d, line| d.fix(before, line))
     }
 
-    /// The `x` of `sin -x`.
-    fn negated_name_after(&self, at: Span) -> Option<&str> {
-        let rest = self
-            .file
-            .text
-            .get(at.end..)?
-            .trim_start()
-            .strip_prefix('-')?
-            .trim_start();
+    fn without_argument(&self, at: Span, name: &str) -> Diagnostic {
+        let (negated, example) = (self.negated_name_after(at), self.example_name());
+        errors::function_without_argument(at, name, negated, example)
+    }
+
+    /// The `x` of `sin -x`, and its place.
+    fn negated_name_after(&self, at: Span) -> Option<(&str, Span)> {
+        let text = &self.file.text;
+        let rest = text.get(at.end..)?.trim_start().strip_prefix('-')?;
+        let rest = rest.trim_start();
+        let start = text.len() - rest.len();
         let end = rest
             .find(|c: char| !(c.is_alphanumeric() || c == '_' || c == '\''))
             .unwrap_or(rest.len());
-        rest.get(..end).filter(|name| !name.is_empty())
+        let name = rest.get(..end).filter(|name| !name.is_empty())?;
+        Some((name, Span::new(at.file, start, start + end)))
     }
 
     /// The name in scope that was probably meant.
@@ -217,9 +240,17 @@ impl Checker<'_> {
         })
     }
 
-    fn later_let(&self, text: &str) -> Option<Span> {
+    /// Behind the arguments of the function whose definition holds a place.
+    fn last_param(&self, at: Span) -> Option<Span> {
+        match &self.file.statement_at(at)?.kind {
+            StatementKind::Function { params, .. } => Some(params.last()?.span.after()),
+            _ => None,
+        }
+    }
+
+    fn later_let(&self, text: &str) -> Option<(Span, Span)> {
         self.statements().find_map(|s| match &s.kind {
-            StatementKind::Let { name, .. } if name.text == text => Some(name.span),
+            StatementKind::Let { name, .. } if name.text == text => Some((name.span, s.span)),
             _ => None,
         })
     }
@@ -229,7 +260,8 @@ impl Checker<'_> {
         let name = call.name.text.as_str();
         let at = call.name.span;
         if let Some((_, help)) = PLACED.iter().find(|(word, _)| *word == name) {
-            return self.fail(errors::word_elsewhere(at, name, help));
+            let d = errors::word_elsewhere(at, name, help);
+            return self.fail(d.edit_all(self.in_its_place(e, call)));
         }
         if let Some(d) = self.own_function_before(at, name) {
             return self.fail(d);
@@ -250,7 +282,8 @@ impl Checker<'_> {
             if !self.reported.insert(name.to_string()) {
                 return None;
             }
-            return self.fail(errors::foreign_function(e.span, call, meant));
+            let instead = self.instead_of(e, call).unwrap_or_default();
+            return self.fail(errors::foreign_function(e.span, call, meant, instead));
         }
         let candidates = FUNCTIONS
             .iter()
@@ -270,12 +303,67 @@ impl Checker<'_> {
         ))
     }
 
+    /// A word at the place that it has a meaning in.
+    fn in_its_place(&self, e: &Ast, call: &Call) -> Vec<Edit> {
+        match call.name.text.as_str() {
+            "known" | "required" => vec![Edit::Summand(e.span)],
+            "coef" => {
+                let line = format!("constrain {} < 0", self.text(e.span));
+                vec![Edit::Remove(e.span), Edit::Below(e.span, line)]
+            }
+            "delay" => self.declared_delay(e, call).unwrap_or_default(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// `delay(u, 0.1)`: `u`, with the delay where it is declared.
+    fn declared_delay(&self, e: &Ast, call: &Call) -> Option<Vec<Edit>> {
+        let [signal, by] = call.args.as_slice() else {
+            return None;
+        };
+        let name = signal.as_name()?;
+        if self.scope.discrete.is_some() {
+            let lag = format!("lag({name}, {})", self.text(by.span));
+            return Some(vec![Edit::Replace(e.span, lag)]);
+        }
+        let declared = self.scope.var(self.scope.signal(name)?.var)?.span?;
+        let delay = format!("delay {}", self.text(by.span));
+        Some(vec![
+            Edit::Replace(e.span, name.to_string()),
+            Edit::Attribute(declared, "delay", delay),
+        ])
+    }
+
+    /// What does the same as a foreign function: a state for an integral, a name for a derivative.
+    fn instead_of(&self, e: &Ast, call: &Call) -> Option<Vec<Edit>> {
+        let [x] = call.args.as_slice() else {
+            return None;
+        };
+        let text = self.text(x.span);
+        match functions::kind(&call.name.text)? {
+            functions::Kind::Derivative => {
+                let name = format!("d{text}");
+                self.scope.signal(&name)?;
+                Some(vec![Edit::Replace(e.span, name)])
+            }
+            functions::Kind::Integral if self.scope.signal("q").is_none() => Some(vec![
+                Edit::Replace(e.span, "q".to_string()),
+                Edit::Above(e.span, format!("state q : hidden\ndq = {text}")),
+            ]),
+            functions::Kind::Limited => {
+                let ours = format!("min(max({text}, -1), 1)");
+                Some(vec![Edit::Replace(e.span, ours)])
+            }
+            _ => None,
+        }
+    }
+
     /// A function of the model that is called by itself, or above its definition.
     fn own_function_before(&self, at: Span, name: &str) -> Option<Diagnostic> {
         self.statements().find_map(|s| match &s.kind {
             StatementKind::Function { name: own, .. } if own.text == name => {
                 Some(match s.span.holds(at) {
-                    true => errors::recursive_function(at, name, own.span),
+                    true => errors::recursive(at, name, own.span),
                     false => errors::let_used_before(at, name, own.span),
                 })
             }

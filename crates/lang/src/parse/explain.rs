@@ -9,23 +9,15 @@ use pest::error::{Error, ErrorVariant, InputLocation};
 
 use crate::ast::ATTRIBUTES;
 use crate::ast::{KEYWORDS, Keyword};
-use crate::diagnostic::{Diagnostic, did_you_mean};
+use crate::diagnostic::{Diagnostic, Edit, did_you_mean};
+use crate::parse::completion::{STUB, completed, symmetry_line};
+use crate::parse::failure_point::FailurePoint;
 use crate::parse::foreign_spellings::punctuation::{Stumble, punctuation};
 use crate::parse::grammar::Rule;
 use crate::parse::lexer::{Token, TokenKind};
 use crate::parse::syntax_errors;
 use crate::source::{FileId, Span};
 use crate::term::Func;
-
-/// The token at which a statement stops matching its rule.
-struct FailurePoint<'a, 't> {
-    file: FileId,
-    /// The code tokens of the statement.
-    tokens: Vec<&'a Token<'t>>,
-    /// Index of the token that was not expected; one past the end if the statement ends early.
-    at: usize,
-    keyword: Option<Keyword>,
-}
 
 pub fn explain(
     (file, text, start): (FileId, &str, usize),
@@ -67,23 +59,6 @@ pub fn explain(
 }
 
 impl<'t> FailurePoint<'_, 't> {
-    fn get(&self, i: usize) -> Option<&Token<'t>> {
-        self.tokens.get(i).copied()
-    }
-
-    fn found(&self) -> Option<&Token<'t>> {
-        self.get(self.at)
-    }
-
-    /// The token `k` before the one that was not expected.
-    fn before(&self, k: usize) -> Option<&Token<'t>> {
-        self.at.checked_sub(k).and_then(|i| self.get(i))
-    }
-
-    fn span(&self, from: &Token, to: &Token) -> Span {
-        from.span(self.file).to(to.span(self.file))
-    }
-
     /// `stat x, y`
     fn misspelt_keyword(&self, rule: Rule) -> Option<Diagnostic> {
         let first = self.get(0).filter(|t| t.kind == TokenKind::Name)?;
@@ -97,10 +72,12 @@ impl<'t> FailurePoint<'_, 't> {
                 Some(keyword) => error
                     .help(format!("did you mean `{keyword}`?"))
                     .fix(first.span(self.file), keyword),
-                None if self.tokens.len() > 1 => {
+                None if self.tokens.len() > STUB => {
                     error.help("an equation has a `~`: `dx ~ poly(x; 3)`")
                 }
-                None => error.help("delete the line, or complete it"),
+                None => error
+                    .help("delete the line, or complete it: an equation has a `~`")
+                    .edit(Edit::RemoveLine(self.whole())),
             },
         )
     }
@@ -137,20 +114,10 @@ impl<'t> FailurePoint<'_, 't> {
             Some(found) => syntax_errors::unexpected(found.span(self.file), found.text, "`->`"),
             None => syntax_errors::ends_early(self.before(1)?.span(self.file), "`->`"),
         };
-        Some(d.help(format!("the form is `{}`", example(rule))))
-    }
-
-    /// The text of the tokens from one to before another, with single spaces.
-    fn phrase(&self, from: usize, to: usize) -> String {
-        let mut out = String::new();
-        for token in (from..to).filter_map(|i| self.get(i)) {
-            let tight = out.ends_with('(') || [",", "(", ")"].contains(&token.text);
-            if !out.is_empty() && !tight {
-                out.push(' ');
-            }
-            out.push_str(token.text);
-        }
-        out
+        Some(match symmetry_line(self) {
+            Some(line) => d.help(format!("write `{line}`")).fix(self.whole(), line),
+            None => d.help(format!("the form is `{}`", example(rule))),
+        })
     }
 
     /// `sin 2*theta`, `sin "Angle"`, `exp sin x`
@@ -197,13 +164,6 @@ impl<'t> FailurePoint<'_, 't> {
         end
     }
 
-    fn text(&self, from: usize, to: usize) -> String {
-        (from..=to)
-            .filter_map(|i| self.get(i))
-            .map(|t| t.text)
-            .collect()
-    }
-
     /// `2 x`, `(a)(b)`, a comma forgotten at the end of a line
     fn missing_operator(&self) -> Option<Diagnostic> {
         let (found, last) = (self.found()?, self.before(1)?);
@@ -237,11 +197,25 @@ impl<'t> FailurePoint<'_, 't> {
             _ => found.text.to_string(),
         };
         Some(syntax_errors::missing_operator(
-            last.span(self.file),
-            found.span(self.file),
-            &first,
-            &second,
+            (last.span(self.file), found.span(self.file)),
+            (&first, &second),
+            self.is_listed(),
         ))
+    }
+
+    /// Whether the place is between brackets that hold a list.
+    fn is_listed(&self) -> bool {
+        let mut open: Vec<bool> = Vec::new();
+        for (i, token) in self.tokens.iter().enumerate().take(self.at) {
+            let called = i.checked_sub(1).and_then(|i| self.get(i));
+            match token.text {
+                "<" => open.push(true),
+                "(" => open.push(called.is_some_and(|t| t.kind == TokenKind::Name)),
+                ">" | ")" => drop(open.pop()),
+                _ => {}
+            }
+        }
+        open.last() == Some(&true)
     }
 
     fn generic(&self, rule: Rule, error: &Error<Rule>) -> Diagnostic {
@@ -253,10 +227,7 @@ impl<'t> FailurePoint<'_, 't> {
             (None, Some(last)) => syntax_errors::ends_early(last.span(self.file), &expected),
             (None, None) => syntax_errors::ends_early(Span::new(self.file, 0, 0), &expected),
         };
-        match example(rule) {
-            "" => diagnostic,
-            example => diagnostic.help(format!("the form is `{example}`")),
-        }
+        completed(self, rule, diagnostic, example(rule))
     }
 }
 

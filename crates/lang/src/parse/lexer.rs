@@ -299,10 +299,27 @@ impl<'t> Lexer<'t> {
         } else if c == '[' && self.is_index() {
             self.skip(|c| c != ']' && c != '\n');
             self.skip(|c| c == ']');
-            self.bad(start, syntax_errors::index(self.span(start)));
+            let (whole, ours) = self.name_without_index(start);
+            self.bad(start, syntax_errors::index(self.span(start), whole, ours));
         } else {
             self.strange(start, c);
         }
+    }
+
+    /// `z[1..3]` as `z1..z3`, `x[3]` as `x3`, any other index left out; with its place.
+    fn name_without_index(&self, bracket: usize) -> (Span, String) {
+        let start = self.out.last().map_or(bracket, |t| t.start);
+        let name = self.text.get(start..bracket).unwrap_or("");
+        let index = self.text.get(bracket + 1..self.at).unwrap_or("");
+        let index = index.trim_end_matches(']').trim();
+        let (from, to) = index.split_once("..").unwrap_or((index, ""));
+        let whole = |n: &str| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+        let ours = match (whole(from), whole(to)) {
+            (true, true) => format!("{name}{from}..{name}{to}"),
+            (true, false) => format!("{name}{from}"),
+            _ => name.to_string(),
+        };
+        (self.span(start), ours)
     }
 
     /// True at the `[` of `x[k+1]`: directly behind a name, and closed within a few characters. The bound keeps the lexer linear.
@@ -313,9 +330,26 @@ impl<'t> Lexer<'t> {
         self.out.last().is_some_and(beside) && closed
     }
 
+    /// The text before the next quote of a word processor on this line, and where that ends.
+    fn to_pasted_quote(&self) -> Option<(&'t str, usize)> {
+        let line = self.rest().split('\n').next()?;
+        let closes = |(_, c): &(usize, char)| confusables::ascii(*c) == Some("\"");
+        let (at, quote) = line.char_indices().find(closes)?;
+        Some((line.get(..at)?, self.at + at + quote.len_utf8()))
+    }
+
     /// A character that the language does not have, with the confusable characters that follow it (`²³`).
     fn strange(&mut self, start: usize, c: char) {
         self.at += c.len_utf8();
+        if confusables::ascii(c) == Some("\"")
+            && let Some((inside, end)) = self.to_pasted_quote()
+        {
+            self.at = end;
+            let text = self.text.get(start..end).unwrap_or("");
+            let ours = format!("\"{inside}\"");
+            let d = syntax_errors::pasted_quotes(self.span(start), c, text, &ours);
+            return self.bad(start, d);
+        }
         match confusables::ascii(c) {
             Some(_) => {
                 self.skip(|c| confusables::ascii(c).is_some());

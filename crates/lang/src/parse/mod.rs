@@ -5,8 +5,10 @@
 //! wrong statement is left out and listed in `broken`. Looks up no name.
 
 mod ast_builder;
+mod completion;
 pub(crate) mod confusables;
 mod explain;
+mod failure_point;
 pub(crate) mod foreign_spellings;
 mod grammar;
 pub mod lexer;
@@ -144,7 +146,20 @@ fn data(
         _ => None,
     };
     if let Some(at) = braceless {
-        errors.push(syntax_errors::data_without_brace(at));
+        let inside = span_of(id, slice(own, &(1..own.len())));
+        let said = text.get(inside.start..inside.end).unwrap_or("");
+        let (inside, ours) = match said.split_once('{') {
+            // `data "file" { … }`
+            Some((before, _)) => {
+                let end = inside.start + before.len() + 1;
+                (Span::new(id, inside.start, end), "{".to_string())
+            }
+            None => (
+                inside,
+                format!("{{ {} }}", said.trim_end_matches('}').trim()),
+            ),
+        };
+        errors.push(syntax_errors::data_without_brace(at, inside, &ours));
         return None;
     }
     let lines = piece.entries.iter().flatten();

@@ -243,12 +243,14 @@ impl<'t> Splitter<'t> {
         if !matches && open.sound {
             open.sound = false;
             let error = match opening {
-                Some(o) => syntax_errors::wrong_bracket(
-                    o.span(self.file),
-                    closing.span(self.file),
-                    o.text,
-                    closing.text,
-                ),
+                Some(o) => {
+                    let outer = open.brackets.last().and_then(|i| self.get(*i));
+                    syntax_errors::wrong_bracket(
+                        (o.span(self.file), closing.span(self.file)),
+                        (o.text, closing.text),
+                        outer.is_some_and(|o| closing_bracket(o.text) == closing.text),
+                    )
+                }
                 None => syntax_errors::stray_bracket(closing.span(self.file), closing.text),
             };
             self.errors.push(error);

@@ -65,22 +65,30 @@ pub fn several_words(at: Span, words: &str) -> Diagnostic {
         .fix(at, name)
 }
 
-pub fn missing_operator(left: Span, right: Span, first: &str, second: &str) -> Diagnostic {
+/// `listed`: whether two items of a list may be meant.
+pub fn missing_operator(
+    (left, right): (Span, Span),
+    (first, second): (&str, &str),
+    listed: bool,
+) -> Diagnostic {
+    let gap = Span::new(left.file, left.end, right.start);
     let d = Diagnostic::error(
         "implicit-product",
         format!("no operator between `{first}` and `{second}`"),
     )
     .at(right, "an operator or a comma is missing before this")
     .also(left, "after this")
-    .fix(Span::new(left.file, left.end, right.start), "*")
-    .fix(Span::new(left.file, left.end, right.start), ", ");
+    .fix(gap, "*");
     let whole = !first.contains('…') && !second.contains('…');
-    if whole {
-        d.help(format!(
+    match (listed, whole) {
+        (false, true) => d.help(format!("for a product write `{first}*{second}`")),
+        (false, false) => d.help("put a `*` between them for a product"),
+        (true, true) => d.fix(gap, ", ").help(format!(
             "for a product write `{first}*{second}`, for two items of a list `{first}, {second}`"
-        ))
-    } else {
-        d.help("put a `*` between them for a product, a comma for two items of a list")
+        )),
+        (true, false) => d
+            .fix(gap, ", ")
+            .help("put a `*` between them for a product, a comma for two items of a list"),
     }
 }
 
@@ -94,10 +102,21 @@ pub fn pasted(at: Span, text: &str, ascii: &str) -> Diagnostic {
     .fix(at, ascii)
 }
 
-pub fn index(at: Span) -> Diagnostic {
+/// `“Angle”`; `text` is all of it, `ours` the same in plain quotes.
+pub fn pasted_quotes(at: Span, quote: char, text: &str, ours: &str) -> Diagnostic {
+    let message = format!("`{quote}` is not a character of the language");
+    Diagnostic::error("pasted-character", message)
+        .at(at, format!("write `{ours}`"))
+        .help(format!("replace `{text}` by `{ours}`"))
+        .fix(at, ours)
+}
+
+/// `whole` is the name with its index, `ours` what may be meant.
+pub fn index(at: Span, whole: Span, ours: String) -> Diagnostic {
     Diagnostic::error("pasted-character", "a signal has no index")
         .at(at, "not a part of the language")
         .help("the next sample of x is `next(x)`, the one k before `lag(x, k)`; several names are `x1..x12`, and an equation for each, `dx[i] ~ …`, ends in `, i = 1..12`")
+        .fix(whole, ours)
 }
 
 pub fn strange_character(at: Span, c: char) -> Diagnostic {
@@ -155,19 +174,27 @@ pub fn stray_bracket(at: Span, close: &str) -> Diagnostic {
         .fix(at, "")
 }
 
-pub fn wrong_bracket(open: Span, close: Span, opening: &str, closing: &str) -> Diagnostic {
+/// `outer`: whether the bracket closes another that is open.
+pub fn wrong_bracket(
+    (open, close): (Span, Span),
+    (opening, closing): (&str, &str),
+    outer: bool,
+) -> Diagnostic {
     let wanted = closing_bracket(opening);
-    Diagnostic::error(
+    let d = Diagnostic::error(
         "unclosed-bracket",
         format!("`{opening}` is closed by `{closing}`"),
     )
     .at(close, format!("expected `{wanted}`"))
-    .also(open, "opened here")
-    .help(format!(
-        "write `{wanted}` before the `{closing}`, or instead of it"
-    ))
-    .fix(close, wanted)
-    .fix(close.before(), wanted)
+    .also(open, "opened here");
+    match outer {
+        true => d
+            .help(format!("write `{wanted}` before the `{closing}`"))
+            .fix(close.before(), wanted),
+        false => d
+            .help(format!("write `{wanted}` instead of the `{closing}`"))
+            .fix(close, wanted),
+    }
 }
 
 /// The bracket that closes another.
@@ -179,10 +206,12 @@ pub fn closing_bracket(open: &str) -> &'static str {
     }
 }
 
-pub fn data_without_brace(at: Span) -> Diagnostic {
+/// `inside` is what stands behind `data`, and `ours` the same in braces.
+pub fn data_without_brace(at: Span, inside: Span, ours: &str) -> Diagnostic {
     Diagnostic::error("syntax", "a data block needs braces")
         .at(at, "expected `{` right after `data`")
-        .help("write `data { x = \"Column\" }`")
+        .help(format!("write `data {ours}`"))
+        .fix(inside, ours)
 }
 
 /// `x^2^3`
@@ -205,8 +234,8 @@ pub fn ambiguous_argument(at: Span, function: &str, readings: &[String]) -> Diag
     )
     .at(at, "without parentheses a function takes one name")
     .help(format!("write {}", quoted.join(" or ")));
-    let whole = readings.iter().filter(|r| !r.contains('…'));
-    whole.fold(d, |d, reading| d.fix(at, reading))
+    let fixes = readings.iter();
+    fixes.fold(d, |d, reading| d.fix_if_whole(at, reading))
 }
 
 pub fn unexpected(at: Span, found: &str, expected: &str) -> Diagnostic {

@@ -19,6 +19,22 @@ pub struct UnitSyntaxError {
     /// Shown beside the place.
     pub label: String,
     pub fix: String,
+    /// The whole text as it may have been meant.
+    pub mended: String,
+}
+
+impl UnitSyntaxError {
+    /// With other words at its place.
+    fn mended_here(mut self, text: &str, ours: &str) -> Self {
+        let (before, after) = (text.get(..self.at.start), text.get(self.at.end..));
+        self.mended = format!("{}{ours}{}", before.unwrap_or(""), after.unwrap_or(""));
+        self
+    }
+
+    fn mended(mut self, text: impl Into<String>) -> Self {
+        self.mended = text.into();
+        self
+    }
 }
 
 /// A custom unit that looks like a misspelt known one.
@@ -42,7 +58,8 @@ pub fn parse(text: &str) -> Result<(Unit, Vec<Misspelling>), UnitSyntaxError> {
             format!("a unit of {} bytes", text.len()),
             format!("the limit is {}", UNITS.text),
             "write a short name of your own, such as \"widgets\"",
-        ));
+        )
+        .mended("widgets"));
     }
     let mut reader = Parser {
         text,
@@ -68,6 +85,7 @@ fn fault(at: Range<usize>, cause: String, label: String, fix: &str) -> UnitSynta
         cause,
         label,
         fix,
+        mended: String::new(),
     }
 }
 
@@ -166,7 +184,8 @@ impl<'t> Parser<'t> {
                     "a unit with two readings".into(),
                     "is all of this below the line?".into(),
                     &format!("put what is below the line in parentheses: \"/({all})\""),
-                ));
+                )
+                .mended_here(self.text, &format!("({all})")));
             }
             unit = unit.times(&next).ok_or_else(|| self.too_high(start))?;
         }
@@ -197,7 +216,8 @@ impl<'t> Parser<'t> {
                 "brackets in a unit are nested too deep".into(),
                 format!("the limit is {}", UNITS.nesting),
                 "write it without them: \"kg*m/s^2\"",
-            ));
+            )
+            .mended(self.text.replace(['(', ')'], "")));
         }
         self.spaces();
         let unit = self.quotient()?;
@@ -209,8 +229,9 @@ impl<'t> Parser<'t> {
                     start..start + 1,
                     "a bracket in a unit is not closed".into(),
                     "no `)` follows".into(),
-                    "write \"1/(N*m)\"",
-                ),
+                    &format!("write \"{})\"", self.text),
+                )
+                .mended(format!("{})", self.text)),
             });
         }
         Ok(unit)
@@ -355,6 +376,7 @@ impl<'t> Parser<'t> {
             format!("a number from -{0} to {0}", UNITS.exponent),
             "write \"m^2\", \"s^-1\", \"m^0.5\" or \"m^(1/3)\"",
         )
+        .mended_here(self.text, if self.peek() == Some('^') { "" } else { "^2" })
     }
 
     fn too_high(&self, start: usize) -> UnitSyntaxError {
@@ -364,6 +386,7 @@ impl<'t> Parser<'t> {
             format!("the limit is {}", UNITS.exponent),
             "write \"m^2\"",
         )
+        .mended_here(self.text, "m^2")
     }
 
     /// The error for a character that does not fit here, or for an early end.
@@ -375,13 +398,15 @@ impl<'t> Parser<'t> {
                 "this cannot be read as a unit".into(),
                 "not here".into(),
                 example,
-            ),
+            )
+            .mended_here(self.text, ""),
             None => fault(
                 self.text.char_indices().last().map_or(0, |(i, _)| i)..self.text.len(),
                 "the unit ends early".into(),
                 "something should follow".into(),
                 example,
-            ),
+            )
+            .mended_here(self.text, ""),
         }
     }
 }

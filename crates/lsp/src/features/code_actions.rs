@@ -31,11 +31,11 @@ pub fn actions(document: &Document, uri: &Uri, range: Range) -> Vec<CodeActionOr
     let found = document.analysis().found.iter().filter(touched);
     let each = found.flat_map(|d| d.fixes.iter().map(move |fix| (d, fix)));
     let actions = each.map(|(d, fix)| CodeAction {
-        title: title(document, fix),
+        title: title(document, d, fix),
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: Some(vec![diagnostics::diagnostic(document, uri, d)]),
         edit: Some(edit(document, uri, fix)),
-        is_preferred: Some(d.fixes.len() == 1),
+        is_preferred: Some(d.fixes.len() == 1 && !loses_line(document, fix)),
         ..CodeAction::default()
     });
     actions.map(CodeActionOrCommand::from).collect()
@@ -51,14 +51,22 @@ fn edit(document: &Document, uri: &Uri, fix: &Fix) -> WorkspaceEdit {
     WorkspaceEdit::new(HashMap::from([(uri.clone(), vec![edit])]))
 }
 
-/// ``replace `x` by `y` ``, on one line.
-fn title(document: &Document, fix: &Fix) -> String {
-    let old = document.slice(fix.span.start..fix.span.end).trim();
-    let new = fix.text.trim();
-    match (old.is_empty(), new.is_empty(), fix.text.contains('\n')) {
-        (_, _, true) => format!("add the line `{new}`"),
+/// Whether a line goes, which nobody wants to happen unasked.
+fn loses_line(document: &Document, fix: &Fix) -> bool {
+    let old = document.slice(fix.span.start..fix.span.end);
+    fix.text.is_empty() && old.contains('\n')
+}
+
+/// ``replace `x` by `y` ``, on one line; the help itself where lines change together.
+fn title(document: &Document, d: &Diagnostic, fix: &Fix) -> String {
+    let old = document.slice(fix.span.start..fix.span.end);
+    let lines = old.trim_end().contains('\n') || fix.text.contains('\n');
+    let (old, new) = (old.trim(), fix.text.trim());
+    match (old.is_empty(), new.is_empty(), &d.help) {
+        (true, false, _) if lines => format!("add the line `{}`", short(new)),
         (true, false, _) => format!("insert `{new}`"),
         (false, true, _) => format!("delete `{}`", short(old)),
+        (_, _, Some(help)) if lines => help.split("; ").next().unwrap_or(help).to_string(),
         _ => format!("replace `{}` by `{}`", short(old), short(new)),
     }
 }

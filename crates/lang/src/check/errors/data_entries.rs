@@ -2,7 +2,7 @@
 //!
 //! Constructors only: places and values in, diagnostics out.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::source::Span;
 
 pub fn step(at: Span, value: f64) -> Diagnostic {
@@ -12,21 +12,26 @@ pub fn step(at: Span, value: f64) -> Diagnostic {
     )
     .at(at, "a number of seconds above 0")
     .help("write `step 0.01`")
+    .fix(at, "0.01")
 }
 
-pub fn run(at: Span) -> Diagnostic {
+/// `header` is what stands there, without quotes.
+pub fn run(at: Span, header: &str) -> Diagnostic {
     Diagnostic::error(
         "data-entry",
         "`run` names the column that splits a file into trajectories",
     )
     .at(at, "not one quoted header")
-    .help("write `run = \"exp_id\"`")
+    .help(format!("write `run = \"{header}\"`"))
+    .fix(at, format!("\"{header}\""))
 }
 
-/// Signals of experiments side by side with different numbers of sources: place, name and number of each.
+/// Signals of experiments side by side with different numbers of sources: place, name and number of each; `sources` are the place of those
+/// that are wrong, and the first of them.
 pub fn sources_differ(
     (at, name, count): (Span, String, usize),
     (first, other, expected): (Span, String, usize),
+    sources: (Span, &str),
 ) -> Diagnostic {
     Diagnostic::error(
         "data-entry",
@@ -35,6 +40,7 @@ pub fn sources_differ(
     .at(at, format!("{count} runs"))
     .also(first, format!("{expected} runs"))
     .help("give one source for each run, in the same order, or a single one that all runs read")
+    .fix(sources.0, sources.1)
 }
 
 /// Experiments side by side and a column of runs.
@@ -46,12 +52,15 @@ pub fn side_and_below(at: Span, run: Span) -> Diagnostic {
     .at(at, "one source for each run: side by side")
     .also(run, "a column of runs: below each other")
     .help("leave out `run`, or read each signal from one column")
+    .remove(run)
 }
 
-pub fn nothing_in_one_run(at: Span) -> Diagnostic {
+/// `whole` are the sources of all runs.
+pub fn nothing_in_one_run(at: Span, whole: Span) -> Diagnostic {
     Diagnostic::error("data-entry", "`none` stands alone")
         .at(at, "a source of one run among several")
         .help("write the column of this run, or `none` for all runs")
+        .fix(whole, "none")
 }
 
 pub fn data_for_let(at: Span, name: &str, definition: Span) -> Diagnostic {
@@ -62,6 +71,7 @@ pub fn data_for_let(at: Span, name: &str, definition: Span) -> Diagnostic {
     .at(at, "no signal")
     .also(definition, "defined here")
     .help(format!("declare it: `param {name}`"))
+    .edit(Edit::Redeclare(definition, "param"))
 }
 
 pub fn library_in_data(at: Span) -> Diagnostic {
@@ -81,4 +91,6 @@ pub fn period(at: Span, value: f64) -> Diagnostic {
     Diagnostic::error("data-entry", format!("a period of {value} does not exist"))
         .at(at, "a number above 0")
         .help("write `unwrap(\"Angle\", 2*pi)`, or 360 for degrees")
+        .fix(at, "2*pi")
+        .fix(at, "360")
 }

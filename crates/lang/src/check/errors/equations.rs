@@ -2,26 +2,40 @@
 //!
 //! Constructors only, but for the notes, which are chosen here.
 
+use crate::ast::File;
 use crate::check::scope::Scope;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::model::{Model, Var, VarKind};
-use crate::source::{FileId, Span};
+use crate::source::Span;
 use crate::term::VarId;
 use crate::thresholds::MESSAGES;
 
-pub fn not_a_target(at: Span, example: &str) -> Diagnostic {
+/// `dx - y ~ …`: `sum` is what the right side begins with for it.
+pub fn not_a_target(
+    at: Span,
+    (target, sign): (&str, &str),
+    (right, sum): (Span, String),
+) -> Diagnostic {
     Diagnostic::error("target", "an equation is about one signal")
         .at(at, "not a derivative, a next sample or an output")
         .help(format!(
-            "write `{example} ~ …`, with everything else on the right"
+            "write `{target} {sign} {sum}…`, with everything else on the right"
         ))
+        .edit_all([
+            Edit::Replace(at, target.to_string()),
+            Edit::Replace(right.before(), sum),
+        ])
 }
 
 pub fn next_of_other(at: Span, var: &Var) -> Diagnostic {
     Diagnostic::error("target", format!("`{}` is not a state", var.name))
         .at(at, "only a state has a next sample")
         .also_if_known(var.span, "declared here")
-        .help("an output has an equation of its own: `y ~ …`")
+        .help(format!(
+            "declare `state {}`; an output has an equation of its own: `y ~ …`",
+            var.name
+        ))
+        .edit_all(var.span.map(|s| Edit::Redeclare(s, "state")))
 }
 
 pub fn let_as_target(at: Span, name: &str, definition: Option<Span>) -> Diagnostic {
@@ -29,6 +43,7 @@ pub fn let_as_target(at: Span, name: &str, definition: Option<Span>) -> Diagnost
         .at(at, "cannot have an equation")
         .also_if_known(definition, "defined here")
         .help(format!("declare it instead: `output {name}`"))
+        .edit_all(definition.map(|d| Edit::Redeclare(d, "output")))
 }
 
 /// `x ~ …` for a state, an input or time.
@@ -58,10 +73,12 @@ pub fn wrong_target(at: Span, name: &str, var: &Var, discrete: bool) -> Diagnost
             };
             d.help(format!("write `{target} ~ …`")).fix(at, target)
         }
-        VarKind::Input => d.help(format!(
-            "what is to be explained is declared as `output {}`",
-            var.name
-        )),
+        VarKind::Input => d
+            .help(format!(
+                "what is to be explained is declared as `output {}`",
+                var.name
+            ))
+            .edit_all(var.span.map(|s| Edit::Redeclare(s, "output"))),
         _ => d.help("declare a state or an output for it"),
     }
 }
@@ -71,35 +88,42 @@ pub fn second_equation(at: Span, first: Span, name: &str) -> Diagnostic {
         .at(at, "again here")
         .also(first, "first here")
         .help("join the libraries with `+`, or put the candidates in two model files")
+        .edit(Edit::Join(first, at))
 }
 
-pub fn known_with_target(at: Span, target: Span, name: &str) -> Diagnostic {
+/// `sought`: what makes terms that are sought of it, or takes it away.
+pub fn known_with_target(at: Span, target: Span, name: &str, sought: Vec<Edit>) -> Diagnostic {
     Diagnostic::error("known-part", format!("the known part contains its own target `{name}`"))
         .at(at, "known, and sought")
         .also(target, "the target")
-        .help(format!("bring `{name}` to the left by hand, or write a library with a product of it: `{name} * <x>`"))
+        .help(format!("bring `{name}` to the left by hand, or leave the part to the search: a library may have products of it, `{name} * <x>`"))
+        .edit_all(sought)
 }
 
 /// `dx = poly(x; 2)`
-pub fn known_library(at: Span) -> Diagnostic {
-    Diagnostic::error(
+pub fn known_library(at: Span, sign: Option<Span>) -> Diagnostic {
+    let d = Diagnostic::error(
         "library-in-expression",
         "`=` states a known expression, and this is a library",
     )
     .at(at, "candidates, not an expression")
-    .help("to search the library write `~` instead of `=`")
+    .help("to search the library write `~` instead of `=`");
+    sign.into_iter().fold(d, |d, sign| d.fix(sign, "~"))
 }
 
-pub fn known_subtracted(at: Span) -> Diagnostic {
+/// `ours` is what is meant, `added` the same with its sign, for the place `whole`.
+pub fn known_subtracted(at: Span, whole: Span, ours: &str, added: &str) -> Diagnostic {
     Diagnostic::error("known-part", "`known(…)` is added as it stands")
         .at(at, "no `-`, power or `;` here")
-        .help("put the sign inside: `known(-(…))`")
+        .help(format!("put the sign inside: `{ours}`"))
+        .fix(whole, added)
 }
 
-pub fn required_subtracted(at: Span) -> Diagnostic {
+pub fn required_subtracted(at: Span, whole: Span, added: &str) -> Diagnostic {
     Diagnostic::error("misplaced-word", "`required(…)` is added, as it stands")
         .at(at, "taken away, raised, or with a `;`")
         .help("write `dx ~ required(x, x^3) + poly(x; 5)`; numbers and powers stand inside")
+        .fix(whole, added)
 }
 
 pub fn minus_from_nothing(at: Span) -> Diagnostic {
@@ -114,25 +138,30 @@ pub fn constraint_without_coefficient(at: Span) -> Diagnostic {
         "a constraint is about at least one coefficient",
     )
     .at(at, "no `coef(…)`, or they cancel")
-    .help("write `constrain coef(dx, x) < 0`")
+    .help("write `constrain coef(dx, x) < 0`, or leave the line out")
+    .edit(Edit::RemoveStatement(at))
 }
 
-pub fn per_run_words(at: Span) -> Diagnostic {
+/// `said` is all that is said.
+pub fn per_run_words(at: Span, said: Span) -> Diagnostic {
     Diagnostic::error("per-run", "what may be said of a coefficient is `per run`")
         .at(at, "something else")
-        .help("write `coef(dx, x) : per run`, or `constrain coef(dx, x) < 0`")
+        .help("write `per run`, or `constrain coef(dx, x) < 0`")
+        .fix(said, "per run")
 }
 
 pub fn per_run_of_no_coefficient(at: Span) -> Diagnostic {
     Diagnostic::error("per-run", "`per run` is said of coefficients")
         .at(at, "no `coef(…)`")
-        .help("write `coef(dx, x) : per run`")
+        .help("leave it out, or write `coef(dx, x) : per run`")
+        .remove(at)
 }
 
 pub fn constraint_not_linear(at: Span) -> Diagnostic {
     Diagnostic::error("constraint", "a constraint is linear in the coefficients")
         .at(at, "not a sum of coefficients times numbers")
-        .help("multiply out: `coef(dx, x) = 2*coef(dy, y)`")
+        .help("multiply out, as in `coef(dx, x) = 2*coef(dy, y)`, or leave the line out")
+        .edit(Edit::RemoveStatement(at))
 }
 
 pub fn coefficient_of_no_equation(at: Span, example: &str) -> Diagnostic {
@@ -141,6 +170,7 @@ pub fn coefficient_of_no_equation(at: Span, example: &str) -> Diagnostic {
         .help(format!(
             "the first argument is a target such as `{example}`"
         ))
+        .fix(at, example)
 }
 
 pub fn coefficient_of_known(at: Span, equation: Span) -> Diagnostic {
@@ -153,17 +183,25 @@ pub fn coefficient_of_known(at: Span, equation: Span) -> Diagnostic {
     .help("constrain an equation written with `~`")
 }
 
-pub fn coefficient_of_multiple(at: Span, weight: f64) -> Diagnostic {
-    Diagnostic::error(
+/// `coef(dx, 2*x)`; `ours` is the same of x, and its place.
+pub fn coefficient_of_multiple(at: Span, weight: f64, ours: Option<(Span, String)>) -> Diagnostic {
+    let d = Diagnostic::error(
         "constraint",
         format!("the term carries the number {weight}"),
     )
-    .at(at, "terms have no numeric factor")
-    .help("leave the number out here and multiply the coefficient: `2*coef(dx, x)`")
+    .at(at, "terms have no numeric factor");
+    match ours {
+        Some((whole, ours)) => d
+            .help(format!(
+                "leave the number out here and divide the coefficient by it: `{ours}`"
+            ))
+            .fix(whole, ours),
+        None => d.help("leave the number out here"),
+    }
 }
 
 /// A model without an equation, with one that would fit it.
-pub fn no_equation(at: Option<Span>, model: &Model, file: FileId) -> Diagnostic {
+pub fn no_equation(at: Option<Span>, model: &Model, file: &File) -> Diagnostic {
     let states: Vec<&Var> = model.vars_of(VarKind::State).map(|(_, v)| v).collect();
     let inputs = model.vars_of(VarKind::Input).map(|(_, v)| v.name.clone());
     let example = match states.first() {
@@ -179,12 +217,19 @@ pub fn no_equation(at: Option<Span>, model: &Model, file: FileId) -> Diagnostic 
             format!("{target} ~ poly({}; 2)", names.join(", "))
         }
     };
-    let at = at.unwrap_or(Span::new(file, 0, 0));
+    let end = Span::new(file.id, file.text.len(), file.text.len());
+    let last = at.unwrap_or(end);
+    let at = at.unwrap_or(Span::new(file.id, 0, 0));
     let d = Diagnostic::error("no-equation", "the model has no equation")
         .at(at, "nothing is asked up to here")
         .help(format!("add a line such as `{example}`"));
+    let begun = last != end || !(file.text.is_empty() || file.text.ends_with('\n'));
+    let line_break = if begun { "\n" } else { "" };
     match states.is_empty() {
-        true => d,
+        true => d.fix(
+            last.after(),
+            format!("{line_break}state x\ndx ~ poly(x; 3)"),
+        ),
         false => d.fix(at.after(), format!("\n{example}")),
     }
 }

@@ -1,23 +1,28 @@
 //! Families of equations and their indices.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::source::Span;
 
 /// The index of a family with the name of something else.
-pub fn index_declared(at: Span, name: &str) -> Diagnostic {
+pub fn index_declared(at: Span, name: &str, other: &str) -> Diagnostic {
     Diagnostic::error(
         "name-clash",
         format!("the index `{name}` has the name of something else"),
     )
     .at(at, "which of the two is meant in the equation?")
-    .help("give the index a name that nothing else has")
+    .help(format!(
+        "give the index a name that nothing else has: `{other}`"
+    ))
+    .edit(Edit::RenameAll(at, name.to_string(), other.to_string()))
 }
 
 /// An end of a range that is no whole number.
-pub fn index_end(at: Span) -> Diagnostic {
-    Diagnostic::error("index", "an index runs between whole numbers")
+/// `example` is one that the names have.
+pub fn index_end(at: Span, example: Option<usize>) -> Diagnostic {
+    let d = Diagnostic::error("index", "an index runs between whole numbers")
         .at(at, "no whole number that is known here")
-        .help("write numbers, `i = 1..10`, or a `let` that is one")
+        .help("write numbers, `i = 1..10`, or a `let` that is one");
+    example.into_iter().fold(d, |d, n| d.fix(at, n.to_string()))
 }
 
 pub fn index_ends(at: Span, from: i64, to: i64, most: usize) -> Diagnostic {
@@ -37,13 +42,16 @@ pub fn index_ends(at: Span, from: i64, to: i64, most: usize) -> Diagnostic {
 }
 
 /// `x[i/2]`
-pub fn index_not_whole(at: Span) -> Diagnostic {
+pub fn index_not_whole(at: Span, index: &str) -> Diagnostic {
     Diagnostic::error(
         "index",
         "an index is a whole number in every equation of its family",
     )
     .at(at, "not one, or not known here")
-    .help("an index is made of the family's own and of whole numbers: `x[i - 1]`, `x[2*i]`")
+    .help(format!(
+        "an index is made of the family's own and of whole numbers: `x[{index}]`, `x[{index} - 1]`, `x[2*{index}]`"
+    ))
+    .fix(at, index)
 }
 
 /// `x[i + 1]` at the end of the names; `over` is the index with its value, `range` where it is said.
@@ -55,11 +63,12 @@ pub fn index_beyond(at: Span, wanted: &str, (name, value): (&str, i64), range: S
         .fix(range.after(), " cyclic")
 }
 
-/// `x[3]` where no index runs; `name` is that of the signal.
+/// `x[3]` where no index runs; `name` is that of a signal.
 pub fn index_without_range(at: Span, name: &str) -> Diagnostic {
     Diagnostic::error("index", "an index stands only in a family of equations")
         .at(at, "no index runs here")
         .help(format!(
-            "write out which one is meant, `{name}1`; or end the equation in `, i = 1..10`"
+            "write out which one is meant, `{name}`; or end the equation in `, i = 1..10`"
         ))
+        .fix(at, name)
 }

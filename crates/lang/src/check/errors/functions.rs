@@ -1,15 +1,16 @@
 //! Functions that a model defines.
 
 use crate::ast::Ident;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::source::Span;
 
-/// A call with the wrong number of arguments; `at` and where the function is defined.
+/// A call with the wrong number of arguments; `at` and where the function is defined. `ours` is the call with as many as it takes.
 pub fn own_arity(
     (at, definition): (Span, Span),
     name: &str,
     params: &[Ident],
     found: usize,
+    ours: &str,
 ) -> Diagnostic {
     let wanted = match params.len() {
         1 => "one argument".to_string(),
@@ -20,9 +21,19 @@ pub fn own_arity(
         .at(at, format!("expected {wanted}"))
         .also(definition, "defined here")
         .help(format!(
-            "write `{name}({})` with an expression for each",
+            "write `{name}({})` with an expression for each, such as `{ours}`",
             names.join(", ")
         ))
+        .fix_if_whole(at, ours)
+}
+
+/// `let f(a, a) = …`
+pub fn second_argument(at: Span, first: Span, name: &str) -> Diagnostic {
+    Diagnostic::error("given-twice", format!("a second argument `{name}`"))
+        .at(at, "given again here")
+        .also(first, "given first here")
+        .help(format!("choose another name, such as `{name}_0`"))
+        .edit(Edit::Rename(at, name.to_string()))
 }
 
 /// An argument with a name that means something else in the model; `renamed` is the statement with another name for it.
@@ -43,13 +54,21 @@ pub fn argument_hides(
     .fix(statement, renamed)
 }
 
-/// `a'` of an argument a.
-pub fn argument_differentiated(at: Span, name: &str) -> Diagnostic {
-    Diagnostic::error("unknown-signal", format!("the argument `{name}` has no derivative"))
+/// `a'` of an argument a; `last` is behind the arguments.
+pub fn argument_differentiated(at: Span, name: &str, last: Option<Span>) -> Diagnostic {
+    let rate = format!("d{name}");
+    let d = Diagnostic::error("unknown-signal", format!("the argument `{name}` has no derivative"))
         .at(at, "an argument is a number")
         .help(format!(
-            "give the derivative as an argument of its own: `let f({name}, rate) = …`, called as `f(x, dx)`"
-        ))
+            "give the derivative as an argument of its own: `let f({name}, {rate}) = …`, called as `f(x, dx)`"
+        ));
+    match last {
+        Some(last) => d.edit_all([
+            Edit::Replace(last, format!(", {rate}")),
+            Edit::Replace(at, rate),
+        ]),
+        None => d,
+    }
 }
 
 pub fn form_as_function(at: Span, name: &str) -> Diagnostic {
@@ -59,6 +78,7 @@ pub fn form_as_function(at: Span, name: &str) -> Diagnostic {
     )
     .at(at, "cannot be defined")
     .help(format!("choose another name, such as `{name}_0`"))
+    .edit(Edit::Rename(at, name.to_string()))
 }
 
 /// A function with the name of one of the language.
@@ -78,8 +98,8 @@ pub fn function_without_let(at: Span, statement: Span, line: &str) -> Diagnostic
         .fix(statement.before(), "let ")
 }
 
-/// A call in the data block; `body` is the function's.
-pub fn own_function_in_data(at: Span, body: &str, definition: Span) -> Diagnostic {
+/// A call in the data block, and the place of its name; `ours` is the function's body with the columns.
+pub fn own_function_in_data((at, whole): (Span, Span), ours: &str, definition: Span) -> Diagnostic {
     Diagnostic::error(
         "unknown-function",
         "functions of the model take signals, not columns",
@@ -87,14 +107,16 @@ pub fn own_function_in_data(at: Span, body: &str, definition: Span) -> Diagnosti
     .at(at, "not in a data block")
     .also(definition, "defined here")
     .help(format!(
-        "write it out with the column in quotes in place of the argument: `{body}`"
+        "write it out with the column in quotes in place of the argument: `{ours}`"
     ))
+    .fix_if_whole(whole, ours)
 }
 
-/// `let f(v) = 1 + f(v - 1)`
-pub fn recursive_function(at: Span, name: &str, definition: Span) -> Diagnostic {
+/// `let f(v) = 1 + f(v - 1)`, `let a = a + x`
+pub fn recursive(at: Span, name: &str, definition: Span) -> Diagnostic {
     Diagnostic::error("let-order", format!("`{name}` is defined by itself"))
         .at(at, "its own name")
         .also(definition, "in this definition")
-        .help("a function is an expression of its arguments and of what stands above it; write out what is meant")
+        .help("a definition is an expression of what stands above it; write out what is meant, or remove the term")
+        .remove(at)
 }

@@ -1,13 +1,24 @@
 //! What can be wrong about a state that nothing measures.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::model::Var;
 use crate::source::Span;
 
-pub fn hidden_sensor(at: Span, name: &str, what: &str) -> Diagnostic {
-    Diagnostic::error("hidden-state", format!("{what} of a hidden state"))
+/// `key` is the attribute that says so; none for the entry at the place.
+pub fn hidden_sensor(
+    (at, declared): (Span, Option<Span>),
+    name: &str,
+    what: &str,
+    key: Option<&'static str>,
+) -> Diagnostic {
+    let d = Diagnostic::error("hidden-state", format!("{what} of a hidden state"))
         .at(at, format!("nothing measures {name}"))
-        .help(format!("remove {what}, or `hidden` if {name} has a sensor"))
+        .help(format!("remove {what}, or `hidden` if {name} has a sensor"));
+    let d = match key {
+        Some(key) => d.edit(Edit::RemoveAttribute(at, key)),
+        None => d.remove(at),
+    };
+    d.edit_all(declared.map(|s| Edit::RemoveAttribute(s, "hidden")))
 }
 
 pub fn hidden_in_discrete(at: Span, name: &str) -> Diagnostic {

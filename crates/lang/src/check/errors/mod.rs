@@ -2,6 +2,7 @@
 //!
 //! Constructors only: places and names in, a [`crate::diagnostic::Diagnostic`] with a fix to copy out.
 
+mod attributes;
 mod data_entries;
 mod declarations;
 mod equations;
@@ -12,6 +13,7 @@ mod hidden_states;
 mod symmetries;
 mod unit_mismatch;
 
+pub use attributes::*;
 pub use data_entries::*;
 pub use declarations::*;
 pub use equations::*;

@@ -29,7 +29,7 @@ pub fn not_a_flipped_name(at: Span) -> Diagnostic {
         "a symmetry changes the signs of declared variables",
     )
     .at(at, "not one of them")
-    .help("write `symmetry x, y -> -(x, y)`")
+    .help("list declared variables: `symmetry x, y -> -(x, y)`; or leave the line out")
 }
 
 pub fn flipped_derivative(at: Span, derivative: &str, name: &str) -> Diagnostic {
@@ -66,7 +66,7 @@ pub fn unknown_limit(at: Span, key: &str) -> Diagnostic {
     let d = Diagnostic::error("unknown-attribute", format!("no limit named `{key}`"));
     match did_you_mean(key, ["degree"]) {
         Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
-        None => d.at(at, "not known"),
+        None => d.at(at, "not known").fix(at, "degree"),
     }
     .help("write `limit degree 4`")
 }
@@ -76,12 +76,17 @@ pub fn unknown_norm(key: &Attribute, known: &[&'static str]) -> Diagnostic {
     if let (Some(value), true) = (&key.value, known.contains(&text.as_str())) {
         return Diagnostic::error("attribute-value", format!("`prefer {text}` takes no value"))
             .at(value.span, "one too many")
-            .help("write `prefer degree` or `prefer plain`");
+            .help(format!("write `prefer {text}`"))
+            .fix(at.to(value.span), text);
     }
     let d = Diagnostic::error("unknown-attribute", format!("no norm named `{text}`"));
     match did_you_mean(text, known.iter().copied()) {
         Some(near) => d.at(at, format!("did you mean `{near}`?")).fix(at, near),
-        None => d.at(at, "not known"),
+        None => {
+            let whole = key.value.as_ref().map_or(at, |v| at.to(v.span));
+            let d = d.at(at, "not known");
+            known.iter().fold(d, |d, word| d.fix(whole, *word))
+        }
     }
     .help("write `prefer degree` or `prefer plain`")
 }
@@ -93,4 +98,5 @@ pub fn degree_limit(at: Span, value: f64) -> Diagnostic {
     )
     .at(at, "not a degree")
     .help("write `limit degree 4`")
+    .fix(at, "4")
 }

@@ -7,10 +7,16 @@ use crate::source::Span;
 use crate::thresholds::MESSAGES;
 use crate::units::{Commensurability, Misspelling, Unit, UnitSyntaxError};
 
-pub fn unit_text(at: Span, fault: &UnitSyntaxError) -> Diagnostic {
-    Diagnostic::error("unit-text", fault.cause.as_str())
+/// `whole` is the text, `mended` the same as a unit.
+pub fn unit_text(
+    (at, whole): (Span, Span),
+    fault: &UnitSyntaxError,
+    mended: Option<String>,
+) -> Diagnostic {
+    let d = Diagnostic::error("unit-text", fault.cause.as_str())
         .at(at, fault.label.as_str())
-        .help(fault.fix.as_str())
+        .help(fault.fix.as_str());
+    mended.into_iter().fold(d, |d, text| d.fix(whole, text))
 }
 
 pub fn unit_unknown(at: Span, suspect: &Misspelling) -> Diagnostic {
@@ -30,6 +36,18 @@ pub struct Summand<'a> {
     pub unit: &'a Unit,
     /// True after a minus.
     pub subtracted: bool,
+    /// True of a sum, which needs brackets as a factor.
+    pub sum: bool,
+}
+
+impl Summand<'_> {
+    /// As a factor.
+    fn factor(&self) -> String {
+        match self.sum {
+            true => format!("({})", self.text),
+            false => self.text.to_string(),
+        }
+    }
 }
 
 /// What holds the parts together.
@@ -52,31 +70,43 @@ pub fn unit_sum(first: &Summand, second: &Summand, joint: Joint) -> Diagnostic {
         .at(second.at, format!("in {b}"))
         .also(first.at, format!("in {a}"));
     if let Commensurability::Scaled(factor) = a.commensurability(b) {
+        let scaled = format!("{}*{}", exact(factor), first.factor());
         return d
             .fact(format!(
                 "1 {a} is {} {b}, and no number is converted",
                 plain(factor)
             ))
-            .help("scale one of them in the data block, and declare the same unit for both");
+            .help(format!("scale one of them in the data block, and declare the same unit for both; or convert it here: `{scaled}`"))
+            .fix(first.at, scaled);
     }
-    let (x, y) = (first.text, second.text);
+    let (x, y) = (first.text, second.factor());
+    let d = d.fix(second.at, format!("1*{y}"));
     let ratio = a.per(b).filter(|_| x.len() + y.len() <= MESSAGES.unit_fix);
     let Some(ratio) = ratio else {
         return d.help("a number carries a unit: multiply one of the two by its own");
     };
     let sign = if second.subtracted { '-' } else { '+' };
     d.help(match joint {
-        Joint::Comparison => format!("a number carries a unit: `2*{y}` with the 2 in {ratio}"),
-        Joint::Sum => format!("a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}"),
+        Joint::Comparison => format!("a number carries a unit: `1*{y}` with the 1 in {ratio}"),
+        Joint::Sum => format!("a number carries a unit: `{x} {sign} 1*{y}` with the 1 in {ratio}"),
         Joint::Item => format!(
-            "two terms are `<{x}, {y}>`; in one, a number carries a unit: `{x} {sign} 2*{y}` with the 2 in {ratio}"
+            "two terms are `<{x}, {y}>`; in one, a number carries a unit: `{x} {sign} 1*{y}` with the 1 in {ratio}"
         ),
     })
 }
 
-/// `sin(x)` of metres.
-pub fn unit_argument(name: &str, argument: &Summand, time: bool) -> Diagnostic {
-    let (u, x) = (argument.unit, argument.text);
+/// `sin(x)` of metres; `place` is that of the argument with its brackets, if it needs any.
+pub fn unit_argument(
+    name: &str,
+    argument: &Summand,
+    place: Option<Span>,
+    time: bool,
+) -> Diagnostic {
+    let (u, x) = (argument.unit, argument.factor());
+    let fixed = |d: Diagnostic, ours: String| match place {
+        Some(place) => d.fix(place, format!("({ours})")),
+        None => d.fix(argument.at, ours),
+    };
     let d = Diagnostic::error(
         "unit-argument",
         format!("`{name}` takes a pure number, not {u}"),
@@ -87,25 +117,37 @@ pub fn unit_argument(name: &str, argument: &Summand, time: bool) -> Diagnostic {
             "1 {u} is {}, and no number is converted",
             plain(factor)
         ));
-        return d.help(if u.to_string() == "deg" {
-            "scale the angle in the data block, `x = \"X\" * pi/180`, and declare it in rad"
+        return if u.to_string() == "deg" {
+            let d = d.help(format!("scale the angle in the data block, `x = \"X\" * pi/180`, and declare it in rad; or convert it here: `{name}({x}*pi/180)`"));
+            fixed(d, format!("{x}*pi/180"))
         } else {
-            "scale it in the data block, and declare what comes out"
-        });
+            let ours = format!("{}*{x}", exact(factor));
+            let d = d
+                .help(format!("scale it in the data block, and declare what comes out; or convert it here: `{name}({ours})`"));
+            fixed(d, ours)
+        };
     }
     let by = if time {
         "divide by a time constant"
     } else {
         "divide by a number, which carries a unit"
     };
+    let d = fixed(d, format!("{x}/1"));
     if x.len() > MESSAGES.unit_fix {
         return d.help(by);
     }
-    let x = match argument.subtracted {
-        true => format!("({x})"),
-        false => x.to_string(),
-    };
-    d.help(format!("{by}: `{name}({x}/2)` with the 2 in {u}"))
+    d.help(format!("{by}: `{name}({x}/1)` with the 1 in {u}"))
+}
+
+/// A factor of conversion, without the rounding of its logarithm.
+fn exact(x: f64) -> String {
+    let rounded = format!("{x:.11e}");
+    rounded
+        .parse::<f64>()
+        .map_or(rounded, |x| match (1e-4..1e6).contains(&x) {
+            true => format!("{x}"),
+            false => format!("{x:e}"),
+        })
 }
 
 fn plain(x: f64) -> String {

@@ -19,7 +19,7 @@ impl Checker<'_> {
         match &e.kind {
             ExprKind::Number(x) => Some(Expr::number(*x)),
             ExprKind::Share(x) => self.fail(errors::share_elsewhere(e.span, *x)),
-            ExprKind::Text(text) => self.fail(errors::text_in_model(e.span, text)),
+            ExprKind::Text(text) => self.text_in_model(e, text),
             ExprKind::Name(text) => self.name(e, text),
             ExprKind::Negate(x) => Some(self.arithmetic(x)?.scale(-1.0)),
             ExprKind::Group(x) => self.arithmetic(x),
@@ -31,7 +31,7 @@ impl Checker<'_> {
             }
             ExprKind::Power(base, exponent) => {
                 self.one_argument(e, base, exponent)?;
-                let (b, p) = (self.arithmetic(base), self.raised_to(exponent));
+                let (b, p) = (self.arithmetic(base), self.raised_to(e, base, exponent));
                 let (b, p) = (b?, p?);
                 match p.as_number() {
                     Some(p) => self.powered(e, b, p),
@@ -41,13 +41,20 @@ impl Checker<'_> {
             ExprKind::List(_) => self.fail(errors::library_inside(e.span, "a list")),
             ExprKind::Range(..) => self.fail(errors::range_inside(e.span)),
             ExprKind::Call(call) => self.call(e, call),
-            ExprKind::Indexed(name, _) => self.stray_index(e, name),
+            ExprKind::Indexed(name, index) => self.stray_index(e, name, index),
         }
     }
 
+    /// `"x"` outside of the data block.
+    pub fn text_in_model<T>(&mut self, e: &Ast, text: &str) -> Option<T> {
+        let known = self.scope.signal(text).is_some();
+        self.fail(errors::text_in_model(e.span, text, known))
+    }
+
     /// `x[i]` outside of a family.
-    pub fn stray_index<T>(&mut self, e: &Ast, name: &Ident) -> Option<T> {
-        self.fail(errors::index_without_range(e.span, &name.text))
+    pub fn stray_index<T>(&mut self, e: &Ast, name: &Ident, index: &Ast) -> Option<T> {
+        let example = self.example_of_row(&name.text, index);
+        self.fail(errors::index_without_range(e.span, &example))
     }
 
     /// The `e` of `e^x`, where no signal has that name.
@@ -61,7 +68,7 @@ impl Checker<'_> {
         if let Some(argument) = self.argument(text) {
             return match argument {
                 Argument::Value(value) => Some(value.clone()),
-                _ => self.fail(errors::text_in_model(e.span, text)),
+                _ => self.text_in_model(e, text),
             };
         }
         if let Some(s) = self.scope.use_signal(text) {
@@ -143,7 +150,7 @@ impl Checker<'_> {
     }
 
     /// The exponent of a power: a number, or an expression of unknown constants alone.
-    fn raised_to(&mut self, e: &Ast) -> Option<Expr> {
+    fn raised_to(&mut self, whole: &Ast, base: &Ast, e: &Ast) -> Option<Expr> {
         let value = self.arithmetic(e)?;
         let mut constant = true;
         value.for_each_signal(&mut |s| {
@@ -152,16 +159,22 @@ impl Checker<'_> {
         });
         match constant {
             true => Some(value),
-            false => self.fail(errors::exponent_not_a_number(e.span)),
+            false => self.variable_exponent(whole, base, e),
         }
     }
 
+    fn variable_exponent<T>(&mut self, whole: &Ast, base: &Ast, e: &Ast) -> Option<T> {
+        let (b, p) = (self.shown(base.ungrouped().span), self.shown(e.span));
+        let ours = format!("exp({p}*log({b}))");
+        self.fail(errors::exponent_not_a_number(e.span, whole.span, &ours))
+    }
+
     /// The exponent of a power, which must be constant.
-    pub fn exponent(&mut self, e: &Ast) -> Option<f64> {
+    pub fn exponent(&mut self, whole: &Ast, base: &Ast, e: &Ast) -> Option<f64> {
         let value = self.arithmetic(e)?;
         match value.as_number() {
             Some(p) => Some(p),
-            None => self.fail(errors::exponent_not_a_number(e.span)),
+            None => self.variable_exponent(whole, base, e),
         }
     }
 
@@ -190,18 +203,22 @@ impl Checker<'_> {
 
     fn function(&mut self, e: &Ast, call: &Call, f: Func) -> Option<Expr> {
         if call.numbers.is_some() {
-            return self.fail(errors::numbers_of_function(e.span, f.name));
+            let ours = self.call_without_numbers(call, f.arity.1);
+            return self.fail(errors::numbers_of_function(e.span, f.name, &ours));
         }
         if let Some((p, at)) = call.power
             && p < 0.0
         {
-            let arg = call.args.first().and_then(Ast::as_name).unwrap_or("…");
-            return self.fail(errors::inverse_or_reciprocal(at, f.name, arg));
+            let arg = call.args.first().map_or("x", |x| self.shown(x.span));
+            let d = errors::inverse_or_reciprocal(at, e.span, f.name, arg);
+            return self.fail(d);
         }
         let args = every(call.args.iter().map(|arg| self.arithmetic(arg)))?;
         let (least, most) = f.arity;
         if args.len() < least || args.len() > most {
-            return self.fail(errors::arity(e.span, f.name, args.len(), f.arity));
+            let ours = self.call_of(call, f.arity, self.example_name());
+            let found = (f.name, args.len());
+            return self.fail(errors::arity(e.span, found, f.arity, &ours));
         }
         let inner = Expr::call(f, args);
         if inner.as_number().is_some_and(|x| !x.is_finite()) {
@@ -216,46 +233,57 @@ impl Checker<'_> {
     /// `next(x)`
     pub fn next(&mut self, e: &Ast, call: &Call) -> Option<Signal> {
         match call.args.as_slice() {
-            [one] if call.numbers.is_none() && call.power.is_none() => self.shifted(one, 1),
-            _ => self.fail(errors::form(e.span, "next", "next(x)")),
+            [one] if call.numbers.is_none() && call.power.is_none() => self.shifted(e, one, 1),
+            given => {
+                let x = given
+                    .first()
+                    .map_or(self.example_name(), |x| self.shown(x.span));
+                let ours = format!("next({x})");
+                self.fail(errors::form(e.span, "next", &ours))
+            }
         }
     }
 
     /// `lag(u, k)`
     fn lag(&mut self, e: &Ast, call: &Call) -> Option<Signal> {
-        let [signal, back] = call.args.as_slice() else {
-            return self.fail(errors::form(e.span, "lag", "lag(u, 2)"));
+        let plain = call.numbers.is_none() && call.power.is_none();
+        let ([signal, back], true) = (call.args.as_slice(), plain) else {
+            let numbers = call.numbers.iter().flatten();
+            let mut given = call.args.iter().chain(numbers).map(|x| self.shown(x.span));
+            let x = given.next().unwrap_or(self.example_name());
+            let ours = format!("lag({x}, {})", given.next().unwrap_or("1"));
+            return self.fail(errors::form(e.span, "lag", &ours));
         };
-        if call.numbers.is_some() || call.power.is_some() {
-            return self.fail(errors::form(e.span, "lag", "lag(u, 2)"));
-        }
         let k = self.constant(back, "the lag");
         let k = k?;
         if k.fract() != 0.0 || !(0.0..=MODEL.lag).contains(&k) {
-            return self.fail(errors::lag(back.span, k));
+            let name = self.shown(signal.span);
+            return self.fail(errors::lag(back.span, k, name));
         }
-        self.shifted(signal, -(k as i32))
+        self.shifted(e, signal, -(k as i32))
     }
 
-    fn shifted(&mut self, e: &Ast, by: i32) -> Option<Signal> {
+    /// `whole` is the call, `e` what it shifts.
+    fn shifted(&mut self, whole: &Ast, e: &Ast, by: i32) -> Option<Signal> {
         let inner = e.ungrouped();
         let Some(text) = inner.as_name() else {
-            return self.fail(errors::shift_of_expression(e.span));
+            let ours = self.shifted_inside(whole, e, by);
+            return self.fail(errors::shift_of_expression(e.span, ours));
         };
         if let Some(argument) = self.argument(text) {
             let Some(s) = argument.as_signal() else {
-                return self.fail(errors::shift_of_expression(e.span));
+                return self.fail(errors::shift_of_expression(e.span, None));
             };
             return match s.der == 0 && s.shift == 0 {
                 true => Some(Signal::shifted(s.var, by)),
-                false => self.fail(errors::shift_of_expression(e.span)),
+                false => self.fail(errors::shift_of_expression(e.span, None)),
             };
         }
         match self.scope.use_signal(text) {
             Some(s) if s.der == 0 => Some(Signal::shifted(s.var, by)),
-            Some(_) => self.fail(errors::shift_of_expression(e.span)),
+            Some(_) => self.fail(errors::shift_of_expression(e.span, None)),
             None if self.scope.lets.contains_key(text) => {
-                self.fail(errors::shift_of_expression(e.span))
+                self.fail(errors::shift_of_expression(e.span, None))
             }
             None => self.unknown_name(inner.span, text),
         }

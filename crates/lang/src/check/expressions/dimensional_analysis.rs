@@ -12,6 +12,7 @@ use crate::check::errors::{self, Joint, Summand};
 use crate::check::expressions::function_calls::in_call;
 use crate::check::scope::Value;
 use crate::diagnostic::Diagnostic;
+use crate::source::Span;
 use crate::term::{Func, UnitRule, VarId};
 use crate::thresholds::MESSAGES;
 use crate::units;
@@ -91,7 +92,7 @@ impl<'f> Pass<'_, 'f> {
                 Some(g) => {
                     for x in &call.args {
                         if g.of_angles && !self.checker.is_library(x) {
-                            self.pure(g.name, x);
+                            self.pure(g.name, x, None);
                         } else {
                             self.item(x);
                         }
@@ -198,6 +199,7 @@ impl<'f> Pass<'_, 'f> {
             text: self.checker.text(x.span),
             unit,
             subtracted: *subtracted,
+            sum: matches!(x.kind, ExprKind::Sum(_)),
         });
         let Some(first) = with_units.next() else {
             return Measure::Any;
@@ -256,7 +258,11 @@ impl<'f> Pass<'_, 'f> {
         };
         let value = match f.units {
             UnitRule::Pure => {
-                call.args.iter().for_each(|x| self.pure(f.name, x));
+                let head = call.power.map_or(call.name.span, |(_, at)| at);
+                for x in &call.args {
+                    let bare = Span::new(x.span.file, head.end, x.span.end);
+                    self.pure(f.name, x, call.juxtaposed.then_some(bare));
+                }
                 Measure::Is(Unit::one())
             }
             UnitRule::Lost => {
@@ -281,8 +287,8 @@ impl<'f> Pass<'_, 'f> {
         }
     }
 
-    /// Checks an argument that must be a pure number or an angle in rad.
-    fn pure(&mut self, function: &str, e: &'f Ast) {
+    /// Checks an argument that must be a pure number or an angle in rad; `bare` is its place behind the function, if it has no brackets.
+    fn pure(&mut self, function: &str, e: &'f Ast, bare: Option<Span>) {
         let Measure::Is(unit) = self.measure(e) else {
             return;
         };
@@ -293,11 +299,12 @@ impl<'f> Pass<'_, 'f> {
             at: e.span,
             text: self.checker.text(e.span),
             unit: &unit,
-            subtracted: matches!(e.kind, ExprKind::Sum(_)),
+            subtracted: false,
+            sum: matches!(e.kind, ExprKind::Sum(_)),
         };
         let time = self.checker.scope.var(VarId::TIME);
         let time = time.and_then(|v| v.unit.as_ref()) == Some(&unit);
-        self.say(errors::unit_argument(function, &argument, time));
+        self.say(errors::unit_argument(function, &argument, bare, time));
     }
 
     /// The value of a constant exponent.

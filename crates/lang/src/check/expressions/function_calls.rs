@@ -8,7 +8,7 @@ use crate::check::checker::{Checker, every};
 use crate::check::errors;
 use crate::check::own_functions::{Argument, Arguments, OwnFunction};
 use crate::check::vocabulary::GeneratorSignature;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::model::{LibExpr, LibKind};
 use crate::source::Span;
 use crate::term::{Expr, Func};
@@ -54,18 +54,22 @@ impl<'a> Checker<'a> {
             return Some(None);
         }
         if call.numbers.is_some() {
-            return Some(self.fail(errors::numbers_of_function(e.span, name)));
+            let ours = self.call_without_numbers(call, function.params.len());
+            return Some(self.fail(errors::numbers_of_function(e.span, name, &ours)));
         }
         if call.args.len() != function.params.len() {
             let at = (e.span, function.span);
-            let d = errors::own_arity(at, name, function.params, call.args.len());
+            let params = function.params;
+            let ours = self.call_of(call, (params.len(), params.len()), self.example_name());
+            let d = errors::own_arity(at, name, params, call.args.len(), &ours);
             return Some(self.fail(d));
         }
         if let Some((p, at)) = call.power
             && p < 0.0
         {
-            let arg = call.args.first().and_then(Ast::as_name).unwrap_or("…");
-            return Some(self.fail(errors::inverse_or_reciprocal(at, name, arg)));
+            let arg = call.args.first().map_or("x", |x| self.shown(x.span));
+            let d = errors::inverse_or_reciprocal(at, e.span, name, arg);
+            return Some(self.fail(d));
         }
         Some(Some(function))
     }
@@ -137,6 +141,12 @@ impl<'a> Checker<'a> {
 }
 
 /// A finding in the body of a function, shown with its call.
-pub fn in_call(d: Diagnostic, call: Span) -> Diagnostic {
+pub fn in_call(mut d: Diagnostic, call: Span) -> Diagnostic {
+    // What is not to be there is the call; in the body it may be right with other arguments.
+    for edit in d.edits.iter_mut().flatten() {
+        if let Edit::Remove(at) = edit {
+            *at = call;
+        }
+    }
     d.also(call, "in this call")
 }

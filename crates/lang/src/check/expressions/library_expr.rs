@@ -9,6 +9,7 @@ use crate::check::checker::{Checker, every};
 use crate::check::errors;
 use crate::check::expressions::set_algebra::{number_minus_term, sum_of_numbers, union};
 use crate::check::scope::Value;
+use crate::check::suggestions::numbers_example;
 use crate::model::{LibExpr, LibKind, NumberArg};
 use crate::source::Span;
 use crate::term::{Expr, Signal};
@@ -190,7 +191,7 @@ impl Checker<'_> {
 
     fn set_power(&mut self, e: &Ast, base: &Ast, exponent: &Ast) -> Option<LibExpr> {
         self.one_argument(e, base, exponent)?;
-        let (base_set, p) = (self.library(base), self.exponent(exponent));
+        let (base_set, p) = (self.library(base), self.exponent(e, base, exponent));
         let (set, p) = (base_set?, p?);
         if let LibKind::Term(expr) = set.kind {
             let power = self.powered(e, expr, p)?;
@@ -239,14 +240,18 @@ impl Checker<'_> {
             .as_name()
             .and_then(numbered)
             .zip(to.as_name().and_then(numbered));
-        let Some(((stem, first), (_, last))) = ends.filter(|((a, _), (b, _))| a == b) else {
-            return self.fail(errors::range_of_names(span));
+        let (left, right) = (self.text(from.span), self.text(to.span));
+        let ends = ends.filter(|((a, _), (b, _))| a == b);
+        let numbers = ends.and_then(|((_, a), (_, b))| a.parse().ok().zip(b.parse().ok()));
+        let (Some(((stem, first), _)), Some((a, b))) = (ends, numbers) else {
+            let listed = format!("{left}, {right}");
+            return self.fail(errors::range_of_names(span, &listed));
         };
-        let (Ok(a), Ok(b)) = (first.parse::<usize>(), last.parse::<usize>()) else {
-            return self.fail(errors::range_of_names(span));
-        };
+        let (a, b): (usize, usize) = (a, b);
         if a > b || b - a >= MODEL.range {
-            return self.fail(errors::range_bounds(span, a, b, MODEL.range));
+            let turned = format!("{right}..{left}");
+            let d = errors::range_bounds(span, (a, b), &turned, MODEL.range);
+            return self.fail(d);
         }
         self.afford(span, b - a)?;
         let width = if first.starts_with('0') {
@@ -259,11 +264,13 @@ impl Checker<'_> {
 
     fn generator(&mut self, e: &Ast, call: &Call) -> Option<LibExpr> {
         let name = &call.name;
-        let usage = self.generator_named(&name.text).map_or("", |g| g.usage);
+        let known = self.generator_named(&name.text);
+        let usage = known.map_or("", |g| g.usage);
         if call.juxtaposed || call.power.is_some() {
-            return self.fail(errors::generator_without_arguments(
-                e.span, &name.text, usage,
-            ));
+            let example = known.map(|g| self.generator_example(g, Some(call)));
+            let example = example.unwrap_or_default();
+            let d = errors::generator_without_arguments(e.span, &name.text, &example);
+            return self.fail(d);
         }
         let args = self.items(&call.args);
         if call.numbers.is_none() && usage.contains(';') {
@@ -277,6 +284,7 @@ impl Checker<'_> {
                 [.., a, b] => Some(Span::new(e.span.file, a.span.end, b.span.start)),
                 _ => None,
             };
+            let usage = (usage, known.map_or("", numbers_example));
             return self.fail(errors::numbers_missing(
                 e.span, &name.text, usage, last, comma,
             ));

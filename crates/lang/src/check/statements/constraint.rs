@@ -64,7 +64,9 @@ impl Checker<'_> {
             };
             let value = attribute.value.as_ref().and_then(Ast::as_name);
             if attribute.key.text != "per" || value != Some("run") {
-                self.say(errors::per_run_words(attribute.key.span));
+                let value = attribute.value.as_ref();
+                let whole = value.map_or(attribute.key.span, |v| attribute.key.span.to(v.span));
+                self.say(errors::per_run_words(attribute.key.span, whole));
                 continue;
             }
             for e in coefficients {
@@ -203,10 +205,22 @@ impl Checker<'_> {
         self.file.broken.iter().any(|b| b.keyword.is_none()) || self.statements().any(written)
     }
 
+    /// A product without its numbers.
+    fn plain_term(&self, term: &Ast) -> Option<String> {
+        let ExprKind::Product(factors) = &term.ungrouped().kind else {
+            return None;
+        };
+        let number = |x: &&(Side, Ast)| matches!(x.1.kind, ExprKind::Number(_));
+        let plain = factors.iter().filter(|x| !number(x));
+        Some(self.file.product_of(plain)).filter(|x| !x.is_empty())
+    }
+
     /// `coef(TARGET, TERM)`
     fn coefficient(&mut self, e: &Ast, call: &Call, equations: &[Equation]) -> Option<Linear> {
         let [target, term] = call.args.as_slice() else {
-            return self.fail(errors::form(e.span, "coef", "coef(dx, x)"));
+            let target = self.example_target();
+            let ours = format!("coef({target}, {})", self.example_name());
+            return self.fail(errors::form(e.span, "coef", &ours));
         };
         let (signal, expr) = (self.arithmetic(target), self.arithmetic(term));
         let (signal, expr) = (signal?, expr?);
@@ -217,17 +231,22 @@ impl Checker<'_> {
             if self.has_wrong_equation(target) {
                 return None;
             }
-            return self.fail(errors::coefficient_of_no_equation(
-                target.span,
-                &self.example_target(),
-            ));
+            let own = equations
+                .first()
+                .map(|q| self.text(q.target_span).to_string());
+            let example = own.unwrap_or_else(|| self.example_target());
+            return self.fail(errors::coefficient_of_no_equation(target.span, &example));
         };
         if matches!(equation.right, RightSide::Known(_)) {
             return self.fail(errors::coefficient_of_known(target.span, equation.span));
         }
         let (weight, normal) = expr.into_term();
         if weight != 1.0 {
-            return self.fail(errors::coefficient_of_multiple(term.span, weight));
+            let ours = self.plain_term(term).map(|x| {
+                let target = self.text(target.span);
+                (e.span, format!("coef({target}, {x})/{weight}"))
+            });
+            return self.fail(errors::coefficient_of_multiple(term.span, weight, ours));
         }
         Some(Linear {
             coefficients: vec![Coefficient {

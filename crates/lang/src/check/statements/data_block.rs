@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use crate::ast::{Call, Entry, EntryKind, Expr as Ast, ExprKind, Ident, Side, Sign};
 use crate::check::checker::{Checker, every};
 use crate::check::errors;
+use crate::check::suggestions::is_atom;
 use crate::model::{ColumnExpr, ColumnKind, DataBlock, DataEntry, VarKind};
 use crate::source::Span;
 use crate::term::Signal;
@@ -28,8 +29,11 @@ impl Checker<'_> {
                     beside,
                 } => {
                     if name.text == "run" && self.scope.signal("run").is_none() {
-                        match beside.first() {
-                            Some(second) => self.say(errors::run(value.span.to(second.span))),
+                        match beside.last() {
+                            Some(last) => {
+                                let whole = value.span.to(last.span);
+                                self.say(errors::run(whole, self.header(value)));
+                            }
                             None => self.run(entry.span, value, &mut block),
                         }
                     } else if let Some(entry) = self.entry(name, (value, beside), &mut seen) {
@@ -60,7 +64,11 @@ impl Checker<'_> {
             .find(|e| e.beside.len() != first.beside.len());
         if let Some(other) = other {
             let of = |e: &DataEntry| (e.span, name(e), 1 + e.beside.len());
-            return self.say(errors::sources_differ(of(other), of(first)));
+            let all = other.source.iter().chain(&other.beside).map(|s| s.span);
+            let whole = all.clone().reduce(Span::to).unwrap_or(other.span);
+            let text = all.clone().next().map_or("none", |s| self.text(s));
+            let d = errors::sources_differ(of(other), of(first), (whole, text));
+            return self.say(d);
         }
         if let Some((_, run)) = &block.run {
             self.say(errors::side_and_below(first.span, *run));
@@ -89,8 +97,14 @@ impl Checker<'_> {
         }
         match &value.kind {
             ExprKind::Text(text) => block.run = Some((text.trim().to_string(), span)),
-            _ => self.say(errors::run(value.span)),
+            _ => self.say(errors::run(value.span, self.header(value))),
         }
+    }
+
+    /// The header that an expression names, with or without quotes.
+    fn header(&self, e: &Ast) -> &str {
+        let named = e.find(&|e| matches!(e.kind, ExprKind::Text(_) | ExprKind::Name(_)));
+        named.map_or("exp_id", |e| self.text(e.span).trim_matches('"'))
     }
 
     /// `theta = "Angle" * 1e-3`, `dy = none`
@@ -123,7 +137,8 @@ impl Checker<'_> {
         let none = value.as_name() == Some("none");
         let nothing = beside.iter().find(|e| e.as_name() == Some("none"));
         if let Some(at) = nothing.or(Some(value).filter(|_| none && !beside.is_empty())) {
-            return self.fail(errors::nothing_in_one_run(at.span));
+            let whole = value.span.to(beside.last().map_or(value.span, |e| e.span));
+            return self.fail(errors::nothing_in_one_run(at.span, whole));
         }
         let source = if none {
             None
@@ -167,7 +182,7 @@ impl Checker<'_> {
                 ColumnKind::Power(Box::new(base?), p?)
             }
             ExprKind::Call(call) => self.column_call(e, call)?,
-            ExprKind::Indexed(name, _) => return self.stray_index(e, name),
+            ExprKind::Indexed(name, index) => return self.stray_index(e, name, index),
             ExprKind::List(_) | ExprKind::Range(..) => {
                 return self.fail(errors::library_in_data(e.span));
             }
@@ -220,16 +235,25 @@ impl Checker<'_> {
     fn column_call(&mut self, e: &Ast, call: &Call) -> Option<ColumnKind> {
         let name = call.name.text.as_str();
         if let Some(f) = self.functions.get(name) {
-            let (body, definition) = (self.text(f.body.span), f.span);
+            let (body, definition, params) = (f.body, f.span, f.params);
             self.used_functions.insert(name.to_string());
-            return self.fail(errors::own_function_in_data(
-                call.name.span,
-                body,
-                definition,
-            ));
+            let mut edits = Vec::new();
+            for (param, x) in params.iter().zip(&call.args) {
+                let text = match is_atom(x) {
+                    true => self.text(x.span).to_string(),
+                    false => format!("({})", self.text(x.span)),
+                };
+                let places = body.places_of(&param.text).into_iter();
+                edits.extend(places.map(|at| (at, text.clone())));
+            }
+            let ours = self.file.edited(body.span, edits);
+            let at = (call.name.span, e.span);
+            return self.fail(errors::own_function_in_data(at, &ours, definition));
         }
         if call.juxtaposed || call.power.is_some() || call.numbers.is_some() {
-            return self.fail(errors::form(e.span, name, &format!("{name}(\"Column\")")));
+            let given = call.args.first().map(|x| self.text(x.span));
+            let column = given.filter(|x| x.starts_with('"')).unwrap_or("\"Column\"");
+            return self.fail(errors::form(e.span, name, &format!("{name}({column})")));
         }
         if name == "unwrap" {
             return self.unwrap_call(e, call);
@@ -251,7 +275,9 @@ impl Checker<'_> {
         };
         let args = every(call.args.iter().map(|a| self.column(a)))?;
         if args.len() < f.arity.0 || args.len() > f.arity.1 {
-            return self.fail(errors::arity(e.span, f.name, args.len(), f.arity));
+            let ours = self.call_of(call, f.arity, "\"Column\"");
+            let found = (f.name, args.len());
+            return self.fail(errors::arity(e.span, found, f.arity, &ours));
         }
         Some(ColumnKind::Call(f, args))
     }
@@ -259,7 +285,10 @@ impl Checker<'_> {
     /// `unwrap("Angle", 2*pi)`
     fn unwrap_call(&mut self, e: &Ast, call: &Call) -> Option<ColumnKind> {
         let [column, period] = call.args.as_slice() else {
-            return self.fail(errors::form(e.span, "unwrap", "unwrap(\"Angle\", 2*pi)"));
+            let given = call.args.first();
+            let column = given.map_or("\"Angle\"", |x| self.text(x.span));
+            let ours = format!("unwrap({column}, 2*pi)");
+            return self.fail(errors::form(e.span, "unwrap", &ours));
         };
         let (column, p) = (self.column(column), self.constant(period, "the period"));
         let (column, p) = (column?, p?);

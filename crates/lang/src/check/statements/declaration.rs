@@ -13,6 +13,9 @@ use crate::thresholds::MODEL;
 use crate::units;
 use crate::units::Unit;
 
+/// A noise, for messages.
+const NOISE: &str = "0.01";
+
 /// What the attributes of one statement say.
 struct Attributes {
     order: u8,
@@ -141,9 +144,14 @@ impl Checker<'_> {
             // `y(2)`, perhaps its order.
             ExprKind::Call(call) => {
                 self.scope.poisoned.insert(call.name.text.clone());
-                self.fail(errors::not_a_name(e.span, keyword.text(), &call.name.text))
+                let names = [call.name.text.as_str()];
+                self.fail(errors::not_a_name(e.span, keyword.text(), &names))
             }
-            _ => self.fail(errors::not_a_name(e.span, keyword.text(), "x")),
+            _ => {
+                let children = e.children().into_iter();
+                let names: Vec<&str> = children.filter_map(Expr::as_name).collect();
+                self.fail(errors::not_a_name(e.span, keyword.text(), &names))
+            }
         }
     }
 
@@ -165,7 +173,8 @@ impl Checker<'_> {
             if let Some(other) = self.scope.signals.get(&name) {
                 let other = self.scope.var(other.var).cloned();
                 if let Some(other) = other {
-                    self.say(errors::clash(at, &var, k, &other));
+                    let alone = self.text(at) == var.name;
+                    self.say(errors::clash((at, alone), &var, k, &other));
                 }
                 if k == 0 {
                     return;
@@ -240,7 +249,7 @@ impl Checker<'_> {
     /// `order 2`
     fn order(&mut self, keyword: Keyword, a: &Attribute) -> Option<u8> {
         let least = u8::from(keyword == Keyword::State);
-        let value = self.attribute_number(a, "order 2")?;
+        let value = self.attribute_number(a, "2")?;
         if value.fract() != 0.0 || value < f64::from(least) || value > f64::from(MODEL.order) {
             let at = a.value.as_ref().map_or(a.key.span, |v| v.span);
             return self.fail(errors::order(at, value, least, MODEL.order));
@@ -256,9 +265,8 @@ impl Checker<'_> {
 
     /// `noise 0.01`, `noise 2%`, `noise 0.01 + 2%`
     fn noise(&mut self, a: &Attribute) -> Option<SensorNoise> {
-        let example = "noise 0.01";
         let Some(value) = &a.value else {
-            self.attribute_number(a, example)?;
+            self.attribute_number(a, NOISE)?;
             return None;
         };
         let mut noise = SensorNoise::default();
@@ -273,7 +281,7 @@ impl Checker<'_> {
                     ExprKind::Share(x) => (&mut noise.share, *x),
                     _ => (
                         &mut noise.floor,
-                        self.early_number(part, &a.key.text, example)?,
+                        self.early_number(part, &a.key.text, NOISE)?,
                     ),
                 };
                 // Each part once, and added.
@@ -283,7 +291,7 @@ impl Checker<'_> {
         } else if let ExprKind::Share(x) = value.kind {
             noise.share = x;
         } else {
-            noise.floor = self.early_number(value, &a.key.text, example)?;
+            noise.floor = self.early_number(value, &a.key.text, NOISE)?;
         }
         if noise.is_valid() {
             return Some(noise);
@@ -297,7 +305,7 @@ impl Checker<'_> {
         if let Some(place) = self.scope.discrete {
             return self.fail(errors::memory_in_discrete(a.key.span, place));
         }
-        let seconds = self.attribute_number(a, "memory 0.3")?;
+        let seconds = self.attribute_number(a, "0.3")?;
         if seconds >= 0.0 {
             return Some(seconds);
         }
@@ -312,21 +320,20 @@ impl Checker<'_> {
         }
         let Some(value) = &a.value else {
             let wanted = "seconds, or a range of them";
-            let example = "delay 0.09` or `delay in 0 .. 0.2";
-            return self.fail(errors::attribute_value(
-                a.key.span, "delay", wanted, example,
-            ));
+            let examples = ["delay 0.09", "delay in 0 .. 0.2"];
+            let at = (a.key.span, a.key.span);
+            return self.fail(errors::attribute_value(at, "delay", wanted, &examples));
         };
         let ExprKind::Range(from, to) = &value.kind else {
-            let seconds = self.early_number(value, "delay", "delay 0.09")?;
+            let seconds = self.early_number(value, "delay", "0.09")?;
             if seconds < 0.0 {
                 return self.fail(errors::negative_delay(value.span, seconds));
             }
             return Some(Delay::Known(seconds));
         };
         let (first, last) = (
-            self.early_number(from, "delay", "delay in 0 .. 0.2"),
-            self.early_number(to, "delay", "delay in 0 .. 0.2"),
+            self.early_number(from, "delay", "0"),
+            self.early_number(to, "delay", "0.2"),
         );
         let (from, to) = (first?, last?);
         if from < to {
@@ -338,12 +345,12 @@ impl Checker<'_> {
     /// `unit "m"`
     pub(super) fn unit(&mut self, a: &Attribute) -> Option<Unit> {
         let Some((at, text)) = a.value.as_ref().and_then(|v| self.quoted(v)) else {
-            return self.fail(errors::attribute_value(
-                a.key.span,
-                "unit",
-                "a text in quotes",
-                "unit \"m\"",
-            ));
+            let value = a.value.as_ref().map_or(a.key.span, |v| v.span);
+            let bare = a.value.as_ref().map_or("m", |v| self.text(v.span));
+            let example = format!("unit \"{bare}\"");
+            let at = (a.key.span, a.key.span.to(value));
+            let wanted = "a text in quotes";
+            return self.fail(errors::attribute_value(at, "unit", wanted, &[&example]));
         };
         let place = |range: std::ops::Range<usize>| {
             Span::new(at.file, at.start + range.start, at.start + range.end)
@@ -355,7 +362,12 @@ impl Checker<'_> {
                 }
                 Some(unit)
             }
-            Err(fault) => self.fail(errors::unit_text(place(fault.at.clone()), &fault)),
+            Err(fault) => {
+                let mended = Some(fault.mended.clone());
+                let mended = mended.filter(|m| !m.is_empty() && units::parse(m).is_ok());
+                let at = (place(fault.at.clone()), at);
+                self.fail(errors::unit_text(at, &fault, mended))
+            }
         }
     }
 
@@ -374,7 +386,12 @@ impl Checker<'_> {
             return self.say(errors::attribute_without_value(value.span, &a.key.text));
         }
         if between.is_some() {
-            return self.say(errors::hold_and_linear(a.key.span));
+            let before = if a.key.text == "hold" {
+                "linear"
+            } else {
+                "hold"
+            };
+            return self.say(errors::hold_and_linear(a.key.span, before));
         }
         *between = Some(if a.key.text == "hold" {
             Between::Hold
@@ -386,19 +403,20 @@ impl Checker<'_> {
     fn attribute_number(&mut self, a: &Attribute, example: &str) -> Option<f64> {
         match &a.value {
             Some(value) => self.early_number(value, &a.key.text, example),
-            None => self.fail(errors::attribute_value(
-                a.key.span,
-                &a.key.text,
-                "a number",
-                example,
-            )),
+            None => {
+                let (at, example) = (a.key.span, format!("{} {example}", a.key.text));
+                let d = errors::attribute_value((at, at), &a.key.text, "a number", &[&example]);
+                self.fail(d)
+            }
         }
     }
 
     /// A number from `let`s that are plain numbers: declarations are checked before all others, whatever the order of lines.
     fn early_number(&mut self, e: &Expr, key: &str, example: &str) -> Option<f64> {
-        if matches!(e.kind, ExprKind::Text(_)) {
-            return self.fail(errors::attribute_value(e.span, key, "a number", example));
+        if let ExprKind::Text(text) = &e.kind {
+            let said = text.split_whitespace().next().unwrap_or("");
+            let example = said.parse::<f64>().map_or(example, |_| said);
+            return self.fail(errors::attribute_text(e.span, key, example));
         }
         self.constant(e, &format!("`{key}`"))
     }

@@ -8,6 +8,7 @@ use crate::ast::{Call, Expr as Ast, ExprKind, Sign, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::check::expressions::union;
+use crate::diagnostic::Edit;
 use crate::model::{Equation, LibExpr, LibKind, Model, RightSide, VarKind};
 use crate::parse::foreign_spellings::{foreign, functions};
 use crate::source::Span;
@@ -31,7 +32,7 @@ impl Checker<'_> {
             if *known && self.is_bare_function(s.span, targets) {
                 continue;
             }
-            let targets = self.targets(targets);
+            let targets = self.targets(targets, right, *known);
             let copies = targets.len().max(1);
             let Some(size) = self.sized(right) else {
                 continue;
@@ -97,7 +98,8 @@ impl Checker<'_> {
         }
     }
 
-    fn targets(&mut self, targets: &[Ast]) -> Vec<(Signal, Span)> {
+    /// `right` is the other side, and `known` whether it is behind a `=`.
+    fn targets(&mut self, targets: &[Ast], right: &Ast, known: bool) -> Vec<(Signal, Span)> {
         let mut out = Vec::new();
         for e in targets {
             match &e.kind {
@@ -107,7 +109,7 @@ impl Checker<'_> {
                 ExprKind::Call(call) if call.name.text == "next" => {
                     out.extend(self.target_next(e, call))
                 }
-                ExprKind::Indexed(name, _) => drop(self.stray_index::<()>(e, name)),
+                ExprKind::Indexed(name, index) => drop(self.stray_index::<()>(e, name, index)),
                 ExprKind::Range(from, to) => {
                     for name in self.expand_range(e.span, from, to).unwrap_or_default() {
                         out.extend(self.target_name(e.span, &name).map(|s| (s, e.span)));
@@ -115,11 +117,44 @@ impl Checker<'_> {
                 }
                 _ => self.say(match functions::target(self.text(e.span)) {
                     Some(ours) => foreign(e.span, self.text(e.span), &ours),
-                    None => errors::not_a_target(e.span, &self.example_target()),
+                    None => {
+                        let moved = self.moved_right(e, known).filter(|_| targets.len() == 1);
+                        let example = self.example_target();
+                        let (target, sum) = moved.unwrap_or((example, String::new()));
+                        let sign = if known { "=" } else { "~" };
+                        errors::not_a_target(e.span, (&target, sign), (right.span, sum))
+                    }
                 }),
             }
         }
         out
+    }
+
+    /// `dx - y ~ …`: `dx`, and `known(y) + ` for the right side.
+    fn moved_right(&self, e: &Ast, known: bool) -> Option<(String, String)> {
+        let ExprKind::Sum(parts) = &e.kind else {
+            return None;
+        };
+        let is_target = |(sign, x): &&(Sign, Ast)| {
+            let signal = x.as_name().and_then(|name| self.scope.signal(name));
+            *sign == Sign::Plus && signal.is_some_and(|s| s.der > 0)
+        };
+        let (_, target) = parts.iter().find(is_target)?;
+        let mut moved = String::new();
+        for (sign, x) in parts.iter().filter(|(_, x)| x.span != target.span) {
+            moved.push_str(match (moved.is_empty(), sign) {
+                (true, Sign::Minus) => "",
+                (true, Sign::Plus) => "-",
+                (false, Sign::Minus) => " + ",
+                (false, Sign::Plus) => " - ",
+            });
+            moved.push_str(self.text(x.span));
+        }
+        let sum = match known {
+            true => format!("{moved} + "),
+            false => format!("known({moved}) + "),
+        };
+        Some((self.text(target.span).to_string(), sum))
     }
 
     /// A target that this model could have, for messages.
@@ -166,21 +201,42 @@ impl Checker<'_> {
 
     /// `TARGET = EXPR`
     fn known_side(&mut self, right: &Ast, targets: &[(Signal, Span)]) -> Option<RightSide> {
+        let last = targets.last().map(|(_, at)| *at);
+        let sign = last.and_then(|at| self.relation_sign(at, right.span));
         if self.is_library(right) {
-            return self.fail(errors::known_library(right.span));
+            return self.fail(errors::known_library(right.span, sign));
         }
         let expr = self.arithmetic(right)?;
-        self.known_part(right, expr, targets).map(RightSide::Known)
+        let sought = sign.map(|sign| {
+            let terms: Vec<&str> = match &right.ungrouped().kind {
+                ExprKind::Sum(parts) => parts.iter().map(|(_, x)| self.text(x.span)).collect(),
+                _ => vec![self.text(right.span)],
+            };
+            let list = format!("<{}>", terms.join(", "));
+            vec![
+                Edit::Replace(sign, "~".to_string()),
+                Edit::Replace(right.span, list),
+            ]
+        });
+        let known = self.known_part(right, expr, targets, sought.unwrap_or_default());
+        known.map(RightSide::Known)
     }
 
-    fn known_part(&mut self, e: &Ast, expr: Expr, targets: &[(Signal, Span)]) -> Option<Expr> {
+    /// `sought`: what makes terms that are sought of it.
+    fn known_part(
+        &mut self,
+        e: &Ast,
+        expr: Expr,
+        targets: &[(Signal, Span)],
+        sought: Vec<Edit>,
+    ) -> Option<Expr> {
         if !expr.is_finite() {
             return self.fail(errors::not_finite(e.span));
         }
         match targets.iter().find(|(s, _)| expr.mentions(*s)) {
             Some((s, at)) => {
                 let name = self.spelling(*s);
-                self.fail(errors::known_with_target(e.span, *at, &name))
+                self.fail(errors::known_with_target(e.span, *at, &name, sought))
             }
             None => Some(expr),
         }
@@ -194,16 +250,19 @@ impl Checker<'_> {
         };
         let (mut known, mut required, mut rest) = (Vec::new(), Vec::new(), Vec::new());
         let mut complete = true;
+        let mut end = right.span.start;
         for (sign, part) in parts {
+            let whole = Span::new(part.span.file, end, part.span.end);
+            end = part.span.end;
             match &part.kind {
                 ExprKind::Call(call) if call.name.text == "known" => {
-                    match self.known_summand(sign, part, call, targets) {
+                    match self.known_summand((sign, whole), part, call, targets) {
                         Some(expr) => known.push((expr, part.span)),
                         None => complete = false,
                     }
                 }
                 ExprKind::Call(call) if self.is_required(call) => {
-                    match self.required_summand(sign, part, call) {
+                    match self.required_summand((sign, whole), part, call) {
                         Some(set) => required.push(set),
                         None => complete = false,
                     }
@@ -227,33 +286,60 @@ impl Checker<'_> {
     }
 
     /// `required(A, B)`
-    fn required_summand(&mut self, sign: Sign, e: &Ast, call: &Call) -> Option<LibExpr> {
+    fn required_summand(
+        &mut self,
+        (sign, whole): (Sign, Span),
+        e: &Ast,
+        call: &Call,
+    ) -> Option<LibExpr> {
         if call.args.is_empty() {
-            return self.fail(errors::form(e.span, "required", "required(x, x^3)"));
+            let ours = format!("required({})", self.example_name());
+            return self.fail(errors::form(e.span, "required", &ours));
         }
         if sign == Sign::Minus || call.numbers.is_some() || call.power.is_some() {
-            return self.fail(errors::required_subtracted(e.span));
+            let args = call.args.iter().map(|x| self.text(x.span));
+            let ours = format!("required({})", args.collect::<Vec<_>>().join(", "));
+            let d = errors::required_subtracted(e.span, whole, &self.added(whole, e, &ours));
+            return self.fail(d);
         }
         let items = self.items(&call.args)?;
         let set = LibExpr::new(e.span, LibKind::List(items));
         Some(LibExpr::new(e.span, LibKind::Required(Box::new(set))))
     }
 
+    /// A summand as it is added, where the sum up to it has a sign before it.
+    fn added(&self, whole: Span, e: &Ast, ours: &str) -> String {
+        match whole.start == e.span.start {
+            true => ours.to_string(),
+            false => format!(" + {ours}"),
+        }
+    }
+
+    /// `whole` is the summand with its sign.
     fn known_summand(
         &mut self,
-        sign: Sign,
+        (sign, whole): (Sign, Span),
         e: &Ast,
         call: &Call,
         targets: &[(Signal, Span)],
     ) -> Option<Expr> {
         let [arg] = call.args.as_slice() else {
-            return self.fail(errors::form(e.span, "known", "known(-9.8*x)"));
+            let given = call.args.first().map(|x| self.text(x.span));
+            let ours = format!("known({})", given.unwrap_or(self.example_name()));
+            return self.fail(errors::form(e.span, "known", &ours));
         };
         if sign == Sign::Minus || call.numbers.is_some() || call.power.is_some() {
-            return self.fail(errors::known_subtracted(e.span));
+            let x = self.text(arg.span);
+            let ours = match (sign, &arg.kind) {
+                (Sign::Plus, _) => format!("known({x})"),
+                (Sign::Minus, ExprKind::Sum(_)) => format!("known(-({x}))"),
+                (Sign::Minus, _) => format!("known(-{x})"),
+            };
+            let d = errors::known_subtracted(e.span, whole, &ours, &self.added(whole, e, &ours));
+            return self.fail(d);
         }
         let expr = self.arithmetic(arg)?;
-        self.known_part(arg, expr, targets)
+        self.known_part(arg, expr, targets, vec![Edit::Remove(e.span)])
     }
 }
 

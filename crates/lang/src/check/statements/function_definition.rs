@@ -60,7 +60,7 @@ impl<'a> Checker<'a> {
     fn function_name(&mut self, name: &Ident) {
         let text = name.text.as_str();
         if text == "t" || text == "pi" {
-            self.say(errors::taken(name.span, text));
+            self.say(errors::taken_by_function(name.span, text, name.span));
         } else if FORMS.contains(&text) {
             self.say(errors::form_as_function(name.span, text));
         } else if let Some(signal) = self.scope.signal(text) {
@@ -79,10 +79,9 @@ impl<'a> Checker<'a> {
         for p in params {
             let text = p.text.as_str();
             if let Some(first) = seen.insert(text, p.span) {
-                let what = format!("argument `{text}`");
-                self.say(errors::twice(p.span, first, &what));
+                self.say(errors::second_argument(p.span, first, text));
             } else if text == "t" || text == "pi" {
-                self.say(errors::taken(p.span, text));
+                self.say(errors::taken_by_function(p.span, text, s.span));
             } else if let Some((meaning, place)) = self.meaning_elsewhere(text) {
                 let other = self.free_name(text);
                 let renamed = self.renamed(s.span, (params, body), (text, &other));
@@ -130,20 +129,12 @@ impl<'a> Checker<'a> {
         (params, body): (&[Ident], &Ast),
         (old, new): (&str, &str),
     ) -> String {
-        let mut places: Vec<Span> = Vec::new();
         let own = params.iter().filter(|p| p.text == old).map(|p| p.span);
-        places.extend(own);
-        names_in(body, old, &mut places);
+        let mut places: Vec<Span> = own.chain(body.places_of(old)).collect();
         places.sort_by_key(|p| p.start);
         places.dedup();
-        let (mut out, mut from) = (String::new(), statement.start);
-        for place in places {
-            out.push_str(self.text(Span::new(place.file, from, place.start)));
-            out.push_str(new);
-            from = place.end;
-        }
-        out.push_str(self.text(Span::new(statement.file, from, statement.end)));
-        out
+        let edits = places.into_iter().map(|p| (p, new.to_string()));
+        self.file.edited(statement, edits.collect())
     }
 
     /// Looks up every name of a body.
@@ -159,7 +150,7 @@ impl<'a> Checker<'a> {
                     self.unknown_name::<()>(e.span, text);
                 }
             }
-            ExprKind::Text(text) => self.say(errors::text_in_model(e.span, text)),
+            ExprKind::Text(text) => drop(self.text_in_model::<()>(e, text)),
             ExprKind::Range(..) => {}
             ExprKind::Call(call) => self.body_call(e, call),
             _ => e.children().into_iter().for_each(|x| self.body_names(x)),
@@ -173,12 +164,15 @@ impl<'a> Checker<'a> {
             let at = (e.span, f.span);
             self.used_functions.insert(name.to_string());
             if params.len() != call.args.len() {
-                self.say(errors::own_arity(at, name, params, call.args.len()));
+                let ours = self.call_of(call, (params.len(), params.len()), self.example_name());
+                let found = call.args.len();
+                self.say(errors::own_arity(at, name, params, found, &ours));
             }
         } else if let Some(f) = self.function_named(name) {
             let (found, (least, most)) = (call.args.len(), f.arity);
             if found < least || found > most {
-                self.say(errors::arity(e.span, f.name, found, f.arity));
+                let ours = self.call_of(call, f.arity, self.example_name());
+                self.say(errors::arity(e.span, (f.name, found), f.arity, &ours));
             }
         } else if self.generator_named(name).is_none() && !["next", "lag"].contains(&name) {
             self.not_a_function::<()>(e, call);
@@ -189,23 +183,5 @@ impl<'a> Checker<'a> {
             .iter()
             .chain(numbers)
             .for_each(|x| self.body_names(x));
-    }
-}
-
-/// The places of a name in an expression.
-fn names_in(e: &Ast, name: &str, out: &mut Vec<Span>) {
-    match &e.kind {
-        ExprKind::Name(text) if text == name => out.push(e.span),
-        ExprKind::Call(call) => {
-            let numbers = call.numbers.iter().flatten();
-            call.args
-                .iter()
-                .chain(numbers)
-                .for_each(|x| names_in(x, name, out));
-        }
-        _ => e
-            .children()
-            .into_iter()
-            .for_each(|x| names_in(x, name, out)),
     }
 }

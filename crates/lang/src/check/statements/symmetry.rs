@@ -7,9 +7,10 @@ use std::collections::BTreeSet;
 use crate::ast::{Attribute, Expr as Ast, ExprKind, Image, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
+use crate::diagnostic::Edit;
 use crate::model::{PreferredNorms, Symmetry};
 use crate::source::Span;
-use crate::term::VarId;
+use crate::term::{Signal, VarId};
 use crate::thresholds::MODEL;
 
 /// The words of `prefer`.
@@ -22,13 +23,16 @@ impl Checker<'_> {
     pub fn symmetries(&mut self) -> Vec<Symmetry> {
         let mut out = Vec::new();
         for s in self.statements() {
-            if let StatementKind::Symmetry { names, image } = &s.kind
-                && let Some(flipped) = self.symmetry(names, image)
-            {
-                out.push(Symmetry {
+            let StatementKind::Symmetry { names, image } = &s.kind else {
+                continue;
+            };
+            let before = self.found.len();
+            match self.symmetry(names, image) {
+                Some(flipped) => out.push(Symmetry {
                     flipped,
                     span: s.span,
-                });
+                }),
+                None => self.mend_symmetry(s.span, names, before),
             }
         }
         if let Some(beyond) = out.get(MODEL.symmetries) {
@@ -62,6 +66,37 @@ impl Checker<'_> {
             ));
         }
         Some(left)
+    }
+
+    /// What was found in a symmetry since `before` gets the whole statement as it should be: with the names that can change their signs.
+    fn mend_symmetry(&mut self, statement: Span, names: &[Ast], before: usize) {
+        let (mut flipped, mut seen) = (Vec::new(), BTreeSet::new());
+        for e in names {
+            if matches!(e.kind, ExprKind::Range(..)) {
+                flipped.push(self.text(e.span));
+                continue;
+            }
+            let named = e.find(&|e| e.as_name().is_some());
+            let signal = named
+                .and_then(Ast::as_name)
+                .and_then(|n| self.scope.signal(n));
+            let time = |s: &Signal| s.var == VarId::TIME && self.scope.discrete.is_some();
+            let own = signal
+                .filter(|s| !time(s))
+                .and_then(|s| self.scope.var(s.var));
+            if let Some(v) = own.filter(|v| seen.insert(v.name.as_str())) {
+                flipped.push(v.name.as_str());
+            }
+        }
+        let names = flipped.join(", ");
+        let edit = match flipped.as_slice() {
+            [] => Edit::RemoveStatement(statement),
+            _ => Edit::Replace(statement, format!("symmetry {names} -> -({names})")),
+        };
+        let found = self.found.get_mut(before..).into_iter().flatten();
+        for d in found.filter(|d| d.code == "symmetry") {
+            d.edits.push(vec![edit.clone()]);
+        }
     }
 
     /// The variables of names and ranges, each once.
@@ -154,12 +189,9 @@ impl Checker<'_> {
 
     fn bound(&mut self, a: &Attribute) -> Option<f64> {
         let Some(value) = &a.value else {
-            return self.fail(errors::attribute_value(
-                a.key.span,
-                "degree",
-                "a number",
-                "limit degree 4",
-            ));
+            let at = (a.key.span, a.key.span);
+            let d = errors::attribute_value(at, "degree", "a number", &["degree 4"]);
+            return self.fail(d.help("write `limit degree 4`"));
         };
         let bound = self.constant(value, "`limit degree`")?;
         if (0.0..=MODEL.degree).contains(&bound) {

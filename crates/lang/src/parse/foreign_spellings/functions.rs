@@ -119,6 +119,24 @@ pub fn function(name: &str, arguments: &[&str]) -> Option<Meant> {
     }
 }
 
+/// What is done here in place of a function.
+pub enum Kind {
+    Integral,
+    Derivative,
+    Limited,
+}
+
+/// The kind of a function that no expression replaces.
+pub fn kind(name: &str) -> Option<Kind> {
+    let (_, advice) = ADVICE.iter().find(|(theirs, _)| *theirs == name)?;
+    match *advice {
+        INTEGRAL => Some(Kind::Integral),
+        DERIVATIVE => Some(Kind::Derivative),
+        LIMITED => Some(Kind::Limited),
+        _ => None,
+    }
+}
+
 /// What a target is that is written as a quotient, a call or a sample: `dx/dt`, `d^2x/dt^2`, `der(x)`, `x(k+1)`.
 pub fn target(text: &str) -> Option<String> {
     let text: String = text.chars().filter(|c| !c.is_whitespace()).collect();

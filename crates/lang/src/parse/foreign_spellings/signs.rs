@@ -237,9 +237,18 @@ fn unit(place: &Place, last: &Token, inner: &str, len: usize) -> Option<ForeignS
     let space = if more { "" } else { " " };
     let whole = Span::new(place.file, last.end, place.start + len);
     let (at, theirs) = (place.span(len), &place.rest[..len]);
-    let error = foreign_because(at, theirs, "a unit is an attribute")
-        .help(format!("write `{attribute}`"))
-        .fix(whole, format!("{space}{attribute}"));
+    let d =
+        foreign_because(at, theirs, "a unit is an attribute").help(format!("write `{attribute}`"));
+    let after = &place.rest[len..];
+    let error = match after.trim_start_matches([' ', '\t']).strip_prefix(':') {
+        // `state x [m] : order 2`
+        Some(rest) => {
+            let end = place.start + place.rest.len() - rest.len();
+            let whole = Span::new(place.file, last.end, end);
+            d.fix(whole, format!(" {attribute},"))
+        }
+        None => d.fix(whole, format!("{space}{attribute}")),
+    };
     Some(ForeignSign::new(len, error))
 }
 

@@ -4,7 +4,7 @@
 
 use super::{foreign, foreign_because};
 use crate::ast::Keyword;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Edit};
 use crate::parse::token::{Token, TokenKind};
 use crate::source::{FileId, Span};
 use crate::term::Func;
@@ -126,27 +126,30 @@ impl Written<'_, '_> {
         let names = second.kind == TokenKind::Name && Func::named(first).is_none();
         let because = |why: &str| foreign_because(at, first, why);
         if LOOPS.contains(&first) && !second.is("~") && !second.is("=") {
-            return Some(because("there are no loops").help(
-                "equations for a row of names `state x1..x10` are `dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`",
-            ));
+            let d = because("there are no loops").help(
+                "leave the line out; equations for a row of names `state x1..x10` are `dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`",
+            );
+            return Some(self.line_out(d));
         }
         if FUNCTIONS.contains(&first) && names {
-            return Some(
-                because("a function is an expression of its arguments")
-                    .help("write it as `let f(x) = x^2`"),
-            );
+            let d = because("a function is an expression of its arguments");
+            return Some(match self.function_line() {
+                Some(line) => d
+                    .help(format!("write it as `{line}`"))
+                    .fix(self.whole(), line),
+                None => d.help("write it as `let f(x) = x^2`"),
+            });
         }
         if FILES.contains(&first) && (names || second.kind == TokenKind::Text) {
-            return Some(
-                because("a model is one file").help("copy what it needs from the other file"),
-            );
+            let d = because("a model is one file")
+                .help("copy what it needs from the other file, and leave the line out");
+            return Some(self.line_out(d));
         }
         let blocks = names && !self.has("~") && !self.has("=") && BLOCKS.contains(&first);
         if blocks || second.is("{") {
-            return Some(
-                because("there are no blocks")
-                    .help("a name is given by `system NAME`; leave the line out"),
-            );
+            let d = because("there are no blocks")
+                .help("a name is given by `system NAME`; leave the line out");
+            return Some(self.line_out(d));
         }
         let equals = self.own.iter().position(|t| t.is("="));
         if let Some(equals) = equals.filter(|_| names && NUMBERS.contains(&first) && !self.has("~"))
@@ -197,7 +200,90 @@ impl Written<'_, '_> {
         };
         let because = "laws that change are sums of pieces";
         let pieces = "`step(x)` is 1 for x > 0 and 0 below: `step(x)*x + step(-x)*x^2`; `min` and `max` limit";
-        Some(foreign_because(self.at(place), self.word(place)?, because).help(pieces))
+        let d = foreign_because(self.at(place), self.word(place)?, because).help(pieces);
+        let ours = self.pieces(place);
+        Some(ours.into_iter().fold(d, |d, (at, ours)| d.fix(at, ours)))
+    }
+
+    /// `if x > 0 then a else b`: `step(x)*a + step(-x)*b`, with its place.
+    fn pieces(&self, place: usize) -> Option<(Span, String)> {
+        let find = |words: &[&str]| {
+            (place..self.own.len())
+                .find(|i| self.own.get(*i).is_some_and(|t| words.contains(&t.text)))
+        };
+        let (then, other) = (find(&["then"])?, find(&["else"])?);
+        let relation = find(&["<", "<=", ">", ">="]).filter(|r| *r < then)?;
+        let (left, right) = (
+            self.bracketed(place + 1, relation)?,
+            self.bracketed(relation + 1, then)?,
+        );
+        let (left, right) = match self.own.get(relation)?.text {
+            "<" | "<=" => (right, left),
+            _ => (left, right),
+        };
+        let (above, below) = match (left.as_str(), right.as_str()) {
+            (x, "0") => (x.to_string(), format!("-{x}")),
+            ("0", x) => (format!("-{x}"), x.to_string()),
+            (x, y) => (format!("{x} - {y}"), format!("{y} - {x}")),
+        };
+        let a = self.bracketed(then + 1, other)?;
+        let b = self.bracketed(other + 1, self.own.len())?;
+        let at = self.at(place).to(self.whole());
+        let at = Span::new(at.file, self.at(place).start, at.end);
+        Some((at, format!("step({above})*{a} + step({below})*{b}")))
+    }
+
+    /// The text from one token to before another, in brackets if there are several.
+    fn bracketed(&self, from: usize, to: usize) -> Option<String> {
+        let text = self.between(from, to)?;
+        Some(match to - from {
+            1 => text.to_string(),
+            _ => format!("({text})"),
+        })
+    }
+
+    fn between(&self, from: usize, to: usize) -> Option<&str> {
+        let (first, last) = (self.own.get(from)?, self.own.get(to.checked_sub(1)?)?);
+        self.text.get(first.start..last.end)
+    }
+
+    fn whole(&self) -> Span {
+        self.at(0).to(self.at(self.own.len().saturating_sub(1)))
+    }
+
+    /// A line that is only to go, if it opens no block.
+    fn line_out(&self, d: Diagnostic) -> Diagnostic {
+        match self.has("{") {
+            true => d,
+            false => d.edit(Edit::RemoveLine(self.whole())),
+        }
+    }
+
+    /// `def f(x): return x^2` as `let f(x) = x^2`.
+    fn function_line(&self) -> Option<String> {
+        let open = 2;
+        self.own.get(open).filter(|t| t.is("("))?;
+        let close = self.own.iter().position(|t| t.is(")"))?;
+        let head = self.between(1, close + 1)?;
+        let opening = [":", "=", "->", "=>", "{", "return"];
+        let closing = ["}", ";", "end"];
+        let begins = |i: &usize| !self.own.get(*i).is_some_and(|t| opening.contains(&t.text));
+        let body = (close + 1..self.own.len()).find(begins);
+        let mut end = self.own.len();
+        while end > 0
+            && self
+                .own
+                .get(end - 1)
+                .is_some_and(|t| closing.contains(&t.text))
+        {
+            end -= 1;
+        }
+        let written = body.filter(|b| *b < end).and_then(|b| self.between(b, end));
+        let first = self.word(open + 1)?;
+        Some(match written {
+            Some(body) => format!("let {head} = {body}"),
+            None => format!("let {head} = {first}^2"),
+        })
     }
 
     /// `state x and y`

@@ -1,0 +1,127 @@
+//! Fixes that need to know what stands around them: items with their commas, statements with their lines, free names.
+//!
+//! In: diagnostics with their [`Edit`]s, and the file. Out: the [`Fix`]es, each one span and its new text. Where an edit cannot be made, there is
+//! no fix.
+
+mod removal;
+mod rewriting;
+
+use std::cell::OnceCell;
+use std::collections::BTreeSet;
+
+use crate::ast::{File, Statement, StatementKind};
+use crate::diagnostic::{Diagnostic, Edit, Fix};
+use crate::source::Span;
+
+/// Diagnostics that get such fixes; a text with more faults is hardly a model.
+const MOST: usize = 1000;
+/// Bytes that a fix may rewrite, so that fixes take no more memory than texts.
+const LONGEST: usize = 20_000;
+
+pub fn complete(found: &mut [Diagnostic], file: &File) {
+    let surroundings = Surroundings {
+        file,
+        words: OnceCell::new(),
+    };
+    for d in found.iter_mut().filter(|d| !d.edits.is_empty()).take(MOST) {
+        let edits = std::mem::take(&mut d.edits);
+        let fixes = edits.into_iter().filter_map(|e| surroundings.fix(e));
+        d.fixes.extend(fixes);
+    }
+}
+
+struct Surroundings<'a> {
+    file: &'a File,
+    /// Every word of the text.
+    words: OnceCell<BTreeSet<&'a str>>,
+}
+
+impl<'a> Surroundings<'a> {
+    fn fix(&self, edits: Vec<Edit>) -> Option<Fix> {
+        let mut parts = Vec::new();
+        for edit in edits {
+            parts.extend(self.parts(edit)?);
+        }
+        self.merged(parts)
+    }
+
+    fn parts(&self, edit: Edit) -> Option<Vec<Fix>> {
+        let one = match edit {
+            Edit::Replace(span, text) => Fix { span, text },
+            Edit::Remove(at) => self.without(at)?,
+            Edit::RemoveStatement(at) => self.without_line(self.statement_span(at)),
+            Edit::RemoveLine(at) => self.without_line(at),
+            Edit::RemoveAttribute(at, key) => self.without_attribute(at, key)?,
+            Edit::Attribute(at, key, text) => self.with_attribute(at, key, &text)?,
+            Edit::Above(at, line) => Fix {
+                span: self.statement(at)?.span.before(),
+                text: line + "\n",
+            },
+            Edit::Below(at, line) => Fix {
+                span: self.line_end(self.statement_span(at)),
+                text: format!("\n{line}"),
+            },
+            Edit::Alone(at) => self.alone(at)?,
+            Edit::Summand(at) => self.summand(at)?,
+            // One of a range `x1..x12` has no place of its own.
+            Edit::Rename(span, name) if self.text(span) == name => Fix {
+                span,
+                text: self.free_name(&name),
+            },
+            Edit::Rename(..) => return None,
+            Edit::RenameAll(at, old, new) => self.renamed(at, &old, &new)?,
+            Edit::Redeclare(at, keyword) => return self.redeclared(at, keyword),
+            Edit::Move(what, above) => return self.moved(what, above),
+            Edit::Join(first, second) => return self.joined(first, second),
+        };
+        Some(vec![one])
+    }
+
+    /// Several changes as one; they must not overlap.
+    fn merged(&self, mut parts: Vec<Fix>) -> Option<Fix> {
+        parts.sort_by_key(|p| (p.span.start, p.span.end));
+        let (first, last) = (parts.first()?.span, parts.last()?.span);
+        let span = first.to(last);
+        if span.end - span.start > LONGEST {
+            return None;
+        }
+        let apart = |pair: &[Fix]| matches!(pair, [a, b] if a.span.end <= b.span.start);
+        let parts = parts.windows(2).all(apart).then_some(parts)?;
+        let edits = parts.into_iter().map(|p| (p.span, p.text)).collect();
+        let text = self.file.edited(span, edits);
+        Some(Fix { span, text })
+    }
+
+    fn text(&self, span: Span) -> &'a str {
+        self.file.text.get(span.start..span.end).unwrap_or("")
+    }
+
+    /// The statement that holds a place.
+    fn statement(&self, at: Span) -> Option<&'a Statement> {
+        self.file.statement_at(at)
+    }
+
+    /// The place of the statement that holds another place, or that place itself.
+    fn statement_span(&self, at: Span) -> Span {
+        self.statement(at).map_or(at, |s| s.span)
+    }
+
+    /// The name with a number behind it that makes it a new one.
+    fn free_name(&self, name: &str) -> String {
+        let letter = |c: char| c.is_alphanumeric() || c == '_';
+        let words = self
+            .words
+            .get_or_init(|| self.file.text.split(|c| !letter(c)).collect());
+        let mut names = (0..).map(|k| format!("{name}_{k}"));
+        let free = names.find(|n| !words.contains(n.as_str()));
+        free.unwrap_or_else(|| name.to_string())
+    }
+}
+
+/// What a statement says, without the range of its index.
+fn said(s: &Statement) -> &StatementKind {
+    match &s.kind {
+        StatementKind::Family { statement, .. } => statement,
+        kind => kind,
+    }
+}

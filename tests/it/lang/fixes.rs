@@ -1,0 +1,185 @@
+//! Fixes over every faulty model: each does what its help says, and a help that has none is listed.
+
+use sidc_lang::diagnostic::{Diagnostic, Fix};
+
+use super::{compiled, texts_in};
+
+/// Files and helps that no change of the text follows: they say what to think about.
+const WITHOUT: [&str; 7] = [
+    "lets_grow: use a generator such as `poly(x; 3)` instead of products of products",
+    "number_too_large: measure the quantity in another unit",
+    "number_too_large: measure the quantity in another unit",
+    "strange_character: `step(x)` is 1 for x > 0 and 0 below: `step(x)*a + step(-x)*b`",
+    "symmetries_many: join those that always hold together",
+    "too_deep: name an inner part with `let`",
+    "unit_text: multiply the column in the data block, `x = \"X\" * 1e-3`, or use a prefix: \"km\"",
+];
+
+/// File and message of mistakes that a fix uncovers: what stands in a statement that could not be read, or behind the first thing that is
+/// wrong in it, is checked when that is right.
+const UNCOVERED: [(&str, &str); 24] = [
+    (
+        "attribute_values",
+        "an input either holds its value or moves linearly between samples",
+    ),
+    ("data_arithmetic", "a data entry is arithmetic on columns"),
+    ("data_arithmetic", "a second entry for `t`"),
+    ("families", "no signal named `w5`"),
+    ("families", "a second equation for `dy`"),
+    ("foreign_lists", "`,` belongs to another language"),
+    ("foreign_lists", "no signal named `x_dot`"),
+    ("foreign_signs", "`np.` belongs to another language"),
+    ("foreign_signs", "`**` belongs to another language"),
+    ("foreign_signs", "`.*` belongs to another language"),
+    ("foreign_signs", "`|u|` belongs to another language"),
+    ("forms", "no signal named `x`"),
+    ("forms", "no signal named `dx`"),
+    ("function_definitions", "an exponent is a number"),
+    // The call by the old name, which may mean the signal.
+    ("function_definitions", "`k` is not a function"),
+    (
+        "function_definitions",
+        "the argument `x` has the name of a signal",
+    ),
+    (
+        "function_foreign",
+        "the argument `x` has the name of a signal",
+    ),
+    (
+        "missing_target",
+        "expected the end of the statement or an operator, found `=`",
+    ),
+    ("names_of_several_words", "`y` is not a function"),
+    ("names_of_several_words", "no signal named `x`"),
+    ("range_names", "no signal named `x1`"),
+    ("several_at_once", "a power of a power needs parentheses"),
+    // Of two names that nothing declares, one is declared.
+    (
+        "undeclared_product",
+        "coefficients are found with the equation and need no names",
+    ),
+    ("unit_argument", "`cos` takes a pure number, not s"),
+];
+
+fn edited(text: &str, fix: &Fix) -> String {
+    let mut text = text.to_string();
+    text.replace_range(fix.span.start..fix.span.end, &fix.text);
+    text
+}
+
+fn place(d: &Diagnostic) -> usize {
+    let primary = d.labels.iter().filter(|l| l.primary);
+    primary.map(|l| l.span.start).min().unwrap_or(0)
+}
+
+/// Whether a diagnostic stands where another stood before a fix.
+fn stays(now: &Diagnostic, before: &Diagnostic, fix: &Fix) -> bool {
+    let (old, new) = (place(before), place(now));
+    let end = fix.span.start + fix.text.len();
+    let same_place = if old < fix.span.start {
+        new == old
+    } else if old >= fix.span.end {
+        new == old - fix.span.end + end
+    } else {
+        (fix.span.start..end).contains(&new)
+    };
+    same_place && now.code == before.code && now.message == before.message
+}
+
+/// What is wrong with a fix of a diagnostic.
+fn faults(name: &str, text: &str, found: &[Diagnostic], d: &Diagnostic, fix: &Fix) -> Vec<String> {
+    let after = edited(text, fix);
+    let now = compiled(name, &after).1;
+    let mut faults = Vec::new();
+    if now.iter().any(|n| stays(n, d, fix)) {
+        faults.push("the message stays".to_string());
+    }
+    let known = |n: &Diagnostic| {
+        let same = found
+            .iter()
+            .any(|b| b.code == n.code && b.message == n.message);
+        same || UNCOVERED.contains(&(name, n.message.as_str()))
+    };
+    let new = now.iter().filter(|n| n.is_error() && !known(n));
+    faults.extend(new.map(|n| format!("new: {} {}", n.code, n.message)));
+    faults
+}
+
+/// After each fix alone its message is gone, and nothing is wrong that was not wrong before.
+#[test]
+fn every_fix_does_what_its_help_says() {
+    let mut all = Vec::new();
+    for (name, text) in texts_in("tests/bad") {
+        let found = compiled(&name, &text).1;
+        for d in &found {
+            for fix in &d.fixes {
+                for fault in faults(&name, &text, &found, d, fix) {
+                    let after = edited(&text, fix);
+                    all.push(format!(
+                        "{name}: {}\n{fault}\nafter {fix:?}\n{after}",
+                        d.message
+                    ));
+                }
+            }
+        }
+    }
+    assert!(all.is_empty(), "{}", all.join("\n----\n"));
+}
+
+/// A new help without a fix is to be noticed.
+#[test]
+fn helps_without_a_fix() {
+    let mut all = Vec::new();
+    for (name, text) in texts_in("tests/bad") {
+        for d in compiled(&name, &text).1 {
+            if let (Some(help), true) = (&d.help, d.fixes.is_empty()) {
+                all.push(format!("{name}: {help}"));
+            }
+        }
+    }
+    assert_eq!(all, WITHOUT);
+}
+
+/// What goes takes its comma, its line and what is said of it there; what moves too.
+#[test]
+fn surroundings_stay_whole() {
+    for (before, after) in [
+        (
+            "state x : noise -1, order 1\ndx ~ <x>\n",
+            "state x : order 1\ndx ~ <x>\n",
+        ),
+        (
+            "state x : order 1,\n  noise -1\ndx ~ <x>",
+            "state x : order 1\ndx ~ <x>",
+        ),
+        (
+            "state x\nlet a = 1 # one\n  let a = 2 # two\ndx ~ <a*x>",
+            "state x\nlet a = 1 # one\ndx ~ <a*x>",
+        ),
+        (
+            "state x\ndata { x = \"a\"; x = \"b\" }\ndx ~ <x>",
+            "state x\ndata { x = \"a\" }\ndx ~ <x>",
+        ),
+        (
+            "state x\nlet b = a^2 # uses a\n\nlet a = x^3 # cube\ndx ~ <b>",
+            "state x\nlet a = x^3 # cube\nlet b = a^2 # uses a\n\ndx ~ <b>",
+        ),
+        (
+            "state x\ndx ~ <x/0> + poly(x; 2)\n",
+            "state x\ndx ~ poly(x; 2)\n",
+        ),
+        (
+            "state x1..x3\ninput x2\nsymmetry x1..x3 ->\ndx1 ~ <x1>\n",
+            "state x1..x3\ninput x2_0\nsymmetry x1..x3 ->\ndx1 ~ <x1>\n",
+        ),
+        (
+            "state x\ndx ~ <x>\nsystem a\nsystem b",
+            "state x\ndx ~ <x>\nsystem a\n",
+        ),
+    ] {
+        let (_, found, shown) = compiled("m.sid", before);
+        let fix = found.iter().find_map(|d| d.fixes.first());
+        let fix = fix.unwrap_or_else(|| panic!("{shown}"));
+        assert_eq!(edited(before, fix), after, "{shown}");
+    }
+}
