@@ -13,6 +13,10 @@ pub enum Target {
     Latex,
     Rust,
     C,
+    CHeader,
+    /// C in single precision.
+    CFloat,
+    CFloatHeader,
     /// Functions for `scipy.integrate.solve_ivp`.
     Python,
     Sympy,
@@ -28,11 +32,14 @@ pub enum Target {
 
 impl Target {
     /// Every target, in the order of `sidc list`.
-    pub const ALL: [Target; 12] = [
+    pub const ALL: [Target; 15] = [
         Target::Text,
         Target::Latex,
         Target::Rust,
         Target::C,
+        Target::CHeader,
+        Target::CFloat,
+        Target::CFloatHeader,
         Target::Python,
         Target::Sympy,
         Target::Matlab,
@@ -75,7 +82,8 @@ mod tests {
     fn every_target_is_its_own_emitter() {
         let names: Vec<&str> = TARGETS.iter().map(|t| t.name()).collect();
         for target in Target::ALL {
-            assert_eq!(format!("{target:?}").to_lowercase(), target.name());
+            let name = target.name().replace('-', "");
+            assert_eq!(format!("{target:?}").to_lowercase(), name);
         }
         assert_eq!(names, Target::ALL.map(Target::name));
     }

@@ -275,9 +275,12 @@ impl List<'_> {
     /// The terms of an equation's library; what terms are made of if nothing is sought there.
     fn terms(&mut self, target: &str) {
         let document = self.document;
+        // `next x` and `next(x)` are one.
+        let plain = |name: &str| name.replace(['(', ')', ' '], "");
         let sought = document.program().and_then(|program| {
             let mut all = sought(program);
-            let (_, library) = all.find(|(e, _)| program.model.name(e.target) == target)?;
+            let (_, library) =
+                all.find(|(e, _)| plain(&program.model.name(e.target)) == plain(target))?;
             Some((Language(&program.model), library))
         });
         let Some((names, library)) = sought else {
