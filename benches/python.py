@@ -71,10 +71,12 @@ def overhead(rows: int = 100_000) -> tuple[float, float]:
         return least(lambda: model.identify(table)), least(program, resource.RUSAGE_CHILDREN)
 
 
-def beside_pysindy(rows: int = 10_000) -> tuple[float, float]:
+def beside_pysindy(noise: float, rows: int = 10_000) -> tuple[float, float]:
+    """Both on the same rows; the noise is a part of each signal's spread."""
     import pysindy as ps
 
     t, states = lorenz(rows)
+    states = states + noise * states.std(axis=0) * np.random.default_rng(1).normal(size=states.shape)
     ours = sidc.Identifier("poly(x, y, z; 2)")
     theirs = ps.SINDy(optimizer=ps.STLSQ(threshold=0.1))
     return least(lambda: ours.fit(states, t=t)), least(lambda: theirs.fit(states, t=t))
@@ -101,7 +103,8 @@ if __name__ == "__main__":
     print(f"import: {imported():.0f} ms")
     module, program = overhead()
     print(f"100,000 rows: module {module:.2f} s, program {program:.2f} s, {100 * (module / program - 1):+.0f} %")
-    ours, theirs = beside_pysindy()
-    print(f"Lorenz, 10,000 rows: sidc {ours:.3f} s, PySINDy {theirs:.3f} s, ratio {ours / theirs:.1f}")
+    for noise in (0.0, 0.001, 0.05):
+        ours, theirs = beside_pysindy(noise)
+        print(f"Lorenz, 10,000 rows, noise {noise:.1%}: sidc {ours:.3f} s, PySINDy {theirs:.3f} s, ratio {ours / theirs:.1f}")
     compiled, exported = calls()
     print(f"a call of the right side: {compiled:.1f} us, exported Python {exported:.1f} us")

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _sidc
 from ._data import Measured
-from ._options import PROOFS, Noise, Span, search_options
-from ._parts import LOOK_AT, Gathered, Parts, Reducer, gather
+from ._options import LOOK_AT, PROOFS, Noise, Span, search_options
 from ._progress import Progress, over_parts
 from ._result import Result
+
+if TYPE_CHECKING:
+    from ._parts import Gathered, Reducer
 
 
 class Model:
@@ -141,6 +143,8 @@ class Model:
         The other options are those of `identify`. Derivatives that are not measured are estimated within each part. Hidden states,
         unknown constants, constraints and libraries of more than 400 terms need all rows at once: `Error` says so.
         """
+        from ._parts import Parts, gather
+
         options, reducer = self._reducer(look_at, holdout, noise, params, horizon, good)
         source = Parts.of(parts)
         gathered = gather(reducer, over_parts(source.tables, source.count, progress))
@@ -155,6 +159,9 @@ class Model:
         horizon: float | None,
         good: float | Mapping[str, float] | None,
     ) -> tuple[_sidc.Options, Reducer]:
+        # Loaded here, because it is most of what importing the package would take.
+        from ._parts import Reducer
+
         reducer = Reducer.of(self._text, self._name, look_at, holdout, noise, params)
         return reducer.options(horizon, good), reducer
 

@@ -14,6 +14,9 @@ Span = tuple[Union[float, None], Union[float, None]]
 Noise = Union[float, tuple[float, float]]
 """A standard deviation, or a floor and a share of the value."""
 
+LOOK_AT = 100_000
+"""Rows that are looked at closely unless told otherwise: as many as are searched of a table in memory with forty terms."""
+
 PROOFS = 60.0
 """Seconds for the proofs of sparsest equations where nothing is said, as with `sidc identify --prove-sparsest`."""
 

@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 Columns = list[tuple[str, "NDArray[float64]"]]
 """Names and values."""
 
-LOOK_AT = 100_000
-"""Rows that are looked at closely unless told otherwise: as many as are searched of a table in memory with forty terms."""
-
 STRETCHES = 32
 """Most stretches that these rows are taken from; at least half as many where there are parts enough."""
 

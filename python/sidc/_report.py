@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import os
 
 HEIGHT = 720
@@ -27,6 +26,8 @@ class Report:
         return f"<sidc.Report, {len(self._page)} characters>"
 
     def _repr_html_(self) -> str:
+        import html
+
         # The page has styles and a script of its own, which must not reach the notebook.
         page = html.escape(self._page, quote=True)
         return f'<iframe srcdoc="{page}" style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>'

@@ -19,8 +19,8 @@ from . import _sidc
 from ._errors import Error
 from ._fleet import Fleet, majority
 from ._model import Model
-from ._options import Noise
-from ._parts import LOOK_AT, STRETCHES, Columns, Gathered, Reducer
+from ._options import LOOK_AT, Noise
+from ._parts import STRETCHES, Columns, Gathered, Reducer
 from ._result import Result
 
 __all__ = ["Fleet", "identify", "identify_each", "identify_fleet"]

@@ -6,7 +6,7 @@ const element = (id) => document.getElementById(id);
 const VIEWS = ["answer", "report", "code", "document"];
 
 /** Extensions of the files that languages are saved in. */
-const EXTENSIONS = { latex: "tex", rust: "rs", c: "c", python: "py", sympy: "py", matlab: "m", jax: "py", casadi: "py", julia: "jl", modelica: "mo", sbml: "xml", text: "txt" };
+const EXTENSIONS = { latex: "tex", rust: "rs", c: "c", "c-header": "h", "c-float": "c", "c-float-header": "h", python: "py", sympy: "py", matlab: "m", jax: "py", casadi: "py", julia: "jl", modelica: "mo", sbml: "xml", text: "txt" };
 
 function save(name, text, kind) {
   const link = document.createElement("a");
