@@ -9,8 +9,8 @@ use crate::constrained::constraint_check::{coefficient_text, constraint_text};
 use crate::known_terms::fixed_terms;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::library::Library;
-use sidc_lang::model::{Coefficient, Constraint, Equation, Model, Relation};
-use sidc_lang::term::{SignalNames, Term};
+use sidc_lang::model::{Coefficient, Constraint, Equation, Model, Relation, RightSide};
+use sidc_lang::term::{Language, SignalNames, Term};
 use sidc_solve as solve;
 use sidc_solve::{LinearConstraint, Sense};
 
@@ -186,15 +186,14 @@ fn per_run_without_candidate(model: &Model, libraries: &[Option<Library>]) -> Ve
         if library.as_ref().and_then(|l| l.contains(&c.term)).is_none() {
             let target = model.name(equation.target);
             let coefficient = coefficient_text(model, c);
-            found.push(
-                Diagnostic::error(
-                    "per-run",
-                    format!("{coefficient} is not looked for: the library has no such term"),
-                )
-                .at(c.span, "no candidate")
-                .also(equation.span, format!("the candidates of {target}"))
-                .help("add the term to the library; `sidc check --terms` lists the candidates"),
-            );
+            let d = Diagnostic::error(
+                "per-run",
+                format!("{coefficient} is not looked for: the library has no such term"),
+            )
+            .at(c.span, "no candidate")
+            .also(equation.span, format!("the candidates of {target}"))
+            .help("add the term to the library; `sidc check --terms` lists the candidates");
+            found.push(with_term_added(d, model, equation, &c.term));
         }
     }
     found
@@ -219,13 +218,27 @@ fn known_value(equation: &Equation, term: &Term) -> Option<f64> {
 
 fn no_candidate(model: &Model, equation: &Equation, c: &Coefficient) -> Diagnostic {
     let target = model.name(equation.target);
-    Diagnostic::error(
+    let d = Diagnostic::error(
         "constraint-term",
         format!("{} is always 0: the equation has no such term", coefficient_text(model, c)),
     )
     .at(c.span, "no candidate")
     .also(equation.span, format!("the candidates of {target}"))
-    .help("add the term to the library, or leave the constraint out; `sidc check --terms` lists the candidates")
+    .help("add the term to the library, or leave the constraint out; `sidc check --terms` lists the candidates");
+    with_term_added(d, model, equation, &c.term)
+}
+
+/// The fix that writes a term behind the library of an equation.
+fn with_term_added(d: Diagnostic, model: &Model, equation: &Equation, term: &Term) -> Diagnostic {
+    let RightSide::Search {
+        library: Some(library),
+        ..
+    } = &equation.right
+    else {
+        return d;
+    };
+    let term = Language(model).term(term);
+    d.fix(library.span.after(), format!(" + <{term}>"))
 }
 
 fn too_many_together(count: usize, beyond: &Constraint) -> Diagnostic {

@@ -236,7 +236,8 @@ impl<'a> Expansion<'a> {
             let single = left.single().zip(right.single());
             let single = single.map(|(a, b)| (language.term(&a), language.term(&b)));
             let single = single.as_ref().map(|(a, b)| (a.as_str(), b.as_str()));
-            return self.fail(library_errors::removes_nothing(span, single));
+            let removed = a.span.after().to(b.span);
+            return self.fail(library_errors::removes_nothing(span, removed, single));
         }
         Some(kept)
     }

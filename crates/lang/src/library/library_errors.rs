@@ -127,8 +127,12 @@ pub(crate) fn misuse(name_span: Span, usage: &str, m: Misuse) -> Diagnostic {
     d.help(m.help)
 }
 
-/// `single` holds both sides as text where each is one term, so that a difference of numbers may be meant.
-pub(crate) fn removes_nothing(span: Span, single: Option<(&str, &str)>) -> Diagnostic {
+/// `removed` is the `-` and its right side; `single` holds both sides as text where each is one term, so that a difference of numbers may be meant.
+pub(crate) fn removes_nothing(
+    span: Span,
+    removed: Span,
+    single: Option<(&str, &str)>,
+) -> Diagnostic {
     let d = Diagnostic::error(
         "difference-removes-nothing",
         "this `-` removes nothing: none of the terms on its right are on its left",
@@ -143,7 +147,9 @@ pub(crate) fn removes_nothing(span: Span, single: Option<(&str, &str)>) -> Diagn
                 "for the number {left} − {right} write `<{left} - {right}>`"
             ))
             .fix(span, format!("<{left} - {right}>")),
-        None => d.help("leave it out; `sidc check --terms` lists the terms"),
+        None => d
+            .help("leave it out; `sidc check --terms` lists the terms")
+            .fix(removed, ""),
     }
 }
 

@@ -71,3 +71,28 @@ fn fixes_are_offered_from_anywhere_on_their_line() {
     assert_eq!([offered(0, 7), offered(2, 0)], [None, None]);
     assert!(session.end());
 }
+
+#[test]
+fn libraries_are_mended_where_they_stand() {
+    let cases = [
+        ("constrain coef(dx, x^4) < 0", "poly(x; 3) + <x^4>"),
+        ("coef(dx, x^5) : per run", "poly(x; 3) + <x^5>"),
+        ("limit degree 9", "poly(x; 3)"),
+    ];
+    for (line, library) in cases {
+        let written = match line.starts_with("limit") {
+            true => "poly(x; 3) - <x^5, x^7>",
+            false => "poly(x; 3)",
+        };
+        let text = format!("state x\ndx ~ {written}\n{line}\n");
+        let mut session = Session::new(&["utf-16"]);
+        session.open(&text);
+        let actions = session.whole("codeAction");
+        let edits = actions[0]["edit"]["changes"][super::session::URI].clone();
+        let after = edited(&text, edits.as_array().unwrap());
+        assert_eq!(after, format!("state x\ndx ~ {library}\n{line}\n"));
+        session.open(&after);
+        let errors = session.diagnostics();
+        assert!(errors.iter().all(|d| d["severity"] != 1), "{errors:?}");
+    }
+}
