@@ -20,14 +20,15 @@ _NAME = re.compile(r"(?<!\w)[^\W\d]\w*(?!\w)(?!\s*\()")
 class Identifier:
     """First-order equations dx/dt = f(x, u) of a state that is measured, as `pysindy.SINDy` finds them.
 
-    library: the candidate terms of every equation, in the language of models; by default polynomials of degree 2.
-    feature_names: names of the columns of X; by default those of a frame, else the names in `library` in the order in which they
-        appear, else x0, x1, …
-    input_names: names of the columns of u; by default the further names in `library`, else u0, u1, …
-    noise: standard deviation of the measurements by name, as for `Model.identify`; a number holds for all columns.
-    method: as for `Model.identify`.
-    discrete_time: the equations give the next sample in place of the derivative.
-    t_default: the time between samples where `fit` is given no times.
+    Args:
+        library: the candidate terms of every equation, in the language of models; by default polynomials of degree 2.
+        feature_names: names of the columns of X; by default those of a frame, else the names in `library` in the order in which
+            they appear, else x0, x1, …
+        input_names: names of the columns of u; by default the further names in `library`, else u0, u1, …
+        noise: standard deviation of the measurements by name, as for `Model.identify`; a number holds for all columns.
+        method: as for `Model.identify`.
+        discrete_time: the equations give the next sample in place of the derivative.
+        t_default: the time between samples where `fit` is given no times.
 
     After `fit`, `result_` is the `Result` with all evidence, `model_` the model that was written.
     """
@@ -59,11 +60,12 @@ class Identifier:
     def fit(self, X: Any, y: Any = None, *, t: Any = None, u: Any = None, x_dot: Any = None) -> Identifier:
         """Finds the equations.
 
-        X: measurements (M, n), or a list of such arrays, one for each trajectory.
-        t: the time between samples, their times (M,), or a list of these. As PySINDy has it they may be the second argument; a
-            single column of as many values as a single state is its derivative there, as scikit-learn has it.
-        u: inputs (M, m), or a list of them.
-        x_dot, y: derivatives (M, n) that were measured, or a list of them.
+        Args:
+            X: measurements (M, n), or a list of such arrays, one for each trajectory.
+            t: the time between samples, their times (M,), or a list of these. As PySINDy has it they may be the second argument; a
+                single column of as many values as a single state is its derivative there, as scikit-learn has it.
+            u: inputs (M, m), or a list of them.
+            x_dot, y: derivatives (M, n) that were measured, or a list of them.
         """
         t, x_dot = _times_or_rates(X, y, t, x_dot)
         trials = list(_trials(X, t, u, x_dot, self.t_default))

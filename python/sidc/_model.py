@@ -84,25 +84,26 @@ class Model:
 
         The options are those of `sidc identify`:
 
-        holdout: rows that no equation is found from; the equations run on them. The last part of every record (0.25), times (a, b)
-            with None for an open end, a table of its own, or a list of these.
-        noise: standard deviation of a signal's measurement in the model's units, by name; a pair (floor, share) for noise that
-            grows with the signal.
-        params: values of the parameters that the model declares: one for all runs, or one for each.
-        window: the times (a, b) that are used.
-        horizon: how far ahead predictions are compared with the data, in seconds (samples in discrete time).
-        good: the error that these predictions are to stay within in 90 % of the starts, as a part of each signal's spread, or by name
-            in the signal's unit.
-        method: `auto`, `joint` (trajectory and equations together), `regression` (of derivatives) or `weak` (of integrals).
-        solver: the sparse solver.
-        samples, seed: use so many rows, drawn at random; the others test the answer.
-        robust: gives outliers no weight.
-        path: adds the answers for larger tolerances.
-        prove_sparsest: looks for the fewest terms that fit, with a proof, for so many seconds (True: 60) in all.
-        verify: checks every equation and its proof once more, by separate code in 106 bits.
-        memory_limit: most bytes that the values of one library may take.
-        time_limit: seconds after which the search ends with what there is, and a doubt that says so.
-        progress: a bar by tqdm; by default where somebody looks, after a second.
+        Args:
+            holdout: rows that no equation is found from; the equations run on them. The last part of every record (0.25),
+                times (a, b) with None for an open end, a table of its own, or a list of these.
+            noise: standard deviation of a signal's measurement in the model's units, by name; a pair (floor, share) for noise that
+                grows with the signal.
+            params: values of the parameters that the model declares: one for all runs, or one for each.
+            window: the times (a, b) that are used.
+            horizon: how far ahead predictions are compared with the data, in seconds (samples in discrete time).
+            good: the error that these predictions are to stay within in 90 % of the starts, as a part of each signal's spread, or
+                by name in the signal's unit.
+            method: `auto`, `joint` (trajectory and equations together), `regression` (of derivatives) or `weak` (of integrals).
+            solver: the sparse solver.
+            samples, seed: use so many rows, drawn at random; the others test the answer.
+            robust: gives outliers no weight.
+            path: adds the answers for larger tolerances.
+            prove_sparsest: looks for the fewest terms that fit, with a proof, for so many seconds (True: 60) in all.
+            verify: checks every equation and its proof once more, by separate code in 106 bits.
+            memory_limit: most bytes that the values of one library may take.
+            time_limit: seconds after which the search ends with what there is, and a doubt that says so.
+            progress: a bar by tqdm; by default where somebody looks, after a second.
 
         Raises `Error`: what the model cannot read in the data, all faults at once, or an option that names what is not there.
         An equation with a doubt is an answer too: see `Result.passes`.
@@ -137,8 +138,9 @@ class Model:
         doubts, predictions and runs come from `look_at` rows at most, in up to 32 stretches along the table; coefficients and standard
         errors from all rows. Where all rows say something else than those looked at, that is the doubt `rows-differ`.
 
-        holdout: the part of the rows looked at that no equation is found from, behind each stretch.
-        time_limit: seconds for the search among the rows looked at, once all parts are read.
+        Args:
+            holdout: the part of the rows looked at that no equation is found from, behind each stretch.
+            time_limit: seconds for the search among the rows looked at, once all parts are read.
 
         The other options are those of `identify`. Derivatives that are not measured are estimated within each part. Hidden states,
         unknown constants, constraints and libraries of more than 400 terms need all rows at once: `Error` says so.
