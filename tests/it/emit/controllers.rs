@@ -70,10 +70,11 @@ fn two_systems_link_and_take_steps() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
+    // A state that is called as a helper of the code: both files have one name for the system all the same.
     let mut tank = document(
-        &[("level", "state", 1)],
+        &[("Tank_root", "state", 1)],
         "continuous",
-        &[("dlevel", &[("sqrt(level)", -0.3)])],
+        &[("dTank_root", &[("sqrt(Tank_root)", -0.3)])],
     );
     tank.system = Some("Tank".into());
     for (name, case) in [

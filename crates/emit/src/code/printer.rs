@@ -117,6 +117,12 @@ impl<L: Language> Target for L {
         self.check(&program)?;
         program.check_calls(L::DIALECT.language, L::spelling)?;
         let reserved = L::DIALECT.reserved.iter().copied();
+        // As they are in the finished file, too.
+        let finished: Vec<String> = reserved
+            .clone()
+            .map(|word| self.finished(&program, word.into()))
+            .collect();
+        let reserved = reserved.chain(finished.iter().map(String::as_str));
         let names = Identifiers::new(program.names.iter().cloned(), reserved);
         let functions = program.functions.iter().filter(|f| self.writes(f.kind));
         let functions = functions.map(|f| function(self, &program, f, &names));

@@ -18,20 +18,14 @@ impl Surroundings<'_> {
             StatementKind::Declare {
                 names, attributes, ..
             } => {
-                let names: Vec<Span> = names.iter().map(|n| n.span).collect();
-                Some(
-                    self.without_part(at, attributes, &names)
-                        .unwrap_or_else(whole),
-                )
+                let names = names.iter().map(|n| n.span);
+                self.without_part(at, attributes, names).or(Some(whole()))
             }
             StatementKind::Unknown {
                 names, attributes, ..
             } => {
-                let names: Vec<Span> = names.iter().map(|n| n.span).collect();
-                Some(
-                    self.without_part(at, attributes, &names)
-                        .unwrap_or_else(whole),
-                )
+                let names = names.iter().map(|n| n.span);
+                self.without_part(at, attributes, names).or(Some(whole()))
             }
             StatementKind::Limit(keys) => {
                 let keys: Vec<Span> = keys.iter().map(attribute_span).collect();
@@ -75,11 +69,16 @@ impl Surroundings<'_> {
         }
     }
 
-    fn without_part(&self, at: Span, attributes: &[Attribute], names: &[Span]) -> Option<Fix> {
+    fn without_part(
+        &self,
+        at: Span,
+        attributes: &[Attribute],
+        names: impl Iterator<Item = Span>,
+    ) -> Option<Fix> {
         let mut spans = attributes.iter().map(attribute_span);
         match spans.find(|s| s.holds(at)) {
             Some(attribute) => Some(self.without_item(attribute)),
-            None => self.without_one_of(at, names),
+            None => self.without_one_of(at, &names.collect::<Vec<Span>>()),
         }
     }
 

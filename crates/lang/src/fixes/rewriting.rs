@@ -6,7 +6,7 @@ use super::removal::{attribute_span, is_generator};
 use super::{LONGEST, Surroundings, said};
 use crate::ast::{Expr, ExprKind, Side, Sign, StatementKind};
 use crate::diagnostic::Fix;
-use crate::parse::lexer::{TokenKind, tokenize};
+use crate::parse::lexer::{Token, TokenKind, tokenize};
 use crate::source::Span;
 
 impl Surroundings<'_> {
@@ -86,15 +86,14 @@ impl Surroundings<'_> {
             return None;
         }
         let (tokens, _) = tokenize(span.file, text);
-        let own = |t: &&crate::parse::lexer::Token| t.kind == TokenKind::Name && t.text == old;
-        let (mut out, mut from) = (String::new(), 0);
-        for token in tokens.iter().filter(own) {
-            out.push_str(text.get(from..token.start)?);
-            out.push_str(new);
-            from = token.end;
-        }
-        out.push_str(text.get(from..)?);
-        Some(Fix { span, text: out })
+        let own = |t: &&Token| t.kind == TokenKind::Name && t.text == old;
+        let edit = |t: &Token| {
+            let (start, end) = (span.start + t.start, span.start + t.end);
+            (Span::new(span.file, start, end), new.to_string())
+        };
+        let edits = tokens.iter().filter(own).map(edit).collect();
+        let text = self.file.edited(span, edits);
+        Some(Fix { span, text })
     }
 
     /// `<2*trig, x>`: `<trig, x>`.

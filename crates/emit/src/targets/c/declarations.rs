@@ -155,11 +155,7 @@ pub(super) fn with_prefix(program: &Program, text: String) -> String {
     let Some(system) = &program.system else {
         return text;
     };
-    let mut prefix = ascii(system);
-    // A variable may be called as the system and `_step`.
-    while text.contains(&format!("{prefix}_")) || prefix == "sidc" {
-        prefix = format!("system_{prefix}");
-    }
-    let renamed = text.replace("sidc_", &format!("{}_", prefix));
+    let prefix = ascii(system);
+    let renamed = text.replace("sidc_", &format!("{prefix}_"));
     renamed.replace("SIDC_", &format!("{}_", prefix.to_uppercase()))
 }

@@ -17,7 +17,7 @@ pub(super) const RESERVED: &[&str] = &[
     "M_PI_4", "M_1_PI", "M_2_PI", "M_2_SQRTPI", "M_SQRT2", "M_SQRT1_2", "linux", "unix", "i386", "near", "far", "NULL", "signgam",
     "t", "state", "input", "parameter", "history", "constant", "rate", "slope", "output", "mass", "right", "unknown", "settled", "step",
     "i", "sidc_solve", "sidc_solve_1", "sidc_solve_2", "sidc_settled", "sidc_root", "sidc_sign", "sidc_derivatives", "sidc_next", "sidc_jacobian",
-    "sidc_jacobian_input", "sidc_outputs", "sidc_guards", "sidc_rates_by_side", "sidc_guard_rates", "sidc_settle", "sidc_advance",
+    "sidc_jacobian_input", "sidc_outputs", "sidc_guards", "sidc_rates_by_side", "sidc_guard_rates", "sidc_settle", "sidc_advance", "sidc_step",
     "side", "guard", "sidc_states", "sidc_switches", "SIDC_VERDICT", "SIDC_INPUT_DELAYS",
     "SIDC_CONSTANTS",
 ];
