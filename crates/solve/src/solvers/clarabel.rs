@@ -16,6 +16,7 @@ use sidc_progress::{Observer, SolverProgress};
 
 use super::column_generation::solve_reduced;
 use super::range_reduction::ReducedProblem;
+use crate::certificates::certify;
 use crate::linalg::{difference, nonzero, norm, times};
 use crate::problem::{Problem, Solution, Status};
 use crate::solver::Solver;
@@ -34,12 +35,29 @@ impl Solver for Clarabel {
     }
 
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution {
-        solve_reduced(problem, |reduced, tolerance| {
+        let solution = solve_reduced(problem, |reduced, tolerance| {
             let program = ConicProgram::new(reduced, tolerance);
             let found = program.run(observer)?;
             Some(program.read(reduced, &found))
-        })
+        });
+        proved(problem, solution)
     }
+}
+
+/// Clarabel also stops at an absolute gap, which is a wide one where the minimum is small: solved is what the certificate proves.
+fn proved(problem: &Problem, solution: Solution) -> Solution {
+    if solution.status != Status::Solved {
+        return solution;
+    }
+    let certificate = certify(problem, &solution.coefficients, &solution.dual);
+    let status = match certificate.proves_optimal {
+        true => Status::Solved,
+        false => Status::Inaccurate {
+            gap: certificate.gap,
+            residual: certificate.residual,
+        },
+    };
+    Solution { status, ..solution }
 }
 
 /// The data of the conic program: the rows of P with the largest singular values, and their right-hand side.
