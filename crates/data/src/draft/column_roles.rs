@@ -1,7 +1,10 @@
 //! The likely role of each column: time, run, parameter, input, state, or the rate of a state.
 //!
-//! In: columns. Out: [`Roles`], which refer to columns by index. By names first, then by shapes.
+//! In: columns. Out: [`Roles`], which refer to columns by index, with a reason for each guess. By names first, then by shapes.
 
+use std::collections::BTreeMap;
+
+use super::exogeneity::{driven_from_outside, is_combination};
 use super::rate_detection::rate_factor;
 use super::table_column::Column;
 use crate::series::rows_of_steps;
@@ -18,6 +21,17 @@ pub(super) struct Roles {
     pub rates: Vec<Rate>,
     /// Columns that never move.
     pub still: Vec<usize>,
+    /// Columns that are linear combinations of others.
+    pub combinations: Vec<usize>,
+    /// Why a column has its role, where it was guessed.
+    pub why: BTreeMap<usize, &'static str>,
+}
+
+impl Roles {
+    fn add_input(&mut self, i: usize, c: &Column, why: Option<&'static str>) {
+        self.inputs.push((i, c.is_held()));
+        self.why.extend(why.map(|why| (i, why)));
+    }
 }
 
 /// A column that is the derivative of a state's.
@@ -123,40 +137,20 @@ fn is_called(c: &Column, name: &str) -> bool {
 
 pub(super) fn roles(columns: &[Column], chosen: &ChosenRoles) -> Roles {
     let mut out = Roles::default();
-    let place = |name: &String| columns.iter().position(|c| is_called(c, name));
-    let is_time = |c: &Column| !c.words && TIME_NAMES.contains(&c.word().as_str());
-    let named = || columns.iter().position(is_time);
-    out.time = chosen.time.as_ref().and_then(place).or_else(named);
-    if out.time.is_none() {
-        // A first column that only rises is some kind of clock.
-        out.time = columns
-            .first()
-            .filter(|c| columns.len() > 1 && !c.words && c.rises())
-            .map(|_| 0);
-    }
-    let resets = out
-        .time
-        .and_then(|t| columns.get(t))
-        .map(resets)
-        .unwrap_or_default();
-    let marks = |(i, c): (usize, &Column)| {
-        out.time != Some(i) && (RUN_NAMES.contains(&c.word().as_str()) || tells_apart(c, &resets))
-    };
-    let marked = || columns.iter().enumerate().position(marks);
-    out.run = chosen.run.as_ref().and_then(place).or_else(marked);
+    find_time_and_run(columns, chosen, &mut out);
     let rest: Vec<usize> = (0..columns.len())
         .filter(|i| Some(*i) != out.time && Some(*i) != out.run)
         .collect();
     for i in rest {
         let Some(c) = columns.get(i) else { continue };
-        let said = |names: &[String]| names.iter().any(|name| is_called(c, name));
         match () {
             () if c.words => (),
-            () if said(&chosen.inputs) => out.inputs.push((i, c.is_held())),
-            () if said(&chosen.states) => out.states.push(i),
+            () if is_among(c, &chosen.inputs) => out.add_input(i, c, None),
+            () if is_among(c, &chosen.states) => out.states.push(i),
             () if c.is_constant() => out.still.push(i),
             () if is_constant_between(c, columns, &out) => out.params.push(i),
-            () if is_input(c) => out.inputs.push((i, c.is_held())),
+            () if is_named_as_input(c) => out.add_input(i, c, Some("by its name")),
+            () if c.is_held() => out.add_input(i, c, Some("stays and jumps")),
             () => out.states.push(i),
         }
     }
@@ -166,11 +160,40 @@ pub(super) fn roles(columns: &[Column], chosen: &ChosenRoles) -> Roles {
         out.states.extend(moved.map(|(i, _)| i));
     }
     find_rates(columns, &mut out);
+    find_driven(columns, chosen, &mut out);
+    find_combinations(columns, chosen, &mut out);
     out
 }
 
-/// By a word of its name (`Heater_W`, `V_IN`, `uEst`), as a heat flow (`Q1`), or because it stays and jumps.
-fn is_input(c: &Column) -> bool {
+fn is_among(c: &Column, names: &[String]) -> bool {
+    names.iter().any(|name| is_called(c, name))
+}
+
+fn find_time_and_run(columns: &[Column], chosen: &ChosenRoles, out: &mut Roles) {
+    let place = |name: &String| columns.iter().position(|c| is_called(c, name));
+    let is_time = |c: &Column| !c.words && TIME_NAMES.contains(&c.word().as_str());
+    let named = || columns.iter().position(is_time);
+    out.time = chosen.time.as_ref().and_then(place).or_else(named);
+    let rises = |c: &&Column| columns.len() > 1 && !c.words && c.rises();
+    if out.time.is_none() && columns.first().filter(rises).is_some() {
+        // Some kind of clock.
+        out.time = Some(0);
+        out.why.insert(0, "it only rises");
+    }
+    let time = out.time.and_then(|t| columns.get(t));
+    let resets = time.map(resets).unwrap_or_default();
+    let is_other = |i: &usize| out.time != Some(*i);
+    let mut places = (0..columns.len()).filter(is_other);
+    let by_name = |i: &usize| RUN_NAMES.contains(&columns[*i].word().as_str());
+    let marked = places.find(|i| by_name(i) || tells_apart(&columns[*i], &resets));
+    out.run = chosen.run.as_ref().and_then(place).or(marked);
+    if let Some(run) = out.run.filter(|run| chosen.run.is_none() && !by_name(run)) {
+        out.why.insert(run, "changes where time starts again");
+    }
+}
+
+/// By a word of its name (`Heater_W`, `V_IN`, `uEst`), or as a heat flow (`Q1`).
+fn is_named_as_input(c: &Column) -> bool {
     let number = |c: char| c.is_ascii_digit();
     let said = |word: &str| INPUT_NAMES.contains(&word.trim_end_matches(number));
     let word = c.word();
@@ -178,7 +201,50 @@ fn is_input(c: &Column) -> bool {
         .name
         .strip_prefix('Q')
         .is_some_and(|n| n.chars().all(number));
-    word.split('_').any(said) || heat || word.starts_with("cmd") || c.is_held()
+    word.split('_').any(said) || heat || word.starts_with("cmd")
+}
+
+/// States that nobody called so and that have no measured rates: their role may still change.
+fn undecided(columns: &[Column], chosen: &ChosenRoles, roles: &Roles) -> Vec<usize> {
+    let rates = |i: &usize| roles.rates.iter().any(|r| r.state == *i);
+    let said = |i: &usize| columns.get(*i).is_some_and(|c| is_among(c, &chosen.states));
+    let states = roles.states.iter().copied();
+    states.filter(|i| !rates(i) && !said(i)).collect()
+}
+
+/// States that are driven from outside become inputs, as long as one state is left.
+fn find_driven(columns: &[Column], chosen: &ChosenRoles, out: &mut Roles) {
+    let inputs = out.inputs.iter().map(|(i, _)| *i);
+    let signals: Vec<usize> = out.states.iter().copied().chain(inputs).collect();
+    let shown: Vec<&Column> = signals.iter().filter_map(|i| columns.get(*i)).collect();
+    let time = out.time.and_then(|t| columns.get(t));
+    let undecided = undecided(columns, chosen, out);
+    if undecided.is_empty() || shown.len() < 2 {
+        return;
+    }
+    for place in driven_from_outside(&shown, time) {
+        let i = signals[place];
+        if undecided.contains(&i) && out.states.len() > 1 {
+            out.states.retain(|s| *s != i);
+            let why = "what comes next follows from no signal's past";
+            out.add_input(i, &columns[i], Some(why));
+        }
+    }
+}
+
+/// A state that is a linear combination of inputs and earlier states has no law of its own.
+fn find_combinations(columns: &[Column], chosen: &ChosenRoles, out: &mut Roles) {
+    for i in undecided(columns, chosen, out) {
+        let earlier = out.states.iter().copied().filter(|s| *s < i);
+        let inputs = out.inputs.iter().map(|(i, _)| *i);
+        let others: Vec<&Column> = (earlier.chain(inputs))
+            .filter_map(|o| columns.get(o))
+            .collect();
+        if out.states.len() > 1 && is_combination(&columns[i], &others) {
+            out.states.retain(|s| *s != i);
+            out.combinations.push(i);
+        }
+    }
 }
 
 /// Rows at which time starts again.
@@ -216,49 +282,71 @@ fn find_rates(columns: &[Column], out: &mut Roles) {
     let time = out.time.and_then(|t| columns.get(t));
     let slope =
         |state: usize, rate: usize| rate_factor(time?, columns.get(state)?, columns.get(rate)?);
-    for i in &states {
-        let Some(c) = columns.get(*i) else { continue };
-        for (order, head) in [(1u8, "d"), (2, "dd"), (3, "ddd")] {
-            let named = states.iter().find(|j| {
-                let other = columns.get(**j).map_or("", |o| o.name.as_str());
-                *j != i
-                    && (c.name == format!("{head}{other}")
-                        || (order == 1
-                            && [format!("{other}_dot"), format!("{other}dot")].contains(&c.name)))
-            });
-            if let Some(j) = named {
-                let factor = (order == 1).then(|| slope(*j, *i)).flatten();
-                out.rates.push(Rate {
-                    column: *i,
-                    state: *j,
-                    order,
-                    factor,
-                });
-            }
-        }
+    let mut rates: Vec<Rate> = Vec::new();
+    for column in states.iter().copied() {
+        let named = named_rate(columns, &states, column);
+        rates.extend(named.map(|(state, order)| Rate {
+            column,
+            state,
+            order,
+            factor: (order == 1).then(|| slope(state, column)).flatten(),
+        }));
     }
-    for i in &states {
-        let is_rate = |i: &usize, rates: &[Rate]| rates.iter().any(|r| r.column == *i);
-        if is_rate(i, &out.rates) {
+    for column in states.iter().copied() {
+        if below(&rates, column).is_some() {
             continue;
         }
-        let found = states.iter().find_map(|j| {
-            let taken = out.rates.iter().any(|r| r.state == *j && r.order == 1);
-            let free = j != i && !taken && !is_rate(j, &out.rates);
-            Some((*j, slope(*j, *i).filter(|_| free)?))
+        let found = states.iter().copied().find_map(|state| {
+            let taken = rates.iter().any(|r| r.state == state && r.order == 1);
+            let free = !taken && root(&rates, state) != column;
+            Some((state, slope(state, column).filter(|_| free)?))
         });
-        if let Some((state, factor)) = found {
-            out.rates.push(Rate {
-                column: *i,
-                state,
-                order: 1,
-                factor: Some(factor),
-            });
-        }
+        rates.extend(found.map(|(state, factor)| Rate {
+            column,
+            state,
+            order: 1,
+            factor: Some(factor),
+        }));
     }
-    let rates = &out.rates;
-    out.states.retain(|i| rates.iter().all(|r| r.column != *i));
-    // Only rates of states are kept, not rates of rates.
-    let states = out.states.clone();
-    out.rates.retain(|r| states.contains(&r.state));
+    out.states.retain(|i| below(&rates, *i).is_none());
+    // The rate of a rate is of the next order.
+    let raised = |r: &Rate| match below(&rates, r.state) {
+        Some(first) => Rate {
+            state: first.state,
+            order: first.order + r.order,
+            ..*r
+        },
+        None => *r,
+    };
+    let of_states = |r: &Rate| out.states.contains(&r.state);
+    out.rates = rates.iter().map(raised).filter(of_states).collect();
+}
+
+/// The state that a column is the rate of by its name, and the order.
+fn named_rate(columns: &[Column], states: &[usize], column: usize) -> Option<(usize, u8)> {
+    let name = &columns.get(column)?.name;
+    [(1u8, "d"), (2, "dd"), (3, "ddd")]
+        .into_iter()
+        .find_map(|(order, head)| {
+            let is_rate_of = |other: &str| {
+                let dotted = || [format!("{other}_dot"), format!("{other}dot")].contains(name);
+                *name == format!("{head}{other}") || order == 1 && dotted()
+            };
+            let named = |j: &&usize| columns.get(**j).is_some_and(|o| is_rate_of(&o.name));
+            let state = states.iter().filter(|j| **j != column).find(named)?;
+            Some((*state, order))
+        })
+}
+
+/// The entry that says what a column is the rate of.
+fn below(rates: &[Rate], column: usize) -> Option<&Rate> {
+    rates.iter().find(|r| r.column == column)
+}
+
+/// The column at the end of the chain of rates from this one down.
+fn root(rates: &[Rate], column: usize) -> usize {
+    match below(rates, column) {
+        Some(rate) => root(rates, rate.state),
+        None => column,
+    }
 }

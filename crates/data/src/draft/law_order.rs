@@ -1,6 +1,6 @@
 //! The likely order of a state's law: first if the other signals explain its rate, else second.
 //!
-//! In: the columns of a state, of all signals and of time. Out: 1 or 2. Least squares on products of the signals.
+//! In: the columns of a state, of all signals and of time. Out: 1 or 2, and why. Least squares on products of the signals.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,14 +8,19 @@ use super::table_column::Column;
 use super::thresholds::LAW_ORDER;
 use crate::derivatives::difference_noise;
 
-/// 1 if products of two signals and cubes explain the state's central differences, else 2.
+/// 1 if products of two signals and cubes explain the state's central differences, else 2; with the reason.
 ///
 /// The differences span as many samples as the state needs to move visibly, so that noise does not decide.
-pub(super) fn law_order(state: &Column, signals: &[&Column], time: Option<&Column>) -> u8 {
+pub(super) fn law_order(
+    state: &Column,
+    signals: &[&Column],
+    time: Option<&Column>,
+) -> (u8, &'static str) {
+    const FEW: (u8, &str) = (1, "too few rows to guess its order");
     let n = state.values.len();
     let reach = reach(&state.values);
     if n < 2 * reach + LAW_ORDER.min_rows {
-        return 1;
+        return FEW;
     }
     let signals: Vec<Vec<f64>> = signals
         .iter()
@@ -37,7 +42,7 @@ pub(super) fn law_order(state: &Column, signals: &[&Column], time: Option<&Colum
     }
     let wide = rows.first().map_or(0, Vec::len);
     if wide == 0 || rows.len() < 2 * wide {
-        return 1;
+        return FEW;
     }
     let a = DMatrix::from_fn(rows.len(), wide, |i, j| rows[i][j]);
     let y = DVector::from_vec(rates);
@@ -48,18 +53,18 @@ pub(super) fn law_order(state: &Column, signals: &[&Column], time: Option<&Colum
         .svd(true, true)
         .solve(&y, LAW_ORDER.rank_tolerance)
     else {
-        return 1;
+        return FEW;
     };
     let left = (&a * x - &y).norm_squared();
     if left <= (1.0 - LAW_ORDER.explained) * spread {
-        1
+        (1, "the signals explain its rate")
     } else {
-        2
+        (2, "the signals do not explain its rate")
     }
 }
 
 /// Samples in which the state moves visibly, in the mean, and by more than the noise of a difference.
-fn reach(values: &[f64]) -> usize {
+pub(super) fn reach(values: &[f64]) -> usize {
     let scaled = scaled(values);
     let noise = difference_noise(std::iter::once(&scaled[..]));
     let visible = LAW_ORDER.visible.max(LAW_ORDER.visible_noise * noise);
@@ -82,7 +87,7 @@ fn reach(values: &[f64]) -> usize {
 }
 
 /// Values less their mean, in standard deviations.
-fn scaled(values: &[f64]) -> Vec<f64> {
+pub(super) fn scaled(values: &[f64]) -> Vec<f64> {
     let finite = || values.iter().filter(|v| v.is_finite());
     let n = finite().count().max(1) as f64;
     let mean = finite().sum::<f64>() / n;

@@ -3,10 +3,11 @@
 //! In: a [`Table`]. Out: the text of a `.sid` file, whose comments say what was guessed and what to change. All guesses come
 //! from headers and the shapes of columns; nothing is identified. Reads no file.
 //!
-//! Flow: `table_column` → `column_roles` (with `rate_detection`) → `states` (with `law_order`) → `candidate_terms` → `model_text`.
+//! Flow: `table_column` → `column_roles` (with `rate_detection` and `exogeneity`) → `states` (with `law_order`) → `candidate_terms` → `model_text`.
 
 mod candidate_terms;
 mod column_roles;
+mod exogeneity;
 mod law_order;
 mod model_text;
 mod parts;

@@ -42,22 +42,23 @@ fn declarations(p: &Parts) -> String {
             Some(_) => attributes.push("unit \"rad\"".into()),
             None => attributes.extend(unit(s.column)),
         }
-        out.push_str(&declared("state", &s.name, &attributes));
+        let why = (!p.is_discrete()).then_some(s.why);
+        out.push_str(&declared("state", &s.name, &attributes, why));
     }
-    let inputs = p.roles.inputs.iter();
-    let inputs: Vec<(&Column, bool)> = inputs
-        .filter_map(|(i, held)| Some((p.all.get(*i)?, *held)))
-        .collect();
-    if !inputs.is_empty() {
+    if !p.roles.inputs.is_empty() {
         out.push_str("\n# Inputs: what acts from outside. `hold` keeps the last sample, `linear` joins samples.\n");
     }
-    for (column, held) in inputs {
+    for (i, held) in &p.roles.inputs {
+        let Some(column) = p.all.get(*i) else {
+            continue;
+        };
         let mut attributes = Vec::new();
         if !p.is_discrete() {
-            attributes.push(if held { "hold" } else { "linear" }.to_string());
+            attributes.push(if *held { "hold" } else { "linear" }.to_string());
         }
         attributes.extend(unit(column));
-        out.push_str(&declared("input", &column.declared(), &attributes));
+        let why = p.roles.why.get(i).copied();
+        out.push_str(&declared("input", &column.declared(), &attributes, why));
     }
     let params: Vec<&Column> = p
         .roles
@@ -70,17 +71,23 @@ fn declarations(p: &Parts) -> String {
     }
     for column in params {
         let attributes: Vec<String> = unit(column).into_iter().collect();
-        out.push_str(&declared("param", &column.declared(), &attributes));
+        out.push_str(&declared("param", &column.declared(), &attributes, None));
     }
     out.push('\n');
     out
 }
 
-fn declared(kind: &str, name: &str, attributes: &[String]) -> String {
+fn declared(kind: &str, name: &str, attributes: &[String], why: Option<&str>) -> String {
+    let why = reason(why);
     match attributes.is_empty() {
-        true => format!("{kind} {name}\n"),
-        false => format!("{kind} {name} : {}\n", attributes.join(", ")),
+        true => format!("{kind} {name}{why}\n"),
+        false => format!("{kind} {name} : {}{why}\n", attributes.join(", ")),
     }
+}
+
+/// A comment behind what was guessed.
+fn reason(why: Option<&str>) -> String {
+    why.map(|why| format!("  # {why}")).unwrap_or_default()
 }
 
 /// `unit "mm"`, if the header has one that the language knows.
@@ -97,18 +104,21 @@ fn data(p: &Parts) -> String {
     let mut out = String::from(
         "# Where each signal is; arithmetic on headers converts: \"Pos [mm]\" * 1e-3\ndata {\n",
     );
+    let why = |column: Option<usize>| column.and_then(|c| p.roles.why.get(&c)).copied();
     if let Some(time) = p.roles.time.and_then(|t| p.all.get(t)) {
         let unit = time.unit.as_deref().unwrap_or("");
         let factor = times(time.seconds().unwrap_or_default());
         let unknown = match (factor.is_empty(), unit) {
-            (true, "" | "s") => "",
-            (true, _) => "  # time is taken for seconds",
-            _ => "",
+            (true, "" | "s") => None,
+            (true, _) => Some("time is taken for seconds"),
+            _ => None,
         };
-        out.push_str(&format!("  t = \"{}\"{factor}{unknown}\n", time.header));
+        let why = reason(unknown.or(why(p.roles.time)));
+        out.push_str(&format!("  t = \"{}\"{factor}{why}\n", time.header));
     }
     if let Some(run) = p.roles.run.and_then(|r| p.all.get(r)) {
-        out.push_str(&format!("  run = \"{}\"\n", run.header));
+        let why = reason(why(p.roles.run));
+        out.push_str(&format!("  run = \"{}\"{why}\n", run.header));
     }
     for s in p.states {
         let factor = match s.angle {
@@ -132,7 +142,8 @@ fn data(p: &Parts) -> String {
                 continue;
             }
             let factor = times(rate.factor.unwrap_or_else(|| by_unit(column)));
-            out.push_str(&format!("  {name} = \"{}\"{factor}\n", column.header));
+            let why = reason(rate.factor.map(|_| "the slope, by its values"));
+            out.push_str(&format!("  {name} = \"{}\"{factor}{why}\n", column.header));
         }
     }
     let others = p.roles.inputs.iter().map(|(i, _)| i).chain(&p.roles.params);
@@ -148,6 +159,13 @@ fn data(p: &Parts) -> String {
     for column in still {
         out.push_str(&format!(
             "# \"{}\" never moves, and is left out.\n",
+            comment(&column.header)
+        ));
+    }
+    let combinations = p.roles.combinations.iter().filter_map(|i| p.all.get(*i));
+    for column in combinations {
+        out.push_str(&format!(
+            "# Left out: \"{}\" is a sum of multiples of other columns.\n",
             comment(&column.header)
         ));
     }

@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use super::law_order::reach;
 use super::table_column::Column;
 use super::thresholds::RATE;
 
@@ -44,26 +45,31 @@ pub(super) fn rate_factor(time: &Column, state: &Column, rate: &Column) -> Optio
     best.map(|(text, _)| *text)
 }
 
-/// The least-squares k of ẋ = k v, by central differences of the state and means of the rate over the same three samples;
+/// The least-squares k of x(b) − x(a) = k ∫ v dt, over spans in which the state moves visibly, so that noise of neither decides;
 /// `None` if that does not explain the differences.
 fn proportion(time: &Column, state: &Column, rate: &Column) -> Option<f64> {
-    let (mut slopes, mut both, mut rates, mut rows) = (0.0, 0.0, 0.0, 0usize);
-    let columns = [time, state, rate].map(|c| c.values.windows(3));
-    let [times, states, means] = columns;
-    for ((t, x), v) in times.zip(states).zip(means) {
-        let (dt, slope) = (t[2] - t[0], (x[2] - x[0]) / (t[2] - t[0]));
-        let mean = (v[0] + v[1] + v[2]) / 3.0;
-        if dt > 0.0 && slope.is_finite() && mean.is_finite() {
-            slopes += slope * slope;
+    let (t, x, v) = (&time.values, &state.values, &rate.values);
+    let n = t.len().min(x.len()).min(v.len());
+    let reach = reach(x);
+    let area = |k: usize| 0.5 * (v[k] + v[k - 1]) * (t[k] - t[k - 1]);
+    let (mut moves, mut both, mut areas, mut rows) = (0.0, 0.0, 0.0, 0usize);
+    for a in 0..n.saturating_sub(2 * reach) {
+        let b = a + 2 * reach;
+        let span = t[b] - t[a];
+        let slope = (x[b] - x[a]) / span;
+        let mean = (a + 1..=b).map(area).sum::<f64>() / span;
+        let rises = (a + 1..=b).all(|k| t[k] > t[k - 1]);
+        if rises && slope.is_finite() && mean.is_finite() {
+            moves += slope * slope;
             both += slope * mean;
-            rates += mean * mean;
+            areas += mean * mean;
             rows += 1;
         }
     }
-    let left = slopes - both * both / rates;
+    let left = moves - both * both / areas;
     let explained =
-        rows >= RATE.min_rows && both > 0.0 && left <= RATE.unexplained * RATE.unexplained * slopes;
-    explained.then_some(both / rates)
+        rows >= RATE.min_rows && both > 0.0 && left <= RATE.unexplained * RATE.unexplained * moves;
+    explained.then_some(both / areas)
 }
 
 #[cfg(test)]

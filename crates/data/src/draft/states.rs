@@ -12,6 +12,8 @@ pub(super) struct State<'a> {
     pub column: &'a Column,
     pub name: String,
     pub order: u8,
+    /// Why the order was guessed.
+    pub why: &'static str,
     pub angle: Option<Angle>,
     /// Columns of its rates.
     pub rates: Vec<(&'a Column, Rate)>,
@@ -71,15 +73,21 @@ pub(super) fn states<'a>(all: &'a [Column], roles: &Roles) -> Vec<State<'a>> {
         let is_place = angle.is_some()
             || column.unit_is(&LENGTH_UNITS)
             || turns && column.unit.is_none() && is_named_as_place(column);
-        let order = match measured {
-            2.. => measured,
-            _ if is_place => 2,
+        let by_name = column.unit.is_none();
+        let (order, why) = match measured {
+            2 => (2, "its acceleration is measured"),
+            3.. => (measured, "that derivative is measured"),
+            _ if angle.is_some() && by_name => (2, "an angle, by its name"),
+            _ if angle.is_some() => (2, "an angle, by its unit"),
+            _ if is_place && by_name => (2, "a place, by its name beside an angle"),
+            _ if is_place => (2, "a place, by its unit"),
             _ => law_order(column, &signals, time),
         };
         Some(State {
             name: column.declared(),
             column,
             order: if roles.time.is_some() { order } else { 1 },
+            why,
             angle,
             rates,
         })

@@ -1,0 +1,140 @@
+//! Whether a column is driven from outside, or says what others say already.
+//!
+//! In: columns of one table. Out: those that are inputs by their values, and those that are combinations of others. Looks at no names.
+//!
+//! A state has inertia: its own past and that of the others explain where it goes. A column that neither explains, and that moves another,
+//! is an input (Granger, Econometrica 37, 1969). An input that repeats itself, such as a sine, looks like a state, and is left one.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::law_order::{reach, scaled};
+use super::table_column::Column;
+use super::thresholds::{EXOGENEITY, LAW_ORDER};
+
+/// Places in `columns` of those that are driven from outside.
+pub(super) fn driven_from_outside(columns: &[&Column], time: Option<&Column>) -> Vec<usize> {
+    let mut reaches: Vec<usize> = columns.iter().map(|c| reach(&c.values)).collect();
+    reaches.sort_unstable();
+    let Some(stride) = reaches.get(reaches.len() / 2).copied() else {
+        return Vec::new();
+    };
+    let past = Past::new(columns, time, stride);
+    (0..columns.len())
+        .filter(|c| past.is_driven(*c).unwrap_or(false))
+        .collect()
+}
+
+/// The columns in standard deviations, and the rows k whose samples k − 2s … k + s belong to one run.
+struct Past {
+    columns: Vec<Vec<f64>>,
+    rows: Vec<usize>,
+    stride: usize,
+}
+
+impl Past {
+    fn new(columns: &[&Column], time: Option<&Column>, stride: usize) -> Past {
+        let n = columns.iter().map(|c| c.values.len()).min().unwrap_or(0);
+        let ordered = |k: &usize| {
+            let at = |k: usize| time.map_or(k as f64, |t| t.values[k]);
+            at(k + stride) > at(k - 2 * stride)
+        };
+        let rows: Vec<usize> = (2 * stride..n.saturating_sub(stride))
+            .filter(ordered)
+            .collect();
+        let step = (rows.len() / LAW_ORDER.max_rows).max(1);
+        Past {
+            columns: columns.iter().map(|c| scaled(&c.values)).collect(),
+            rows: rows.into_iter().step_by(step).collect(),
+            stride,
+        }
+    }
+
+    /// `None` if there are too few rows to say.
+    fn is_driven(&self, column: usize) -> Option<bool> {
+        let alone = self.unexplained(column, &[])?;
+        if alone < EXOGENEITY.alone {
+            return Some(false);
+        }
+        let others: Vec<usize> = (0..self.columns.len())
+            .filter(|o| *o != column)
+            .take(LAW_ORDER.max_signals)
+            .collect();
+        let with_others = self.unexplained(column, &others)?;
+        let moves = |other: &usize| {
+            let without = self.unexplained(*other, &[]);
+            let with = self.unexplained(*other, &[column]);
+            with.zip(without)
+                .is_some_and(|(with, without)| with < EXOGENEITY.others * without)
+        };
+        Some(with_others >= EXOGENEITY.others * alone && others.iter().any(moves))
+    }
+
+    /// Part of the variance of the next step that is left by polynomials in the column's own past and the past of `others`.
+    fn unexplained(&self, column: usize, others: &[usize]) -> Option<f64> {
+        let own = self.columns.get(column)?;
+        let (mut rows, mut steps) = (Vec::new(), Vec::new());
+        for &k in &self.rows {
+            let (now, last, before) = (own[k], own[k - self.stride], own[k - 2 * self.stride]);
+            let mut row = vec![
+                1.0,
+                now,
+                last,
+                before,
+                now * now,
+                now * now * now,
+                now * last,
+            ];
+            for other in others.iter().filter_map(|o| self.columns.get(*o)) {
+                let at = other[k];
+                let earlier = [other[k - self.stride], other[k - 2 * self.stride]];
+                row.extend([at, earlier[0], earlier[1], at * at, at * now]);
+            }
+            let step = own[k + self.stride] - now;
+            if step.is_finite() && row.iter().all(|v| v.is_finite()) {
+                rows.push(row);
+                steps.push(step);
+            }
+        }
+        let wide = rows.first().map_or(0, Vec::len);
+        if steps.len() < LAW_ORDER.min_rows + 2 * wide {
+            return None;
+        }
+        let mean = steps.iter().sum::<f64>() / steps.len() as f64;
+        let spread = steps.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / steps.len() as f64;
+        let free = (steps.len() - wide) as f64;
+        Some(left_by_least_squares(&rows, steps)? / free / spread)
+    }
+}
+
+/// ‖A x − y‖² at its least.
+fn left_by_least_squares(rows: &[Vec<f64>], y: Vec<f64>) -> Option<f64> {
+    let wide = rows.first().map_or(0, Vec::len);
+    let a = DMatrix::from_fn(rows.len(), wide, |i, j| rows[i][j]);
+    let y = DVector::from_vec(y);
+    let x = a
+        .clone()
+        .svd(true, true)
+        .solve(&y, LAW_ORDER.rank_tolerance);
+    Some((&a * x.ok()? - y).norm_squared())
+}
+
+/// Whether a column is a linear combination of the others on every row, to the digits of a table.
+pub(super) fn is_combination(column: &Column, others: &[&Column]) -> bool {
+    let others: Vec<Vec<f64>> = others.iter().map(|c| scaled(&c.values)).collect();
+    let own = scaled(&column.values);
+    let step = (own.len() / LAW_ORDER.max_rows).max(1);
+    let (mut rows, mut values) = (Vec::new(), Vec::new());
+    for (k, value) in own.iter().enumerate().step_by(step) {
+        let at = others.iter().map(|o| o.get(k).copied().unwrap_or(f64::NAN));
+        let row: Vec<f64> = std::iter::once(1.0).chain(at).collect();
+        if value.is_finite() && row.iter().all(|v| v.is_finite()) {
+            values.push(*value);
+            rows.push(row);
+        }
+    }
+    let n = values.len();
+    let enough = !others.is_empty() && n >= EXOGENEITY.rows_a_column * (others.len() + 1);
+    enough
+        && left_by_least_squares(&rows, values)
+            .is_some_and(|left| left <= EXOGENEITY.combination.powi(2) * n as f64)
+}
