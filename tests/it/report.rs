@@ -58,7 +58,8 @@ fn stands_alone(page: &str) {
     let elements = elements(page);
     for tag in &elements {
         let fetches = ["src=", "href=", "srcset=", "data=", "action="];
-        assert!(!fetches.iter().any(|f| tag.contains(f)), "{tag}");
+        let within = tag.starts_with("a href=\"#");
+        assert!(within || !fetches.iter().any(|f| tag.contains(f)), "{tag}");
         if tag.starts_with("svg ") {
             assert!(
                 tag.contains("role=\"img\"") && tag.contains("aria-label=\""),
@@ -349,6 +350,88 @@ fn pictures_are_read_by_pointer_and_by_keys() {
         ["true", "true", "true", "true", "false", "true"],
         "{title}"
     );
+}
+
+/// What of a page's figures a browser puts in the wrong place: labels that are not beside their lines, that overlap, or that leave the
+/// page; axes with fewer than two labels. Then one figure as SVG and its lines as CSV.
+const MEASURE: &str = r#"<script>
+const wrong = [], wide = document.documentElement.clientWidth;
+document.querySelectorAll('details').forEach(function (d) { d.open = true; });
+document.querySelectorAll('.plot').forEach(function (plot, place) {
+  const svg = plot.querySelector('svg'), box = svg.getBoundingClientRect(), view = svg.viewBox.baseVal;
+  const lines = { beside: [], below: [] }, grid = svg.querySelector('.grid').getAttribute('d');
+  for (const m of grid.matchAll(/M(-?\d+) (-?\d+)([hv])/g)) {
+    if (m[3] === 'h') { lines.beside.push(box.top + m[2] / view.height * box.height); }
+    else { lines.below.push(box.left + m[1] / view.width * box.width); }
+  }
+  Object.keys(lines).forEach(function (side) {
+    const labels = Array.from(plot.querySelectorAll('.' + side + ' span')).filter(s => getComputedStyle(s).visibility === 'visible');
+    const boxes = labels.map(s => s.getBoundingClientRect());
+    const say = (what) => wrong.push(place + ' ' + side + ' ' + what + ' (' + svg.getAttribute('aria-label') + ')');
+    if (2 > boxes.length) { say('has ' + boxes.length + ' labels'); }
+    boxes.forEach(function (b, i) {
+      const middle = side === 'beside' ? (b.top + b.bottom) / 2 : (b.left + b.right) / 2;
+      if (!lines[side].some(l => 1.5 > Math.abs(l - middle))) { say(labels[i].textContent + ' is off its line'); }
+      if (0 > b.left || b.right > wide + 1) { say(labels[i].textContent + ' leaves the page'); }
+      boxes.slice(i + 1).forEach(function (c) {
+        if (c.right > b.left && b.right > c.left && c.bottom > b.top + 1 && b.bottom > c.top + 1) { say(labels[i].textContent + ' overlaps'); }
+      });
+    });
+  });
+});
+if (document.documentElement.scrollWidth > wide) { wrong.push('the page is wider than the window'); }
+const kept = [];
+URL.createObjectURL = function (blob) { kept.push(blob); return '#'; };
+document.querySelectorAll('#series .save button').forEach(function (b, i) { if (2 > i) { b.click(); } });
+Promise.all(kept.map(b => b.text())).then(function (texts) {
+  document.title = 'wrong: ' + wrong.join('; ') + ' | ' + texts.map(encodeURIComponent).join(' | ') + ' | end';
+});
+</script>"#;
+
+/// Labels stand beside their lines at both widths, and figures can be taken away.
+#[test]
+fn labels_stand_at_their_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    if browser(folder.path()).is_none() {
+        return;
+    }
+    let holdout: &[&str] = &["--holdout=25%"];
+    for (model, options) in [
+        ("duffing", holdout),
+        ("rlc", holdout),
+        ("pendulum_positions", &[]),
+        ("glycolysis", &[]),
+        ("narx", &[]),
+        ("fan", &[]),
+    ] {
+        let page = page(folder.path(), model, options);
+        let html = folder.path().join(format!("{model}.html"));
+        std::fs::write(&html, page.replace("</body>", &format!("{MEASURE}</body>"))).unwrap();
+        for wide in [390, 1280] {
+            let run = browser(folder.path())
+                .unwrap()
+                .arg(format!("--window-size={wide},900"))
+                .args(["--virtual-time-budget=2000", "--dump-dom"])
+                .arg(format!("file://{}", html.display()))
+                .output()
+                .unwrap();
+            let text = String::from_utf8_lossy(&run.stdout);
+            let title = text.split("<title>").nth(1).unwrap();
+            let title = title.split("</title>").next().unwrap();
+            let said: Vec<&str> = title.split(" | ").collect();
+            // A trajectory and its error are two plots.
+            let [wrong, svg, _, csv, ..] = said[..] else {
+                panic!("{model} at {wide}: {title}");
+            };
+            assert_eq!(wrong.trim(), "wrong:", "{model} at {wide}");
+            assert!(
+                svg.starts_with("%3Csvg") && svg.contains("%3Ctext"),
+                "{svg}"
+            );
+            let lines = csv.matches("%0Ameasured").count();
+            assert!(lines > 10 && csv.starts_with("line%2Cx%2Cy"), "{csv}");
+        }
+    }
 }
 
 /// Where there is a Chromium, pages are drawn at the width of a phone and of a desk, light and dark.

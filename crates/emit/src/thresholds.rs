@@ -41,6 +41,18 @@ family! {
         exact_run: f64 = 1e-6, unit "of the signal's spread", source "set by hand";
         /// Lags of an autocorrelation.
         lags: usize = 40, unit "rows", source "set by hand";
+        /// Rows whose spectrum is drawn, those in the middle of a record.
+        spectrum_rows: usize = 2048, unit "rows", source "each frequency goes through all rows: 2 million products, some milliseconds";
+        /// Points of a spectrum.
+        spectrum_points: usize = 256, unit "points", source "set by hand: a column of a small figure for each";
+        /// Fewest frequencies of a spectrum.
+        least_frequencies: usize = 16, unit "frequencies", source "set by hand";
+        /// Deviation of a step of time from the mean up to which samples count as even.
+        uneven_step: f64 = 0.02, unit "steps", source "set by hand";
+        /// Groups of readings whose mean errors are drawn along a state.
+        error_groups: usize = 10, unit "groups", source "set by hand: tenths of the readings";
+        /// Fewest readings of such a group.
+        group_readings: usize = 8, unit "readings", source "set by hand: fewer have no standard error to speak of";
         /// Readings up to which each is drawn as a dot.
         dots: usize = 120, unit "readings", source "set by hand";
         /// How far the vertical axis follows a simulation beyond the measured range.

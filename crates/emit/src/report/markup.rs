@@ -72,15 +72,43 @@ pub(crate) fn lead(text: &str) -> String {
     format!("<p class=\"lead\">{}</p>\n", escape(text))
 }
 
-/// A section with its heading; empty if its body is.
-pub(crate) fn section(id: &str, title: &str, body: &str) -> String {
-    match body.is_empty() {
-        true => String::new(),
-        false => format!(
-            "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{}</h2>\n{body}</section>\n",
-            escape(title)
-        ),
+/// A part of the page that can be folded; one without a body is left out.
+#[derive(Default)]
+pub(crate) struct Section {
+    /// By which links find it.
+    pub id: &'static str,
+    pub title: &'static str,
+    /// HTML.
+    pub body: String,
+}
+
+/// The part that stands first and cannot be folded.
+pub(crate) fn section_head(id: &str, title: &str, body: &str) -> String {
+    format!(
+        "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{title}</h2>\n{body}</section>\n"
+    )
+}
+
+impl Section {
+    pub fn new(id: &'static str, title: &'static str, body: String) -> Section {
+        Section { id, title, body }
     }
+
+    pub fn html(&self) -> String {
+        let Section { id, title, body } = self;
+        format!(
+            "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<details open>\n<summary><h2 id=\"{id}-title\">{title}</h2></summary>\n{body}</details>\n</section>\n"
+        )
+    }
+}
+
+/// Links to the sections.
+pub(crate) fn contents(sections: &[Section]) -> String {
+    let links = sections
+        .iter()
+        .map(|Section { id, title, .. }| format!("<li><a href=\"#{id}\">{title}</a></li>\n"));
+    let links: String = links.collect();
+    format!("<nav class=\"contents\" aria-label=\"contents\">\n<ul>\n{links}</ul>\n</nav>\n")
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! A result as one page: verdict, equations, free runs, identifiability, and how to reproduce it.
+//! A result as one page: the answer on a first screen, then parts that can be folded: reasons, coefficients, predictions, free runs and
+//! their errors, proofs, the data, how to repeat it.
 //!
 //! In: a [`Subject`]. Out: one HTML file without network access, the same bytes for the same subject. All text is
 //! escaped. Reads no files, simulates and judges nothing.
@@ -14,10 +15,10 @@ pub use summary::summary;
 
 use crate::report::sections::{
     coefficients, collinearity, data_coverage, equations, error_by_terms, phase_portraits,
-    prediction, reproduction, residual_autocorrelation, trajectories, verdict,
+    prediction, reasons, reproduction, residuals, trajectories, verdict,
 };
 use crate::typeset::mathml::escape;
-use markup::counted;
+use markup::{Section, contents, counted};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -25,10 +26,15 @@ const SCRIPT: &str = include_str!("page.js");
 /// The page.
 pub fn html(s: &Subject) -> String {
     let name = s.discovery.system.as_deref().unwrap_or("system");
-    let portraits = || phase_portraits::html(s) + &residual_autocorrelation::html(s);
-    let late = || (portraits(), data_coverage::html(s));
+    let late = || {
+        [
+            phase_portraits::html(s),
+            residuals::html(s),
+            data_coverage::html(s),
+        ]
+    };
     // Sections that go through millions of samples are made in parallel, but in a browser, which starts no threads.
-    let (series, (other, coverage)) = if cfg!(target_arch = "wasm32") {
+    let (series, [portraits, residuals, coverage]) = if cfg!(target_arch = "wasm32") {
         (trajectories::html(s), late())
     } else {
         std::thread::scope(|scope| {
@@ -37,18 +43,25 @@ pub fn html(s: &Subject) -> String {
             (series, other.join().unwrap_or_else(|_| late()))
         })
     };
-    let left = series + &other;
     let sections = [
-        verdict::html(s),
-        equations::html(s),
+        reasons::html(s),
         coefficients::html(s),
         prediction::html(s),
-        left,
+        series,
+        residuals,
+        portraits,
+        equations::html(s),
         error_by_terms::html(s),
         collinearity::html(s),
         coverage,
         reproduction::html(s),
     ];
+    let sections: Vec<Section> = sections
+        .into_iter()
+        .filter(|s| !s.body.is_empty())
+        .collect();
+    let parts: String = sections.iter().map(Section::html).collect();
+    let body = verdict::html(s) + &contents(&sections) + &parts;
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <meta name=\"color-scheme\" content=\"light dark\"/>\n<title>{title}: identified equations</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
@@ -56,7 +69,6 @@ pub fn html(s: &Subject) -> String {
          <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
         title = escape(&name.replace('_', " ")),
         about = escape(&about(s)),
-        body = sections.concat(),
         file = escape(s.name),
     )
 }

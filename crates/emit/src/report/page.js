@@ -1,4 +1,5 @@
-// Reads figures off under the pointer or by the arrow keys; a double click or Enter enlarges one, Escape ends that.
+// Reads figures off under the pointer, a finger or by the arrow keys; a double click or Enter enlarges one, Escape ends that. Writes
+// figures as SVG and their lines as CSV. Links and printing open what is folded.
 (function () {
   'use strict';
   var reader = document.createElement('output');
@@ -73,9 +74,11 @@
     var at = 0.5;
     var figure = svg.closest('figure');
     svg.setAttribute('tabindex', '0');
-    svg.addEventListener('pointermove', function (e) {
-      var box = svg.getBoundingClientRect();
-      show(svg, (e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height, e.clientX, e.clientY);
+    ['pointermove', 'pointerdown'].forEach(function (name) {
+      svg.addEventListener(name, function (e) {
+        var box = svg.getBoundingClientRect();
+        show(svg, (e.clientX - box.left) / box.width, (e.clientY - box.top) / box.height, e.clientX, e.clientY);
+      });
     });
     svg.addEventListener('pointerleave', function () { reader.hidden = true; });
     svg.addEventListener('blur', function () { reader.hidden = true; });
@@ -90,6 +93,98 @@
       }
       if (e.key === 'Enter') { if (figure) { large(figure); } }
     });
+  });
+  function unfold(id) {
+    var part = id && document.getElementById(id);
+    var folded = part && part.querySelector('details');
+    if (folded) { folded.open = true; }
+  }
+  window.addEventListener('hashchange', function () { unfold(location.hash.slice(1)); });
+  document.querySelectorAll('a[href^="#"]').forEach(function (a) {
+    a.addEventListener('click', function () { unfold(a.hash.slice(1)); });
+  });
+  window.addEventListener('beforeprint', function () {
+    document.querySelectorAll('details').forEach(function (d) { d.open = true; });
+  });
+  function make(name, attributes, parent) {
+    var made = document.createElementNS(document.querySelector('svg').namespaceURI, name);
+    Object.keys(attributes).forEach(function (key) { made.setAttribute(key, attributes[key]); });
+    if (parent) { parent.appendChild(made); }
+    return made;
+  }
+  // A plot by itself, as large as on the page: its styles written out, its labels as text.
+  function picture(plot) {
+    var frame = plot.getBoundingClientRect();
+    var svg = plot.querySelector('svg');
+    var box = svg.getBoundingClientRect();
+    var paper = getComputedStyle(document.documentElement).getPropertyValue('--paper').trim();
+    var out = make('svg', { width: frame.width, height: frame.height, 'font-family': 'sans-serif', 'font-size': 11 });
+    make('rect', { width: '100%', height: '100%', fill: paper }, out);
+    var inner = svg.cloneNode(true);
+    var to = inner.querySelectorAll('path, rect');
+    svg.querySelectorAll('path, rect').forEach(function (from, i) {
+      var style = getComputedStyle(from);
+      ['fill', 'stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'opacity', 'vector-effect'].forEach(function (name) {
+        to[i].setAttribute(name, style.getPropertyValue(name));
+      });
+    });
+    var place = { x: box.left - frame.left, y: box.top - frame.top, width: box.width, height: box.height };
+    Object.keys(place).forEach(function (key) { inner.setAttribute(key, place[key]); });
+    out.appendChild(inner);
+    plot.querySelectorAll('.beside span, .below span, .x-name, .y-name').forEach(function (label) {
+      var at = label.getBoundingClientRect();
+      var x = (at.left + at.right) / 2 - frame.left;
+      var y = (at.top + at.bottom) / 2 - frame.top;
+      var text = make('text', { x: x, y: y, 'text-anchor': 'middle', 'dominant-baseline': 'central', fill: getComputedStyle(label).color }, out);
+      if (label.className === 'y-name') { text.setAttribute('transform', 'rotate(-90 ' + x + ' ' + y + ')'); }
+      text.textContent = label.textContent;
+    });
+    return new XMLSerializer().serializeToString(out) + '\n';
+  }
+  // The corners of all lines in units of the axes, to the resolution of the figure.
+  function table(svg) {
+    var rx = range(svg, 'data-x');
+    var ry = range(svg, 'data-y');
+    var box = svg.viewBox.baseVal;
+    var out = 'line,x,y\n';
+    svg.querySelectorAll('path:not(.grid):not(.filled)').forEach(function (path) {
+      corners(path).forEach(function (at) {
+        if (!at) { return; }
+        var x = rx[0] + at[0] / box.width * (rx[1] - rx[0]);
+        var y = ry[1] - at[1] / box.height * (ry[1] - ry[0]);
+        out += path.getAttribute('class').split(' ')[0] + ',' + x.toPrecision(7) + ',' + y.toPrecision(7) + '\n';
+      });
+    });
+    return out;
+  }
+  function save(name, kind, content) {
+    var link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([content], { type: kind }));
+    link.download = name;
+    link.click();
+    setTimeout(function () { URL.revokeObjectURL(link.href); }, 1000);
+  }
+  document.querySelectorAll('figure').forEach(function (figure) {
+    var caption = figure.querySelector('figcaption');
+    var plots = figure.querySelectorAll('.plot');
+    if (!caption || !plots.length) { return; }
+    var saves = document.createElement('span');
+    saves.className = 'save';
+    function button(word, act) {
+      var b = document.createElement('button');
+      b.type = 'button';
+      b.textContent = word;
+      b.addEventListener('click', act);
+      saves.appendChild(b);
+    }
+    var name = (caption.textContent || 'figure').trim().split(/\s/)[0].replace(/[^\w-]/g, '') || 'figure';
+    button('SVG', function () {
+      plots.forEach(function (plot) { save(name + '.svg', 'image/svg+xml', picture(plot)); });
+    });
+    button('CSV', function () {
+      plots.forEach(function (plot) { save(name + '.csv', 'text/csv', table(plot.querySelector('svg'))); });
+    });
+    caption.appendChild(saves);
   });
   document.addEventListener('keydown', function (e) {
     if (e.key === 'Escape') {

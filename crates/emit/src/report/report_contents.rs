@@ -172,6 +172,19 @@ impl<'a> Record<'a> {
         column.iter().any(|v| v.is_finite()).then_some(column)
     }
 
+    /// The readings of a signal at some instants; no number where there is none.
+    pub fn read_at(&self, s: Signal, instants: &[f64]) -> Option<Vec<f64>> {
+        let (column, time) = (self.measured(s)?, &self.trajectory.time);
+        let at = |t: &f64| {
+            let row = time.partition_point(|known| known < t);
+            let read = time.get(row).filter(|known| *known == t);
+            read.and_then(|_| column.get(row))
+                .copied()
+                .unwrap_or(f64::NAN)
+        };
+        Some(instants.iter().map(at).collect())
+    }
+
     /// Signals that are simulated.
     pub fn simulated(&self) -> Vec<Signal> {
         let first = self.runs.first().map(|(_, run)| &run.simulated);

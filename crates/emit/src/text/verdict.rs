@@ -26,7 +26,12 @@ pub fn verdict(d: &Discovery, v: &Verdict) -> String {
 
 /// The same, each in one line, however long.
 pub fn sentences(d: &Discovery, v: &Verdict) -> [String; 3] {
-    parts(d, v).map(|(name, parts)| format!("{name}: {}", parts.join(", ")))
+    answers(d, v).map(|(name, text)| format!("{name}: {text}"))
+}
+
+/// The same by name.
+pub(crate) fn answers(d: &Discovery, v: &Verdict) -> [(&'static str, String); 3] {
+    parts(d, v).map(|(name, parts)| (name, parts.join(", ")))
 }
 
 fn parts(d: &Discovery, v: &Verdict) -> [(&'static str, Vec<String>); 3] {
@@ -151,7 +156,7 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
 }
 
 /// Of each variable its lowest derivative that is measured, and what was asked for by name.
-fn shown<'a>(d: &Discovery, p: &'a Prediction) -> Vec<&'a SignalPrediction> {
+pub(crate) fn shown<'a>(d: &Discovery, p: &'a Prediction) -> Vec<&'a SignalPrediction> {
     let lowest = |var: usize, order: u8| {
         let names = (0..=order).map(|der| d.name(Signal::derivative(VarId(var as u16), der)));
         let mut found = names.filter(|n| p.signals.iter().any(|s| s.signal == *n));
@@ -206,7 +211,7 @@ fn figure(e: ErrorFigures) -> String {
 }
 
 /// What predicts every signal better than the equations do, where that is more than rounding.
-fn rival(signals: &[&SignalPrediction]) -> Option<String> {
+pub(crate) fn rival(signals: &[&SignalPrediction]) -> Option<String> {
     let worse = |of: &dyn Fn(&SignalPrediction) -> Option<ErrorFigures>| {
         !signals.is_empty()
             && signals.iter().all(|s| {

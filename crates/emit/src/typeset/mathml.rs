@@ -4,7 +4,7 @@
 //! MathML does not break lines but the page around it does.
 
 use crate::typeset::symbols::{greek, stem_and_index};
-use sidc_lang::number::significant;
+use sidc_lang::number::{significant, with_error};
 use sidc_lang::term::{Func, Notation, Precedence, Signal, SignalNames, Term, write_term};
 use sidc_system::discovery::{Discovery, Equation, FoundTerm};
 
@@ -30,6 +30,9 @@ pub fn escape(text: &str) -> String {
     out
 }
 
+/// Significant digits of a number that is known better.
+const DIGITS: usize = 6;
+
 impl MathMl<'_> {
     /// A signal on its own.
     pub fn symbol(&self, s: Signal) -> String {
@@ -41,7 +44,8 @@ impl MathMl<'_> {
         format!("<math>{}</math>", row(&write_term(self, term).0))
     }
 
-    /// The equation in pieces: target and equals sign, then each term with its sign and six digits of its coefficient.
+    /// The equation in pieces: target and equals sign, then each term with its sign and its coefficient to its own precision: six digits, or
+    /// fewer with the standard error in the last two.
     pub fn equation(&self, e: &Equation) -> Vec<String> {
         let left = format!("<math>{}<mo>=</mo></math>", self.signal(e.target));
         let terms = e.terms.iter().enumerate();
@@ -60,14 +64,15 @@ impl MathMl<'_> {
             (false, false) => "<mo form=\"infix\">+</mo>",
             (false, true) => "<mo form=\"infix\">−</mo>",
         };
-        let size = self.number(t.coefficient.abs());
+        let error = t.standard_error.unwrap_or(0.0);
+        let text = with_error(t.coefficient.abs(), error, DIGITS);
+        let size = figures(&text);
         let (term, binds) = write_term(self, &t.term);
         let term = match binds < Precedence::Product {
             true => self.parenthesise(&term),
             false => term,
         };
-        let is_unit = significant(t.coefficient.abs(), 6) == "1";
-        let body = match (t.term.is_one(), is_unit) {
+        let body = match (t.term.is_one(), text == "1") {
             (true, _) => size,
             (false, true) => term,
             (false, false) => format!("{size}<mspace width=\"0.17em\"/>{term}"),
@@ -102,13 +107,7 @@ impl Notation for MathMl<'_> {
     }
 
     fn number(&self, x: f64) -> String {
-        let text = significant(x, 6).replace('-', "−");
-        match text.split_once('e') {
-            Some((m, e)) => {
-                format!("<mrow><mn>{m}</mn><mo>·</mo><msup><mn>10</mn><mn>{e}</mn></msup></mrow>")
-            }
-            None => format!("<mn>{text}</mn>"),
-        }
+        figures(&significant(x, DIGITS))
     }
 
     fn call(&self, f: Func, args: &[String]) -> String {
@@ -159,6 +158,17 @@ impl Notation for MathMl<'_> {
 }
 
 /// One element, whatever is in it.
+/// A number as it is printed, its exponent raised.
+fn figures(text: &str) -> String {
+    let text = text.replace('-', "−");
+    match text.split_once('e') {
+        Some((m, e)) => {
+            format!("<mrow><mn>{m}</mn><mo>·</mo><msup><mn>10</mn><mn>{e}</mn></msup></mrow>")
+        }
+        None => format!("<mn>{text}</mn>"),
+    }
+}
+
 fn row(inner: &str) -> String {
     format!("<mrow>{inner}</mrow>")
 }

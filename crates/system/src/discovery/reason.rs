@@ -224,7 +224,7 @@ codes! {
     InconsistentRows = "inconsistent-rows": Data,
         "say how noisy the data are, with `noise` in the model or --noise NAME=SIGMA";
     /// An input acts later or earlier than its record says.
-    InputDelay = "input-delay": Coefficients,
+    InputDelay = "input-delay": Law,
         "shift the input in the table by that time";
     /// The user ended the search.
     Interrupted = "interrupted": Search,

@@ -2,8 +2,9 @@
 //!
 //! In: residuals and a support. Out: one number, the smaller the better. Fits nothing.
 
+use super::thresholds::CRITERION;
 use crate::trajectory::model::{LinearizationPoint, Problem};
-use crate::trajectory::thresholds::{CRITERION, SEARCH};
+use crate::trajectory::thresholds::SEARCH;
 
 /// Noise of each sensor below which a closer fit is no evidence, in the end.
 pub(crate) fn final_floor(problem: &Problem) -> Vec<f64> {
@@ -44,8 +45,9 @@ impl PenalizedLikelihood {
         PenalizedLikelihood::new(problem, floor, inefficiency * term_price(readings))
     }
 
-    /// Price of a support: of its free coefficients, since one that an equation gives is not estimated. Where readings are few, a term costs more, since each fitted coefficient and first state takes one away
-    /// (the correction of Hurvich & Tsai, Biometrika 1989).
+    /// Price of a support: of its free coefficients, since one that an equation gives is not estimated, and of its degrees, which are the
+    /// less likely the higher they are. Where readings are few, a term costs more, since each fitted coefficient and first state takes one
+    /// away (the correction of Hurvich & Tsai, Biometrika 1989).
     pub fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {
         let written = |j: &&usize| {
             let law = &problem.system.laws[problem.system.law_of(**j)];
@@ -56,7 +58,9 @@ impl PenalizedLikelihood {
         let fitted = free + problem.states() * problem.records.len() + 1;
         let scarce = readings / (readings - fitted as f64).max(1.0);
         let discount = CRITERION.written_discount * support.iter().filter(written).count() as f64;
-        self.penalty * free as f64 * scarce - discount
+        let degrees = support.iter().map(|j| problem.term(*j).degree());
+        let prior = CRITERION.degree_price * degrees.sum::<f64>();
+        self.penalty * free as f64 * scarce + prior - discount
     }
 
     /// −2 log likelihood with the noise profiled out: Σ Mᵢ ln((RSSᵢ/Mᵢ + floorᵢ²)/spreadᵢ²). Mᵢ counts informative readings only.

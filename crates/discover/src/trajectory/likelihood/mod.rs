@@ -18,6 +18,7 @@ mod sandwich_covariance;
 mod step_halving;
 mod support_fit;
 mod sweep;
+pub(super) mod thresholds;
 
 pub use block_products::{BlockProducts, block_products};
 pub use criterion::term_price;

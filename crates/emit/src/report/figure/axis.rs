@@ -50,9 +50,16 @@ impl Axis {
         }
     }
 
-    /// At most about so many round numbers in the range, with their labels.
+    /// At most about so many round numbers in the range, with their labels; two at least, since one tells no scale.
     pub fn marks(&self, most: usize) -> Vec<(f64, String)> {
-        let step = round_up((self.high - self.low) / most.max(1) as f64);
+        let most = most.max(1);
+        let mut finer = (most..=2 * most + 1).map(|most| self.marks_by(most));
+        let two = finer.find(|marks| marks.len() >= 2);
+        two.unwrap_or_else(|| self.marks_by(most))
+    }
+
+    fn marks_by(&self, most: usize) -> Vec<(f64, String)> {
+        let step = round_up((self.high - self.low) / most as f64);
         let first = (self.low / step).ceil();
         let last = (self.high / step).floor();
         let count = (last - first) as usize + 1;
@@ -122,6 +129,12 @@ mod tests {
             let axis = Axis::new(low, high);
             assert!(axis.high > axis.low, "{low} {high}");
             assert!(axis.marks(5).len() < 13);
+        }
+        for k in 0..1000 {
+            let low = 0.737 * f64::from(k % 37) - 9.0;
+            let axis = Axis::new(low, low + 1.003_f64.powi(k) * 0.1);
+            let marks = axis.marks(3).len();
+            assert!((2..12).contains(&marks), "{axis:?}: {marks}");
         }
         assert_eq!(Axis::over([f64::NAN].iter()), None);
     }

@@ -1,6 +1,6 @@
 //! Coefficients: interval, stability, mark, and the best equation without the term.
 
-use crate::report::markup::{lead, number, section};
+use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::Subject;
 use crate::report::sections::equations::{heading, reading};
 use crate::text::coefficient_inference::without;
@@ -13,17 +13,17 @@ use sidc_system::discovery::{Equation, FoundTerm, Mark, Trust};
 /// Width of a row's box.
 const ROW_WIDTH: f64 = 1000.0;
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let body = tables(s);
     if body.is_empty() {
-        return body;
+        return Section::default();
     }
     let how = "The dot is the coefficient, the bar its 95 % interval, as deviation from the coefficient in per cent of it; bars of one equation share a scale. \
          Stability is the share of half records in which the term was found again. A loss says what the criterion loses without the term: 6 are odds of 20 to 1, 20 of 22,000 to 1.";
-    section(
+    Section::new(
         "coefficients",
         "Coefficients",
-        &(lead(how) + &reading(s) + &body),
+        lead(how) + &reading(s) + &body,
     )
 }
 

@@ -1,6 +1,6 @@
 //! Collinearity of the terms: cosines, the relations behind them, and supports that fit as well.
 
-use crate::report::markup::{lead, number, section};
+use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::Subject;
 use crate::report::sections::equations::heading;
 use crate::typeset::mathml::escape;
@@ -9,7 +9,7 @@ use sidc_system::discovery::{Alike, Equation, Identifiability};
 /// Relations of one equation that are printed.
 const MAX_RELATIONS: usize = 5;
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let each: String = s
         .discovery
         .equations
@@ -17,11 +17,11 @@ pub(crate) fn html(s: &Subject) -> String {
         .filter_map(|e| one(s, e))
         .collect();
     if each.is_empty() {
-        return each;
+        return Section::default();
     }
     let how = "Cosines between the columns of the terms found (bold) and of those nearest to one of them, on the rows the equation was found from. \
          Near ±1 two terms cannot be told apart; the sign says whether they rise together.";
-    section("alike", "Terms and their aliases", &(lead(how) + &each))
+    Section::new("alike", "Terms and their aliases", lead(how) + &each)
 }
 
 fn one(s: &Subject, e: &Equation) -> Option<String> {

@@ -4,7 +4,7 @@ use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::density_grid::DensityGrid;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH};
 use crate::report::figure::plot::path;
-use crate::report::markup::{lead, number, section};
+use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::{RecordRun, Subject};
 use crate::typeset::mathml::escape;
 use sidc_data::Trajectory;
@@ -27,7 +27,7 @@ struct Series {
     simulated: bool,
 }
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let all = signals(s);
     let drawn = all.iter().take(MAX_SIGNALS).collect::<Vec<_>>();
     let mut body = String::new();
@@ -45,7 +45,7 @@ pub(crate) fn html(s: &Subject) -> String {
         }
     }
     body.push_str(&table(s, &all));
-    section("coverage", "Where the data were", &body)
+    Section::new("coverage", "Where the data were", body)
 }
 
 /// States with their lower derivatives, then inputs.

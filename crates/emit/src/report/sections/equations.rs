@@ -1,6 +1,6 @@
 //! The equations, typeset, each with its proof and fit.
 
-use crate::report::markup::{lead, section};
+use crate::report::markup::{Section, lead};
 use crate::report::report_contents::Subject;
 use crate::report::sections::verdict::badge;
 use crate::text::matrices::consequences;
@@ -10,7 +10,7 @@ use crate::unknown_constants;
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{Discovery, Equation};
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let d = s.discovery;
     let notation = MathMl(d);
     let mut body = String::new();
@@ -53,7 +53,7 @@ pub(crate) fn html(s: &Subject) -> String {
             escape(follows.trim_matches('\n'))
         ));
     }
-    section("equations", "Equations", &body)
+    Section::new("equations", "Equations and proofs", body)
 }
 
 /// Fit and proof as the terminal prints them; reasons and marks have sections of their own.

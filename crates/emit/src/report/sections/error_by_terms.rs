@@ -3,13 +3,13 @@
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
-use crate::report::markup::{lead, number, section};
+use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::Subject;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_system::result::{CandidateEntry, EquationEntry};
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let mut body = candidates(&s.document.candidates);
     let paths: String = s.document.equations.iter().filter_map(knots).collect();
     if !paths.is_empty() {
@@ -18,12 +18,7 @@ pub(crate) fn html(s: &Subject) -> String {
         ));
         body.push_str(&format!("<div class=\"thirds\">\n{paths}</div>\n"));
     }
-    if body.is_empty() {
-        body = lead(
-            "One model and no path to its answer: there is nothing to compare. With several models in one call of sidc identify their errors on data held out stand here, with --path the answers of fewer terms.",
-        );
-    }
-    section("growth", "Error against number of terms", &body)
+    Section::new("growth", "Error against number of terms", body)
 }
 
 fn candidates(all: &[CandidateEntry]) -> String {

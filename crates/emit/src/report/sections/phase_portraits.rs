@@ -4,7 +4,7 @@ use crate::report::figure::axis::Axis;
 use crate::report::figure::density_grid::{CurvePath, curve};
 use crate::report::figure::downsampling::{dots, is_sparse};
 use crate::report::figure::plot::{Plot, path};
-use crate::report::markup::{lead, section};
+use crate::report::markup::{Section, lead};
 use crate::report::report_contents::{Record, Subject};
 use crate::typeset::mathml::escape;
 use sidc_lang::model::VarKind;
@@ -13,26 +13,26 @@ use sidc_lang::term::{Signal, SignalNames, VarId};
 /// Portraits of one record.
 const MAX_PORTRAITS: usize = 4;
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let records = s.records();
     let Some(record) = records.first() else {
-        return String::new();
+        return Section::default();
     };
     let portraits: String = (pairs(s).into_iter())
         .filter_map(|pair| portrait(s, record, pair))
         .take(MAX_PORTRAITS)
         .collect();
     if portraits.is_empty() {
-        return portraits;
+        return Section::default();
     }
     let how = format!(
         "{}: measured where both signals were measured, and as simulated.",
         record.trajectory.name
     );
-    section(
+    Section::new(
         "phase",
         "Phase portraits",
-        &format!("{}<div class=\"squares\">\n{portraits}</div>\n", lead(&how)),
+        format!("{}<div class=\"squares\">\n{portraits}</div>\n", lead(&how)),
     )
 }
 

@@ -3,7 +3,7 @@
 use crate::report::figure::axis::{Axis, extremes};
 use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
-use crate::report::markup::{lead, number, section};
+use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::Subject;
 use crate::report::sections::prediction_bands;
 use crate::text::verdict::verdict;
@@ -16,9 +16,9 @@ const MAX_FIGURES: usize = 6;
 const FLOOR: f64 = 1e-6;
 
 /// Empty for results of earlier programs.
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let Some(found) = &s.document.verdict else {
-        return String::new();
+        return Section::default();
     };
     let lines = verdict(s.discovery, found);
     let lines: String = lines.lines().map(|l| format!("{}\n", escape(l))).collect();
@@ -32,17 +32,18 @@ pub(crate) fn html(s: &Subject) -> String {
         true => String::new(),
         false => format!("{}<div class=\"thirds\">\n{pictures}</div>\n", lead(how)),
     };
-    section(
+    Section::new(
         "prediction",
         "How far ahead",
-        &format!(
+        format!(
             "<pre>{lines}</pre>\n{figures}{}",
             prediction_bands::html(&found.prediction, MAX_FIGURES)
         ),
     )
 }
 
-fn picture(p: &Prediction, s: &SignalPrediction) -> Option<String> {
+/// How the error of one signal grows.
+pub(super) fn picture(p: &Prediction, s: &SignalPrediction) -> Option<String> {
     let curve = |of: &dyn Fn(&AheadFigures) -> Option<ErrorFigures>| -> Vec<(f64, f64)> {
         let point = |a: &AheadFigures| {
             let error = of(a)?.rms?.max(FLOOR * s.spread);

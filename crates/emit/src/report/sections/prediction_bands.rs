@@ -7,16 +7,12 @@ use crate::report::figure::downsampling::{Pen, dots, height, line, place};
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::{lead, number};
 use crate::typeset::mathml::escape;
-use sidc_system::predict::{Band, BandHeldOut, PredictedReading, Prediction, SignalPrediction};
+use sidc_system::predict::{PredictedReading, Prediction, SignalPrediction};
 
 /// Figures of so many signals.
 pub(super) fn html(p: &Prediction, signals: usize) -> String {
-    let banded = |s: &'_ SignalPrediction| {
-        let band = s.band.as_ref()?;
-        picture(p, s, band, band.held_out.as_ref()?)
-    };
     let pictures: String = (p.signals.iter().take(signals))
-        .filter_map(banded)
+        .filter_map(|s| picture(p, s))
         .collect();
     if pictures.is_empty() {
         return String::new();
@@ -30,12 +26,10 @@ pub(super) fn html(p: &Prediction, signals: usize) -> String {
     format!("{}{pictures}", lead(&how))
 }
 
-fn picture(
-    p: &Prediction,
-    s: &SignalPrediction,
-    band: &Band,
-    held: &BandHeldOut,
-) -> Option<String> {
+/// One signal; `None` without readings held out.
+pub(super) fn picture(p: &Prediction, s: &SignalPrediction) -> Option<String> {
+    let band = s.band.as_ref()?;
+    let held = band.held_out.as_ref()?;
     let records = held.course.chunk_by(|a, b| a.record == b.record);
     let course = records.max_by_key(|course| course.len())?;
     let of = |value: &dyn Fn(&PredictedReading) -> f64| -> Vec<f64> {

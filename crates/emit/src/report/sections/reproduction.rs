@@ -1,6 +1,6 @@
 //! How to reproduce the result: files by content, settings, the command, the model.
 
-use crate::report::markup::{lead, number, paragraph, section};
+use crate::report::markup::{Section, lead, number, paragraph};
 use crate::report::report_contents::Subject;
 use crate::typeset::mathml::escape;
 use sidc_system::result::{EquationEntry, FileEntry, Settings};
@@ -8,7 +8,7 @@ use sidc_system::result::{EquationEntry, FileEntry, Settings};
 /// Longest text of a model that is printed, in bytes.
 const MAX_MODEL_BYTES: usize = 100_000;
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let settings = &s.document.settings;
     let mut body = lead(
         "The same files, command and program give the same result, digit by digit on one machine. sha256sum FILE tells whether a file is the same.",
@@ -24,7 +24,7 @@ pub(crate) fn html(s: &Subject) -> String {
     body.push_str(&table(settings));
     body.push_str(&signals(s));
     body.push_str(&model(settings));
-    section("repeat", "To repeat it", &body)
+    Section::new("repeat", "To repeat it", body)
 }
 
 fn files(s: &Subject) -> String {

@@ -3,17 +3,14 @@
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{BOX_HEIGHT, BOX_WIDTH, height, place};
 use crate::report::figure::plot::{Plot, path};
-use crate::report::markup::{counted, lead, number, section};
+use crate::report::markup::{counted, number};
 use crate::report::report_contents::{Record, Subject};
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
 /// 97.5 % quantile of the normal distribution.
-const NORMAL_97_5: f64 = 1.96;
-/// Signals that are plotted.
-const MAX_FIGURES: usize = 6;
-
+pub(super) const NORMAL_97_5: f64 = 1.96;
 /// Autocorrelation at lags 0 to `lags` of the finite values about their mean, and their number; `None` if they do not
 /// vary. Pairs with a missing value are left out; sums are divided by the number of values (the biased estimate; Box
 /// and Jenkins, Time Series Analysis, 2.1).
@@ -40,32 +37,8 @@ pub(crate) fn autocorrelation(values: &[f64], lags: usize) -> Option<(Vec<f64>, 
     Some((sums.iter().map(|s| s / energy).collect(), n))
 }
 
-pub(crate) fn html(s: &Subject) -> String {
-    let records = s.records();
-    let Some(record) = records.first() else {
-        return String::new();
-    };
-    let pictures: String = (record.simulated().into_iter())
-        .filter_map(|x| picture(s, record, x))
-        .take(MAX_FIGURES)
-        .collect();
-    if pictures.is_empty() {
-        return pictures;
-    }
-    let how = format!(
-        "{}: errors of the free run, simulated less measured. If the equations and the start were exact, the errors would be the sensor's noise alone, \
-         and, for white noise, 95 % of the lines would end within the band. Of errors below a millionth of the signal, rounding and the error of the start, \
-         the band says nothing.",
-        record.trajectory.name
-    );
-    section(
-        "memory",
-        "Autocorrelation of the errors",
-        &format!("{}<div class=\"thirds\">\n{pictures}</div>\n", lead(&how)),
-    )
-}
-
-fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
+/// One signal.
+pub(super) fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
     let (_, left) = r.residual(x)?;
     let (correlations, n) = autocorrelation(&left, FIGURES.lags)?;
     let band = NORMAL_97_5 / (n as f64).sqrt();
@@ -84,14 +57,11 @@ fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
     let (top, bottom) = (height(&y, band), height(&y, -band));
     let name = s.discovery.name(x);
     let lags = correlations.len() - 1;
-    let words = match exactness(r, x) {
-        true => "errors below a millionth of the signal".to_string(),
-        false => format!(
-            "{outside} of {} outside the band of ±{}",
-            counted(lags, "lag"),
-            number(band, 2)
-        ),
-    };
+    let words = format!(
+        "{outside} of {} outside the band of ±{}",
+        counted(lags, "lag"),
+        number(band, 2)
+    );
     let plot = Plot {
         x: &axis,
         y: &y,
@@ -111,12 +81,6 @@ fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
         escape(&words),
         plot.html()
     ))
-}
-
-/// True if the residuals are too small to be noise of a sensor.
-fn exactness(r: &Record, x: Signal) -> bool {
-    r.scores(x)
-        .all(|(_, _, c)| 1.0 - c.fit / 100.0 < FIGURES.exact_run)
 }
 
 #[cfg(test)]

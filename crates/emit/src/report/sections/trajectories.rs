@@ -3,7 +3,7 @@
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{dots, is_sparse, line};
 use crate::report::figure::plot::{Plot, path, shade};
-use crate::report::markup::{counted, fixed, grouped, lead, number, section};
+use crate::report::markup::{Section, counted, fixed, grouped, lead, number};
 use crate::report::report_contents::{Record, Role, Subject};
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
@@ -13,10 +13,10 @@ use sidc_lang::term::{Signal, SignalNames};
 const MAX_RECORDS: usize = 4;
 const MAX_FIGURES: usize = 10;
 
-pub(crate) fn html(s: &Subject) -> String {
+pub(crate) fn html(s: &Subject) -> Section {
     let records = s.records();
     if records.is_empty() {
-        return String::new();
+        return Section::default();
     }
     let how = "Each record is run freely: the equations start at its first row and are driven by its inputs; no other reading corrects them. \
          Of long records every pixel column shows the least and the greatest value in it, so that a single stray sample is seen. Rows that a noisy start was fitted to have no error.";
@@ -40,7 +40,7 @@ pub(crate) fn html(s: &Subject) -> String {
         ));
     }
     body.push_str(&scores(s, &records));
-    section("series", "Measured against simulated", &body)
+    Section::new("series", "Measured against simulated", body)
 }
 
 fn pictures(s: &Subject, r: &Record) -> String {
