@@ -54,7 +54,9 @@ pub(super) fn picture(p: &Prediction, s: &SignalPrediction) -> Option<String> {
     ];
     let share = |share: f64| number(100.0 * share, 3);
     let said = format!(
-        "{} % of {} within the band, {} % within the {} of the data used",
+        "{} {} ahead on data held out: {} % of {} readings within the band, {} % within the {} of the data used",
+        number(p.horizon, 3),
+        p.unit,
         share(held.following),
         held.course.len(),
         share(held.fixed),
@@ -70,8 +72,9 @@ pub(super) fn picture(p: &Prediction, s: &SignalPrediction) -> Option<String> {
         elements: elements.concat(),
     };
     Some(format!(
-        "<figure>\n<figcaption><b>{}</b> {said}</figcaption>\n{}</figure>\n",
+        "<figure>\n<figcaption><b>{}</b> {}</figcaption>\n{}</figure>\n",
         escape(&s.signal),
+        escape(&said),
         plot.html()
     ))
 }

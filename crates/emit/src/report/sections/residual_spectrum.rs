@@ -44,7 +44,7 @@ fn largest_by_chance(frequencies: usize) -> f64 {
 
 /// The longest stretch with even times, or so much of its middle as is looked at, and its step.
 fn even_rows<'a>(time: &[f64], values: &'a [f64]) -> Option<(f64, &'a [f64])> {
-    let mut stretches = vec![0..1];
+    let mut stretches: Vec<_> = std::iter::once(0..1).collect();
     for k in 1..time.len() {
         let last = stretches.last_mut()?;
         let step = time[last.end - 1] - time[last.end.saturating_sub(2).max(last.start)];
