@@ -101,6 +101,16 @@ pub fn poor_fit() -> Scenario {
     Scenario::change(Case::new(model, record(0.05, &[("x", &x)])))
 }
 
+/// A body on a spring whose input is declared and in no library.
+pub fn forgotten_input() -> Scenario {
+    let push = |t: f64| (1.3 * t).sin() + 0.7 * (0.31 * t * t).cos();
+    let rate = |t: f64, z: &[f64; 2]| [z[1], 2.0 * push(t) - 3.0 * z[0] - 0.4 * z[1]];
+    let [x, _] = motion(rate, [1.0, 0.0], 0.05, 400);
+    let u: Vec<f64> = (0..400).map(|k| push(0.05 * k as f64)).collect();
+    let model = "state x : order 2\ninput u : linear\nddx ~ <x, dx, x^3>\n";
+    Scenario::change(Case::new(model, record(0.05, &[("x", &x), ("u", &u)])))
+}
+
 /// A pendulum on a cart, without the accelerations by which the two act on each other.
 pub fn coupled_bodies() -> Scenario {
     let rate = |t: f64, z: &[f64; 4]| {

@@ -77,6 +77,12 @@ fn coupled_bodies() {
     follow(&ReasonCode::PoorFit, words, &library::coupled_bodies());
 }
 
+#[test]
+fn a_forgotten_input() {
+    let words = "add u, which no equation uses";
+    follow(&ReasonCode::PoorFit, words, &library::forgotten_input());
+}
+
 /// Codes whose advice no case can follow, with the reason. What they advise is tested where they are made.
 const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
     (ReasonCode::Interrupted, "a user ends the search"),

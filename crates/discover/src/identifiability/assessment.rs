@@ -63,9 +63,10 @@ pub fn misspecification(
         equation: &equation,
         unexplained: failed.reasons.iter().any(unexplained),
     };
-    let found = find_misspecification(&specification, rows.read?);
+    let read = rows.read?;
+    let found = find_misspecification(&specification, read);
     let found = found.filter(|_| specification.unexplained)?;
-    Some(misspecification_finding(model, failed.target, &found))
+    Some(misspecification_finding(model, failed.target, &found, read))
 }
 
 /// What the rows can distinguish for one equation, and the doubts that follow from it.

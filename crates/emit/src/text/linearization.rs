@@ -2,7 +2,7 @@
 //!
 //! In: a [`LocalAnalysis`]. Out: lines. Computes only units.
 
-use crate::text::layout::column_widths;
+use crate::text::eigenvalues::eigenvalues;
 use crate::text::matrices::{law, state_space};
 use crate::unknown_constants;
 use sidc_lang::number::significant;
@@ -28,7 +28,7 @@ pub fn linearization(
     };
     out.push_str(&format!("\n{law}\n{}", state_space(d, l)));
     out.push_str(&match &near.modes {
-        Some(modes) => eigenvalues(modes, l.discrete),
+        Some(modes) => format!("\n{}\n", eigenvalues(modes, l.discrete)),
         None => "\nthe eigenvalues were not found: the iteration does not end\n".into(),
     });
     if let (Some(stability), Some(modes)) = (near.stability, &near.modes) {
@@ -106,56 +106,6 @@ fn rest(d: &Discovery, near: &LocalAnalysis) -> String {
         out.push_str(&format!("; no value of {all} was found that holds it"));
     }
     out + "\n"
-}
-
-fn eigenvalues(modes: &[Mode], discrete: bool) -> String {
-    let unit = if discrete { "samples" } else { "s" };
-    let frequency = if discrete { "rad/sample" } else { "rad/s" };
-    let mut rows = vec![[
-        "eigenvalue".to_string(),
-        if discrete {
-            "|λ|".into()
-        } else {
-            String::new()
-        },
-        "damping".into(),
-        format!("frequency ({frequency})"),
-        format!("time constant ({unit})"),
-    ]];
-    let number = |x: Option<f64>| x.map_or_else(String::new, |x| significant(x, 4));
-    for m in modes {
-        let time = match m.time_constant() {
-            Some(t) if t < 0.0 => format!("{} (grows)", significant(-t, 4)),
-            time => number(time),
-        };
-        rows.push([
-            eigenvalue(m),
-            if discrete {
-                number(Some(m.re.hypot(m.im)))
-            } else {
-                String::new()
-            },
-            number(m.damping()),
-            number(m.frequency()),
-            time,
-        ]);
-    }
-    let widths = column_widths(rows.iter().map(<[String; 5]>::as_slice));
-    let line = |row: &[String; 5]| {
-        let cells = row.iter().zip(&widths).filter(|(_, w)| **w > 0);
-        let cells: Vec<String> = cells.map(|(t, w)| format!("{t:<w$}")).collect();
-        format!("{}\n", cells.join("   ").trim_end())
-    };
-    format!("\n{}\n", rows.iter().map(line).collect::<String>())
-}
-
-/// `-0.5 ± 2i`
-fn eigenvalue(m: &Mode) -> String {
-    let re = significant(m.re + 0.0, 6);
-    match m.im > 0.0 {
-        true => format!("{re} ± {}i", significant(m.im, 6)),
-        false => re,
-    }
 }
 
 /// Stability in a sentence.

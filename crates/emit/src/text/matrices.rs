@@ -1,13 +1,14 @@
-//! Coupled equations as a matrix equation and solved, linear systems as A and B, in plain text.
+//! Coupled equations as a matrix equation and solved, linear systems as A and B with their eigenvalues, in plain text.
 //!
 //! In: a discovery. Out: aligned lines; empty if there are no consequences. No term is dropped: an
 //! entry too wide for its cell is written below, by name.
 
 use crate::consequences::{Consequences, CoupledEquations, Solved, simplest_first};
+use crate::text::eigenvalues::eigenvalues;
 use crate::text::layout::{LINE_WIDTH, column_widths, one_line_sum, signed_term, sum_lines};
 use sidc_lang::number::significant;
 use sidc_lang::term::{Expr, Language, SignalNames};
-use sidc_system::algebra::{Fraction, Linear};
+use sidc_system::algebra::{Fraction, Linear, modes};
 use sidc_system::discovery::Discovery;
 
 /// Widest matrix equation, in characters: it cannot be broken.
@@ -15,8 +16,8 @@ const TABLE_WIDTH: usize = 120;
 /// Widest cell of a matrix that does not fit otherwise.
 const CELL_WIDTH: usize = 24;
 
-/// What follows from the equations: coupled equations as a matrix equation and solved, linear systems as A and B, each with a
-/// heading after a blank line. Empty for a single or uncoupled nonlinear system.
+/// What follows from the equations: coupled equations as a matrix equation and solved, linear systems as A and B with their
+/// eigenvalues, each with a heading after a blank line. Empty for a single or uncoupled nonlinear system.
 pub fn consequences(d: &Discovery) -> String {
     let derived = Consequences::of(d);
     let mut out = String::new();
@@ -32,6 +33,9 @@ pub fn consequences(d: &Discovery) -> String {
         let law = law(linear, x, u);
         out.push_str(&format!("\nlinear system, {law}:\n"));
         out.push_str(&state_space(d, linear));
+        if let Some(modes) = modes(&linear.a, linear.discrete) {
+            out.push_str(&format!("\n{}", eigenvalues(&modes, linear.discrete)));
+        }
     }
     if let Some(n) = derived.unprinted_states {
         out.push_str(&format!(

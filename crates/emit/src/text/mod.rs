@@ -5,6 +5,7 @@ mod certificate_range;
 pub(crate) mod coefficient_inference;
 mod coefficient_units;
 pub(crate) mod disturbance;
+mod eigenvalues;
 pub mod equations;
 pub(crate) mod evidence;
 pub(crate) mod free_runs;

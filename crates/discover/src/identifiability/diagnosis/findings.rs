@@ -13,7 +13,8 @@ use crate::scaled_design::ScaledDesign;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, VarKind};
-use sidc_lang::term::{Language, Signal, SignalNames};
+use sidc_lang::term::{Language, Signal, SignalNames, VarId};
+use sidc_lang::words::listed;
 use sidc_system::discovery::{Cause, Change, Finding, Reason, ReasonCode, Status};
 
 /// Doubts that say that something is not explained.
@@ -205,14 +206,15 @@ fn misspecification(design: &ScaledDesign, library: &Library, read: &Samples) ->
     };
     let found = find_misspecification(&specification, read)?;
     let target = design.equation.target;
-    Some(misspecification_finding(design.model, target, &found))
+    Some(misspecification_finding(design.model, target, &found, read))
 }
 
-/// A misspecification in words.
+/// A misspecification in words, of an equation that was sought on these samples.
 pub fn misspecification_finding(
     model: &Model,
     target: Signal,
     found: &Misspecification,
+    read: &Samples,
 ) -> Finding {
     let var = model.variable(target.var);
     let name = model.name(target);
@@ -275,19 +277,41 @@ pub fn misspecification_finding(
                 None,
             )
         }
-        Misspecification::Unknown { part } => finding(
-            Cause::MissingTerm,
-            format!(
-                "the whole library leaves {} of {name}, and no simple term of the measured signals explains it",
-                percent(*part)
-            ),
-            format!(
-                "look for an input or a state that is not measured; a hidden state acts like a higher order: compare with {var} of order {}",
-                target.der + 1
-            ),
-            None,
-        ),
+        Misspecification::Unknown { part } => {
+            let unused = unused_inputs(model, read);
+            let stated = model.equations.iter().find(|e| e.target == target);
+            let (advice, line) = match unused.as_slice() {
+                [] => (
+                    format!(
+                        "look for an input or a state that is not measured; a hidden state acts like a higher order: compare with {var} of order {}",
+                        target.der + 1
+                    ),
+                    None,
+                ),
+                names => (
+                    format!("add {}, which no equation uses", listed(names)),
+                    stated.map(|e| vec![e.with(names)]),
+                ),
+            };
+            finding(
+                Cause::MissingTerm,
+                format!(
+                    "the whole library leaves {} of {name}, and no simple term of the signals that are used explains it",
+                    percent(*part)
+                ),
+                advice,
+                line,
+            )
+        }
     }
+}
+
+/// Inputs that no equation mentions: the samples have no column of them.
+fn unused_inputs(model: &Model, read: &Samples) -> Vec<String> {
+    let is_read = |id: u16| read.columns.iter().any(|c| c.signal.var == VarId(id));
+    let inputs = (0u16..).zip(&model.vars);
+    let unused = inputs.filter(|(id, v)| v.kind == VarKind::Input && !is_read(*id));
+    unused.map(|(_, v)| v.name.clone()).collect()
 }
 
 /// The lines of a model of one state with an order more: its declaration, and the equation of its next derivative.
