@@ -62,5 +62,6 @@ pub fn thresholds() -> Vec<sidc_thresholds::Table> {
         draft::thresholds::DraftThresholds::table(),
         draft::thresholds::RateThresholds::table(),
         draft::thresholds::LawOrderThresholds::table(),
+        draft::thresholds::ExogeneityThresholds::table(),
     ]
 }

@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::exogeneity::{driven_from_outside, is_combination};
+use super::exogeneity::{Span, driven_from_outside};
 use super::rate_detection::rate_factor;
 use super::table_column::Column;
 use crate::series::rows_of_steps;
@@ -234,15 +234,15 @@ fn find_driven(columns: &[Column], chosen: &ChosenRoles, out: &mut Roles) {
 
 /// A state that is a linear combination of inputs and earlier states has no law of its own.
 fn find_combinations(columns: &[Column], chosen: &ChosenRoles, out: &mut Roles) {
-    for i in undecided(columns, chosen, out) {
-        let earlier = out.states.iter().copied().filter(|s| *s < i);
-        let inputs = out.inputs.iter().map(|(i, _)| *i);
-        let others: Vec<&Column> = (earlier.chain(inputs))
-            .filter_map(|o| columns.get(o))
-            .collect();
-        if out.states.len() > 1 && is_combination(&columns[i], &others) {
-            out.states.retain(|s| *s != i);
-            out.combinations.push(i);
+    let undecided = undecided(columns, chosen, out);
+    let inputs = out.inputs.iter().map(|(i, _)| *i);
+    let places: Vec<usize> = inputs.chain(out.states.iter().copied()).collect();
+    let signals: Vec<&Column> = places.iter().filter_map(|i| columns.get(*i)).collect();
+    let mut span = Span::new(&signals);
+    for (i, column) in places.iter().zip(signals) {
+        if span.has(column) && undecided.contains(i) && out.states.len() > 1 {
+            out.states.retain(|s| s != i);
+            out.combinations.push(*i);
         }
     }
 }

@@ -19,8 +19,9 @@ pub(super) fn driven_from_outside(columns: &[&Column], time: Option<&Column>) ->
         return Vec::new();
     };
     let past = Past::new(columns, time, stride);
-    (0..columns.len())
-        .filter(|c| past.is_driven(*c).unwrap_or(false))
+    let all = 0..columns.len();
+    let alone: Vec<Option<f64>> = all.clone().map(|c| past.unexplained(c, &[])).collect();
+    all.filter(|c| past.is_driven(*c, &alone).unwrap_or(false))
         .collect()
 }
 
@@ -49,10 +50,10 @@ impl Past {
         }
     }
 
-    /// `None` if there are too few rows to say.
-    fn is_driven(&self, column: usize) -> Option<bool> {
-        let alone = self.unexplained(column, &[])?;
-        if alone < EXOGENEITY.alone {
+    /// `alone` is what each column's own past leaves unexplained. `None` if there are too few rows to say.
+    fn is_driven(&self, column: usize, alone: &[Option<f64>]) -> Option<bool> {
+        let own = alone[column]?;
+        if own < EXOGENEITY.alone {
             return Some(false);
         }
         let others: Vec<usize> = (0..self.columns.len())
@@ -61,12 +62,11 @@ impl Past {
             .collect();
         let with_others = self.unexplained(column, &others)?;
         let moves = |other: &usize| {
-            let without = self.unexplained(*other, &[]);
             let with = self.unexplained(*other, &[column]);
-            with.zip(without)
+            with.zip(alone[*other])
                 .is_some_and(|(with, without)| with < EXOGENEITY.others * without)
         };
-        Some(with_others >= EXOGENEITY.others * alone && others.iter().any(moves))
+        Some(with_others >= EXOGENEITY.others * own && others.iter().any(moves))
     }
 
     /// Part of the variance of the next step that is left by polynomials in the column's own past and the past of `others`.
@@ -118,23 +118,44 @@ fn left_by_least_squares(rows: &[Vec<f64>], y: Vec<f64>) -> Option<f64> {
     Some((&a * x.ok()? - y).norm_squared())
 }
 
-/// Whether a column is a linear combination of the others on every row, to the digits of a table.
-pub(super) fn is_combination(column: &Column, others: &[&Column]) -> bool {
-    let others: Vec<Vec<f64>> = others.iter().map(|c| scaled(&c.values)).collect();
-    let own = scaled(&column.values);
-    let step = (own.len() / LAW_ORDER.max_rows).max(1);
-    let (mut rows, mut values) = (Vec::new(), Vec::new());
-    for (k, value) in own.iter().enumerate().step_by(step) {
-        let at = others.iter().map(|o| o.get(k).copied().unwrap_or(f64::NAN));
-        let row: Vec<f64> = std::iter::once(1.0).chain(at).collect();
-        if value.is_finite() && row.iter().all(|v| v.is_finite()) {
-            values.push(*value);
-            rows.push(row);
+/// The span of some columns and of the constant, on the rows where all columns have numbers: orthonormal vectors.
+pub(super) struct Span {
+    rows: Vec<usize>,
+    basis: Vec<Vec<f64>>,
+}
+
+impl Span {
+    /// Of the constant. `all` are the columns that will be asked for.
+    pub fn new(all: &[&Column]) -> Span {
+        let n = all.iter().map(|c| c.values.len()).min().unwrap_or(0);
+        let step = (n / LAW_ORDER.max_rows).max(1);
+        let finite = |k: &usize| all.iter().all(|c| c.values[*k].is_finite());
+        let rows: Vec<usize> = (0..n).step_by(step).filter(finite).collect();
+        let constant = vec![1.0 / (rows.len().max(1) as f64).sqrt(); rows.len()];
+        Span {
+            rows,
+            basis: vec![constant],
         }
     }
-    let n = values.len();
-    let enough = !others.is_empty() && n >= EXOGENEITY.rows_a_column * (others.len() + 1);
-    enough
-        && left_by_least_squares(&rows, values)
-            .is_some_and(|left| left <= EXOGENEITY.combination.powi(2) * n as f64)
+
+    /// Takes a column in. Whether it was in the span before, as a linear combination on every row, to the digits of a table; not told
+    /// from few rows, of which any column is a combination.
+    pub fn has(&mut self, column: &Column) -> bool {
+        let own = scaled(&column.values);
+        let mut left: Vec<f64> = self.rows.iter().map(|k| own[*k]).collect();
+        let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let whole = length(&left);
+        // Once more for what rounding left of the first time.
+        for q in self.basis.iter().chain(&self.basis) {
+            let part: f64 = q.iter().zip(&left).map(|(a, b)| a * b).sum();
+            left.iter_mut().zip(q).for_each(|(v, a)| *v -= part * a);
+        }
+        let rest = length(&left);
+        let new = rest > EXOGENEITY.combination * whole;
+        if new {
+            self.basis.push(left.iter().map(|v| v / rest).collect());
+        }
+        let enough = self.rows.len() >= EXOGENEITY.rows_a_column * self.basis.len();
+        !new && enough && self.basis.len() > 1
+    }
 }

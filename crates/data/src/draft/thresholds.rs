@@ -61,8 +61,8 @@ sidc_thresholds::family! {
         alone: f64 = 0.5, unit "of the variance", source "experiment: inputs_are_known_by_their_values in tests/it/drafts.rs; more of it is news than not";
         /// What the past of the others must leave of that; and what the column may leave of a step that it moves.
         others: f64 = 0.9, unit "of the variance", source "experiment: inputs_are_known_by_their_values in tests/it/drafts.rs";
-        /// Rms that a combination of other columns leaves of a column.
-        combination: f64 = 1e-6, unit "standard deviations", source "tables with six digits; laws hold so well only between columns computed from each other";
+        /// What a combination of other columns leaves of a column.
+        combination: f64 = 1e-6, unit "of its length", source "tables with six digits; laws hold so well only between columns computed from each other";
         /// Fewest rows for each column of a combination.
         rows_a_column: usize = 10, unit "rows", source "set by hand: with few rows any column is a combination";
     }
