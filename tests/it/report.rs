@@ -294,6 +294,15 @@ fn browser(folder: &Path) -> Option<Command> {
     Some(command)
 }
 
+/// The title of a page once its scripts have run.
+fn title(browser: &mut Command, html: &Path) -> String {
+    let page = format!("file://{}", html.display());
+    let run = browser.args(["--dump-dom", &page]).output().unwrap();
+    let text = String::from_utf8_lossy(&run.stdout);
+    let title = text.split("<title>").nth(1).unwrap();
+    title.split("</title>").next().unwrap().to_owned()
+}
+
 /// What a browser makes of a page once keys and pointer have been used on its first trajectory.
 const PROBE: &str = r#"<script>
 const svg = document.querySelector('#series svg[data-x]'), out = document.querySelector('output'), said = [];
@@ -325,14 +334,7 @@ fn pictures_are_read_by_pointer_and_by_keys() {
     let page = page(folder.path(), "duffing", &["--holdout=25%"]);
     let html = folder.path().join("probed.html");
     std::fs::write(&html, page.replace("</body>", &format!("{PROBE}</body>"))).unwrap();
-    let run = browser
-        .args(["--window-size=1280,900", "--dump-dom"])
-        .arg(format!("file://{}", html.display()))
-        .output()
-        .unwrap();
-    let text = String::from_utf8_lossy(&run.stdout);
-    let title = text.split("<title>").nth(1).unwrap();
-    let title = title.split("</title>").next().unwrap();
+    let title = title(browser.arg("--window-size=1280,900"), &html);
     let said: Vec<&str> = title.split(" | ").collect();
     let [hover, left, keys, focused, large, wider, ended, again] = said[..] else {
         panic!("{title}");
@@ -408,16 +410,9 @@ fn labels_stand_at_their_lines() {
         let html = folder.path().join(format!("{model}.html"));
         std::fs::write(&html, page.replace("</body>", &format!("{MEASURE}</body>"))).unwrap();
         for wide in [390, 1280] {
-            let run = browser(folder.path())
-                .unwrap()
-                .arg(format!("--window-size={wide},900"))
-                .args(["--virtual-time-budget=2000", "--dump-dom"])
-                .arg(format!("file://{}", html.display()))
-                .output()
-                .unwrap();
-            let text = String::from_utf8_lossy(&run.stdout);
-            let title = text.split("<title>").nth(1).unwrap();
-            let title = title.split("</title>").next().unwrap();
+            let mut browser = browser(folder.path()).unwrap();
+            browser.arg(format!("--window-size={wide},900"));
+            let title = title(browser.arg("--virtual-time-budget=2000"), &html);
             let said: Vec<&str> = title.split(" | ").collect();
             // A trajectory and its error are two plots.
             let [wrong, svg, _, csv, ..] = said[..] else {

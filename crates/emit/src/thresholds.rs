@@ -51,6 +51,8 @@ family! {
         uneven_step: f64 = 0.02, unit "steps", source "set by hand";
         /// Groups of readings whose mean errors are drawn along a state.
         error_groups: usize = 10, unit "groups", source "set by hand: tenths of the readings";
+        /// Rows that these means are of; of longer records every so many.
+        means_rows: usize = 100_000, unit "rows", source "a tenth of them gives a mean to 1 % of the spread of the errors";
         /// Fewest readings of such a group.
         group_readings: usize = 8, unit "readings", source "set by hand: fewer have no standard error to speak of";
         /// Readings up to which each is drawn as a dot.

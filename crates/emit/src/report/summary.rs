@@ -5,14 +5,11 @@
 use super::STYLE;
 use super::report_contents::Subject;
 use super::sections::coefficients;
-use super::sections::verdict::badge;
+use super::sections::verdict::{equations, reasons};
 use crate::text::verdict;
-use crate::thresholds::PRINTED;
-use crate::typeset::mathml::{MathMl, escape};
-use crate::unknown_constants;
+use crate::typeset::mathml::escape;
 use sidc_data::Dataset;
 use sidc_system::discovery::Discovery;
-use sidc_system::ranked_reasons::{foremost, ranked};
 use sidc_system::result::Document;
 
 /// Equations, the three answers with the reasons against them, coefficients with their intervals.
@@ -26,7 +23,7 @@ pub fn summary(discovery: &Discovery, document: &Document) -> String {
         files: &[],
     };
     let body = [
-        equations(discovery),
+        equations(discovery, usize::MAX),
         answers(discovery, document),
         coefficients::tables(&subject),
     ];
@@ -45,27 +42,6 @@ fn scoped_style() -> String {
     format!(".sidc {{\n{own}\n{rules}}}\n")
 }
 
-fn equations(d: &Discovery) -> String {
-    let notation = MathMl(d);
-    let mut out = String::new();
-    for e in &d.equations {
-        let pieces = notation.equation(e).concat();
-        out.push_str(&format!(
-            "<div class=\"equation\">\n<div class=\"formula\">{pieces}</div>\n{}\n</div>\n",
-            badge(e.status)
-        ));
-    }
-    for f in &d.failed {
-        out.push_str(&format!(
-            "<p>{} <span class=\"badge fail\">not found</span></p>\n",
-            notation.symbol(f.target)
-        ));
-    }
-    let constants = unknown_constants::lines(d);
-    out.extend(constants.map(|said| format!("<p>{}</p>\n", escape(&said))));
-    out
-}
-
 /// The law, the prediction, the run, a line each; then what speaks against the equations.
 fn answers(d: &Discovery, document: &Document) -> String {
     let mut out = String::new();
@@ -74,19 +50,5 @@ fn answers(d: &Discovery, document: &Document) -> String {
             out.push_str(&format!("<p>{}</p>\n", escape(&line)));
         }
     }
-    let reasons = ranked(d);
-    let reasons = foremost(&reasons, PRINTED.reasons);
-    let each = reasons.iter().map(|r| {
-        let (text, help) = (&r.reason.text, r.reason.explained_advice());
-        format!(
-            "<li>{}; <strong>{}</strong></li>\n",
-            escape(text),
-            escape(&help)
-        )
-    });
-    let each: String = each.collect();
-    match each.is_empty() {
-        true => out,
-        false => out + &format!("<ul>\n{each}</ul>\n"),
-    }
+    out + &reasons(d, |_| String::new())
 }

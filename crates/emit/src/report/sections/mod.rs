@@ -2,6 +2,7 @@
 
 pub(crate) mod coefficients;
 pub(crate) mod collinearity;
+mod correlation;
 pub(crate) mod data_coverage;
 pub(crate) mod equations;
 pub(crate) mod error_by_terms;
@@ -10,8 +11,7 @@ pub(crate) mod prediction;
 mod prediction_bands;
 pub(crate) mod reasons;
 pub(crate) mod reproduction;
-mod residual_autocorrelation;
-mod residual_cross_correlation;
+mod residual_correlation;
 mod residual_means;
 mod residual_spectrum;
 pub(crate) mod residuals;

@@ -3,7 +3,7 @@
 use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::{height, place};
 use crate::report::figure::plot::{Plot, path};
-use crate::report::report_contents::{Record, Subject};
+use crate::report::report_contents::Subject;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
@@ -17,11 +17,16 @@ struct Mean {
 
 /// Means over groups of equally many readings, by the value of the state.
 fn means(state: &[f64], errors: &[f64]) -> Vec<Mean> {
-    let pairs = state.iter().copied().zip(errors.iter().copied());
+    let step = errors.len().div_ceil(FIGURES.means_rows).max(1);
+    let pairs = state
+        .iter()
+        .copied()
+        .zip(errors.iter().copied())
+        .step_by(step);
     let mut pairs: Vec<(f64, f64)> = pairs
         .filter(|(x, e)| x.is_finite() && e.is_finite())
         .collect();
-    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let size = (pairs.len() / FIGURES.error_groups).max(FIGURES.group_readings);
     let full = pairs.chunks(size).filter(|group| group.len() == size);
     let one = |group: &[(f64, f64)]| {
@@ -41,10 +46,12 @@ fn means(state: &[f64], errors: &[f64]) -> Vec<Mean> {
 }
 
 /// The errors of `x` along `state`, if there are enough of them.
-pub(super) fn picture(s: &Subject, r: &Record, x: Signal, state: Signal) -> Option<String> {
-    let (_, left) = r.residual(x)?;
-    let (_, along) = r.column(state)?;
-    let means = means(&along, &left);
+pub(super) fn picture(
+    s: &Subject,
+    (x, errors): (Signal, &[f64]),
+    (state, values): (Signal, &[f64]),
+) -> Option<String> {
+    let means = means(values, errors);
     if means.len() < FIGURES.error_groups / 2 {
         return None;
     }

@@ -6,7 +6,7 @@ use crate::report::figure::axis::Axis;
 use crate::report::figure::downsampling::line;
 use crate::report::figure::plot::{Plot, path};
 use crate::report::markup::number;
-use crate::report::report_contents::{Record, Subject};
+use crate::report::report_contents::Subject;
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
@@ -64,9 +64,8 @@ fn even_rows<'a>(time: &[f64], values: &'a [f64]) -> Option<(f64, &'a [f64])> {
 }
 
 /// One signal, if its samples are even in time.
-pub(super) fn picture(s: &Subject, r: &Record, x: Signal) -> Option<String> {
-    let (time, left) = r.residual(x)?;
-    let (step, left) = even_rows(&time, &left)?;
+pub(super) fn picture(s: &Subject, x: Signal, (time, left): (&[f64], &[f64])) -> Option<String> {
+    let (step, left) = even_rows(time, left)?;
     let shares = periodogram(left)?;
     let frequency = |k: usize| (k + 1) as f64 / (left.len() as f64 * step);
     let (peak, share) = (shares.iter().copied().enumerate()).max_by(|a, b| a.1.total_cmp(&b.1))?;

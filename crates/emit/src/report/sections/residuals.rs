@@ -2,9 +2,9 @@
 
 use crate::report::markup::{Section, lead};
 use crate::report::report_contents::{Record, Subject};
-use crate::report::sections::{
-    residual_autocorrelation, residual_cross_correlation, residual_means, residual_spectrum,
-};
+use crate::report::sections::correlation::Series;
+use crate::report::sections::residual_correlation::{with_input, with_itself};
+use crate::report::sections::{residual_means, residual_spectrum};
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::model::VarKind;
@@ -18,47 +18,45 @@ pub(crate) fn html(s: &Subject) -> Section {
     let Some(record) = records.first() else {
         return Section::default();
     };
-    // Errors too small to be noise of a sensor are those of rounding and of the start.
-    let shown = |x: &Signal| record.residual(*x).is_some() && !is_exact(record, *x);
-    let signals: Vec<Signal> = record.simulated().into_iter().filter(shown).collect();
-    // Those that the equations leave out are of more interest than the others.
-    let variables = (0u16..).zip(&s.discovery.variables);
-    let inputs = variables.filter(|(_, v)| v.kind == VarKind::Input);
-    let inputs: Vec<Signal> = inputs.map(|(id, _)| Signal::new(VarId(id))).collect();
-    let pairs = || {
-        signals
-            .iter()
-            .flat_map(|x| inputs.iter().map(move |u| (*x, *u)))
+    let all = record.simulated().into_iter();
+    let all: Vec<Errors> = all.filter_map(|x| Errors::new(record, x)).collect();
+    let Some(first) = all.first() else {
+        return Section::default();
     };
-    let states = || {
-        signals
-            .iter()
-            .flat_map(|x| signals.iter().map(move |y| (*x, *y)))
-    };
+    let inputs = inputs(s, record, &first.time);
+    let pairs = all
+        .iter()
+        .flat_map(|e| inputs.iter().map(move |(u, input)| (e, *u, input)));
+    let along = all
+        .iter()
+        .flat_map(|e| all.iter().map(move |state| (e, state.signal)));
     let groups = [
         group(
             "Memory",
             "If the equations and the start were exact, the errors would be the sensor's noise alone, and, for white noise, 95 % of the lines would end within the band.",
-            signals
-                .iter()
-                .filter_map(|x| residual_autocorrelation::picture(s, record, *x)),
+            all.iter()
+                .filter_map(|e| Some(with_itself(s, e.signal, e.series.as_ref()?))),
         ),
         group(
             "Spectrum",
             "White noise has the same power at all frequencies. A peak is a motion that the equations have not, or have at another frequency.",
-            signals
-                .iter()
-                .filter_map(|x| residual_spectrum::picture(s, record, *x)),
+            all.iter()
+                .filter_map(|e| residual_spectrum::picture(s, e.signal, (&e.time, &e.values))),
         ),
         group(
             "With the inputs",
             "Correlation of the error with the input so many samples before. Beyond the band the input still tells of the error: its effect is late, has another shape, or is missing.",
-            pairs().filter_map(|(x, u)| residual_cross_correlation::picture(s, record, x, u)),
+            pairs.filter_map(|(e, u, input)| {
+                Some(with_input(s, (e.signal, e.series.as_ref()?), (u, input)))
+            }),
         ),
         group(
             "Along the states",
             "Means of the error over tenths of the readings, by the value of the state, with twice their standard error as if errors were independent. A curve is a term that the equations have not.",
-            states().filter_map(|(x, y)| residual_means::picture(s, record, x, y)),
+            along.filter_map(|(e, state)| {
+                let (_, values) = record.column(state)?;
+                residual_means::picture(s, (e.signal, &e.values), (state, &values))
+            }),
         ),
     ];
     let body = groups.concat();
@@ -84,7 +82,43 @@ fn group(title: &str, how: &str, pictures: impl Iterator<Item = String>) -> Stri
     }
 }
 
-fn is_exact(r: &Record, x: Signal) -> bool {
-    r.scores(x)
-        .all(|(_, _, c)| 1.0 - c.fit / 100.0 < FIGURES.exact_run)
+/// The errors of one signal.
+struct Errors {
+    signal: Signal,
+    time: Vec<f64>,
+    values: Vec<f64>,
+    /// `None` if they do not vary.
+    series: Option<Series>,
+}
+
+impl Errors {
+    /// `None` if there are none, or if they are too small to be noise of a sensor: then they are those of rounding and of the start.
+    fn new(r: &Record, signal: Signal) -> Option<Errors> {
+        let mut scores = r.scores(signal);
+        if scores.all(|(_, _, c)| 1.0 - c.fit / 100.0 < FIGURES.exact_run) {
+            return None;
+        }
+        let (time, values) = r.residual(signal)?;
+        let series = Series::new(&values, FIGURES.lags);
+        Some(Errors {
+            signal,
+            time,
+            values,
+            series,
+        })
+    }
+}
+
+/// The inputs that vary, those that no equation uses too: they are of more interest than the others.
+fn inputs(s: &Subject, r: &Record, time: &[f64]) -> Vec<(Signal, Series)> {
+    let variables = (0u16..).zip(&s.discovery.variables);
+    let inputs = variables.filter(|(_, v)| v.kind == VarKind::Input);
+    let series = |u: Signal| {
+        let applied = r.input(u).map(|(_, values)| values);
+        let values = applied.or_else(|| r.read_at(u, time))?;
+        Some((u, Series::new(&values, FIGURES.lags)?))
+    };
+    inputs
+        .filter_map(|(id, _)| series(Signal::new(VarId(id))))
+        .collect()
 }

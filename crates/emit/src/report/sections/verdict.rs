@@ -6,7 +6,8 @@ use crate::report::sections::{prediction, prediction_bands};
 use crate::text::verdict::{answers, rival, shown};
 use crate::thresholds::PRINTED;
 use crate::typeset::mathml::{MathMl, escape};
-use sidc_system::discovery::{Discovery, Status};
+use crate::unknown_constants;
+use sidc_system::discovery::{Discovery, Reason, Status};
 use sidc_system::predict::{DataKind, Prediction, SignalPrediction};
 use sidc_system::ranked_reasons::{foremost, ranked};
 use sidc_system::verdict::{LawVerdict, RunStatus, Verdict};
@@ -32,29 +33,30 @@ pub(crate) fn badge(status: Status) -> &'static str {
 
 pub(crate) fn html(s: &Subject) -> String {
     let body = [
-        equations(s.discovery),
+        equations(s.discovery, MAX_EQUATIONS),
         three_answers(s),
-        reasons(s.discovery),
+        reasons(s.discovery, code),
         next(s),
         worst_prediction(s).unwrap_or_default(),
     ];
     section_head("verdict", "Verdict", &body.concat())
 }
 
-fn equations(d: &Discovery) -> String {
+/// The first equations, what was not found, and the constants in them.
+pub(crate) fn equations(d: &Discovery, most: usize) -> String {
     let notation = MathMl(d);
     let mut out = String::new();
-    for e in d.equations.iter().take(MAX_EQUATIONS) {
+    for e in d.equations.iter().take(most) {
         let pieces = notation.equation(e).concat();
         out.push_str(&format!(
             "<div class=\"equation\">\n<div class=\"formula\">{pieces}</div>\n{}\n</div>\n",
             badge(e.status)
         ));
     }
-    let more = d.equations.len().saturating_sub(MAX_EQUATIONS);
+    let more = d.equations.len().saturating_sub(most);
     if more > 0 {
         out.push_str(&format!(
-            "<p>{more} more under <a href=\"#equations\">Equations</a>.</p>\n"
+            "<p>{more} more under <a href=\"#equations\">Equations and proofs</a>.</p>\n"
         ));
     }
     let missing = d.failed.iter().map(|f| {
@@ -62,6 +64,8 @@ fn equations(d: &Discovery) -> String {
         format!("<p>{symbol} <span class=\"badge fail\">not found</span></p>\n")
     });
     out.extend(missing);
+    let constants = unknown_constants::lines(d);
+    out.extend(constants.map(|said| format!("<p>{}</p>\n", escape(&said))));
     out
 }
 
@@ -104,8 +108,19 @@ fn predicts(d: &Discovery, p: &Prediction) -> Badge {
         Some(false) if p.on == DataKind::HeldOut => (BAD, "not good enough"),
         _ if rival(&shown(d, p)).is_some() => (DOUBT, "a simpler model is better"),
         _ if p.on == DataKind::Used => (OPEN, "on the data used alone"),
-        _ => (GOOD, "better than a linear model"),
+        _ if beats_linear(&shown(d, p)) => (GOOD, "better than a linear model"),
+        _ => (OPEN, "not better in every signal"),
     }
+}
+
+/// Whether every signal is predicted better than by the linear model, or to rounding.
+fn beats_linear(signals: &[&SignalPrediction]) -> bool {
+    let beats = |s: &SignalPrediction| {
+        let own = s.error.quantile_90.unwrap_or(f64::INFINITY);
+        let linear = s.linear.and_then(|e| e.quantile_90);
+        own < PRINTED.exact_prediction * s.spread || linear.is_some_and(|linear| own < linear)
+    };
+    signals.iter().all(|s| beats(s))
 }
 
 fn runs(v: &Verdict) -> Badge {
@@ -118,17 +133,17 @@ fn runs(v: &Verdict) -> Badge {
     }
 }
 
-/// The foremost reasons, each with what to do.
-fn reasons(d: &Discovery) -> String {
+/// The foremost reasons, each with what to do and whatever stands `behind` it.
+pub(crate) fn reasons(d: &Discovery, behind: impl Fn(&Reason) -> String) -> String {
     let ranked = ranked(d);
     let foremost = foremost(&ranked, PRINTED.reasons);
     let each = foremost.iter().map(|r| {
         let (text, help) = (&r.reason.text, r.reason.explained_advice());
         format!(
-            "<li>{}; <strong>{}</strong> <code>{}</code></li>\n",
+            "<li>{}; <strong>{}</strong>{}</li>\n",
             escape(text),
             escape(&help),
-            escape(r.reason.code.as_str())
+            behind(r.reason)
         )
     });
     let each: String = each.collect();
@@ -136,6 +151,11 @@ fn reasons(d: &Discovery) -> String {
         true => each,
         false => format!("<ul>\n{each}</ul>\n"),
     }
+}
+
+/// The code, by which the documentation knows a reason.
+fn code(r: &Reason) -> String {
+    format!(" <code>{}</code>", escape(r.code.as_str()))
 }
 
 /// Of an answer without reasons against it.
