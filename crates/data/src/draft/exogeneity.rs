@@ -5,9 +5,7 @@
 //! A state has inertia: its own past and that of the others explain where it goes. A column that neither explains, and that moves another,
 //! is an input (Granger, Econometrica 37, 1969). An input that repeats itself, such as a sine, looks like a state, and is left one.
 
-use nalgebra::{DMatrix, DVector};
-
-use super::law_order::{reach, scaled};
+use super::law_order::{left_by_least_squares, reach, scaled};
 use super::table_column::Column;
 use super::thresholds::{EXOGENEITY, LAW_ORDER};
 
@@ -104,18 +102,6 @@ impl Past {
         let free = (steps.len() - wide) as f64;
         Some(left_by_least_squares(&rows, steps)? / free / spread)
     }
-}
-
-/// ‖A x − y‖² at its least.
-fn left_by_least_squares(rows: &[Vec<f64>], y: Vec<f64>) -> Option<f64> {
-    let wide = rows.first().map_or(0, Vec::len);
-    let a = DMatrix::from_fn(rows.len(), wide, |i, j| rows[i][j]);
-    let y = DVector::from_vec(y);
-    let x = a
-        .clone()
-        .svd(true, true)
-        .solve(&y, LAW_ORDER.rank_tolerance);
-    Some((&a * x.ok()? - y).norm_squared())
 }
 
 /// The span of some columns and of the constant, on the rows where all columns have numbers: orthonormal vectors.

@@ -44,23 +44,28 @@ pub(super) fn law_order(
     if wide == 0 || rows.len() < 2 * wide {
         return FEW;
     }
-    let a = DMatrix::from_fn(rows.len(), wide, |i, j| rows[i][j]);
-    let y = DVector::from_vec(rates);
-    let mean = y.mean();
-    let spread = y.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-    let Ok(x) = a
-        .clone()
-        .svd(true, true)
-        .solve(&y, LAW_ORDER.rank_tolerance)
-    else {
+    let mean = rates.iter().sum::<f64>() / rates.len() as f64;
+    let spread = rates.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+    let Some(left) = left_by_least_squares(&rows, rates) else {
         return FEW;
     };
-    let left = (&a * x - &y).norm_squared();
     if left <= (1.0 - LAW_ORDER.explained) * spread {
         (1, "the signals explain its rate")
     } else {
         (2, "the signals do not explain its rate")
     }
+}
+
+/// ‖A x − y‖² at its least.
+pub(super) fn left_by_least_squares(rows: &[Vec<f64>], y: Vec<f64>) -> Option<f64> {
+    let wide = rows.first().map_or(0, Vec::len);
+    let a = DMatrix::from_fn(rows.len(), wide, |i, j| rows[i][j]);
+    let y = DVector::from_vec(y);
+    let x = a
+        .clone()
+        .svd(true, true)
+        .solve(&y, LAW_ORDER.rank_tolerance);
+    Some((&a * x.ok()? - y).norm_squared())
 }
 
 /// Samples in which the state moves visibly, in the mean, and by more than the noise of a difference.
