@@ -83,7 +83,7 @@ impl Model {
         let judgement = pipeline::judge(program, &measured, &mut discovery, options, observer);
         let source = ModelSource {
             name: self.name.clone(),
-            text: self.text.clone(),
+            text: self.text().to_string(),
             files: self.files(data),
         };
         let document = result::document(
@@ -100,13 +100,14 @@ impl Model {
         Discovery::from_document(document)
     }
 
-    /// The model as a file and those of the data; none if the data are no files.
+    /// The files of the model and those of the data; none if the data are no files.
     fn files(&self, data: &Data) -> Vec<FileEntry> {
         match data.files() {
             [] => Vec::new(),
             read => {
-                let own = pipeline::file_entry(&self.name, self.text.as_bytes());
-                [&[own], read].concat()
+                let own = self.sources.iter();
+                let own = own.map(|s| pipeline::file_entry(&s.name, s.text.as_bytes()));
+                own.chain(read.iter().cloned()).collect()
             }
         }
     }

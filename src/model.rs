@@ -1,6 +1,7 @@
 //! What is known of a system, from a model's text.
 
 use sidc_lang::diagnostic::{Diagnostic, Severity};
+use sidc_lang::includes;
 use sidc_lang::library::GENERATORS;
 use sidc_lang::model::{Equation, RightSide};
 use sidc_lang::render;
@@ -22,8 +23,8 @@ use crate::pipeline::{self, Program};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Model {
-    pub(crate) text: String,
     pub(crate) name: String,
+    /// Its text, and those of the files that it includes.
     pub(crate) sources: Sources,
     pub(crate) program: Program,
     warnings: Vec<Diagnostic>,
@@ -44,14 +45,44 @@ impl Model {
     /// # Errors
     /// As [`Model::parse`].
     pub fn named(name: &str, text: &str) -> Result<Model, Error> {
+        Model::compiled(name, text, None)
+    }
+
+    /// The same, of a model that includes others. `read` gives the text of a file by its path, which leads from the folder in `name`.
+    ///
+    /// ```
+    /// use sidc::Model;
+    ///
+    /// let read = |path: &str| match path {
+    ///     "rig.sid" => Ok("state y : order 2\ninput u\n".to_string()),
+    ///     _ => Err("no such file".to_string()),
+    /// };
+    /// let model = Model::with_files("model.sid", "include \"rig.sid\"\nddy ~ poly(y, dy, u; 2)\n", read)?;
+    /// assert_eq!(model.targets(), ["ddy"]);
+    /// # Ok::<(), sidc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Model::parse`]; a file that `read` gives no text of.
+    pub fn with_files(
+        name: &str,
+        text: &str,
+        mut read: impl FnMut(&str) -> Result<String, String>,
+    ) -> Result<Model, Error> {
+        Model::compiled(name, text, Some(&mut read))
+    }
+
+    fn compiled(name: &str, text: &str, read: Option<includes::Read>) -> Result<Model, Error> {
         let mut sources = Sources::default();
         let file = sources.add(name, text);
+        if let Some(read) = read {
+            includes::load(file, &mut sources, read);
+        }
         let (program, found) = pipeline::compile(file, &sources, pipeline::MEMORY);
         let Some(program) = program else {
             return Err(Error::of(ErrorKind::Model, &found, &sources));
         };
         Ok(Model {
-            text: text.into(),
             name: name.into(),
             sources,
             program,
@@ -99,6 +130,9 @@ impl Model {
     /// # Errors
     /// [`ErrorKind::Model`]: a term that is none, or no term; [`ErrorKind::Options`]: a target for which nothing is looked for.
     pub fn with_terms<T: AsRef<str>>(&self, libraries: &[(&str, Vec<T>)]) -> Result<Model, Error> {
+        if self.program.includes_files {
+            return Model::named(&self.name, self.text())?.with_terms(libraries);
+        }
         let model = &self.program.model;
         if let Some((target, _)) = libraries.iter().find(|(t, _)| self.candidates(t).is_none()) {
             let text = format!(
@@ -108,7 +142,7 @@ impl Model {
             return Err(Error::new(ErrorKind::Options, "unknown-target", text));
         }
         let listed = |e: &Equation| libraries.iter().any(|(t, _)| *t == model.name(e.target));
-        let mut text = self.text.clone();
+        let mut text = self.text().to_string();
         let statements = model.equations.chunk_by(|a, b| a.span == b.span);
         for statement in statements.rev().filter(|s| s.iter().any(listed)) {
             let lines = statement.iter().map(|e| self.listed(e, libraries));
@@ -139,9 +173,9 @@ impl Model {
         format!("{name} ~ {}", parts.join(" + "))
     }
 
-    /// The model as it was written.
+    /// The model as it was written, with the files that it includes in their place.
     pub fn text(&self) -> &str {
-        &self.text
+        &self.program.text
     }
 
     /// The words that libraries are written with, beside names of signals: functions and generators.

@@ -21,7 +21,7 @@
 
 (defconst sid-font-lock-keywords
   `((,(concat "^[ \t]*" (regexp-opt '("sidc" "system" "state" "input" "output" "param" "unknown" "let" "data"
-                                      "constrain" "coef" "symmetry" "limit" "prefer")
+                                      "constrain" "coef" "symmetry" "limit" "prefer" "include")
                                     'symbols))
      . font-lock-keyword-face)
     (,(regexp-opt '("order" "noise" "memory" "unit" "hold" "linear" "delay" "hidden" "degree" "per" "run" "cyclic") 'symbols)

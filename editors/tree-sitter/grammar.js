@@ -44,6 +44,7 @@ module.exports = grammar({
         $.symmetry,
         $.limit,
         $.preference,
+        $.include,
         $.equation,
       ),
 
@@ -85,6 +86,7 @@ module.exports = grammar({
     flipped: ($) => seq("-", "(", $.names, ")"),
     limit: ($) => seq("limit", listed($.attribute)),
     preference: ($) => seq("prefer", $.attribute),
+    include: ($) => seq("include", field("path", $.text)),
 
     // What an equation gives: `dx`, `dx[i]`, `next(x)`, `x1 .. x4`.
     targets: ($) => listed(choice($._target, alias($.target_range, $.range))),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _sidc
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
 class Model:
     """A checked model: variables, equations asked for, libraries of candidate terms (docs/language.md).
 
-    Raises `Error` with every fault of the text at once. `name` stands for the text in messages and in the result document.
+    Raises `Error` with every fault of the text at once. `name` stands for the text in messages and in the result document; `read` gives the text
+    of a file that the model includes, by its path.
     """
 
-    def __init__(self, text: str, name: str = "model.sid") -> None:
-        self._native = _sidc.Model(text, name)
-        self._text = text
+    def __init__(self, text: str, name: str = "model.sid", *, read: Callable[[str], str] | None = None) -> None:
+        self._native = _sidc.Model(text, name, read)
         self._name = name
 
     @property
     def text(self) -> str:
-        """The model as it was written."""
-        return self._text
+        """The model as it was written, with the files that it includes in their place."""
+        return self._native.text()
 
     @property
     def targets(self) -> list[str]:
@@ -164,7 +164,7 @@ class Model:
         # Loaded here, because it is most of what importing the package would take.
         from ._parts import Reducer
 
-        reducer = Reducer.of(self._text, self._name, look_at, holdout, noise, params)
+        reducer = Reducer.of(self.text, self._name, look_at, holdout, noise, params)
         return reducer.options(horizon, good), reducer
 
     def _identify_gathered(
@@ -186,16 +186,21 @@ class Model:
         return f"<sidc.Model {self._name}: {', '.join(self.targets)}>"
 
     def __str__(self) -> str:
-        return self._text
+        return self.text
 
     def __reduce__(self) -> tuple[type[Model], tuple[str, str]]:
-        return Model, (self._text, self._name)
+        return Model, (self.text, self._name)
 
 
 def read(path: str | os.PathLike[str]) -> Model:
-    """The model in a file."""
-    with open(path, encoding="utf-8") as file:
-        return Model(file.read(), os.path.basename(os.fspath(path)))
+    """The model in a file, with the files that it includes."""
+    folder, name = os.path.split(os.fspath(path))
+
+    def beside(file: str) -> str:
+        with open(os.path.join(folder, file), encoding="utf-8") as text:
+            return text.read()
+
+    return Model(beside(name), name, read=beside)
 
 
 def new(data: Any) -> Model:

@@ -18,9 +18,22 @@ pub struct Model {
 
 #[pymethods]
 impl Model {
+    /// `read` gives the text of a file that the model includes.
     #[new]
-    fn new(py: Python<'_>, text: &str, name: &str) -> PyResult<Model> {
-        let parsed = py.detach(|| sidc::Model::named(name, text));
+    #[pyo3(signature = (text, name, read=None))]
+    fn new(
+        py: Python<'_>,
+        text: &str,
+        name: &str,
+        read: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Model> {
+        let parsed = match read {
+            None => py.detach(|| sidc::Model::named(name, text)),
+            Some(read) => sidc::Model::with_files(name, text, |path| {
+                let text = read.call1((path,)).and_then(|text| text.extract());
+                text.map_err(|e| e.value(py).to_string())
+            }),
+        };
         let inner = Arc::new(parsed.map_err(|e| raised(py, &e))?);
         Ok(Model { inner })
     }
@@ -38,6 +51,11 @@ impl Model {
     /// The terms that are candidates for an equation; None if nothing is looked for there.
     fn candidate_terms(&self, target: &str) -> Option<Vec<String>> {
         self.inner.candidate_terms(target).map(Iterator::collect)
+    }
+
+    /// The text, with that of the files that it includes.
+    fn text(&self) -> &str {
+        self.inner.text()
     }
 
     /// The text of the model with other libraries, listed by target.

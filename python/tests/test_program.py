@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import shutil
 import subprocess
@@ -98,3 +99,15 @@ def test_a_draft_is_that_of_the_program(root: Path, program: Path, tmp_path: Pat
     shutil.copy(root / "models/data/duffing.csv", tmp_path / "run 1")
     done = subprocess.run([program, "new", "run 1"], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert sidc.new(csv(root / "models/data/duffing.csv")).text == done.stdout
+
+
+def test_a_model_is_read_with_the_files_it_includes(tmp_path: Path) -> None:
+    (tmp_path / "rigs").mkdir()
+    (tmp_path / "rigs" / "rig.sid").write_text("state x\nlet k = 2\n", encoding="utf-8")
+    (tmp_path / "m.sid").write_text('include "rigs/rig.sid"\ndx ~ poly(x; k)\n', encoding="utf-8")
+    model = sidc.read(tmp_path / "m.sid")
+    assert model.terms("dx") == ["1", "x", "x^2"]
+    assert pickle.loads(pickle.dumps(model)).terms("dx") == model.terms("dx")
+    (tmp_path / "m.sid").write_text('include "rigs/gone.sid"\ndx ~ poly(x; 2)\n', encoding="utf-8")
+    with pytest.raises(sidc.Error, match="rigs/gone.sid.*cannot be read"):
+        sidc.read(tmp_path / "m.sid")

@@ -253,6 +253,11 @@ fn driving(
     (program, dataset): (&Program, &Dataset),
     doubted: &[Signal],
 ) -> Option<(String, AddedState)> {
+    let one_text = match program.includes_files {
+        true => Some(compiled(&program.text, program)?),
+        false => None,
+    };
+    let program = one_text.as_ref().unwrap_or(program);
     let equations = program.model.equations.iter().enumerate();
     let driven = equations.filter(|(_, e)| doubted.contains(&e.target));
     let driven: Vec<usize> = driven.map(|(i, _)| i).collect();

@@ -8,6 +8,7 @@ use sidc_discover as discover;
 use sidc_discover::TargetCopy;
 use sidc_lang as lang;
 use sidc_lang::diagnostic::Diagnostic;
+use sidc_lang::includes::flattened;
 use sidc_lang::library;
 use sidc_lang::library::{GENERATORS, Library};
 use sidc_lang::model::{Equation, Model, RightSide};
@@ -21,8 +22,10 @@ use super::thresholds::BUDGET;
 /// A checked model with the library of each equation; `None` where the equation is known.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The text it was compiled from.
+    /// The text it was compiled from, with that of the files it includes in their place.
     pub text: Arc<str>,
+    /// Whether it includes files, so that places in the model are none in `text`.
+    pub includes_files: bool,
     pub model: Model,
     pub libraries: Vec<Option<Library>>,
 }
@@ -64,9 +67,10 @@ pub fn compile(file: FileId, sources: &Sources, memory: u64) -> Staged<Program> 
     if !diagnostics.iter().any(Diagnostic::is_error) {
         diagnostics.extend(discover::check_constraints(&model, &libraries));
     }
-    let text = sources.get(file).map_or("", |s| s.text.as_str()).into();
+    let text = flattened(file, sources);
     let program = Program {
-        text,
+        includes_files: sources.get(file).is_some_and(|s| s.text != text),
+        text: text.into(),
         model,
         libraries,
     };

@@ -5,12 +5,14 @@
 
 use crate::source::{FileId, Span};
 
-/// One `.sid` file.
+/// One `.sid` file, with the statements of those that it includes in place of the lines that say so.
 #[derive(Clone, Debug)]
 pub struct File {
     pub id: FileId,
     /// The text itself, so that a message can quote it.
     pub text: String,
+    /// The files that it includes, and those that they do, each once.
+    pub included: Vec<(FileId, String)>,
     pub statements: Vec<Statement>,
     /// Statements that could not be understood; their errors are reported already.
     pub broken: Vec<Broken>,
@@ -41,6 +43,7 @@ pub enum Keyword {
     Symmetry,
     Limit,
     Prefer,
+    Include,
 }
 
 #[derive(Clone, Debug)]
@@ -106,6 +109,8 @@ pub enum StatementKind {
     Prefer(Attribute),
     /// `data { ... }`
     Data(Vec<Entry>),
+    /// `include "constants.sid"`; [`crate::includes`] puts the statements of that file in its place.
+    Include { path: String, at: Span },
 }
 
 /// `i = 1..10 cyclic`
@@ -219,19 +224,32 @@ pub struct Call {
 }
 
 impl File {
-    /// The statement that holds a place; they stand in the order of the text.
+    /// The whole text of this file or of one that it includes.
+    pub fn text_of(&self, file: FileId) -> &str {
+        let included = self.included.iter().find(|(id, _)| *id == file);
+        included.map_or(&self.text, |(_, text)| text)
+    }
+
+    /// The texts of this file and of all that it includes.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        let included = self.included.iter().map(|(_, text)| text.as_str());
+        std::iter::once(self.text.as_str()).chain(included)
+    }
+
+    /// The text at a place.
+    pub fn slice(&self, at: Span) -> &str {
+        self.text_of(at.file).get(at.start..at.end).unwrap_or("")
+    }
+
+    /// The statement that holds a place.
     pub fn statement_at(&self, at: Span) -> Option<&Statement> {
-        let before = self
-            .statements
-            .partition_point(|s| s.span.start <= at.start);
-        let last = self.statements.get(before.checked_sub(1)?)?;
-        last.span.holds(at).then_some(last)
+        self.statements.iter().find(|s| s.span.holds(at))
     }
 
     /// A part of the text with other words in it.
     pub fn edited(&self, whole: Span, mut edits: Vec<(Span, String)>) -> String {
         edits.sort_by_key(|(at, _)| at.start);
-        let text = |from: usize, to: usize| self.text.get(from..to).unwrap_or("");
+        let text = |from: usize, to: usize| self.slice(Span::new(whole.file, from, to));
         let (mut out, mut from) = (String::new(), whole.start);
         for (at, new) in edits {
             out.push_str(text(from, at.start));
@@ -252,7 +270,7 @@ impl File {
                 (false, Side::Above) => "*",
                 (false, Side::Below) => "/",
             });
-            out.push_str(self.text.get(x.span.start..x.span.end).unwrap_or(""));
+            out.push_str(self.slice(x.span));
         }
         out
     }
@@ -380,6 +398,7 @@ pub const KEYWORDS: &[(&str, Keyword)] = &[
     ("symmetry", Keyword::Symmetry),
     ("limit", Keyword::Limit),
     ("prefer", Keyword::Prefer),
+    ("include", Keyword::Include),
 ];
 
 /// Every word that opens an attribute of a declaration.

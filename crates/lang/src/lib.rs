@@ -12,6 +12,7 @@ mod check;
 pub mod diagnostic;
 mod fixes;
 mod format;
+pub mod includes;
 pub mod library;
 pub mod model;
 pub mod number;
@@ -33,26 +34,26 @@ pub use thresholds::tables as thresholds;
 
 use diagnostic::Diagnostic;
 use model::Model;
-use source::{FileId, Sources};
+use source::{FileId, Sources, Span};
 
-/// Parses and checks one model. The model is `None` exactly if a finding is an error. Findings are sorted by severity, then place.
+/// Parses and checks one model, with the files that it includes where [`includes::load`] has read them. The model is `None` exactly if a finding is an error. Findings are sorted by severity, then place.
 pub fn compile(
     id: FileId,
     sources: &Sources,
     vocabulary: &Vocabulary,
 ) -> (Option<Model>, Vec<Diagnostic>) {
-    let text = sources.get(id).map_or("", |s| s.text.as_str());
-    let (file, mut found) = parse(id, text);
+    let (file, mut found) = includes::parse_all(id, sources);
     let (model, more) = check(&file, vocabulary);
     found.extend(more);
     fixes::complete(&mut found, &file);
-    found.sort_by_key(|d| (d.severity, place(d)));
+    found.sort_by_key(|d| (d.severity, place(d, id)));
     let failed = found.iter().any(Diagnostic::is_error);
     (model.filter(|_| !failed), found)
 }
 
-/// The first primary place of a finding, in bytes; 0 if it has none.
-fn place(d: &Diagnostic) -> usize {
+/// The first primary place of a finding, in bytes, those of the model's own text first; its beginning if it has none.
+fn place(d: &Diagnostic, own: FileId) -> (Option<FileId>, usize) {
     let primary = d.labels.iter().filter(|l| l.primary);
-    primary.map(|l| l.span.start).min().unwrap_or(0)
+    let place = |s: Span| ((s.file != own).then_some(s.file), s.start);
+    primary.map(|l| place(l.span)).min().unwrap_or_default()
 }

@@ -2,6 +2,8 @@
 //!
 //! In: names and texts. Out: [`FileId`]s and [`Span`]s that any pass can carry. Never reads a file itself.
 
+use std::collections::BTreeMap;
+
 /// Index of a text in [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FileId(pub u32);
@@ -31,7 +33,7 @@ impl Span {
 
     /// Whether another lies within it.
     pub fn holds(self, other: Span) -> bool {
-        self.start <= other.start && other.end <= self.end
+        self.file == other.file && self.start <= other.start && other.end <= self.end
     }
 
     /// The smallest span that covers both; `other` must be in the same file.
@@ -57,6 +59,8 @@ pub struct Source {
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<Source>,
+    /// For each file, the paths that it includes, each with its text or why that could not be read.
+    links: BTreeMap<(FileId, String), Result<FileId, String>>,
 }
 
 impl Sources {
@@ -81,11 +85,25 @@ impl Sources {
         id
     }
 
+    /// Says which text a file includes by a path, or why it could not be read.
+    pub(crate) fn link(&mut self, from: FileId, path: &str, to: Result<FileId, String>) {
+        self.links.insert((from, path.to_string()), to);
+    }
+
+    /// The text that a file includes by a path, or why it could not be read; `None` if nobody looked for it.
+    pub fn linked(&self, from: FileId, path: &str) -> Option<&Result<FileId, String>> {
+        self.links.get(&(from, path.to_string()))
+    }
+
     /// Replaces a text; its number and name stay.
-    pub(crate) fn replace(&mut self, id: FileId, text: String) {
+    pub fn replace(&mut self, id: FileId, text: String) {
         if let Some(source) = self.files.get_mut(id.0 as usize) {
             source.text = text;
         }
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &Source> {
+        self.files.iter()
     }
 
     pub fn get(&self, id: FileId) -> Option<&Source> {
@@ -101,6 +119,7 @@ impl Sources {
         });
         Sources {
             files: files.collect(),
+            links: BTreeMap::new(),
         }
     }
 

@@ -22,6 +22,8 @@ family! {
         order: u8 = 9, unit "", source "set by hand";
         /// Names that one range `x1..xN` stands for.
         range: usize = 10_000, unit "names", source "set by hand: one range can declare every variable of a model";
+        /// Files that one model includes.
+        included: usize = 64, unit "files", source "set by hand";
         /// Factors of one product: its normal form is sorted at each factor.
         factors: usize = 1_000, unit "factors", source "set by hand";
         /// Differences of libraries in one sum, and libraries in one product: each nests the result one level deeper.

@@ -2,7 +2,7 @@
 //!
 //! In: messages of an editor. Out: the answers, and what the compiler finds in each text while it is typed. `text` keeps the texts,
 //! `analysis` understands one, `features` answers one kind of question each, `server` knows the protocol. Opens no file: what lies beside
-//! a model comes through [`Tables`]. Waits for nothing and knows no clock.
+//! a model comes through [`Folder`]. Waits for nothing and knows no clock.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
@@ -15,7 +15,7 @@ mod text;
 mod thresholds;
 mod vocabulary;
 
-pub use analysis::tables::{TableHeader, Tables};
+pub use analysis::folder::{Folder, TableHeader};
 pub use lsp_server::{Connection, Message, ProtocolError, Response};
 pub use server::{Server, serve};
 pub use text::positions::Encoding;

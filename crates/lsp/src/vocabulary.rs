@@ -20,7 +20,7 @@ const fn entry(word: &'static str, form: &'static str, meaning: &'static str) ->
 }
 
 /// Words that open a statement.
-pub const STATEMENTS: [Entry; 14] = [
+pub const STATEMENTS: [Entry; 15] = [
     entry(
         "sidc",
         "sidc 1",
@@ -86,6 +86,11 @@ pub const STATEMENTS: [Entry; 14] = [
         "prefer",
         "prefer ${1|degree,plain|}",
         "Which norm an answer is the minimum of.",
+    ),
+    entry(
+        "include",
+        "include \"${1:file.sid}\"",
+        "The statements of another file; the path leads from the folder of this one.",
     ),
 ];
 

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde_json::{Value, json};
-use sidc_lsp::{Message, Response, Server, TableHeader, Tables};
+use sidc_lsp::{Folder, Message, Response, Server, TableHeader};
 use wasm_bindgen::prelude::*;
 
 /// The data files of the page, as far as an editor needs them.
@@ -12,14 +12,18 @@ struct Page(Mutex<Vec<TableHeader>>);
 static PAGE: Page = Page(Mutex::new(Vec::new()));
 
 impl Page {
-    fn tables(&self) -> MutexGuard<'_, Vec<TableHeader>> {
+    fn headers(&self) -> MutexGuard<'_, Vec<TableHeader>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Tables for Page {
-    fn beside(&self, _: &str) -> Vec<TableHeader> {
-        self.tables().clone()
+impl Folder for Page {
+    fn tables(&self, _: &str) -> Vec<TableHeader> {
+        self.headers().clone()
+    }
+
+    fn text(&self, _: &str, _: &str) -> Result<String, String> {
+        Err("this page has one model".into())
     }
 }
 
@@ -41,13 +45,13 @@ impl Editor {
 
     /// Forgets the data files.
     pub fn clear(&mut self) {
-        PAGE.tables().clear();
+        PAGE.headers().clear();
     }
 
     /// A data file by its name and its first bytes, with all of its header.
     pub fn table(&mut self, file: String, beginning: &[u8]) {
         let columns = sidc_data::column_names(beginning);
-        PAGE.tables().push(TableHeader { file, columns });
+        PAGE.headers().push(TableHeader { file, columns });
     }
 
     /// Answers a message; diagnostics of texts that it changed come behind.

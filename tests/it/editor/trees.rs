@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use sidc_lang::parse::lexer::{Token, TokenKind, tokenize};
 use sidc_lang::parse::parse;
 use sidc_lang::source::FileId;
-use sidc_lsp::{Message, Server, TableHeader, Tables};
+use sidc_lsp::{Message, Server};
 use sidc_testing::program::{file, models, root};
 use sidc_testing::random::Random;
 use sidc_testing::runtimes::{c_compiler, finished, neovim};
@@ -141,18 +141,9 @@ fn kind(capture: &str) -> Option<&str> {
     })
 }
 
-/// A folder without tables.
-struct NoTables;
-
-impl Tables for NoTables {
-    fn beside(&self, _: &str) -> Vec<TableHeader> {
-        Vec::new()
-    }
-}
-
 /// Words with a kind as the server colours them, places in bytes.
 fn served(text: &str) -> Vec<Word> {
-    let mut server = Server::new(&NoTables);
+    let mut server = Server::new(&());
     let encodings = json!({ "capabilities": { "general": { "positionEncodings": ["utf-8"] } } });
     let introduced = server.introduce(encodings);
     let legend = &introduced["capabilities"]["semanticTokensProvider"]["legend"]["tokenTypes"];

@@ -170,8 +170,8 @@ fn advice() {
     for (theirs, words) in [
         ("for i in 1:3", "`dx[i] ~ <x[i], x[i+1]>, i = 1..10 cyclic`"),
         ("if x > 0", "`step(x)` is 1 for x > 0"),
-        ("include \"motor.sid\"", "copy what it needs"),
-        ("import numpy as np", "copy what it needs"),
+        ("import \"motor.sid\"", "include"),
+        ("import numpy as np", "`include \"file.sid\"`"),
         ("function rhs(x)", "`let rhs(x) = x^2`"),
         ("model Pendulum", "`system NAME`"),
         ("parameters {", "leave the line out"),

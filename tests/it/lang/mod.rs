@@ -13,6 +13,7 @@ mod foreign;
 mod formatting;
 mod functions;
 mod hostile;
+mod includes;
 mod meaning;
 
 use sidc_lang::diagnostic::Diagnostic;

@@ -43,7 +43,7 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let files = InputFiles::sort(&args.files)?;
     let mut sources = Sources::default();
-    let file = texts::model(files.model()?, &mut sources)?;
+    let (file, _) = texts::model(files.model()?, &mut sources)?;
     let compiled = pipeline::compile(file, &sources, args.memory_limit);
     let monitor = Monitor::plain();
     let program = diagnostics::report(compiled, &sources, monitor.notes)?;

@@ -29,10 +29,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut unformatted = Vec::new();
     for path in &args.models {
         let mut sources = Sources::default();
-        let file = texts::model(path, &mut sources)?;
-        let before = sources.get(file).map_or("", |s| s.text.as_str());
+        let (before, _) = texts::model_text(path)?;
+        let file = sources.add(path.display().to_string(), before.as_str());
         let formatted =
-            lang::format(file, before).map_err(|found| diagnostics::failure(&found, &sources))?;
+            lang::format(file, &before).map_err(|found| diagnostics::failure(&found, &sources))?;
         if formatted == before {
             continue;
         }

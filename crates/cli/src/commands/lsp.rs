@@ -1,6 +1,7 @@
 //! `sidc lsp`: the language server, on standard input and output.
 //!
-//! In: messages of an editor. Out: answers. Of the files beside a model only the beginnings are read, for the names of their columns.
+//! In: messages of an editor. Out: answers. Of the files beside a model only those that it includes are read whole, of tables the beginnings,
+//! for the names of their columns.
 
 use std::fs::File;
 use std::io::Read;
@@ -8,8 +9,9 @@ use std::path::{Path, PathBuf};
 
 use crate::exit_status;
 use crate::failure::Failure;
+use crate::inputs::texts;
 use crate::thresholds::BESIDE;
-use sidc_lsp::{Connection, TableHeader, Tables};
+use sidc_lsp::{Connection, Folder, TableHeader};
 
 const EXAMPLES: &str = "Examples:
   sidc lsp                                what an editor runs for files that end in .sid";
@@ -25,7 +27,7 @@ pub struct Args {
 
 pub fn run(_: &Args) -> Result<u8, Failure> {
     let (connection, threads) = Connection::stdio();
-    let served = sidc_lsp::serve(&connection, &Folder);
+    let served = sidc_lsp::serve(&connection, &Disk);
     drop(connection);
     let fail = |e: &dyn std::fmt::Display| Failure::new(format!("error[protocol]: {e}"));
     // What came in ends the threads, unless it was a message that has no place there.
@@ -46,10 +48,16 @@ pub fn run(_: &Args) -> Result<u8, Failure> {
 }
 
 /// The folder of a model and the folder `data` in it.
-struct Folder;
+struct Disk;
 
-impl Tables for Folder {
-    fn beside(&self, model: &str) -> Vec<TableHeader> {
+impl Folder for Disk {
+    fn text(&self, model: &str, path: &str) -> Result<String, String> {
+        let model = local_path(model).ok_or("the model has no folder before it is saved")?;
+        let folder = model.parent().unwrap_or(Path::new("."));
+        texts::included(&folder.join(path)).map(|(text, _)| text)
+    }
+
+    fn tables(&self, model: &str) -> Vec<TableHeader> {
         let Some(path) = local_path(model) else {
             return Vec::new();
         };

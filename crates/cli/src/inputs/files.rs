@@ -50,16 +50,20 @@ impl InputFiles {
 /// # Errors
 /// Not there, a folder, a pipe or a device, not allowed.
 pub fn open(path: &Path) -> Result<File, Failure> {
-    let fail = |why: &str| unreadable(path, why);
+    opened(path).map_err(|why| unreadable(path, &why))
+}
+
+/// [`open`], or only why it cannot be read.
+pub fn opened(path: &Path) -> Result<File, String> {
     // Asked first, because opening a pipe waits for its writer.
-    let kind = std::fs::metadata(path).map_err(|e| fail(&io_error_text(&e)))?;
+    let kind = std::fs::metadata(path).map_err(|e| io_error_text(&e))?;
     if kind.is_dir() {
-        return Err(fail("this is a folder, not a file"));
+        return Err("this is a folder, not a file".into());
     }
     if !kind.is_file() {
-        return Err(fail("not a regular file; copy the data into one"));
+        return Err("not a regular file; copy the data into one".into());
     }
-    File::open(path).map_err(|e| fail(&io_error_text(&e)))
+    File::open(path).map_err(|e| io_error_text(&e))
 }
 
 /// The failure to read a file.

@@ -5,13 +5,14 @@
 use std::io::Read;
 use std::path::Path;
 
-use super::files::{open, unreadable};
+use super::files::{opened, unreadable};
 use crate::failure::Failure;
 use crate::outputs::diagnostics;
 use crate::outputs::paths::short_name;
 use crate::thresholds::INPUT_LIMITS;
 use sidc::pipeline;
 use sidc_data::io_error_text;
+use sidc_lang::includes;
 use sidc_lang::source::{FileId, Sources};
 use sidc_system::result;
 use sidc_system::result::{FileEntry, Opened};
@@ -21,7 +22,8 @@ use sidc_system::result::{FileEntry, Opened};
 /// # Errors
 /// Not there, not a file, too large, not UTF-8, no result.
 pub fn result(path: &Path) -> Result<Opened, Failure> {
-    let (text, _) = text(path, INPUT_LIMITS.result, "a result")?;
+    let text = text(path, INPUT_LIMITS.result, "a result");
+    let (text, _) = text.map_err(|why| unreadable(path, &why))?;
     result::open(&short_name(path), &text)
         .map_err(|d| diagnostics::failure(&[d], &Sources::default()))
 }
@@ -31,36 +33,47 @@ pub fn result(path: &Path) -> Result<Opened, Failure> {
 /// # Errors
 /// Not there, not a file, too large, not UTF-8.
 pub fn model_text(path: &Path) -> Result<(String, FileEntry), Failure> {
-    text(path, INPUT_LIMITS.model, "a model")
+    text(path, INPUT_LIMITS.model, "a model").map_err(|why| unreadable(path, &why))
 }
 
-/// Adds a model's text to the sources.
+/// Adds a model's text to the sources, and the files that it includes. Returns all of them with their hashes, the model first; a file that
+/// cannot be read is an error of the line that includes it, once the model is compiled.
 ///
 /// # Errors
 /// As for its text.
-pub fn model(path: &Path, sources: &mut Sources) -> Result<FileId, Failure> {
-    let (text, _) = model_text(path)?;
-    Ok(sources.add(path.display().to_string(), text))
+pub fn model(path: &Path, sources: &mut Sources) -> Result<(FileId, Vec<FileEntry>), Failure> {
+    let (own, entry) = model_text(path)?;
+    let id = sources.add(path.display().to_string(), own);
+    let mut entries = vec![entry];
+    includes::load(id, sources, &mut |path| {
+        let (text, entry) = included(Path::new(path))?;
+        entries.push(entry);
+        Ok(text)
+    });
+    Ok((id, entries))
 }
 
-fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), Failure> {
-    let fail = |why: &str| unreadable(path, why);
-    let file = open(path)?;
+/// A file that a model includes: its text and its hash, or why it cannot be read.
+pub fn included(path: &Path) -> Result<(String, FileEntry), String> {
+    text(path, INPUT_LIMITS.model, "a model")
+}
+
+/// A text and its hash, or why there is none.
+fn text(path: &Path, limit: u64, what: &str) -> Result<(String, FileEntry), String> {
+    let file = opened(path)?;
     let length = file.metadata().map_or(0, |m| m.len());
     let mut bytes = Vec::new();
     if length <= limit {
         file.take(limit + 1)
             .read_to_end(&mut bytes)
-            .map_err(|e| fail(&io_error_text(&e)))?;
+            .map_err(|e| io_error_text(&e))?;
     }
     if length.max(bytes.len() as u64) > limit {
         let limit = limit >> 20;
-        return Err(fail(&format!(
-            "larger than {limit} MiB, the limit of {what}"
-        )));
+        return Err(format!("larger than {limit} MiB, the limit of {what}"));
     }
     let entry = pipeline::file_entry(&short_name(path), &bytes);
-    Ok((utf8(bytes).map_err(|why| fail(&why))?, entry))
+    Ok((utf8(bytes)?, entry))
 }
 
 /// Bytes as text without byte order marks, or why they are no text.

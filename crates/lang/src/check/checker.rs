@@ -44,7 +44,7 @@ impl<'a> Checker<'a> {
 
     /// The user's text at a place.
     pub fn text(&self, span: Span) -> &'a str {
-        self.file.text.get(span.start..span.end).unwrap_or("")
+        self.file.slice(span)
     }
 
     pub fn statements(&self) -> impl Iterator<Item = &'a Statement> + use<'a> {

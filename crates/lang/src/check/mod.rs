@@ -19,7 +19,7 @@ mod vocabulary;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::ast::{File, Keyword, Statement, StatementKind};
+use crate::ast::{Broken, File, Keyword, Statement, StatementKind};
 use crate::diagnostic::Diagnostic;
 use crate::model::{DataBlock, Model};
 use crate::source::Span;
@@ -90,7 +90,8 @@ impl<'a> Checker<'a> {
         for s in &self.file.statements {
             match &s.kind {
                 StatementKind::Version(v) => {
-                    let broken = self.file.broken.iter().find(|b| b.span < s.span);
+                    let before_it = |b: &&Broken| b.span.file == s.span.file && b.span < s.span;
+                    let broken = self.file.broken.iter().find(before_it);
                     if let Some(before) = before.or(broken.map(|b| b.span)) {
                         self.say(errors::late_version(s.span, before));
                     } else if *v != 1.0 {
@@ -130,10 +131,16 @@ impl<'a> Checker<'a> {
 
     /// A missing equation, and notes on what is legal but probably not meant.
     fn notes(&mut self, model: &Model) {
-        let is_broken = |k: Option<Keyword>| self.file.broken.iter().any(|b| b.keyword == k);
         if model.equations.is_empty() {
             let written = |s: &Statement| matches!(s.kind, StatementKind::Equation { .. });
-            if !is_broken(None) && !self.statements().any(written) {
+            let perhaps = [None, Some(Keyword::Include)];
+            if !self
+                .file
+                .broken
+                .iter()
+                .any(|b| perhaps.contains(&b.keyword))
+                && !self.statements().any(written)
+            {
                 let at = self.file.statements.last().map(|s| s.span);
                 let missing = errors::no_equation(at, model, self.file);
                 self.say(missing);
@@ -142,12 +149,12 @@ impl<'a> Checker<'a> {
         }
         if !self.found.iter().any(Diagnostic::is_error) && self.file.broken.is_empty() {
             let notes = errors::loose_ends(model, &self.scope);
-            self.found.extend(notes);
             let idle = self.functions.iter();
             let idle = idle.filter(|(name, _)| !self.used_functions.contains(*name));
-            let notes: Vec<Diagnostic> = idle
-                .map(|(name, f)| errors::unused(f.span, name, false))
-                .collect();
+            let idle = idle.map(|(name, f)| errors::unused(f.span, name, false));
+            // A file that is included may say more than one model uses.
+            let own = |d: &Diagnostic| d.labels.iter().all(|l| l.span.file == self.file.id);
+            let notes: Vec<Diagnostic> = notes.into_iter().chain(idle).filter(own).collect();
             self.found.extend(notes);
         }
     }

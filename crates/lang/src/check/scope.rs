@@ -24,6 +24,8 @@ pub struct Scope {
     pub discrete: Option<Span>,
     /// Names that broken statements would have declared.
     pub poisoned: BTreeSet<String>,
+    /// Whether a file is missing that may have declared any name.
+    pub incomplete: bool,
     pub used_vars: BTreeSet<VarId>,
     pub used_lets: BTreeSet<String>,
 }
@@ -78,8 +80,11 @@ impl Scope {
         self.vars.get(usize::from(id.0))
     }
 
-    /// True if a broken statement may have declared this name.
+    /// True if a broken statement or a missing file may have declared this name.
     pub fn is_poisoned(&self, text: &str) -> bool {
+        if self.incomplete {
+            return true;
+        }
         let mut base = text.trim_end_matches('\'');
         loop {
             if self.poisoned.contains(base) {

@@ -128,7 +128,7 @@ impl Checker<'_> {
 
     /// What may declare a name inside of a term: an exponent is no signal.
     fn keywords_inside(&self, at: Span) -> &'static [&'static str] {
-        let before = self.file.text.get(..at.start).unwrap_or("");
+        let before = self.file.text_of(at.file).get(..at.start).unwrap_or("");
         match before.trim_end_matches([' ', '(', '-']).ends_with('^') {
             true => &["unknown"],
             false => &["unknown", "state", "input"],
@@ -152,7 +152,7 @@ impl Checker<'_> {
 
     /// The `x` of `sin -x`, and its place.
     fn negated_name_after(&self, at: Span) -> Option<(&str, Span)> {
-        let text = &self.file.text;
+        let text = self.file.text_of(at.file);
         let rest = text.get(at.end..)?.trim_start().strip_prefix('-')?;
         let rest = rest.trim_start();
         let start = text.len() - rest.len();

@@ -7,11 +7,11 @@ mod removal;
 mod rewriting;
 
 use std::cell::OnceCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::ast::{File, Statement, StatementKind};
 use crate::diagnostic::{Diagnostic, Edit, Fix};
-use crate::source::Span;
+use crate::source::{FileId, Span};
 
 /// Diagnostics that get such fixes; a text with more faults is hardly a model.
 const MOST: usize = 1000;
@@ -19,24 +19,41 @@ const MOST: usize = 1000;
 const LONGEST: usize = 20_000;
 
 pub fn complete(found: &mut [Diagnostic], file: &File) {
-    let surroundings = Surroundings {
-        file,
-        words: OnceCell::new(),
-    };
+    let texts = [file.id]
+        .into_iter()
+        .chain(file.included.iter().map(|(id, _)| *id));
+    let texts: BTreeMap<FileId, Surroundings> =
+        texts.map(|id| (id, Surroundings::of(file, id))).collect();
     for d in found.iter_mut().filter(|d| !d.edits.is_empty()).take(MOST) {
+        let place = d.labels.iter().find(|l| l.primary).map(|l| l.span.file);
+        let Some(surroundings) = place.and_then(|id| texts.get(&id)) else {
+            continue;
+        };
         let edits = std::mem::take(&mut d.edits);
         let fixes = edits.into_iter().filter_map(|e| surroundings.fix(e));
         d.fixes.extend(fixes);
     }
 }
 
+/// One of the texts of a model.
 struct Surroundings<'a> {
     file: &'a File,
+    id: FileId,
+    whole: &'a str,
     /// Every word of the text.
     words: OnceCell<BTreeSet<&'a str>>,
 }
 
 impl<'a> Surroundings<'a> {
+    fn of(file: &'a File, id: FileId) -> Surroundings<'a> {
+        Surroundings {
+            file,
+            id,
+            whole: file.text_of(id),
+            words: OnceCell::new(),
+        }
+    }
+
     fn fix(&self, edits: Vec<Edit>) -> Option<Fix> {
         let mut parts = Vec::new();
         for edit in edits {
@@ -77,8 +94,11 @@ impl<'a> Surroundings<'a> {
         Some(vec![one])
     }
 
-    /// Several changes as one; they must not overlap.
+    /// Several changes of this text as one; they must not overlap.
     fn merged(&self, mut parts: Vec<Fix>) -> Option<Fix> {
+        if parts.iter().any(|p| p.span.file != self.id) {
+            return None;
+        }
         parts.sort_by_key(|p| (p.span.start, p.span.end));
         let (first, last) = (parts.first()?.span, parts.last()?.span);
         let span = first.to(last);
@@ -93,7 +113,7 @@ impl<'a> Surroundings<'a> {
     }
 
     fn text(&self, span: Span) -> &'a str {
-        self.file.text.get(span.start..span.end).unwrap_or("")
+        self.file.slice(span)
     }
 
     /// The statement that holds a place.
@@ -111,7 +131,7 @@ impl<'a> Surroundings<'a> {
         let letter = |c: char| c.is_alphanumeric() || c == '_';
         let words = self
             .words
-            .get_or_init(|| self.file.text.split(|c| !letter(c)).collect());
+            .get_or_init(|| self.whole.split(|c| !letter(c)).collect());
         let mut names = (0..).map(|k| format!("{name}_{k}"));
         let free = names.find(|n| !words.contains(n.as_str()));
         free.unwrap_or_else(|| name.to_string())

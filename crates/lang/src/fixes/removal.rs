@@ -100,7 +100,7 @@ impl Surroundings<'_> {
             (Some(','), _) => Span::new(item.file, start.len() - 1, item.end),
             (_, Some(rest)) => {
                 let rest = rest.trim_start_matches([' ', '\t']);
-                Span::new(item.file, item.start, self.file.text.len() - rest.len())
+                Span::new(item.file, item.start, self.whole.len() - rest.len())
             }
             (Some(':'), None) => {
                 let start = start.trim_end_matches(':').trim_end().len();
@@ -120,7 +120,7 @@ impl Surroundings<'_> {
         }
         if let Some(rest) = rest.strip_prefix(';') {
             let rest = rest.trim_start_matches([' ', '\t']);
-            let end = self.file.text.len() - rest.len();
+            let end = self.whole.len() - rest.len();
             return removed(Span::new(entry.file, entry.start, end));
         }
         self.without_line(entry)
@@ -134,12 +134,7 @@ impl Surroundings<'_> {
         if !alone || end == at.end && !self.ends_line(end) {
             return removed(at);
         }
-        let line_break = usize::from(
-            self.file
-                .text
-                .get(end..)
-                .is_some_and(|r| r.starts_with('\n')),
-        );
+        let line_break = usize::from(self.whole.get(end..).is_some_and(|r| r.starts_with('\n')));
         removed(Span::new(at.file, before.len(), end + line_break))
     }
 
@@ -155,16 +150,16 @@ impl Surroundings<'_> {
     }
 
     fn ends_line(&self, end: usize) -> bool {
-        let rest = self.file.text.get(end..).unwrap_or("");
+        let rest = self.whole.get(end..).unwrap_or("");
         rest.is_empty() || rest.starts_with('\n')
     }
 
     fn before(&self, at: Span) -> &str {
-        self.file.text.get(..at.start).unwrap_or("")
+        self.whole.get(..at.start).unwrap_or("")
     }
 
     fn after(&self, at: Span) -> &str {
-        self.file.text.get(at.end..).unwrap_or("")
+        self.whole.get(at.end..).unwrap_or("")
     }
 
     /// Takes out the item of a list, or the summand outside of lists, that a place is in. Nothing if that is all there is.

@@ -42,6 +42,7 @@ pub fn statement(
         Rule::symmetry => tree.symmetry(inner),
         Rule::limit => tree.limit(inner),
         Rule::prefer => tree.prefer(inner),
+        Rule::include => tree.include(inner),
         _ => tree.equation(&mut inner),
     }
 }
@@ -303,6 +304,14 @@ impl AstBuilder<'_> {
     fn prefer(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
         let key = self.attribute(self.next(&mut inner)?)?;
         Ok(StatementKind::Prefer(key))
+    }
+
+    /// `include = { SOI ~ "include" ~ text ~ EOI }`
+    fn include(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
+        let text = self.next(&mut inner)?;
+        let path = text.as_str().trim_matches('"').to_string();
+        let at = self.span(&text);
+        Ok(StatementKind::Include { path, at })
     }
 
     /// `items = { item ~ ("," ~ item)* ~ ","? }`, and `names`, `numbers` alike

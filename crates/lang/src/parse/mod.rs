@@ -34,6 +34,7 @@ pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     let mut file = File {
         id,
         text: text.to_string(),
+        included: Vec::new(),
         statements: Vec::with_capacity(pieces.len()),
         broken: Vec::new(),
     };
@@ -45,6 +46,12 @@ pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
         {
             errors.push(error);
             foreign.push(span);
+            file.broken.push(broken(id, &tokens, &piece));
+            continue;
+        }
+        if piece.keyword == Some(Keyword::Include) && !names_one_file(own) {
+            errors.retain(|e| !e.labels.iter().any(|l| l.primary && span.holds(l.span)));
+            errors.push(syntax_errors::include_without_path(span, text));
             file.broken.push(broken(id, &tokens, &piece));
             continue;
         }
@@ -68,6 +75,12 @@ pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
     errors.extend(bracket_errors);
     errors.sort_by_key(|e| e.labels.iter().filter(|l| l.primary).map(|l| l.span).min());
     (file, errors)
+}
+
+/// `include "FILE"`
+fn names_one_file(own: &[Token]) -> bool {
+    let code: Vec<&Token> = own.iter().filter(|t| t.is_code()).collect();
+    matches!(code.as_slice(), [_, path] if path.kind == TokenKind::Text)
 }
 
 /// A statement, if it could be understood; what is wrong with it is added to the errors.
@@ -102,6 +115,7 @@ fn statement(
         Some(Keyword::Symmetry) => Rule::symmetry,
         Some(Keyword::Limit) => Rule::limit,
         Some(Keyword::Prefer) => Rule::prefer,
+        Some(Keyword::Include) => Rule::include,
         None if has_index_range(own, true) => Rule::family,
         None => Rule::equation,
     };

@@ -267,3 +267,26 @@ pub fn internal(at: Span) -> Diagnostic {
         .at(at, "while reading this")
         .help("please report this line as a bug")
 }
+
+/// `include a.sid`, `include "a.sid", "b.sid"`
+pub fn include_without_path(statement: Span, text: &str) -> Diagnostic {
+    let whole = text.get(statement.start..statement.end).unwrap_or("");
+    let (_, said) = whole.split_once("include").unwrap_or_default();
+    let paths = said.split([',', '"', '\'', '<', '>', '\n']);
+    let paths = paths.map(|p| p.trim().trim_matches(['(', ')', ';']));
+    let lines: Vec<String> = paths
+        .filter(|p| !p.is_empty())
+        .map(|p| format!("include \"{p}\""))
+        .collect();
+    let d = Diagnostic::error("syntax", "`include` takes one path, in quotes")
+        .at(statement, "not understood");
+    match lines.is_empty() {
+        true => d.help("write `include \"file.sid\"`"),
+        false => d
+            .help(format!(
+                "write `{}`",
+                lines.join("` and in a line of its own `")
+            ))
+            .fix(statement, lines.join("\n")),
+    }
+}

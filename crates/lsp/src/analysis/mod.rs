@@ -3,12 +3,13 @@
 //! In: a text. Out: an [`Analysis`]. The compiler runs whole, as in `sidc check`; words and names come from the tokens, so that they exist
 //! in a text with mistakes too.
 
+pub mod folder;
 pub mod libraries;
 pub mod symbols;
-pub mod tables;
 pub mod words;
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use sidc::pipeline::{self, Program};
@@ -41,10 +42,24 @@ pub struct Analysis {
     pub found: Vec<Diagnostic>,
     /// The text is larger than any model that is read.
     pub too_large: bool,
+    pub included: BTreeMap<FileId, Included>,
 }
 
+/// A file that a text includes.
+#[derive(Clone, Debug)]
+pub struct Included {
+    pub name: String,
+    /// The bytes of the statement that leads to it: the first, for what an included file includes.
+    pub by: Range<usize>,
+    pub symbols: Symbols,
+}
+
+/// The number of the text itself among its sources.
+pub const OWN: FileId = FileId(0);
+
 impl Analysis {
-    pub fn of(text: &str) -> Analysis {
+    /// `files` are those that the text includes, behind a former state of it.
+    pub fn of(text: &str, files: &Sources) -> Analysis {
         if text.len() > EDITOR.text {
             return Analysis {
                 too_large: true,
@@ -52,8 +67,8 @@ impl Analysis {
             };
         }
         let text = with_line_ends(text);
-        let (tokens, _) = tokenize(FileId(0), &text);
-        let (statements, _) = split_statements(FileId(0), &tokens);
+        let (tokens, _) = tokenize(OWN, &text);
+        let (statements, _) = split_statements(OWN, &tokens);
         let symbols = Symbols::of(&tokens, &statements);
         let words = words::words(&tokens, &statements, &symbols);
         let bytes = |r: &Range<usize>| bytes(&tokens, r);
@@ -61,11 +76,11 @@ impl Analysis {
             keyword: s.keyword,
             bytes: bytes(&s.tokens),
         });
-        let statements = statements.collect();
-        let mut sources = Sources::default();
-        let file = sources.add("model", text.as_ref());
-        let (program, found) = pipeline::compile(file, &sources, MEMORY);
+        let statements: Vec<Outline> = statements.collect();
+        let sources = with_own(files, &text);
+        let (program, found) = pipeline::compile(OWN, &sources, MEMORY);
         Analysis {
+            included: included(&statements, &text, &sources),
             words,
             symbols,
             statements,
@@ -77,13 +92,13 @@ impl Analysis {
 
     /// The model without the statements in which errors are, if what is left is one. Others may need those, so it is tried again without
     /// them, a few times. `text` is that of this analysis.
-    pub fn sound_part(&self, text: &str) -> Option<Program> {
+    pub fn sound_part(&self, text: &str, files: &Sources) -> Option<Program> {
         let mut found = Cow::Borrowed(&self.found);
         let mut text = with_line_ends(text).into_owned();
         for _ in 0..EDITOR.attempts {
             let errors = found.iter().filter(|d| d.is_error());
             let places: Vec<usize> = errors
-                .filter_map(|d| d.labels.iter().find(|l| l.primary))
+                .filter_map(|d| d.labels.iter().find(|l| l.primary && l.span.file == OWN))
                 .map(|l| l.span.start)
                 .collect();
             let wrong = |s: &&Outline| {
@@ -93,9 +108,7 @@ impl Analysis {
             for statement in self.statements.iter().filter(wrong) {
                 blank(&mut text, &statement.bytes);
             }
-            let mut sources = Sources::default();
-            let file = sources.add("model", text.as_str());
-            let (program, after) = pipeline::compile(file, &sources, MEMORY);
+            let (program, after) = pipeline::compile(OWN, &with_own(files, &text), MEMORY);
             if program.is_some() {
                 return program;
             }
@@ -136,6 +149,44 @@ impl Analysis {
     }
 }
 
+/// The sources with another state of the text itself.
+fn with_own(files: &Sources, text: &str) -> Sources {
+    let mut sources = files.clone();
+    match sources.get(OWN) {
+        Some(_) => sources.replace(OWN, text.to_string()),
+        None => drop(sources.add("model", text)),
+    }
+    sources
+}
+
+/// Each file that is included.
+fn included(statements: &[Outline], text: &str, sources: &Sources) -> BTreeMap<FileId, Included> {
+    let own = statements
+        .iter()
+        .filter(|s| s.keyword == Some(Keyword::Include));
+    let own: Vec<&Outline> = own.collect();
+    let Some(first) = own.first() else {
+        return BTreeMap::new();
+    };
+    let each = sources.iter().enumerate().skip(1).map(|(i, source)| {
+        let id = FileId(i as u32);
+        let names = |s: &&&Outline| {
+            let path = text.get(s.bytes.clone()).and_then(|t| t.split('"').nth(1));
+            path.is_some_and(|p| sources.linked(OWN, p) == Some(&Ok(id)))
+        };
+        let by = own.iter().find(names).unwrap_or(first);
+        let (tokens, _) = tokenize(id, &source.text);
+        let (statements, _) = split_statements(id, &tokens);
+        let file = Included {
+            name: source.name.clone(),
+            by: by.bytes.clone(),
+            symbols: Symbols::of(&tokens, &statements),
+        };
+        (id, file)
+    });
+    each.collect()
+}
+
 /// Blanks in place of all but line ends.
 fn blank(text: &mut String, bytes: &Range<usize>) {
     let Some(old) = text.get(bytes.clone()) else {
@@ -158,7 +209,7 @@ impl Word {
 }
 
 /// As `sidc` reads a file: a text whose lines end with `\r` alone has `\n` in its place.
-fn with_line_ends(text: &str) -> Cow<'_, str> {
+pub fn with_line_ends(text: &str) -> Cow<'_, str> {
     match text.contains('\n') || !text.contains('\r') {
         true => Cow::Borrowed(text),
         false => Cow::Owned(text.replace('\r', "\n")),

@@ -11,6 +11,7 @@ use lsp_types::{
 use sidc_lang::diagnostic::{Diagnostic, Fix};
 
 use super::diagnostics;
+use crate::analysis::OWN;
 use crate::text::document::Document;
 
 /// Whether quick fixes are of one of these kinds; a kind holds those that its name begins.
@@ -26,10 +27,14 @@ pub fn actions(document: &Document, uri: &Uri, range: Range) -> Vec<CodeActionOr
     let (start, end) = (line(range.start.line).start, line(range.end.line).end);
     let touched = |d: &&Diagnostic| {
         let touches = |from: usize, to: usize| from <= end && start <= to;
-        d.labels.iter().any(|l| touches(l.span.start, l.span.end))
+        let mut own = d.labels.iter().map(|l| l.span).filter(|s| s.file == OWN);
+        own.any(|s| touches(s.start, s.end))
     };
     let found = document.analysis().found.iter().filter(touched);
-    let each = found.flat_map(|d| d.fixes.iter().map(move |fix| (d, fix)));
+    let each = found.flat_map(|d| {
+        let own = d.fixes.iter().filter(|fix| fix.span.file == OWN);
+        own.map(move |fix| (d, fix))
+    });
     let actions = each.map(|(d, fix)| CodeAction {
         title: title(document, d, fix),
         kind: Some(CodeActionKind::QUICKFIX),

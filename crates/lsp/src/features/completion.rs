@@ -13,9 +13,9 @@ use sidc_lang::ast::Keyword;
 use sidc_lang::library::GENERATORS;
 use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 
+use crate::analysis::folder::TableHeader;
 use crate::analysis::libraries::sought;
 use crate::analysis::symbols::{Symbol, SymbolKind};
-use crate::analysis::tables::TableHeader;
 use crate::analysis::words::{Role, Word};
 use crate::features::completion_context::{Context, context};
 use crate::text::document::Document;
@@ -164,7 +164,8 @@ impl List<'_> {
                 None => t.trim() == target,
             })
         };
-        for symbol in &analysis.symbols.all {
+        let included = analysis.included.values().flat_map(|f| &f.symbols.all);
+        for symbol in analysis.symbols.all.iter().chain(included) {
             let target = target_of(symbol, self.is_discrete());
             if let Some(target) = target.filter(|t| !has(t)) {
                 let form = format!("{target} ~ ${{1:library}}");
@@ -336,6 +337,12 @@ impl List<'_> {
                 false => format!("derivative of {}", symbol.name),
             };
             self.push(&name, &name, Kind::VARIABLE, detail, 1);
+        }
+        for file in analysis.included.values() {
+            for (name, _) in file.symbols.spellings().filter(|(name, _)| *name != "t") {
+                let detail = format!("of {}", file.name);
+                self.push(name, name, Kind::VARIABLE, detail, 1);
+            }
         }
         self.functions();
         for (name, about) in [("t", "time"), ("pi", "π")] {

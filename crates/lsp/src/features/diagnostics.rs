@@ -2,11 +2,14 @@
 //!
 //! In: an analysed document. Out: its diagnostics, the gravest first. Message, label, facts and help are one text, as on a terminal.
 
+use std::ops::Range as Bytes;
+
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, DiagnosticTag, Location,
     NumberOrString, Uri,
 };
 use sidc_lang::diagnostic as lang;
+use sidc_lang::source::Span;
 
 use crate::text::document::Document;
 use crate::thresholds::EDITOR;
@@ -22,13 +25,18 @@ pub fn diagnostics(document: &Document, uri: &Uri) -> Vec<Diagnostic> {
 
 pub fn diagnostic(document: &Document, uri: &Uri, d: &lang::Diagnostic) -> Diagnostic {
     let main = d.labels.iter().find(|l| l.primary).or(d.labels.first());
-    let range = main.map_or(0..0, |l| l.span.start..l.span.end);
+    let (range, file) = main.map_or((0..0, None), |l| place(document, l.span));
     let others = d.labels.iter().filter(|l| main != Some(*l));
-    let related = others.map(|l| DiagnosticRelatedInformation {
-        location: Location::new(uri.clone(), document.range(l.span.start..l.span.end)),
-        message: l.text.clone(),
+    let related = others.map(|l| {
+        let (range, file) = place(document, l.span);
+        DiagnosticRelatedInformation {
+            location: Location::new(uri.clone(), document.range(range)),
+            message: file.map_or(l.text.clone(), |file| format!("in `{file}`: {}", l.text)),
+        }
     });
-    let mut message = d.message.clone();
+    let mut message = file.map_or(d.message.clone(), |file| {
+        format!("in `{file}`: {}", d.message)
+    });
     let label = main.map(|l| l.text.clone()).filter(|t| !t.is_empty());
     for line in label.iter().chain(&d.notes) {
         message.push_str(&format!("\n{line}"));
@@ -49,6 +57,14 @@ pub fn diagnostic(document: &Document, uri: &Uri, d: &lang::Diagnostic) -> Diagn
         related_information: Some(related.collect()),
         tags: (d.code == "unused-name").then(|| vec![DiagnosticTag::UNNECESSARY]),
         ..Diagnostic::default()
+    }
+}
+
+/// The bytes of a place; of one in a file that is included, those of the statement that does, and the name of the file.
+fn place(document: &Document, span: Span) -> (Bytes<usize>, Option<&str>) {
+    match document.analysis().included.get(&span.file) {
+        Some(file) => (file.by.clone(), Some(&file.name)),
+        None => (span.start..span.end, None),
     }
 }
 

@@ -7,9 +7,10 @@ use sidc_lang::library::{Library, generator, size, storage};
 use sidc_lang::term::{FUNCTIONS, Language, SignalNames};
 use sidc_lang::units::{self, Unit};
 
+use crate::analysis::OWN;
+use crate::analysis::folder::TableHeader;
 use crate::analysis::libraries;
 use crate::analysis::symbols::{Symbol, SymbolKind, Use};
-use crate::analysis::tables::TableHeader;
 use crate::analysis::words::{Role, Word};
 use crate::text::document::Document;
 use crate::thresholds::EDITOR;
@@ -154,6 +155,7 @@ fn target(document: &Document, canonical: &str) -> Option<String> {
 fn sought(document: &Document, tilde: &Word) -> Option<String> {
     let program = document.program()?;
     let here = libraries::sought(program)
+        .filter(|(e, _)| e.span.file == OWN)
         .filter(|(e, _)| e.span.start <= tilde.bytes.start && tilde.bytes.end <= e.span.end);
     let each = here.map(|(e, library)| {
         format!(

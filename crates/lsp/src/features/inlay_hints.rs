@@ -4,6 +4,7 @@ use lsp_types::{InlayHint, InlayHintKind, InlayHintLabel, InlayHintTooltip, Rang
 use sidc_lang::ast::Keyword;
 use sidc_lang::library::{readable, size, storage};
 
+use crate::analysis::OWN;
 use crate::analysis::libraries;
 use crate::analysis::symbols::{Symbol, SymbolKind};
 use crate::text::document::Document;
@@ -16,7 +17,8 @@ pub fn hints(document: &Document, range: Range) -> Vec<InlayHint> {
     };
     let mut out: Vec<InlayHint> = Vec::new();
     let mut said: Option<(usize, usize)> = None;
-    for (equation, library) in libraries::sought(program) {
+    let sought = libraries::sought(program);
+    for (equation, library) in sought.filter(|(e, _)| e.span.file == OWN) {
         let at = equation.span.end;
         // `ddx, ddy ~ …` is several equations; mostly they have as many terms.
         if said == Some((at, library.len())) {

@@ -11,7 +11,6 @@ use sidc_lang::library::generator;
 use sidc_lang::parse::{is_name, normalise};
 use sidc_lang::term::Func;
 
-use crate::analysis::Analysis;
 use crate::analysis::symbols::{Symbol, SymbolKind, Use};
 use crate::analysis::words::Word;
 use crate::features::navigation::occurrences;
@@ -88,7 +87,7 @@ fn still_compiles(
         text.replace_range(place, new);
     }
     let errors = |found: &[Diagnostic]| found.iter().filter(|d| d.is_error()).count();
-    let after = Analysis::of(&text);
+    let after = document.analysis_of(&text);
     if errors(&after.found) <= errors(&document.analysis().found) {
         return Ok(());
     }

@@ -47,7 +47,7 @@ impl Server<'_> {
                 let p: CompletionParams = read(params)?;
                 let p = p.text_document_position;
                 self.about(&p.text_document.uri, |d, uri| {
-                    let tables = || self.tables.beside(uri.as_str());
+                    let tables = || self.folder.tables(uri.as_str());
                     completion::items(d, p.position, self.snippets, tables)
                 })
             }
@@ -55,7 +55,7 @@ impl Server<'_> {
                 let p: HoverParams = read(params)?;
                 let p = p.text_document_position_params;
                 self.about(&p.text_document.uri, |d, uri| {
-                    hover::hover(d, p.position, || self.tables.beside(uri.as_str()))
+                    hover::hover(d, p.position, || self.folder.tables(uri.as_str()))
                 })
             }
             "textDocument/definition" => {

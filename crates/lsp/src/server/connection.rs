@@ -5,16 +5,16 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use lsp_server::{Connection, Message, ProtocolError};
 
 use super::Server;
-use crate::analysis::tables::Tables;
+use crate::analysis::folder::Folder;
 use crate::thresholds::EDITOR;
 
 /// Answers an editor until it says `exit` or closes the connection. True if it said `shutdown` before.
 ///
 /// # Errors
 /// The editor breaks the protocol before the first text is open.
-pub fn serve(connection: &Connection, tables: &dyn Tables) -> Result<bool, ProtocolError> {
+pub fn serve(connection: &Connection, folder: &dyn Folder) -> Result<bool, ProtocolError> {
     let (id, params) = connection.initialize_start()?;
-    let mut server = Server::new(tables);
+    let mut server = Server::new(folder);
     connection.initialize_finish(id, server.introduce(params))?;
     // The channel of lsp-server holds nothing, so that it never tells whether a message waits.
     let (sender, waiting) = sync_channel(EDITOR.waiting);
@@ -67,15 +67,6 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::analysis::tables::TableHeader;
-
-    struct NoTables;
-
-    impl Tables for NoTables {
-        fn beside(&self, _: &str) -> Vec<TableHeader> {
-            Vec::new()
-        }
-    }
 
     #[test]
     fn only_the_last_of_the_texts_that_wait_is_understood() {
@@ -102,7 +93,7 @@ mod tests {
         }
         drop(sender);
         let sent = RefCell::new(Vec::new());
-        answer_all(&mut Server::new(&NoTables), &waiting, |message| {
+        answer_all(&mut Server::new(&()), &waiting, |message| {
             sent.borrow_mut().push(message);
             true
         });

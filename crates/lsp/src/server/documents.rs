@@ -12,6 +12,7 @@ use lsp_types::{
 };
 use serde::de::DeserializeOwned;
 
+use crate::analysis::folder::Folder;
 use crate::text::document::Document;
 use crate::text::positions::Encoding;
 
@@ -36,14 +37,18 @@ impl Documents {
         self.open.get(uri.as_str())
     }
 
-    pub fn notice(&mut self, n: Notification) {
+    pub fn notice(&mut self, n: Notification, folder: &dyn Folder) {
         match n.method.as_str() {
-            "textDocument/didOpen" => self.opened(n),
-            "textDocument/didChange" => self.edited(n),
+            "textDocument/didOpen" => self.opened(n, folder),
+            "textDocument/didChange" => self.edited(n, folder),
             "textDocument/didClose" => self.closed(n),
             "textDocument/didSave" => {
                 if let Some(params) = read::<DidSaveTextDocumentParams>(n) {
-                    self.mark(params.text_document.uri);
+                    let uri = params.text_document.uri;
+                    if let Some(document) = self.open.get_mut(uri.as_str()) {
+                        read_files(document, &uri, folder);
+                    }
+                    self.mark(uri);
                 }
             }
             _ => {}
@@ -55,16 +60,17 @@ impl Documents {
         std::mem::take(&mut self.changed)
     }
 
-    fn opened(&mut self, n: Notification) {
+    fn opened(&mut self, n: Notification, folder: &dyn Folder) {
         if let Some(params) = read::<DidOpenTextDocumentParams>(n) {
             let item = params.text_document;
-            let document = Document::new(item.text, item.version, self.encoding);
+            let mut document = Document::new(item.text, item.version, self.encoding);
+            read_files(&mut document, &item.uri, folder);
             self.open.insert(item.uri.as_str().to_string(), document);
             self.mark(item.uri);
         }
     }
 
-    fn edited(&mut self, n: Notification) {
+    fn edited(&mut self, n: Notification, folder: &dyn Folder) {
         let Some(params) = read::<DidChangeTextDocumentParams>(n) else {
             return;
         };
@@ -74,6 +80,7 @@ impl Documents {
                 document.apply(change);
             }
             document.version = params.text_document.version;
+            read_files(document, &uri, folder);
             self.mark(uri);
         }
     }
@@ -91,6 +98,10 @@ impl Documents {
             self.changed.push(uri);
         }
     }
+}
+
+fn read_files(document: &mut Document, uri: &Uri, folder: &dyn Folder) {
+    document.read_files(&mut |path| folder.text(uri.as_str(), path));
 }
 
 fn read<T: DeserializeOwned>(n: Notification) -> Option<T> {

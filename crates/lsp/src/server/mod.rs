@@ -14,14 +14,14 @@ use lsp_server::{Message, Notification};
 use lsp_types::{InitializeParams, InitializeResult, PublishDiagnosticsParams, ServerInfo};
 use serde_json::Value;
 
-use crate::analysis::tables::Tables;
+use crate::analysis::folder::Folder;
 use crate::features::diagnostics;
 use crate::text::positions::Encoding;
 use documents::Documents;
 
 /// The texts that are open, and how their editor speaks.
 pub struct Server<'t> {
-    tables: &'t dyn Tables,
+    folder: &'t dyn Folder,
     documents: Documents,
     /// Whether the editor fills in snippets.
     snippets: bool,
@@ -30,9 +30,9 @@ pub struct Server<'t> {
 }
 
 impl<'t> Server<'t> {
-    pub fn new(tables: &'t dyn Tables) -> Server<'t> {
+    pub fn new(folder: &'t dyn Folder) -> Server<'t> {
         Server {
-            tables,
+            folder,
             documents: Documents::default(),
             snippets: false,
             down: false,
@@ -67,7 +67,7 @@ impl<'t> Server<'t> {
         match message {
             Message::Request(request) => vec![self.answer(request).into()],
             Message::Notification(notification) => {
-                self.documents.notice(notification);
+                self.documents.notice(notification, self.folder);
                 Vec::new()
             }
             Message::Response(_) => Vec::new(),

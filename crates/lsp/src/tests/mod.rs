@@ -5,5 +5,6 @@ mod corpus;
 mod edits;
 mod fixes;
 mod functions;
+mod includes;
 mod session;
 mod transcripts;

@@ -6,15 +6,15 @@ use lsp_server::{Connection, Message, Notification, Request};
 use serde_json::{Value, json};
 use sidc_testing::program::models;
 
-use crate::{TableHeader, Tables, serve};
+use crate::{Folder, TableHeader, serve};
 
 pub const URI: &str = "file:///models/model.sid";
 
 /// Two tables beside every model.
 pub struct Beside;
 
-impl Tables for Beside {
-    fn beside(&self, _: &str) -> Vec<TableHeader> {
+impl Folder for Beside {
+    fn tables(&self, _: &str) -> Vec<TableHeader> {
         let table = |file: &str, columns: &[&str]| TableHeader {
             file: file.into(),
             columns: columns.iter().map(|c| c.to_string()).collect(),
@@ -23,6 +23,14 @@ impl Tables for Beside {
             table("data.csv", &["Time (ms)", "Pos [mm]", "Angle"]),
             table("data/other.csv", &["Angle", "with \" quote", "", "${1:x}"]),
         ]
+    }
+
+    fn text(&self, _: &str, path: &str) -> Result<String, String> {
+        match path {
+            "rig.sid" => Ok("state pos, vel\ninput u\nlet g = 9.81\n".into()),
+            "faulty.sid" => Ok("state pos, vel\nlet g = gg\n".into()),
+            _ => Err("no such file".into()),
+        }
     }
 }
 

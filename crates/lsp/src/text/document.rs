@@ -8,8 +8,12 @@ use std::ops::Range as Bytes;
 use lsp_types::{Position, Range, TextDocumentContentChangeEvent};
 use sidc::pipeline::Program;
 
-use crate::analysis::Analysis;
+use sidc_lang::includes;
+use sidc_lang::source::Sources;
+
+use crate::analysis::{Analysis, with_line_ends};
 use crate::text::positions::{Encoding, Lines};
+use crate::thresholds::EDITOR;
 
 pub struct Document {
     pub text: String,
@@ -17,6 +21,8 @@ pub struct Document {
     pub version: i32,
     pub encoding: Encoding,
     lines: Lines,
+    /// The files that it includes, behind a state of it.
+    files: Sources,
     analysis: OnceCell<Analysis>,
     /// Of a text with errors, the model without them.
     sound_part: OnceCell<Option<Program>>,
@@ -29,6 +35,7 @@ impl Document {
             text,
             version,
             encoding,
+            files: Sources::default(),
             analysis: OnceCell::new(),
             sound_part: OnceCell::new(),
         }
@@ -49,15 +56,31 @@ impl Document {
         self.sound_part = OnceCell::new();
     }
 
+    /// Reads the files that the text includes now.
+    pub fn read_files(&mut self, read: includes::Read) {
+        self.files = Sources::default();
+        if self.text.len() <= EDITOR.text {
+            let own = self.files.add("model", with_line_ends(&self.text));
+            includes::load(own, &mut self.files, read);
+        }
+        self.analysis = OnceCell::new();
+        self.sound_part = OnceCell::new();
+    }
+
+    /// What another text in the place of this one means.
+    pub fn analysis_of(&self, text: &str) -> Analysis {
+        Analysis::of(text, &self.files)
+    }
+
     /// What the text means; found at the first question after a change.
     pub fn analysis(&self) -> &Analysis {
-        self.analysis.get_or_init(|| Analysis::of(&self.text))
+        self.analysis.get_or_init(|| self.analysis_of(&self.text))
     }
 
     /// The model and its libraries; of a text with errors those of the rest. Found when it is asked for: diagnostics do not wait for it.
     pub fn program(&self) -> Option<&Program> {
         let analysis = self.analysis();
-        let rest = || analysis.sound_part(&self.text);
+        let rest = || analysis.sound_part(&self.text, &self.files);
         let program = analysis.program.as_ref();
         program.or_else(|| self.sound_part.get_or_init(rest).as_ref())
     }

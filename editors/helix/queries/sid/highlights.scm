@@ -1,6 +1,6 @@
 ; Colours of the words of a model, as the compiler gives them (tests/it/editor).
 
-["sidc" "system" "state" "input" "output" "param" "unknown" "let" "data" "constrain" "coef" "symmetry" "limit" "prefer"] @keyword
+["sidc" "system" "state" "input" "output" "param" "unknown" "let" "data" "constrain" "coef" "symmetry" "limit" "prefer" "include"] @keyword
 ["in" "per" "run" "step" "none" "cyclic"] @attribute
 (attribute_name) @attribute
 

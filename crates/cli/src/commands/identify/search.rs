@@ -14,6 +14,7 @@ use crate::monitoring::monitor::Monitor;
 use crate::monitoring::stderr;
 use crate::monitoring::verbosity::Notes;
 use crate::outputs::diagnostics;
+use crate::outputs::paths::short_name;
 use crate::thresholds::PROGRESS;
 use sidc::pipeline::{self, Judgement, Measured, ModelSource, Program};
 use sidc::{Data, Method, Options, Validation, Verdict};
@@ -68,17 +69,16 @@ pub fn compile(
     let mut failed = Failure::default();
     let mut models = Vec::new();
     for path in paths {
-        let model = texts::model_text(path).and_then(|(text, entry)| {
-            let file = sources.add(path.display().to_string(), text.as_str());
+        let model = texts::model(path, sources).and_then(|(file, files)| {
             let compiled = pipeline::compile(file, sources, args.memory_limit);
             let warnings = pipeline::warnings(&compiled.1);
             let mut program = diagnostics::report(compiled, sources, notes)?;
             assignments::set_noise(&mut program, &args.noise)?;
             quantities_asked(&program, options)?;
             let source = ModelSource {
-                name: entry.name.clone(),
-                text,
-                files: vec![entry],
+                name: short_name(path),
+                text: program.text.to_string(),
+                files,
             };
             Ok(CompiledModel {
                 source,

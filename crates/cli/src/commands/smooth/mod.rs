@@ -63,7 +63,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let inputs = InputFiles::sort(&args.files)?;
     files::check_writable(args.output.as_deref(), &args.files)?;
     let mut sources = Sources::default();
-    let file = texts::model(inputs.model()?, &mut sources)?;
+    let (file, _) = texts::model(inputs.model()?, &mut sources)?;
     let compiled = pipeline::compile(file, &sources, args.memory_limit);
     let mut program = diagnostics::report(compiled, &sources, monitor.notes)?;
     if inputs.data.is_empty() {

@@ -3,7 +3,7 @@
 //! In: constraints and equations. Out: `Σ weight · coef + constant RELATION 0` for each relation. Does not check that a library has
 //! the term.
 
-use crate::ast::{Call, Expr as Ast, ExprKind, Side, Sign, Statement, StatementKind};
+use crate::ast::{Call, Expr as Ast, ExprKind, Keyword, Side, Sign, Statement, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::model::{Coefficient, Constraint, Equation, Relation, RightSide};
@@ -202,7 +202,9 @@ impl Checker<'_> {
             StatementKind::Equation { targets, .. } => targets.iter().any(same),
             _ => false,
         };
-        self.file.broken.iter().any(|b| b.keyword.is_none()) || self.statements().any(written)
+        let perhaps = [None, Some(Keyword::Include)];
+        let mut broken = self.file.broken.iter();
+        broken.any(|b| perhaps.contains(&b.keyword)) || self.statements().any(written)
     }
 
     /// A product without its numbers.

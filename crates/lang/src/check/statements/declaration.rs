@@ -49,6 +49,8 @@ impl Checker<'_> {
             .iter()
             .flat_map(|b| b.names.iter().cloned())
             .collect();
+        let broken = &mut self.file.broken.iter();
+        self.scope.incomplete = broken.any(|b| b.keyword == Some(Keyword::Include));
         for s in self.statements() {
             if let StatementKind::Declare {
                 keyword,

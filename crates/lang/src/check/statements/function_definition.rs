@@ -116,7 +116,7 @@ impl<'a> Checker<'a> {
     /// `v_`, or with more of them: a name that is not in the text.
     fn free_name(&self, text: &str) -> String {
         let mut other = format!("{text}_");
-        while self.file.text.contains(&other) {
+        while self.file.texts().any(|t| t.contains(&other)) {
             other.push('_');
         }
         other

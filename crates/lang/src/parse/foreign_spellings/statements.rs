@@ -60,7 +60,7 @@ const OPENING: [(&str, &str); 14] = [
 
 const LOOPS: [&str; 4] = ["for", "while", "parfor", "repeat"];
 const BRANCHES: [&str; 6] = ["if", "ifelse", "elseif", "elif", "else", "when"];
-const FILES: [&str; 5] = ["include", "import", "using", "from", "library"];
+const FILES: [&str; 4] = ["import", "using", "from", "library"];
 const FUNCTIONS: [&str; 5] = ["function", "def", "fn", "func", "lambda"];
 const BLOCKS: [&str; 10] = [
     "model",
@@ -141,8 +141,11 @@ impl Written<'_, '_> {
             });
         }
         if FILES.contains(&first) && (names || second.kind == TokenKind::Text) {
-            let d = because("a model is one file")
-                .help("copy what it needs from the other file, and leave the line out");
+            if second.kind == TokenKind::Text {
+                return Some(foreign(at, first, "include"));
+            }
+            let d = because("what another file says is read by its path")
+                .help("write `include \"file.sid\"`, or leave the line out");
             return Some(self.line_out(d));
         }
         let blocks = names && !self.has("~") && !self.has("=") && BLOCKS.contains(&first);
