@@ -5,7 +5,7 @@ use std::process::Command;
 
 use sidc_testing::program::{Run, root, sidc, sidc_in};
 
-fn result(folder: &Path, model: &str, options: &[&str]) -> String {
+pub fn result(folder: &Path, model: &str, options: &[&str]) -> String {
     let out = folder.join(format!("{model}.json")).display().to_string();
     let (sid, csv) = (
         format!("models/{model}.sid"),
@@ -18,7 +18,7 @@ fn result(folder: &Path, model: &str, options: &[&str]) -> String {
     out
 }
 
-fn page(folder: &Path, model: &str, options: &[&str]) -> String {
+pub fn page(folder: &Path, model: &str, options: &[&str]) -> String {
     let result = result(folder, model, options);
     let run = report(&result, &format!("models/data/{model}.csv"));
     assert_eq!(run.status, 0, "{}", run.stderr);
@@ -54,7 +54,7 @@ fn elements(page: &str) -> Vec<String> {
 }
 
 /// What any page has to be.
-fn stands_alone(page: &str) {
+pub fn stands_alone(page: &str) {
     let elements = elements(page);
     for tag in &elements {
         let fetches = ["src=", "href=", "srcset=", "data=", "action="];
@@ -284,7 +284,7 @@ fn size(png: &[u8]) -> (u32, u32) {
 }
 
 /// A Chromium that sees a page, if there is one.
-fn browser(folder: &Path) -> Option<Command> {
+pub fn browser(folder: &Path) -> Option<Command> {
     let mut command = Command::new(sidc_testing::runtimes::chromium()?);
     let profile = folder.join("profile");
     command
@@ -295,7 +295,7 @@ fn browser(folder: &Path) -> Option<Command> {
 }
 
 /// The title of a page once its scripts have run.
-fn title(browser: &mut Command, html: &Path) -> String {
+pub fn title(browser: &mut Command, html: &Path) -> String {
     let page = format!("file://{}", html.display());
     let run = browser.args(["--dump-dom", &page]).output().unwrap();
     let text = String::from_utf8_lossy(&run.stdout);

@@ -1,10 +1,10 @@
-//! `sidc report RESULT DATA…`: the result as one page, with the equations run along the data.
+//! `sidc report RESULT… DATA…`: a result as one page, with the equations run along the data; several of them compared on one.
 
 use std::path::PathBuf;
 
 use crate::exit_status;
 use crate::failure::Failure;
-use crate::inputs::result_and_records::ResultAndRecordsArgs;
+use crate::inputs::result_and_records::{ResultAndRecords, ResultAndRecordsArgs};
 use crate::monitoring::monitor::Monitor;
 use crate::monitoring::progress_line::{ProgressLine, Work};
 use crate::outputs::files;
@@ -17,9 +17,10 @@ use sidc_system::simulate::{Options, Source};
 
 const EXAMPLES: &str = "Examples:
   sidc report R.json data.csv -o report.html        one page to look at, to print, to mail
-  sidc report R.json new.csv -o new.html            held against data the equations have not seen";
+  sidc report R.json new.csv -o new.html            held against data the equations have not seen
+  sidc report A.json B.json data.csv -o both.html   two results compared on one page";
 
-/// Write a result as one page of HTML: equations, evidence, runs along data
+/// Write a result as one page of HTML: equations, evidence, runs along data; or compare several
 #[derive(clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Args {
@@ -33,8 +34,38 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<u8, Failure> {
     let monitor = args.input.monitor();
     files::check_writable(args.output.as_deref(), &args.input.files)?;
-    let bound = args.input.open("report", &[], &monitor)?;
+    let all = args.input.open_each("report", &monitor)?;
     monitor.listen();
+    let line = monitor.progress_line();
+    let runs: Vec<Vec<RecordRun>> = all
+        .iter()
+        .map(|bound| run_along(bound, &line, &monitor))
+        .collect();
+    line.show(Work::Drawing);
+    let subjects: Vec<Subject> = all
+        .iter()
+        .zip(&runs)
+        .map(|(bound, runs)| Subject {
+            discovery: &bound.opened.discovery,
+            document: &bound.opened.document,
+            name: &bound.name,
+            dataset: &bound.dataset,
+            runs,
+            files: &bound.files,
+        })
+        .collect();
+    let page = match subjects.as_slice() {
+        [one] => report::html(one),
+        several => report::comparison(several),
+    };
+    drop(line);
+    monitor.stages.done("page drawn");
+    files::write_or_print(args.output.as_deref(), &page)?;
+    Ok(exit_status::PASS)
+}
+
+/// The runs of one result.
+fn run_along(bound: &ResultAndRecords, line: &ProgressLine, monitor: &Monitor) -> Vec<RecordRun> {
     let discovery = &bound.opened.discovery;
     let by_run = RunParameters::of(discovery, &bound.model);
     let valued = by_run.as_ref().map(|p| p.with_values(&bound.dataset));
@@ -43,21 +74,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         model: by_run.as_ref().map_or(&bound.model, |p| &p.model),
         dataset: valued.as_ref().unwrap_or(&bound.dataset),
     };
-    let line = monitor.progress_line();
-    let runs = runs(&source, &bound.opened.document, &line, &monitor);
-    line.show(Work::Drawing);
-    let page = report::html(&Subject {
-        discovery,
-        document: &bound.opened.document,
-        name: &bound.name,
-        dataset: &bound.dataset,
-        runs: &runs,
-        files: &bound.files,
-    });
-    drop(line);
-    monitor.stages.done("page drawn");
-    files::write_or_print(args.output.as_deref(), &page)?;
-    Ok(exit_status::PASS)
+    runs(&source, &bound.opened.document, line, monitor)
 }
 
 /// Runs along every record until the time is up, along stretches held out by themselves. The page says why a record cannot be run.

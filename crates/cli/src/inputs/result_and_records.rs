@@ -15,6 +15,7 @@ use crate::outputs::diagnostics;
 use crate::outputs::paths::short_name;
 use sidc_data as data;
 use sidc_data::Dataset;
+use sidc_emit::report::MAX_MODELS;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::model::Model;
 use sidc_lang::source::{FileId, Sources};
@@ -71,6 +72,39 @@ impl ResultAndRecordsArgs {
         monitor: &Monitor,
     ) -> Result<ResultAndRecords, Failure> {
         let (result, data) = split(&self.files, command)?;
+        self.bind(result, data, start, monitor)
+    }
+
+    /// Each of the results among the files, which come first, bound to the same data.
+    ///
+    /// # Errors
+    /// What is wrong with the files; more results than can be told apart.
+    pub fn open_each(
+        &self,
+        command: &str,
+        monitor: &Monitor,
+    ) -> Result<Vec<ResultAndRecords>, Failure> {
+        let is_result = |f: &&PathBuf| f.extension().is_some_and(|e| e == "json");
+        let results = self.files.iter().take_while(is_result).count().max(1);
+        let last = self.files.get(results - 1..).unwrap_or(&[]);
+        let (_, data) = split(last, command)?;
+        if results > MAX_MODELS {
+            return Err(Failure::new(format!(
+                "error[several-results]: {results} results; {MAX_MODELS} can be told apart on one page"
+            )));
+        }
+        let each = self.files.iter().take(results);
+        each.map(|result| self.bind(result, data, &[], monitor))
+            .collect()
+    }
+
+    fn bind(
+        &self,
+        result: &Path,
+        data: &[PathBuf],
+        start: &[Vec<(String, f64)>],
+        monitor: &Monitor,
+    ) -> Result<ResultAndRecords, Failure> {
         let name = short_name(result);
         let opened = texts::result(result)?;
         let start = start_signals(&opened.discovery, start)?;

@@ -4,12 +4,14 @@
 //! In: a [`Subject`]. Out: one HTML file without network access, the same bytes for the same subject. All text is
 //! escaped. Reads no files, simulates and judges nothing.
 
+mod comparison;
 mod figure;
 mod markup;
 mod report_contents;
 mod sections;
 mod summary;
 
+pub use comparison::{MAX_MODELS, comparison};
 pub use report_contents::{RecordRun, Subject, run_windows};
 pub use summary::summary;
 
@@ -62,14 +64,19 @@ pub fn html(s: &Subject) -> String {
         .collect();
     let parts: String = sections.iter().map(Section::html).collect();
     let body = verdict::html(s) + &contents(&sections) + &parts;
+    page(&name.replace('_', " "), &about(s), &body, s.name)
+}
+
+/// A page of its own. `body` is HTML, the rest plain text.
+fn page(title: &str, about: &str, body: &str, file: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <meta name=\"color-scheme\" content=\"light dark\"/>\n<title>{title}: identified equations</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
          <h1>{title}</h1>\n<p>{about}</p>\n</header>\n<main>\n{body}</main>\n<footer><p>Written by sidc from {file}.</p></footer>\n\
          <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-        title = escape(&name.replace('_', " ")),
-        about = escape(&about(s)),
-        file = escape(s.name),
+        title = escape(title),
+        about = escape(about),
+        file = escape(file),
     )
 }
 

@@ -1,5 +1,6 @@
-// Reads figures off under the pointer, a finger or by the arrow keys; a double click or Enter enlarges one, Escape ends that. Writes
-// figures as SVG and their lines as CSV. Links and printing open what is folded.
+// Reads figures off under the pointer, a finger or by the arrow keys; a double click or Enter enlarges one, Escape ends that. A stretch
+// of time drawn with the mouse, or + and -, shows that stretch in all figures of the same times. Writes figures as SVG and their lines as
+// CSV. Links and printing open what is folded.
 (function () {
   'use strict';
   var reader = document.createElement('output');
@@ -7,6 +8,16 @@
   reader.hidden = true;
   document.body.appendChild(reader);
   function range(svg, name) { return svg.getAttribute(name).split(' ').map(Number); }
+  // The box of the whole figure; what is shown of it may be less.
+  function whole(svg) {
+    svg.whole = svg.whole || { width: svg.viewBox.baseVal.width, height: svg.viewBox.baseVal.height };
+    return svg.whole;
+  }
+  // The part of the axis at a part of what is shown.
+  function across(svg, fx) {
+    var shown = svg.viewBox.baseVal;
+    return (shown.x + fx * shown.width) / whole(svg).width;
+  }
   function short(v, r) {
     var step = Math.abs(r[1] - r[0]) / 500;
     var small = 1e-4 > step;
@@ -43,12 +54,12 @@
     return null;
   }
   function values(svg, fx, ry) {
-    var box = svg.viewBox.baseVal;
+    var box = whole(svg);
     var found = [];
-    ['measured', 'simulated', 'residual', 'input'].forEach(function (name) {
+    ['measured', 'simulated', 'residual', 'input', 'model'].forEach(function (name) {
       svg.querySelectorAll('path.' + name + ':not(.filled)').forEach(function (path) {
         var y = height(path, fx * box.width);
-        if (y !== null) { found.push(name + ' ' + short(ry[1] - y / box.height * (ry[1] - ry[0]), ry)); }
+        if (y !== null) { found.push((path.dataset.name || name) + ' ' + short(ry[1] - y / box.height * (ry[1] - ry[0]), ry)); }
       });
     });
     return found.join(', ');
@@ -56,8 +67,9 @@
   function show(svg, fx, fy, x, y) {
     var rx = range(svg, 'data-x');
     var ry = range(svg, 'data-y');
-    var text = short(rx[0] + fx * (rx[1] - rx[0]), rx);
-    var lines = values(svg, fx, ry);
+    var at = across(svg, fx);
+    var text = short(rx[0] + at * (rx[1] - rx[0]), rx);
+    var lines = values(svg, at, ry);
     if (lines) { text += ': ' + lines; }
     else if (fy !== null) { text += ', ' + short(ry[1] - fy * (ry[1] - ry[0]), ry); }
     reader.textContent = text;
@@ -70,9 +82,95 @@
     document.querySelectorAll('figure.large').forEach(function (f) { f.classList.remove('large'); });
     if (!was) { figure.classList.add('large'); }
   }
+  // 1, 2 or 5 times a power of ten, so that about so many steps fit.
+  function step(wide, most) {
+    var power = Math.pow(10, Math.floor(Math.log10(wide / most)));
+    var lead = wide / most / power;
+    return (lead > 5 ? 10 : lead > 2 ? 5 : lead > 1 ? 2 : 1) * power;
+  }
+  // Shows a stretch of the axis across, both ends as parts of the whole, with round numbers of its own.
+  function stretch(svg, from, to) {
+    var box = whole(svg);
+    var rx = range(svg, 'data-x');
+    var plot = svg.closest('.plot');
+    var below = plot.querySelector('.below');
+    var grid = svg.querySelector('.grid');
+    if (!svg.marks) { svg.marks = { below: below.innerHTML, grid: grid.getAttribute('d') }; }
+    svg.setAttribute('viewBox', [from * box.width, 0, (to - from) * box.width, box.height].join(' '));
+    if (from === 0) { if (to === 1) {
+      below.innerHTML = svg.marks.below;
+      grid.setAttribute('d', svg.marks.grid);
+      return;
+    } }
+    var low = rx[0] + from * (rx[1] - rx[0]);
+    var high = rx[0] + to * (rx[1] - rx[0]);
+    var by = step(high - low, 6);
+    var lines = svg.marks.grid.replace(/M-?\d+ 0v\d+/g, '');
+    below.textContent = '';
+    var last = Math.floor(high / by + 0.01);
+    for (var k = Math.ceil(low / by - 0.01); last >= k; k += 1) {
+      var label = document.createElement('span');
+      label.style.left = 100 * (k * by - low) / (high - low) + '%';
+      label.textContent = String(Number((k * by).toPrecision(12))).replace('-', '\u2212');
+      below.appendChild(label);
+      lines += 'M' + (k * by - rx[0]) / (rx[1] - rx[0]) * box.width + ' 0v' + box.height;
+    }
+    grid.setAttribute('d', lines);
+  }
+  // The figures over the same times move together.
+  function together(svg, from, to) {
+    var wide = Math.max(to - from, 0.001);
+    from = Math.max(0, Math.min(1 - wide, from));
+    document.querySelectorAll('#series svg[data-x]').forEach(function (other) {
+      if (other.getAttribute('data-x') === svg.getAttribute('data-x')) { stretch(other, from, Math.min(1, from + wide)); }
+    });
+  }
+  function zoomable(svg, at) {
+    var begun = null;
+    var mark = document.createElement('div');
+    mark.className = 'stretch';
+    function place(e) {
+      var box = svg.getBoundingClientRect();
+      return Math.max(0, Math.min(1, (e.clientX - box.left) / box.width));
+    }
+    svg.addEventListener('pointerdown', function (e) {
+      if (e.pointerType !== 'mouse' || e.button !== 0) { return; }
+      begun = place(e);
+      svg.setPointerCapture(e.pointerId);
+    });
+    svg.addEventListener('pointermove', function (e) {
+      if (begun === null) { return; }
+      var box = svg.getBoundingClientRect();
+      var frame = svg.closest('.plot').getBoundingClientRect();
+      var ends = [begun, place(e)].sort(function (a, b) { return a - b; });
+      svg.closest('.plot').appendChild(mark);
+      mark.style.left = box.left - frame.left + ends[0] * box.width + 'px';
+      mark.style.width = (ends[1] - ends[0]) * box.width + 'px';
+      mark.style.top = box.top - frame.top + 'px';
+      mark.style.height = box.height + 'px';
+    });
+    svg.addEventListener('pointerup', function (e) {
+      if (begun === null) { return; }
+      var ends = [begun, place(e)].sort(function (a, b) { return a - b; });
+      begun = null;
+      mark.remove();
+      if (ends[1] - ends[0] > 0.01) { together(svg, across(svg, ends[0]), across(svg, ends[1])); }
+    });
+    svg.addEventListener('pointercancel', function () { begun = null; mark.remove(); });
+    svg.addEventListener('keydown', function (e) {
+      var shown = svg.viewBox.baseVal;
+      var wide = shown.width / whole(svg).width;
+      var by = { '+': 0.5, '=': 0.5, '-': 2, '0': 1e6 }[e.key];
+      if (!by || e.ctrlKey || e.metaKey) { return; }
+      wide = Math.min(1, wide * by);
+      together(svg, across(svg, at()) - wide / 2, across(svg, at()) + wide / 2);
+      e.preventDefault();
+    });
+  }
   document.querySelectorAll('svg[data-x]').forEach(function (svg) {
     var at = 0.5;
     var figure = svg.closest('figure');
+    if (svg.closest('#series')) { zoomable(svg, function () { return at; }); }
     svg.setAttribute('tabindex', '0');
     ['pointermove', 'pointerdown'].forEach(function (name) {
       svg.addEventListener(name, function (e) {
@@ -82,7 +180,10 @@
     });
     svg.addEventListener('pointerleave', function () { reader.hidden = true; });
     svg.addEventListener('blur', function () { reader.hidden = true; });
-    svg.addEventListener('dblclick', function () { if (figure) { large(figure); } });
+    svg.addEventListener('dblclick', function () {
+      if (svg.viewBox.baseVal.width !== whole(svg).width) { together(svg, 0, 1); return; }
+      if (figure) { large(figure); }
+    });
     svg.addEventListener('keydown', function (e) {
       var step = { ArrowLeft: -0.01, ArrowRight: 0.01 }[e.key];
       if (step) {
@@ -145,14 +246,14 @@
   function table(svg) {
     var rx = range(svg, 'data-x');
     var ry = range(svg, 'data-y');
-    var box = svg.viewBox.baseVal;
+    var box = whole(svg);
     var out = 'line,x,y\n';
     svg.querySelectorAll('path:not(.grid):not(.filled)').forEach(function (path) {
       corners(path).forEach(function (at) {
         if (!at) { return; }
         var x = rx[0] + at[0] / box.width * (rx[1] - rx[0]);
         var y = ry[1] - at[1] / box.height * (ry[1] - ry[0]);
-        out += path.getAttribute('class').split(' ')[0] + ',' + x.toPrecision(7) + ',' + y.toPrecision(7) + '\n';
+        out += (path.dataset.name || path.getAttribute('class').split(' ')[0]) + ',' + x.toPrecision(7) + ',' + y.toPrecision(7) + '\n';
       });
     });
     return out;

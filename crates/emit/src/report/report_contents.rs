@@ -7,6 +7,7 @@ use sidc_lang::term::{Signal, SignalNames};
 use sidc_system::discovery::Discovery;
 use sidc_system::result::{Document, FileEntry};
 use sidc_system::simulate::{Run, Score};
+use sidc_system::verdict::RunStatus;
 
 /// All that a report shows.
 #[derive(Clone, Copy)]
@@ -101,6 +102,12 @@ impl<'a> Subject<'a> {
             (!runs.is_empty()).then_some(Record { trajectory, runs })
         })
         .collect()
+    }
+
+    /// Whether free runs depart because small differences grow.
+    pub(crate) fn is_sensitive(&self) -> bool {
+        let verdict = self.document.verdict.as_ref();
+        verdict.is_some_and(|v| v.run.status == RunStatus::Sensitive)
     }
 
     pub(crate) fn role(&self, trajectory: &Trajectory) -> Role {

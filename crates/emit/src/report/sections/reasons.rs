@@ -1,7 +1,8 @@
 //! What the verdict rests on: every reason, marks, runs, warnings, what the data lack.
 
-use crate::report::markup::{Section, counted, fixed, paragraph};
+use crate::report::markup::{Section, counted, paragraph};
 use crate::report::report_contents::{RecordRun, Role, Subject};
+use crate::report::sections::trajectories::fit_text;
 use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::term::SignalNames;
 use sidc_lang::words::listed;
@@ -171,10 +172,10 @@ fn along(s: &Subject, a: &RecordRun) -> Option<String> {
     };
     let worst = run.scores.iter().min_by(|a, b| a.fit.total_cmp(&b.fit));
     let fit = worst.map_or_else(String::new, |w| {
-        let (name, fit) = (s.discovery.name(w.signal), fixed(w.fit, 2));
+        let (name, fit) = (s.discovery.name(w.signal), fit_text(w.fit));
         match run.scores.len() {
-            1 => format!("; the fit of {name} is {fit} %"),
-            _ => format!("; the worst fit is that of {name}, {fit} %"),
+            1 => format!("; the fit of {name} is {fit}"),
+            _ => format!("; the worst fit is that of {name}, {fit}"),
         }
     });
     let least = run

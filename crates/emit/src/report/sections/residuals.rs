@@ -4,6 +4,7 @@ use crate::report::markup::{Section, lead};
 use crate::report::report_contents::{Record, Subject};
 use crate::report::sections::correlation::Series;
 use crate::report::sections::residual_correlation::{with_input, with_itself};
+use crate::report::sections::trajectories::SENSITIVE;
 use crate::report::sections::{residual_means, residual_spectrum};
 use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
@@ -23,6 +24,10 @@ pub(crate) fn html(s: &Subject) -> Section {
     let Some(first) = all.first() else {
         return Section::default();
     };
+    const TITLE: &str = "What the errors show";
+    if s.is_sensitive() {
+        return Section::new("residuals", TITLE, SENSITIVE.into());
+    }
     let inputs = inputs(s, record, &first.time);
     let pairs = all
         .iter()
@@ -67,7 +72,7 @@ pub(crate) fn html(s: &Subject) -> Section {
         "{}: simulated less measured, of free runs.",
         record.trajectory.name
     );
-    Section::new("residuals", "What the errors show", lead(&how) + &body)
+    Section::new("residuals", TITLE, lead(&how) + &body)
 }
 
 fn group(title: &str, how: &str, pictures: impl Iterator<Item = String>) -> String {

@@ -9,6 +9,9 @@ use crate::thresholds::FIGURES;
 use crate::typeset::mathml::escape;
 use sidc_lang::term::{Signal, SignalNames};
 
+/// Of runs that leave their readings whatever the equations.
+pub(crate) const SENSITIVE: &str = "<p>Two runs whose starts differ by the error of the readings part here: a free run leaves its record whatever the equations, and says nothing of them. What they are worth is told by <a href=\"#prediction\">how far ahead they predict</a>.</p>\n";
+
 /// Records with figures, and figures of one record.
 const MAX_RECORDS: usize = 4;
 const MAX_FIGURES: usize = 10;
@@ -21,6 +24,9 @@ pub(crate) fn html(s: &Subject) -> Section {
     let how = "Each record is run freely: the equations start at its first row and are driven by its inputs; no other reading corrects them. \
          Of long records every pixel column shows the least and the greatest value in it, so that a single stray sample is seen. Rows that a noisy start was fitted to have no error.";
     let mut body = lead(how);
+    if s.is_sensitive() {
+        body.push_str(SENSITIVE);
+    }
     let is_held = |r: &Record| r.runs.iter().any(|(held, _)| *held);
     let held = match records.iter().any(is_held) {
         true => "<span class=\"held\">held out</span>",
@@ -80,13 +86,14 @@ fn pictures(s: &Subject, r: &Record) -> String {
     out
 }
 
-fn span(r: &Record) -> Option<Axis> {
+/// The time of a record.
+pub(crate) fn span(r: &Record) -> Option<Axis> {
     let (first, last) = (r.trajectory.time.first()?, r.trajectory.time.last()?);
     Some(Axis::new(*first, *last))
 }
 
 /// Stretches held out, shaded.
-fn shades(role: &Role, time: &Axis) -> String {
+pub(crate) fn shades(role: &Role, time: &Axis) -> String {
     let Role::Used(held) = role else {
         return String::new();
     };
@@ -152,7 +159,7 @@ fn picture(s: &Subject, r: &Record, x: Signal, (time, role): (&Axis, &Role)) -> 
 }
 
 /// The measured range, extended by the simulated one if that is near.
-fn range(measured: Option<&[f64]>, simulated: &[f64]) -> Option<Axis> {
+pub(crate) fn range(measured: Option<&[f64]>, simulated: &[f64]) -> Option<Axis> {
     let simulated = Axis::over(simulated.iter());
     let Some(own) = measured.and_then(|m| Axis::over(m.iter())) else {
         return simulated;
@@ -171,6 +178,14 @@ fn range(measured: Option<&[f64]>, simulated: &[f64]) -> Option<Axis> {
     })
 }
 
+/// A fit in per cent; one below 0, worse than the mean of the readings, only says that.
+pub(crate) fn fit_text(fit: f64) -> String {
+    match fit < 0.0 {
+        true => "below 0".into(),
+        false => format!("{} %", fixed(fit, 2)),
+    }
+}
+
 /// `fit 99.95 %, error/signal −65.5 dB, followed to the end`, then the same of data held out.
 fn description(s: &Subject, r: &Record, x: Signal) -> String {
     let said: Vec<String> = r
@@ -180,12 +195,15 @@ fn description(s: &Subject, r: &Record, x: Signal) -> String {
                 None => "followed to the end".into(),
                 Some(t) => format!("followed for {}", s.duration_text(t)),
             };
-            format!(
-                "{}fit {} %, error/signal {} dB, {follows}",
-                if held { "held out: " } else { "" },
-                fixed(score.fit, 2),
-                fixed(score.error_to_signal, 1)
-            )
+            let held = if held { "held out: " } else { "" };
+            match score.fit < 0.0 {
+                true => format!("{held}{follows}, then farther off than their mean"),
+                false => format!(
+                    "{held}fit {}, error/signal {} dB, {follows}",
+                    fit_text(score.fit),
+                    fixed(score.error_to_signal, 1)
+                ),
+            }
         })
         .collect();
     match said.is_empty() {
@@ -226,14 +244,14 @@ fn scores(s: &Subject, records: &[Record]) -> String {
             let follows = c.follows.map_or("to the end".to_string(), |t| s.duration_text(t));
             let end = |t: Option<&f64>| number(t.copied().unwrap_or(f64::NAN), 6);
             format!(
-                "<tr><th scope=\"row\">{}</th><td>{}</td><td>{} to {}{}</td><td>{}</td><td>{} %</td><td>{} dB</td><td>{}</td><td>{}</td></tr>\n",
+                "<tr><th scope=\"row\">{}</th><td>{}</td><td>{} to {}{}</td><td>{}</td><td>{}</td><td>{} dB</td><td>{}</td><td>{}</td></tr>\n",
                 escape(&s.discovery.name(c.signal)),
                 escape(&r.trajectory.name),
                 end(run.time.first()),
                 end(run.time.last()),
                 if held { ", held out" } else { "" },
                 number(c.mse.sqrt(), 3),
-                fixed(c.fit, 2),
+                fit_text(c.fit),
                 fixed(c.error_to_signal, 1),
                 escape(&follows),
                 grouped(c.rows)

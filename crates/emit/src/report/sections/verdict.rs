@@ -16,7 +16,7 @@ use sidc_system::verdict::{LawVerdict, RunStatus, Verdict};
 const MAX_EQUATIONS: usize = 6;
 
 /// A CSS class, from good to bad, and the words of a badge.
-type Badge = (&'static str, &'static str);
+pub(crate) type Badge = (&'static str, &'static str);
 const GOOD: &str = "pass";
 const OPEN: &str = "known";
 const DOUBT: &str = "doubt";
@@ -69,14 +69,24 @@ pub(crate) fn equations(d: &Discovery, most: usize) -> String {
     out
 }
 
+/// The badges of the three answers; documents of earlier programs have the first alone.
+pub(crate) fn badges(s: &Subject) -> [Badge; 3] {
+    let verdict = s.document.verdict.as_ref();
+    [
+        law(LawVerdict::of(s.discovery)),
+        verdict.map_or((OPEN, "none"), |v| predicts(s.discovery, &v.prediction)),
+        verdict.map_or((OPEN, "none"), runs),
+    ]
+}
+
 /// Is it the law, how far ahead does it predict, does it run freely; documents of earlier programs have the first alone.
 fn three_answers(s: &Subject) -> String {
     let d = s.discovery;
-    let law = law(LawVerdict::of(d));
+    let badges = badges(s);
     let Some(v) = &s.document.verdict else {
+        let [law, ..] = badges;
         return format!("<dl class=\"answers\">\n{}</dl>\n", answer("law", law, ""));
     };
-    let badges = [law, predicts(d, &v.prediction), runs(v)];
     let texts = answers(d, v).into_iter().zip(badges);
     let all: String = (texts)
         .map(|((name, text), badge)| answer(name, badge, &text))
