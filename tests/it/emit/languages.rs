@@ -25,7 +25,7 @@ pub fn cases() -> Vec<Case> {
 
 pub fn emitted(target: &str, case: &Case) -> String {
     let target = emit::target(target).unwrap();
-    target.emit(&case.discovery).unwrap()
+    target.emit(&case.discovery).unwrap().into_text().unwrap()
 }
 
 /// `a, b, c`, each so that it reads back.

@@ -5,6 +5,7 @@
 
 pub(crate) mod autodiff_modules;
 pub(crate) mod bracket_lists;
+pub(crate) mod c_sources;
 pub(crate) mod equation_list;
 pub(crate) mod identifiers;
 pub(crate) mod infix;

@@ -6,7 +6,7 @@ use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{ascii, plain, titled};
 use crate::code::printer::commented;
 use crate::code::program::{Function, Kind, Program};
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_system::discovery::Discovery;
 
 /// The type of numbers.
@@ -29,7 +29,7 @@ impl<const SINGLE: bool> Target for Header<SINGLE> {
         }
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         let mut out = head(d, &program, ": declarations of its code");
         out.push_str(" */\n#ifndef SIDC_H\n#define SIDC_H\n\n");
@@ -43,7 +43,7 @@ impl<const SINGLE: bool> Target for Header<SINGLE> {
             out.push_str(&format!("\n/* {about} */\n{declared};\n"));
         }
         out.push_str("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
-        Ok(with_prefix(&program, out))
+        Ok(with_prefix(&program, out).into())
     }
 }
 
@@ -151,7 +151,7 @@ pub(super) fn steps(program: &Program, real: &str) -> Vec<(String, &'static str)
 }
 
 /// Names begin with that of the system, so that programs of several systems link.
-pub(super) fn with_prefix(program: &Program, text: String) -> String {
+pub(crate) fn with_prefix(program: &Program, text: String) -> String {
     let Some(system) = &program.system else {
         return text;
     };
