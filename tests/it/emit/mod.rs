@@ -6,6 +6,7 @@ mod events;
 mod examples;
 mod fmi;
 mod languages;
+mod parameters;
 mod random;
 mod reference;
 mod systems;

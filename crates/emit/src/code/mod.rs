@@ -9,6 +9,7 @@ pub(crate) mod c_sources;
 pub(crate) mod equation_list;
 pub(crate) mod identifiers;
 pub(crate) mod infix;
+pub(crate) mod parameters;
 pub(crate) mod printer;
 pub(crate) mod program;
 pub(crate) mod python_modules;

@@ -7,6 +7,7 @@ use crate::caveats::{caveats, delays, python_constants};
 use crate::code::bracket_lists::LINE_WIDTH;
 use crate::code::identifiers::titled;
 use crate::code::infix::Syntax;
+use crate::code::parameters::{Parameter, Parameters, numbers};
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
 use crate::code::python_modules::{constants, definition, dialect, newton};
@@ -58,7 +59,7 @@ impl Language for Python {
         out.push_str(&commented("", caveats(d).into_iter()));
         out.push_str("\"\"\"\nimport numpy as np\n\n");
         out.push_str(&python_constants(d, &program.form.inputs));
-        out + &constants(d, program)
+        out + &constants(d, program) + &parameters(d)
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
@@ -146,6 +147,33 @@ impl Syntax for Python {
     fn power(&self, x: &str, p: &str) -> String {
         format!("np.power({x}, {p})")
     }
+}
+
+/// The numbers that were found, as tuples.
+fn parameters(d: &Discovery) -> String {
+    let parameters = Parameters::new(d);
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let line = |p: &Parameter| {
+        let numbers = numbers(&[p.value, p.error], Python::NAN);
+        format!(
+            "    (\"{}\", {numbers}, \"{}\"),  # {}\n",
+            p.name, p.unit, p.about
+        )
+    };
+    let lines = parameters.lines(line);
+    let mut out = format!(
+        "# Name, value, standard error (0 where the model states the value) and unit of each number that was found.\nSIDC_PARAMETERS = (\n{lines})\n"
+    );
+    if let Some(rows) = parameters.covariance() {
+        let row = |row: &Vec<f64>| format!("    [{}],\n", numbers(row, Python::NAN));
+        let rows: String = rows.iter().map(row).collect();
+        out.push_str(&format!(
+            "# Their covariances, in the same order.\nSIDC_COVARIANCE = np.array([\n{rows}])\n"
+        ));
+    }
+    out
 }
 
 /// Steps from event to event.

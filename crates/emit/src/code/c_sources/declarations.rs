@@ -4,6 +4,7 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{ascii, plain, titled};
+use crate::code::parameters::{Parameters, number, numbers};
 use crate::code::printer::commented;
 use crate::code::program::{Function, Kind, Program};
 use crate::target::{Target, Written};
@@ -85,6 +86,42 @@ pub(super) fn macros(d: &Discovery, program: &Program, single: bool) -> String {
             " */\n#define SIDC_CONSTANTS {{{values}{suffix}}}\n"
         ));
     }
+    if !single {
+        out.push_str(&parameters(d));
+    }
+    out
+}
+
+/// The numbers that were found, as initialisers of arrays.
+fn parameters(d: &Discovery) -> String {
+    let parameters = Parameters::new(d);
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "/* The numbers that were found, as initialisers of arrays; errors are standard errors, 0 where the model states the value:\n",
+    );
+    out.push_str(&parameters.lines(|p| format!(" * {} of {}\n", p.name, p.about)));
+    out.push_str(" */\n");
+    let text = |x: &str| format!("\"{x}\"");
+    let mut define = |name: &str, list: String| {
+        out.push_str(&format!("#define SIDC_{name} {{{list}}}\n"));
+    };
+    define("PARAMETER_NAMES", parameters.list(|p| text(&p.name)));
+    define(
+        "PARAMETER_VALUES",
+        parameters.list(|p| number(p.value, "NAN")),
+    );
+    define(
+        "PARAMETER_ERRORS",
+        parameters.list(|p| number(p.error, "NAN")),
+    );
+    define("PARAMETER_UNITS", parameters.list(|p| text(&p.unit)));
+    if let Some(rows) = parameters.covariance() {
+        define("PARAMETER_COVARIANCE", numbers(&rows.concat(), "NAN"));
+    }
+    let count = parameters.all.len();
+    out.push_str(&format!("#define SIDC_PARAMETERS {count}\n"));
     out
 }
 
