@@ -72,7 +72,10 @@ int main(void) {
 fn c(d: &Discovery) -> Result<String, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let file = |name: &str| folder.path().join(name);
-    let code = emit::target("c").ok_or("no target c")?.emit(d)?;
+    let code = emit::target("c")
+        .ok_or("no target c")?
+        .emit(d)?
+        .into_bytes();
     fs::write(file("pendulum.c"), code)?;
     fs::write(file("main.c"), LOOP)?;
     let calls = format!("-DCALLS={CALLS}");

@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use sidc_emit as emit;
+use sidc_emit::Written;
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
 use sidc_system::discovery::{Notice, Reason};
@@ -111,7 +112,24 @@ impl Discovery {
     ///
     /// # Errors
     /// [`ErrorKind::Export`]: which equation the target cannot express, and why.
+    /// A target whose files are binary: [`export_bytes`](Discovery::export_bytes) gives them.
     pub fn export(&self, target: Target) -> Result<String, Error> {
+        self.written(target)?.into_text().ok_or_else(|| {
+            let name = target.name();
+            let why = format!("a file of {name} is binary; `export_bytes` gives its bytes");
+            Error::new(ErrorKind::Export, "binary-export", why)
+        })
+    }
+
+    /// The same as the bytes of a file: texts in UTF-8, and the targets whose files are binary.
+    ///
+    /// # Errors
+    /// [`ErrorKind::Export`]: which equation the target cannot express, and why.
+    pub fn export_bytes(&self, target: Target) -> Result<Vec<u8>, Error> {
+        self.written(target).map(Written::into_bytes)
+    }
+
+    fn written(&self, target: Target) -> Result<Written, Error> {
         let emitted = target.emitter().emit(&self.opened.discovery);
         emitted.map_err(|why| Error::new(ErrorKind::Export, "not-exported", why))
     }

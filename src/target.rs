@@ -28,11 +28,13 @@ pub enum Target {
     Julia,
     Modelica,
     Sbml,
+    /// An FMU of FMI 3.0, which is a binary file.
+    Fmi,
 }
 
 impl Target {
     /// Every target, in the order of `sidc list`.
-    pub const ALL: [Target; 15] = [
+    pub const ALL: [Target; 16] = [
         Target::Text,
         Target::Latex,
         Target::Rust,
@@ -48,6 +50,7 @@ impl Target {
         Target::Julia,
         Target::Modelica,
         Target::Sbml,
+        Target::Fmi,
     ];
 
     /// What `sidc export --to` takes.

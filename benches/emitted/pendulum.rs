@@ -8,6 +8,25 @@
 #[allow(dead_code)]
 pub const SIDC_VERDICT: &str = "passes";
 
+/// Name, value, standard error (0 where the model states the value) and unit of each number that was found.
+#[allow(dead_code, clippy::all)]
+pub const SIDC_PARAMETERS: [(&str, f64, f64, &str); 7] = [
+    // ddy: F
+    ("ddy_F", 1.2903225806451613, f64::NAN, ""),
+    // ddy: dy
+    ("ddy_dy", -0.06451612903225806, f64::NAN, ""),
+    // ddy: ddtheta*cos(theta)
+    ("ddy_ddtheta_cos_theta", -0.1774193548387097, f64::NAN, ""),
+    // ddy: dtheta^2*sin(theta)
+    ("ddy_dtheta2_sin_theta", 0.1774193548387097, f64::NAN, ""),
+    // ddtheta: dtheta
+    ("ddtheta_dtheta", -0.14545454545454545, f64::NAN, ""),
+    // ddtheta: sin(theta)
+    ("ddtheta_sin_theta", -19.6, f64::NAN, ""),
+    // ddtheta: ddy*cos(theta)
+    ("ddtheta_ddy_cos_theta", -2.0, f64::NAN, ""),
+];
+
 /// The time derivative of the state.
 #[allow(unused_variables, non_snake_case, clippy::all)]
 pub fn derivatives(t: f64, state: &[f64; 4], input: &[f64; 1]) -> [f64; 4] {

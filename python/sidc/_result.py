@@ -114,6 +114,10 @@ class Result:
         """The equations in another language, by the names that `sidc list` gives: `rust`, `c`, `python`, `casadi`, `modelica`, …"""
         return self._native.export(target)
 
+    def export_bytes(self, target: str) -> bytes:
+        """The same as the bytes of a file, for `fmi` too, whose file is binary: `Path("pendulum.fmu").write_bytes(result.export_bytes("fmi"))`."""
+        return self._native.export_bytes(target)
+
     def function(self) -> Function:
         """The equations as a function for `scipy.integrate.solve_ivp`, with its Jacobian."""
         return Function(self._native)

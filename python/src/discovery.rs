@@ -77,6 +77,12 @@ impl Discovery {
         written.map_err(|e| raised(py, &e))
     }
 
+    /// The same as the bytes of a file, for targets whose files are binary too.
+    fn export_bytes(&self, py: Python<'_>, target: &str) -> PyResult<Vec<u8>> {
+        let written = sidc::Target::named(target).and_then(|t| self.inner.export_bytes(t));
+        written.map_err(|e| raised(py, &e))
+    }
+
     /// The right side of the equations.
     fn right_side(&self, py: Python<'_>) -> PyResult<RightSide> {
         let found = self.inner.right_side();

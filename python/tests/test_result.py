@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import pickle
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -201,6 +203,14 @@ def test_reports_and_plots(pendulum: tuple[dict[str, np.ndarray], sidc.Result], 
 @pytest.mark.parametrize("target", ["text", "latex", "rust", "c", "python", "sympy", "matlab"])
 def test_every_target_is_exported(target: str, pendulum: tuple[dict[str, np.ndarray], sidc.Result]) -> None:
     assert "theta" in pendulum[1].export(target)
+    assert pendulum[1].export_bytes(target) == pendulum[1].export(target).encode()
+
+
+def test_an_fmu_is_bytes(pendulum: tuple[dict[str, np.ndarray], sidc.Result]) -> None:
+    with pytest.raises(sidc.Error, match="export_bytes"):
+        pendulum[1].export("fmi")
+    files = zipfile.ZipFile(io.BytesIO(pendulum[1].export_bytes("fmi")))
+    assert "theta" in files.read("modelDescription.xml").decode()
 
 
 def test_documents_that_are_none_are_refused() -> None:

@@ -79,7 +79,12 @@ fn an_output_may_contain_the_highest_derivative() {
             {"target": "ddx", "terms": [{"term": "x", "coefficient": -4.0}], "status": "pass"},
             {"target": "a", "terms": [{"term": "ddx", "coefficient": 0.1}], "status": "pass"}]}"#;
     let discovery = result::read("r.json", text).unwrap();
-    let code = emit::target("rust").unwrap().emit(&discovery).unwrap();
+    let code = emit::target("rust")
+        .unwrap()
+        .emit(&discovery)
+        .unwrap()
+        .into_text()
+        .unwrap();
     let (_, outputs) = code.split_once("fn outputs").unwrap();
     assert!(
         outputs.contains("let ddx = -4.0 * x;\n    [0.1 * ddx]"),

@@ -146,7 +146,12 @@ pub fn two_carts() -> serde_json::Value {
 }
 
 fn text(document: &serde_json::Value) -> String {
-    emit::target("text").unwrap().emit(&read(document)).unwrap()
+    emit::target("text")
+        .unwrap()
+        .emit(&read(document))
+        .unwrap()
+        .into_text()
+        .unwrap()
 }
 
 fn solved(d: &Discovery) -> Result<Vec<Fraction>, Unsolved> {
@@ -248,7 +253,7 @@ fn what_follows_from_the_equations_reads_well() {
 fn latex_has_the_same_matrices() {
     let all = [pendulum(), two_carts()].map(|d| {
         let latex = emit::target("latex").unwrap();
-        let text = latex.emit(&read(&d)).unwrap();
+        let text = latex.emit(&read(&d)).unwrap().into_text().unwrap();
         let equations = text.find("\\[").unwrap();
         text[equations..].to_string()
     });

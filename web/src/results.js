@@ -6,11 +6,11 @@ const element = (id) => document.getElementById(id);
 const VIEWS = ["answer", "report", "code", "document"];
 
 /** Extensions of the files that languages are saved in. */
-const EXTENSIONS = { latex: "tex", rust: "rs", c: "c", "c-header": "h", "c-float": "c", "c-float-header": "h", python: "py", sympy: "py", matlab: "m", jax: "py", casadi: "py", julia: "jl", modelica: "mo", sbml: "xml", text: "txt" };
+const EXTENSIONS = { latex: "tex", rust: "rs", c: "c", "c-header": "h", "c-float": "c", "c-float-header": "h", python: "py", sympy: "py", matlab: "m", jax: "py", casadi: "py", julia: "jl", modelica: "mo", sbml: "xml", fmi: "fmu", text: "txt" };
 
-function save(name, text, kind) {
+function save(name, content, kind) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: kind }));
+  link.href = URL.createObjectURL(new Blob([content], { type: kind }));
   link.download = name;
   link.click();
   URL.revokeObjectURL(link.href);
@@ -21,6 +21,7 @@ export class Results {
   #say;
   #found;
   #report;
+  /** A text, or the bytes of a binary file. */
   #code = "";
   /** The model that was run. */
   #model = "";
@@ -43,7 +44,7 @@ export class Results {
     element("save-report").addEventListener("click", () => save(this.#file("html"), this.#report, "text/html"));
     element("save-code").addEventListener("click", () => {
       const extension = EXTENSIONS[element("target").value] ?? "txt";
-      save(this.#file(extension), this.#code, "text/plain");
+      save(this.#file(extension), this.#code, typeof this.#code === "string" ? "text/plain" : "application/octet-stream");
     });
     element("save-document").addEventListener("click", () => save(this.#file("json"), this.#found.document, "application/json"));
   }
@@ -142,7 +143,7 @@ export class Results {
       const code = await this.#runner.call("export", element("target").value);
       if (found !== this.#found) return;
       this.#code = code;
-      element("code").textContent = code;
+      element("code").textContent = typeof code === "string" ? code : `A binary file of ${code.length} bytes, which is not shown: save it.`;
       element("save-code").disabled = false;
     } catch (error) {
       if (found !== this.#found) return;

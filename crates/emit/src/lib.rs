@@ -17,7 +17,7 @@ mod typeset;
 mod unknown_constants;
 
 pub use caveats::doubted;
-pub use target::Target;
+pub use target::{Target, Written};
 pub use targets::{TARGETS, target};
 pub use text::answer::answer;
 pub use text::coefficient_inference::without;

@@ -12,5 +12,40 @@ pub trait Target: Sync {
     ///
     /// # Errors
     /// A sentence that says what this target cannot express, and in which equation.
-    fn emit(&self, d: &Discovery) -> Result<String, String>;
+    fn emit(&self, d: &Discovery) -> Result<Written, String>;
+}
+
+/// The content of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Written {
+    Text(String),
+    /// Bytes that no terminal shows.
+    Binary {
+        bytes: Vec<u8>,
+        /// What the names of such files end with, without the dot.
+        suffix: &'static str,
+    },
+}
+
+impl Written {
+    pub fn into_bytes(self) -> Vec<u8> {
+        match self {
+            Written::Text(text) => text.into_bytes(),
+            Written::Binary { bytes, .. } => bytes,
+        }
+    }
+
+    /// `None` for a binary file.
+    pub fn into_text(self) -> Option<String> {
+        match self {
+            Written::Text(text) => Some(text),
+            Written::Binary { .. } => None,
+        }
+    }
+}
+
+impl From<String> for Written {
+    fn from(text: String) -> Written {
+        Written::Text(text)
+    }
 }

@@ -98,12 +98,20 @@ impl Discovery {
         page.map_err(|e| e.to_string())
     }
 
-    /// The equations in another language.
+    /// The equations in another language: a text, or a `Uint8Array` if its files are binary.
     ///
     /// # Errors
     /// No such language, or an equation that it cannot express.
-    pub fn export(&self, target: &str) -> Result<String, String> {
-        let written = Target::named(target).and_then(|t| self.inner.export(t));
-        written.map_err(|e| e.to_string())
+    pub fn export(&self, target: &str) -> Result<JsValue, String> {
+        let target = Target::named(target).map_err(|e| e.to_string())?;
+        match self.inner.export(target) {
+            Ok(text) => Ok(text.into()),
+            Err(e) if e.codes().contains(&"binary-export") => {
+                let bytes = self.inner.export_bytes(target);
+                let bytes = bytes.map_err(|e| e.to_string())?;
+                Ok(js_sys::Uint8Array::from(bytes.as_slice()).into())
+            }
+            Err(e) => Err(e.to_string()),
+        }
     }
 }

@@ -91,7 +91,10 @@ const ALTERNATIVES: &[(&str, &[&str])] = &[
     ),
     (
         "crates/emit/src/targets",
-        &["text", "latex", "rust", "c", "python", "sympy", "matlab"],
+        &[
+            "text", "latex", "rust", "python", "sympy", "matlab", "jax", "casadi", "julia",
+            "modelica", "sbml", "fmi",
+        ],
     ),
     (
         "crates/cli/src/commands",

@@ -3,6 +3,7 @@
 use std::fs;
 use std::process::Command;
 
+use super::fmi::readable;
 use sidc_emit as emit;
 use sidc_system::discovery::{Discovery, Evidence, InputDelay, Together};
 use sidc_system::result;
@@ -45,13 +46,18 @@ fn late() -> Discovery {
 }
 
 fn exported(target: &str) -> String {
-    emit::target(target).unwrap().emit(&late()).unwrap()
+    emit::target(target)
+        .unwrap()
+        .emit(&late())
+        .unwrap()
+        .into_text()
+        .unwrap()
 }
 
 #[test]
 fn every_target_names_the_doubt_and_the_delay() {
     for target in emit::TARGETS {
-        let code = target.emit(&late()).unwrap();
+        let code = readable(target.emit(&late()).unwrap());
         let (name, head) = (target.name(), code.split("derivatives(t").next().unwrap());
         assert!(head.contains("verdict: doubted"), "{name}\n{code}");
         assert!(head.contains("dx: misfit: missed"), "{name}\n{code}");
@@ -61,7 +67,7 @@ fn every_target_names_the_doubt_and_the_delay() {
         }
         let passed =
             result::read("R.json", &text(false)).unwrap_or_else(|d| panic!("{}", d.message));
-        let passed = target.emit(&passed).unwrap();
+        let passed = readable(target.emit(&passed).unwrap());
         assert!(
             passed.contains("verdict: passes") && !passed.contains("later than"),
             "{name}"

@@ -133,9 +133,10 @@ fn single_precision_agrees_to_its_digits() {
         .enumerate()
     {
         let case = Case::new(discovery, 4, k as u64);
-        let Ok(code) = sidc_emit::target("c-float").unwrap().emit(&case.discovery) else {
+        let Ok(written) = sidc_emit::target("c-float").unwrap().emit(&case.discovery) else {
             continue;
         };
+        let code = written.into_text().unwrap();
         let own = format!("{}_", prefix(&code));
         let named = |text: String| {
             text.replace(&own, &format!("m{k}_"))

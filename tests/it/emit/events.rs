@@ -10,11 +10,11 @@ use sidc_testing::program::sidc;
 use sidc_testing::runtimes;
 use sidc_testing::runtimes::finished;
 
-const STEP: f64 = 0.005;
+pub(super) const STEP: f64 = 0.005;
 const ROWS: usize = 800;
 
 pub(super) struct System {
-    name: &'static str,
+    pub(super) name: &'static str,
     pub(super) document: serde_json::Value,
     states: usize,
 }
@@ -82,13 +82,13 @@ pub(super) fn systems() -> [System; 2] {
 }
 
 /// Forces in steps, some of which move nothing.
-fn forces() -> Vec<f64> {
+pub(super) fn forces() -> Vec<f64> {
     let levels = [0.5, 2.4, 0.0, -1.9, 0.9, -0.3, 3.0, 0.0];
     (0..ROWS).map(|k| levels[k / 100 % levels.len()]).collect()
 }
 
 /// Our own run, by fixed steps of the same length.
-fn ours(system: &System, folder: &Path) -> Vec<Vec<f64>> {
+pub(super) fn ours(system: &System, folder: &Path) -> Vec<Vec<f64>> {
     let path = |name: &str| folder.join(name).display().to_string();
     fs::write(path("R.json"), system.document.to_string()).unwrap();
     let rows = forces()

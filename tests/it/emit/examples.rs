@@ -1,7 +1,7 @@
 //! The programs that docs/exports.md and docs/friction.md show print what is shown. `SIDC_WRITE_DOCS=1` writes the outputs anew.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::events::systems;
@@ -64,7 +64,10 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
         }
         "python" => {
             write("use.py", &example.code);
-            let python = runtimes::python("numpy, scipy, sympy")?;
+            let python = match example.code.contains("fmpy") {
+                true => compiled_fmu(folder)?,
+                false => runtimes::python("numpy, scipy, sympy")?,
+            };
             Some(finished(
                 Command::new(python)
                     .args(["-B", "use.py"])
@@ -80,6 +83,19 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
             ))
         }
     }
+}
+
+/// Puts the binary into the FMU, as the page says; the Python that did.
+fn compiled_fmu(folder: &Path) -> Option<PathBuf> {
+    runtimes::c_compiler()?;
+    let python = runtimes::python("fmpy.build")?;
+    let mut path = std::env::var_os("PATH").unwrap_or_default();
+    // cmake lies beside the interpreter.
+    path.push(format!(":{}", python.parent().unwrap().display()));
+    let mut compile = Command::new(&python);
+    compile.args(["-m", "fmpy", "compile", "pendulum.fmu"]);
+    finished(compile.env("PATH", path).current_dir(folder));
+    Some(python)
 }
 
 /// Runs the programs of a page in a folder with the code that they use.
@@ -116,12 +132,13 @@ fn shown_programs_print_what_is_shown() {
         ("python", "pendulum.py"),
         ("sympy", "pendulum_sympy.py"),
         ("matlab", "pendulum_on_cart.m"),
+        ("fmi", "pendulum.fmu"),
     ];
     for (target, name) in files {
         let code = emit::target(target).unwrap().emit(&pendulum()).unwrap();
-        fs::write(folder.path().join(name), code).unwrap();
+        fs::write(folder.path().join(name), code.into_bytes()).unwrap();
     }
-    check_page("docs/exports.md", 4, folder.path());
+    check_page("docs/exports.md", 5, folder.path());
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub fn cases() -> Vec<Case> {
 
 pub fn emitted(target: &str, case: &Case) -> String {
     let target = emit::target(target).unwrap();
-    target.emit(&case.discovery).unwrap()
+    target.emit(&case.discovery).unwrap().into_text().unwrap()
 }
 
 /// `a, b, c`, each so that it reads back.
@@ -170,6 +170,50 @@ fn python_agrees_with_the_evaluator() {
     let printed = finished(Command::new(python).args(["-B", "-W", "error"]).arg(script));
     compare("python", &cases, &printed);
 }
+
+/// All points of a case at once: a column each.
+#[test]
+fn python_takes_columns_of_states() {
+    let Some(python) = runtimes::python("numpy") else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let cases = cases();
+    let mut calls = String::from(COLUMNS);
+    for (k, case) in cases.iter().enumerate() {
+        let name = format!("m{k}.py");
+        fs::write(folder.path().join(name), emitted("python", case)).unwrap();
+        let points = case.points.iter().map(|p| {
+            let groups = case.arguments(p).into_iter();
+            let groups: String = groups.map(|g| format!("[{}], ", list(g))).collect();
+            format!("({:?}, {groups}), ", p.t)
+        });
+        let (points, functions): (String, _) = (points.collect(), case.functions());
+        calls.push_str(&format!(
+            "import m{k}\nshow(m{k}, [{points}], {functions:?})\n"
+        ));
+    }
+    let script = folder.path().join("run_all.py");
+    fs::write(&script, calls).unwrap();
+    let printed = finished(Command::new(python).args(["-B", "-W", "error"]).arg(script));
+    compare("python, columns", &cases, &printed);
+}
+
+const COLUMNS: &str = "
+import numpy as np
+
+def show(m, points, functions):
+    t, *groups = (np.array(all).T for all in zip(*points))
+    found = [getattr(m, f)(t, *groups) for f in functions]
+    for i in range(len(points)):
+        for values in found:
+            assert values.shape[-1] == len(points), values.shape
+            print(*(repr(float(x)) for x in values[..., i].reshape(-1)))
+        # A single column is one too, and the same.
+        one = [getattr(m, f)(t[i], *(g[:, i:i+1] for g in groups)) for f in functions]
+        for values, single in zip(found, one):
+            assert np.array_equal(values[..., i:i+1], single, equal_nan=True), (values[..., i:i+1], single)
+";
 
 #[test]
 fn octave_agrees_with_the_evaluator() {

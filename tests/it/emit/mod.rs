@@ -4,7 +4,9 @@ mod caveats;
 mod controllers;
 mod events;
 mod examples;
+mod fmi;
 mod languages;
+mod parameters;
 mod random;
 mod reference;
 mod systems;
@@ -120,14 +122,28 @@ fn systems() -> Vec<(&'static str, Discovery)> {
 
 #[test]
 fn coupled_rust_reads_well() {
-    insta::assert_snapshot!(emit::target("rust").unwrap().emit(&pendulum()).unwrap());
+    insta::assert_snapshot!(
+        emit::target("rust")
+            .unwrap()
+            .emit(&pendulum())
+            .unwrap()
+            .into_text()
+            .unwrap()
+    );
 }
 
 #[test]
 fn latex_reads_well() {
     let text: String = systems()
         .iter()
-        .map(|(_, d)| emit::target("latex").unwrap().emit(d).unwrap())
+        .map(|(_, d)| {
+            emit::target("latex")
+                .unwrap()
+                .emit(d)
+                .unwrap()
+                .into_text()
+                .unwrap()
+        })
         .collect();
     insta::assert_snapshot!(text);
 }
@@ -178,7 +194,12 @@ fn constants_are_arguments_with_the_values_found() {
         "c", "python", "sympy", "matlab", "rust", "text", "jax", "casadi", "julia", "modelica",
         "sbml",
     ] {
-        let code = emit::target(target).unwrap().emit(&constants).unwrap();
+        let code = emit::target(target)
+            .unwrap()
+            .emit(&constants)
+            .unwrap()
+            .into_text()
+            .unwrap();
         insta::assert_snapshot!(format!("constants_{target}"), code);
     }
 }
@@ -188,7 +209,12 @@ fn every_target_reads_well() {
     for target in [
         "c", "python", "sympy", "matlab", "jax", "casadi", "julia", "modelica",
     ] {
-        let code = emit::target(target).unwrap().emit(&pendulum()).unwrap();
+        let code = emit::target(target)
+            .unwrap()
+            .emit(&pendulum())
+            .unwrap()
+            .into_text()
+            .unwrap();
         insta::assert_snapshot!(format!("pendulum_{target}"), code);
     }
 }
@@ -205,7 +231,12 @@ fn explicit_equations_need_no_solve() {
         ],
     );
     for target in ["rust", "c", "python", "matlab"] {
-        let code = emit::target(target).unwrap().emit(&d).unwrap();
+        let code = emit::target(target)
+            .unwrap()
+            .emit(&d)
+            .unwrap()
+            .into_text()
+            .unwrap();
         assert!(
             !code.contains("solve(") && !code.contains("solve_2") && !code.contains("solve_1"),
             "{code}"
@@ -221,5 +252,12 @@ fn implicit_equations_read_well() {
         "continuous",
         &[("dx", &[("dx^3", -0.5), ("x", 1.0), ("sin(x)*dx^2", 0.1)])],
     );
-    insta::assert_snapshot!(emit::target("rust").unwrap().emit(&d).unwrap());
+    insta::assert_snapshot!(
+        emit::target("rust")
+            .unwrap()
+            .emit(&d)
+            .unwrap()
+            .into_text()
+            .unwrap()
+    );
 }

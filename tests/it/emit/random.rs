@@ -88,6 +88,7 @@ pub fn system(seed: u64) -> Discovery {
         relations: None,
         delays: Vec::new(),
         unknowns: draw.constants,
+        correlations: Vec::new(),
         hidden: Vec::new(),
     }
 }

@@ -38,6 +38,6 @@ pub fn run(args: &Args, mut program: clap::Command) -> Result<u8, Failure> {
     };
     let mut script = Vec::new();
     generate(shell, &mut program, "sidc", &mut script);
-    stdout::print(&String::from_utf8_lossy(&script))?;
+    stdout::print(script)?;
     Ok(exit_status::PASS)
 }

@@ -1,14 +1,15 @@
 //! `sidc export R.json --to TARGET`: a result as code or mathematics.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::arguments::names::hint;
 use crate::exit_status;
 use crate::failure::Failure;
 use crate::inputs::texts;
+use crate::outputs::paths::shown;
 use crate::outputs::{doubts, files};
 use sidc_emit as emit;
-use sidc_emit::TARGETS;
+use sidc_emit::{TARGETS, Written};
 
 const EXAMPLES: &str = "Examples:
   sidc export R.json --to latex           equations for a paper
@@ -32,12 +33,27 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let target = emit::target(&args.to).ok_or_else(|| unknown(&args.to))?;
     files::check_writable(args.output.as_deref(), [&args.result])?;
     let discovery = texts::result(&args.result)?.discovery;
-    let code = target
+    let written = target
         .emit(&discovery)
         .map_err(|why| Failure::new(format!("error[not-expressible]: {why}")))?;
+    // A failure stands alone, without the warning.
+    if let (Written::Binary { suffix, .. }, None) = (&written, &args.output) {
+        return Err(unnamed(args, suffix));
+    }
     doubts::warn(&discovery);
-    files::write_or_print(args.output.as_deref(), &code)?;
+    files::write_or_print(args.output.as_deref(), written.into_bytes())?;
     Ok(exit_status::PASS)
+}
+
+/// A binary file needs a name: a terminal would show nonsense.
+fn unnamed(args: &Args, suffix: &str) -> Failure {
+    let name = args.result.with_extension(suffix);
+    let name = name.file_name().unwrap_or_default();
+    Failure::new(format!(
+        "error[binary-export]: a file of `{}` is binary and is not printed\n  = help: name one: -o {}",
+        args.to,
+        shown(Path::new(name))
+    ))
 }
 
 fn unknown(name: &str) -> Failure {

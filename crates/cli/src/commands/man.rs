@@ -27,7 +27,7 @@ pub fn run(args: &Args, mut program: clap::Command) -> Result<u8, Failure> {
         .title(title)
         .render(&mut text)
         .map_err(Failure::internal)?;
-    stdout::print(&String::from_utf8_lossy(&text))?;
+    stdout::print(text)?;
     Ok(exit_status::PASS)
 }
 

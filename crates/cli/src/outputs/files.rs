@@ -1,6 +1,6 @@
 //! Files that are written: whole or not at all.
 //!
-//! In: a path, a text. Out: the file replaced, or the failure with the old file as it was.
+//! In: a path, a text or bytes. Out: the file replaced, or the failure with the old file as it was.
 
 use std::fs::{File, Metadata};
 use std::io::Write;
@@ -41,24 +41,25 @@ pub fn check_writable<'a>(
 }
 
 /// Writes to a file, or to standard output where none is named.
-pub fn write_or_print(place: Option<&Path>, text: &str) -> Result<(), Failure> {
+pub fn write_or_print(place: Option<&Path>, content: impl AsRef<[u8]>) -> Result<(), Failure> {
     match place {
-        Some(path) => write(path, text),
-        None => stdout::print(text),
+        Some(path) => write(path, content),
+        None => stdout::print(content),
     }
 }
 
 /// Writes a file by way of a temporary one beside it, so that the old file stays whole until the new one is. A link is followed;
 /// the file keeps its permissions.
-pub fn write(path: &Path, text: &str) -> Result<(), Failure> {
+pub fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+    let content = content.as_ref();
     let fail = |e: &std::io::Error| fail(path, e);
     let Some(target) = Target::of(path)? else {
-        return std::fs::write(path, text).map_err(|e| fail(&e));
+        return std::fs::write(path, content).map_err(|e| fail(&e));
     };
     // A process that Ctrl-C ended here would leave its temporary file.
     let _whole = interrupts::hold_off();
     let mut file = temporary(&target.folder).map_err(|e| fail(&e))?;
-    file.write_all(text.as_bytes()).map_err(|e| fail(&e))?;
+    file.write_all(content).map_err(|e| fail(&e))?;
     if let Some(old) = &target.old {
         copy_permissions(file.as_file(), old).map_err(|e| fail(&e))?;
     }

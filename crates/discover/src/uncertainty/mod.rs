@@ -5,6 +5,7 @@
 
 mod confidence_intervals;
 mod drop_one_refit;
+mod error_correlations;
 mod omitted_terms;
 mod row_blocks;
 mod stability_selection;

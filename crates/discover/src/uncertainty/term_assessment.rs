@@ -4,6 +4,7 @@
 //! never at data.
 
 use super::drop_one_refit::drop_one_refit;
+use super::error_correlations::error_correlations;
 use super::omitted_terms::nearest_omitted_terms;
 use super::stability_selection::Stability;
 use super::target_regression::TargetRegression;
@@ -14,8 +15,11 @@ use sidc_system::discovery::{
     Change, Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
 };
 
-/// Gives every term found on these blocks its stability and the best equation without it.
+/// Gives every term found on these blocks its stability and the best equation without it, and the discovery how their errors are
+/// correlated.
 pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery: &mut Discovery) {
+    let correlations = error_correlations(blocks, discovery);
+    discovery.correlations.extend(correlations);
     let mut targets: Vec<Signal> = blocks.columns.iter().map(|(t, _)| *t).collect();
     targets.sort_unstable();
     targets.dedup();

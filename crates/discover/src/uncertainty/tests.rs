@@ -96,6 +96,20 @@ fn terms_that_stand_out_are_firm() {
     }
 }
 
+#[test]
+fn errors_of_twins_are_opposite() {
+    let mut d = discovery();
+    let mut twins = blocks(0.1, Some(1e-4));
+    twins.support = vec![0, 1, 2];
+    assess_terms(&twins, &mut d);
+    let [all] = &d.correlations[..] else {
+        panic!("{:?}", d.correlations)
+    };
+    assert!(all.is_sound() && all.of.len() == 3);
+    let least = all.below.iter().copied().fold(1.0, f64::min);
+    assert!(least < -0.99, "{all:?}");
+}
+
 /// Two columns that differ by a ten-thousandth replace each other at no cost.
 #[test]
 fn a_twin_makes_a_term_doubtful_and_is_named() {

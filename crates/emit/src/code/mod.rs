@@ -5,9 +5,11 @@
 
 pub(crate) mod autodiff_modules;
 pub(crate) mod bracket_lists;
+pub(crate) mod c_sources;
 pub(crate) mod equation_list;
 pub(crate) mod identifiers;
 pub(crate) mod infix;
+pub(crate) mod parameters;
 pub(crate) mod printer;
 pub(crate) mod program;
 pub(crate) mod python_modules;

@@ -7,7 +7,7 @@ use crate::code::bracket_lists::{list, solver_call, unpacked_names};
 use crate::code::identifiers::Identifiers;
 use crate::code::infix::{Infix, Syntax};
 use crate::code::program::{Function, Kind, Name, Newton, Program, Solve, Step};
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
 
@@ -112,7 +112,7 @@ impl<L: Language> Target for L {
         L::DIALECT.about
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         self.check(&program)?;
         program.check_calls(L::DIALECT.language, L::spelling)?;
@@ -131,7 +131,7 @@ impl<L: Language> Target for L {
             parts.reverse();
         }
         let text = self.header(d, &program) + &parts.concat() + &self.last(&program);
-        Ok(self.finished(&program, text))
+        Ok(self.finished(&program, text).into())
     }
 }
 

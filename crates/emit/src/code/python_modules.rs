@@ -37,6 +37,7 @@ const RESERVED: &[&str] = &[
     "np", "jax", "jnp", "ca", "function",
     "t", "state", "input", "parameter", "history", "constant", "slope", "step", "unknown", "derivatives", "next", "jacobian", "jacobian_input",
     "outputs", "side", "guards", "rates_by_side", "guard_rates", "advance", "run", "settle", "SIDC_VERDICT", "SIDC_INPUT_DELAYS", "SIDC_CONSTANTS",
+    "SIDC_PARAMETERS", "SIDC_COVARIANCE",
 ];
 
 /// The constants that were found, and the names of the entries of each argument: `STATE = ("x", "dx")`.

@@ -8,7 +8,7 @@ use crate::code::identifiers::titled;
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_lang::term::Signal;
 use sidc_system::discovery::Discovery;
 
@@ -23,7 +23,7 @@ impl Target for Julia {
         "a ModelingToolkit system in Julia: the equations as found"
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         check_continuous("ModelingToolkit", &program)?;
         let mut names = program.identifiers(d, RESERVED);
@@ -41,7 +41,7 @@ impl Target for Julia {
         out.extend(all.rates.iter().map(rate));
         out.extend(all.laws.iter().chain(&all.outputs).map(equal));
         out.push_str(&format!("]\n@named {system} = ODESystem(equations, t)\n"));
-        Ok(out)
+        Ok(out.into())
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::caveats::{caveats, verdict_summary};
 use crate::code::identifiers::titled;
 use crate::code::printer::commented;
-use crate::target::Target;
+use crate::target::{Target, Written};
 use crate::typeset::latex_matrices;
 use crate::typeset::latex_notation::LatexNotation;
 use crate::unknown_constants;
@@ -21,7 +21,7 @@ impl Target for Latex {
         "a document with the equations in an align* block"
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let notation = LatexNotation(d);
         let lines: Vec<String> = d
             .equations
@@ -48,7 +48,8 @@ impl Target for Latex {
             "% Written by sidc: the identified system{system}.\n{caveats}\\newcommand{{\\sidcverdict}}{{{verdict}}}\n\\documentclass{{article}}\n\\usepackage{{amsmath}}\n\\begin{{document}}\n\
              {equations}{}\\end{{document}}\n",
             constants(d, &notation) + &latex_matrices::matrices(d, &notation)
-        ))
+        )
+        .into())
     }
 }
 

@@ -6,6 +6,7 @@
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{Identifiers, ascii, plain, titled};
 use crate::code::infix::{Infix, Syntax};
+use crate::code::parameters::{Parameters, number, numbers};
 use crate::code::printer::{Dialect, Language, Printer, commented};
 use crate::code::program::{Argument, Function, Kind, Newton, Program, Solve};
 use sidc_lang::term::{Func, Node};
@@ -154,6 +155,42 @@ const KINDS: [Kind; 4] = [
     Kind::Outputs,
 ];
 
+/// The numbers that were found, as fields of the struct.
+fn parameters(d: &Discovery) -> String {
+    let parameters = Parameters::new(d);
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let text = |x: &str| format!("'{}'", x.replace('\'', "''"));
+    let mut out = parameters.lines(|p| format!("    %   {} of {}\n", p.name, p.about));
+    let mut field = |name: &str, list: String| {
+        out.push_str(&format!("    rate.sidc_parameter_{name} = {list};\n"));
+    };
+    field(
+        "names",
+        format!("{{{}}}", parameters.list(|p| text(&p.name))),
+    );
+    field(
+        "values",
+        format!("[{}]", parameters.list(|p| number(p.value, "NaN"))),
+    );
+    field(
+        "errors",
+        format!("[{}]", parameters.list(|p| number(p.error, "NaN"))),
+    );
+    field(
+        "units",
+        format!("{{{}}}", parameters.list(|p| text(&p.unit))),
+    );
+    if let Some(rows) = parameters.covariance() {
+        let rows: Vec<String> = rows.iter().map(|row| numbers(row, "NaN")).collect();
+        field("covariance", format!("[{}]", rows.join("; ")));
+    }
+    format!(
+        "    % The numbers that were found; errors are standard errors, 0 where the model states the value:\n{out}"
+    )
+}
+
 /// The main function, which calls the others.
 fn main(d: &Discovery, program: &Program) -> String {
     let system = titled(program.system.as_deref());
@@ -170,7 +207,7 @@ fn main(d: &Discovery, program: &Program) -> String {
         "function [{results}] = {name}({taken})\n% Written by sidc: the identified system{system} as code, for MATLAB and Octave.\n"
     );
     out.push_str(&commented("% ", caveats(d).into_iter()));
-    out.push_str("% Without arguments, rate is a struct with the verdict and the delays of the inputs in seconds.\n%\n");
+    out.push_str("% Without arguments, rate is a struct with the verdict, the delays of the inputs in seconds, and the numbers that were found.\n%\n");
     out.push_str(&commented("% ", program.legend()));
     if !program.constants.is_empty() {
         out.push_str("% Without them constant is:\n");
@@ -207,9 +244,10 @@ fn main(d: &Discovery, program: &Program) -> String {
         false => format!(", 'sidc_constants', [{values}]"),
     };
     out.push_str(&format!(
-        "  if nargin == 0\n    rate = struct('sidc_verdict', '{}', 'sidc_input_delays', [{}]{constants});\n    return\n  end\n",
+        "  if nargin == 0\n    rate = struct('sidc_verdict', '{}', 'sidc_input_delays', [{}]{constants});\n{}    return\n  end\n",
         verdict_summary(d),
-        delays.join(", ")
+        delays.join(", "),
+        parameters(d)
     ));
     if has_events {
         out.push_str(&unpacked(program));

@@ -1,7 +1,7 @@
 //! The export targets, a file or a folder each, and their registry. Targets are alternatives: none imports another.
 
-mod c;
 mod casadi;
+mod fmi;
 mod jax;
 mod julia;
 mod latex;
@@ -14,6 +14,7 @@ mod sympy;
 mod text;
 
 use crate::code::autodiff_modules::Module;
+use crate::code::c_sources::{C, Header};
 use crate::target::Target;
 
 /// Every target, for the command line and its suggestions.
@@ -21,10 +22,10 @@ pub static TARGETS: &[&dyn Target] = &[
     &text::Text,
     &latex::Latex,
     &rust::Rust,
-    &c::C::<false>,
-    &c::Header::<false>,
-    &c::C::<true>,
-    &c::Header::<true>,
+    &C::<false>,
+    &Header::<false>,
+    &C::<true>,
+    &Header::<true>,
     &python::Python,
     &sympy::Sympy,
     &matlab::Matlab,
@@ -33,6 +34,7 @@ pub static TARGETS: &[&dyn Target] = &[
     &julia::Julia,
     &modelica::Modelica,
     &sbml::Sbml,
+    &fmi::Fmi,
 ];
 
 /// Looks a target up by name.

@@ -8,7 +8,7 @@ use crate::code::identifiers::{Identifiers, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::Program;
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_lang::term::Signal;
 use sidc_system::discovery::Discovery;
 
@@ -23,7 +23,7 @@ impl Target for Modelica {
         "a Modelica model: the equations as found, delays of inputs"
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         check_continuous("Modelica", &program)?;
         let mut names = program.identifiers(d, RESERVED);
@@ -62,7 +62,8 @@ impl Target for Modelica {
         Ok(format!(
             "// Written by sidc: the identified system{title} (Modelica).\n//\n{head}model {system}\n{}equation\n{}end {system};\n",
             model.out, model.equations
-        ))
+        )
+        .into())
     }
 }
 

@@ -7,6 +7,7 @@ use crate::caveats::{caveats, delays, python_constants};
 use crate::code::bracket_lists::LINE_WIDTH;
 use crate::code::identifiers::titled;
 use crate::code::infix::Syntax;
+use crate::code::parameters::{Parameter, Parameters, numbers};
 use crate::code::printer::{Dialect, Language, Printer, commented, used_helpers};
 use crate::code::program::{Function, Kind, Newton, Program, Step};
 use crate::code::python_modules::{constants, definition, dialect, newton};
@@ -58,7 +59,7 @@ impl Language for Python {
         out.push_str(&commented("", caveats(d).into_iter()));
         out.push_str("\"\"\"\nimport numpy as np\n\n");
         out.push_str(&python_constants(d, &program.form.inputs));
-        out + &constants(d, program)
+        out + &constants(d, program) + &parameters(d)
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
@@ -96,9 +97,9 @@ impl Language for Python {
     fn vector(&self, _: &Printer<Self>, entries: &[String]) -> String {
         let line = entries.join(", ");
         match line.len() < LINE_WIDTH {
-            true => format!("    return np.array([{line}])\n"),
+            true => format!("    return _rows(state, [{line}])\n"),
             false => format!(
-                "    return np.array([\n        {},\n    ])\n",
+                "    return _rows(state, [\n        {},\n    ])\n",
                 entries.join(",\n        ")
             ),
         }
@@ -107,7 +108,7 @@ impl Language for Python {
     fn matrix(&self, f: &Function) -> (String, String) {
         let (rows, columns) = f.size;
         (
-            format!("    slope = np.zeros(({rows}, {columns}))\n"),
+            format!("    slope = np.zeros(({rows}, {columns}) + np.shape(state)[1:])\n"),
             "    return slope\n".into(),
         )
     }
@@ -119,8 +120,10 @@ impl Language for Python {
     fn helpers(&self, program: &Program) -> String {
         let newton = program.makes(|s| matches!(s, Step::Newton(_)));
         let reads = program.functions.iter().any(|f| !f.body.reads.is_empty());
+        let vectors = program.functions.iter().any(|f| !f.kind.is_matrix());
         used_helpers(&[
             (reads, NUMBERS),
+            (vectors, ROWS),
             (reads && program.is_delayed, INPUTS),
             (program.solves(|_| true), SOLVE),
             (newton, NEWTON),
@@ -146,14 +149,51 @@ impl Syntax for Python {
     }
 }
 
+/// The numbers that were found, as tuples.
+fn parameters(d: &Discovery) -> String {
+    let parameters = Parameters::new(d);
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let line = |p: &Parameter| {
+        let numbers = numbers(&[p.value, p.error], Python::NAN);
+        format!(
+            "    (\"{}\", {numbers}, \"{}\"),  # {}\n",
+            p.name, p.unit, p.about
+        )
+    };
+    let lines = parameters.lines(line);
+    let mut out = format!(
+        "# Name, value, standard error (0 where the model states the value) and unit of each number that was found.\nSIDC_PARAMETERS = (\n{lines})\n"
+    );
+    if let Some(rows) = parameters.covariance() {
+        let row = |row: &Vec<f64>| format!("    [{}],\n", numbers(row, Python::NAN));
+        let rows: String = rows.iter().map(row).collect();
+        out.push_str(&format!(
+            "# Their covariances, in the same order.\nSIDC_COVARIANCE = np.array([\n{rows}])\n"
+        ));
+    }
+    out
+}
+
 /// Steps from event to event.
 const STEPS: &str = include_str!("event_steps/steps.py");
 
 const NUMBERS: &str = "
 
 def _numbers(values, t):
-    \"\"\"Numbers, or those that a function of time gives.\"\"\"
-    return np.asarray(values(t) if callable(values) else values, dtype=float).reshape(-1)
+    \"\"\"Numbers, or those that a function of time gives; a column for each column of the state.\"\"\"
+    return np.atleast_1d(np.asarray(values(t) if callable(values) else values, dtype=float))
+";
+
+const ROWS: &str = "
+
+def _rows(state, entries):
+    \"\"\"One row an entry, with the columns of the state.\"\"\"
+    rows = np.empty((len(entries),) + np.shape(state)[1:])
+    for i, entry in enumerate(entries):
+        rows[i] = entry
+    return rows
 ";
 
 const INPUTS: &str = "
@@ -168,22 +208,54 @@ def _inputs(values, t):
 const SOLVE: &str = "
 
 def _solve(mass, right):
-    \"\"\"Solves a small linear system, column by column of the right side; NaN where it is singular.\"\"\"
+    \"\"\"Solves a small linear system, column by column of the right side; NaN where it is singular. Entries have columns if the state has.\"\"\"
+    mass, right = _matrix(mass), _matrix(right)
+    if mass.ndim == right.ndim == 2:
+        try:
+            return np.linalg.solve(mass, right)
+        except np.linalg.LinAlgError:
+            return np.full(right.shape, np.nan)
+    mass, right = (np.moveaxis(m, (0, 1), (-2, -1)) for m in (mass, right))
     try:
-        return np.linalg.solve(np.array(mass), np.array(right))
+        solved = np.linalg.solve(mass, right)
     except np.linalg.LinAlgError:
-        return np.full(np.shape(right), np.nan)
+        solved = _solve_each(mass, right)
+    return np.moveaxis(solved, (-2, -1), (0, 1))
+
+
+def _matrix(rows):
+    try:
+        return np.array(rows, dtype=float)
+    except ValueError:  # Some entries have columns, and some are the same for all.
+        shape = np.broadcast_shapes(*(np.shape(entry) for row in rows for entry in row))
+        return np.array([[np.broadcast_to(entry, shape) for entry in row] for row in rows])
+
+
+def _solve_each(mass, right):
+    stack = np.broadcast_shapes(mass.shape[:-2], right.shape[:-2])
+    mass = np.broadcast_to(mass, stack + mass.shape[-2:])
+    right = np.broadcast_to(right, stack + right.shape[-2:])
+    solved = np.full(right.shape, np.nan)
+    for at in np.ndindex(*stack):
+        try:
+            solved[at] = np.linalg.solve(mass[at], right[at])
+        except np.linalg.LinAlgError:
+            pass
+    return solved
 ";
 
 const NEWTON: &str = "
 
 def _newton(step, size):
     \"\"\"Repeats the solve from zero on until the unknowns stay; NaN if they never do.\"\"\"
-    unknown = np.zeros(size)
+    unknown, settled = np.zeros(size), False
     for _ in range(50):
         after = step(unknown)[:, 0]
-        moved, unknown = np.max(np.abs(after - unknown)), after
-        if moved <= 1e-12 * np.max(np.abs(after)):
+        unknown = np.broadcast_to(unknown.reshape(unknown.shape + (1,) * (after.ndim - unknown.ndim)), after.shape)
+        moved = np.max(np.abs(after - unknown), axis=0)
+        unknown = np.where(settled, unknown, after)
+        settled = settled | (moved <= 1e-12 * np.max(np.abs(after), axis=0))
+        if np.all(settled):
             return unknown
-    return np.full(size, np.nan)
+    return np.where(settled, unknown, np.nan)
 ";

@@ -7,6 +7,7 @@ use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::bracket_lists::{LINE_WIDTH, list, unpacked_names};
 use crate::code::identifiers::{plain, titled};
 use crate::code::infix::Syntax;
+use crate::code::parameters::{Parameter, Parameters, numbers};
 use crate::code::printer::{Dialect, Language, Printer, commented, sized, used_helpers};
 use crate::code::program::{Function, Newton, Program, Step};
 use sidc_lang::term::{Func, Node};
@@ -62,7 +63,7 @@ impl Language for Rust {
                 program.constant_values()
             ));
         }
-        out
+        out + &parameters(d)
     }
 
     fn opening(&self, program: &Program, f: &Function) -> String {
@@ -140,6 +141,35 @@ impl Language for Rust {
             (sign, SIGN),
         ])
     }
+}
+
+/// The numbers that were found, as constants.
+fn parameters(d: &Discovery) -> String {
+    let parameters = Parameters::new(d);
+    let count = parameters.all.len();
+    if count == 0 {
+        return String::new();
+    }
+    let line = |p: &Parameter| {
+        let numbers = numbers(&[p.value, p.error], Rust::NAN);
+        format!(
+            "    // {}\n    (\"{}\", {numbers}, \"{}\"),\n",
+            p.about, p.name, p.unit
+        )
+    };
+    let lines = parameters.lines(line);
+    let mut out = format!(
+        "\n/// Name, value, standard error (0 where the model states the value) and unit of each number that was found.\n#[allow(dead_code, clippy::all)]\n\
+         pub const SIDC_PARAMETERS: [(&str, f64, f64, &str); {count}] = [\n{lines}];\n"
+    );
+    if let Some(rows) = parameters.covariance() {
+        let row = |row: &Vec<f64>| format!("    [{}],\n", numbers(row, Rust::NAN));
+        let rows: String = rows.iter().map(row).collect();
+        out.push_str(&format!(
+            "\n/// Their covariances, in the same order.\n#[allow(dead_code, clippy::all)]\npub const SIDC_COVARIANCE: [[f64; {count}]; {count}] = [\n{rows}];\n"
+        ));
+    }
+    out
 }
 
 impl Syntax for Rust {

@@ -7,7 +7,7 @@ use crate::code::equation_list::check_continuous;
 use crate::code::identifiers::{Identifiers, ascii, plain};
 use crate::code::infix::BodyNames;
 use crate::code::program::{Body, Name, Program, Step};
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_lang::term::{Func, Node, Signal};
 use sidc_system::discovery::Discovery;
 
@@ -22,7 +22,7 @@ impl Target for Sbml {
         "SBML level 3 with rate rules, for COPASI, tellurium and the like"
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         check_continuous("SBML", &program)?;
         let identifiers = program.identifiers(d, RESERVED);
@@ -42,7 +42,7 @@ impl Target for Sbml {
             document.computed(identifiers.get(*s), &math.text(*node));
         }
         let id = ascii(program.system.as_deref().unwrap_or("identified"));
-        Ok(document.written(d, &id, program.system.as_deref()))
+        Ok(document.written(d, &id, program.system.as_deref()).into())
     }
 }
 

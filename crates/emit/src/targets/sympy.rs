@@ -8,7 +8,7 @@ use crate::code::identifiers::{Identifiers, plain, titled};
 use crate::code::infix::{Infix, Syntax};
 use crate::code::printer::commented;
 use crate::code::program::{Body, Name, Program, Step};
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_lang::term::{Func, Signal};
 use sidc_system::discovery::{Discovery, Rate};
 
@@ -23,7 +23,7 @@ impl Target for Sympy {
         "SymPy expressions: mass matrix, force, rates, outputs"
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         program.check_calls("SymPy", |f| f.spelling.sympy)?;
         let names = Identifiers::new(program.names.iter().cloned(), RESERVED.iter().copied());
@@ -34,7 +34,7 @@ impl Target for Sympy {
         out.push_str(&lets(&infix, &body));
         out.push_str(&sides(&program, &infix, &body));
         out.push_str(&rates(&program, &infix));
-        Ok(out)
+        Ok(out.into())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::caveats::caveats;
 use crate::code::printer::commented;
-use crate::target::Target;
+use crate::target::{Target, Written};
 use crate::text::equations::equations;
 use crate::text::matrices::consequences;
 use crate::unknown_constants;
@@ -19,9 +19,9 @@ impl Target for Text {
         "equations and their matrices as the terminal shows them, six significant digits"
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let caveats = commented("# ", caveats(d).into_iter());
         let constants = commented("", unknown_constants::lines(d));
-        Ok(caveats + &equations(d).concat() + &constants + &consequences(d))
+        Ok((caveats + &equations(d).concat() + &constants + &consequences(d)).into())
     }
 }

@@ -92,6 +92,18 @@ impl QuadraticForm {
             .collect()
     }
 
+    /// The correlations of the errors that the coefficients of a support have, by rows; `None` if they cannot be told apart.
+    pub fn error_correlations(&self, support: &[usize]) -> Option<Vec<f64>> {
+        let inverse = self.inverse(support)?;
+        let k = support.len();
+        let size = |i: usize| inverse[i * k + i].sqrt();
+        let entry = |i: usize, j: usize| inverse[i * k + j] / (size(i) * size(j));
+        let all: Vec<f64> = (0..k * k)
+            .map(|at| entry(at / k, at % k).clamp(-1.0, 1.0))
+            .collect();
+        all.iter().all(|r| r.is_finite()).then_some(all)
+    }
+
     /// (R_SS)⁻¹ by rows; `None` if it is singular beyond the ridge.
     fn inverse(&self, support: &[usize]) -> Option<Vec<f64>> {
         let k = support.len();
@@ -206,6 +218,23 @@ mod tests {
 
     fn supports() -> impl Strategy<Value = Vec<usize>> {
         prop::sample::subsequence((0..COLUMNS).collect::<Vec<_>>(), 0..COLUMNS)
+    }
+
+    /// A straight line through x = 0, 1, 2: the covariance of offset and slope is −x̄/Σ(x − x̄)².
+    #[test]
+    fn errors_of_offset_and_slope_are_correlated_as_in_the_textbook() {
+        let (one, x, y) = ([1.0, 1.0, 1.0], [0.0, 1.0, 2.0], [0.1, 1.0, 2.1]);
+        let columns = [one, x, y];
+        let products = columns
+            .iter()
+            .flat_map(|a| columns.iter().map(|b| dot(a, b)));
+        let form = QuadraticForm::new(&products.collect::<Vec<f64>>(), 2);
+        let all = form.error_correlations(&[0, 1]).unwrap();
+        let expected = -(3.0_f64 / 5.0).sqrt();
+        assert!(
+            (all[0] - 1.0).abs() < 1e-9 && (all[1] - expected).abs() < 1e-6,
+            "{all:?}"
+        );
     }
 
     fn criterion(form: &QuadraticForm, support: &[usize], penalty: f64) -> f64 {

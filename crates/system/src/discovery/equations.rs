@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::correlations::Correlations;
 use super::hidden_states::HiddenState;
 use super::signal_delays::{SignalDelay, stated};
 use super::unknown_values::UnknownValue;
@@ -35,6 +36,8 @@ pub struct Discovery {
     pub delays: Vec<SignalDelay>,
     /// The unknown constants that stand in the equations, in order of declaration.
     pub unknowns: Vec<UnknownValue>,
+    /// How the errors of the coefficients are correlated, fit by fit; coefficients of different fits have independent errors.
+    pub correlations: Vec<Correlations>,
     /// The components of the state that nothing measures.
     pub hidden: Vec<HiddenState>,
 }
@@ -306,6 +309,7 @@ impl Discovery {
             relations: None,
             delays: stated(model),
             unknowns: Vec::new(),
+            correlations: Vec::new(),
             hidden: Vec::new(),
         }
     }

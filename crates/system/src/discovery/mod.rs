@@ -2,6 +2,7 @@
 
 mod coefficient_inference;
 mod constants;
+mod correlations;
 mod delays_taken_out;
 mod equations;
 mod hidden_courses;
@@ -21,6 +22,7 @@ mod verification;
 mod ways;
 
 pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
+pub use correlations::Correlations;
 pub use equations::{
     Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, NormGrading, OtherLaw, PathKnot,
     Proof, RangeCertificate, Rearranged, Status, Variable, Ways,

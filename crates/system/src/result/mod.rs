@@ -10,8 +10,8 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, RunCoefficient, SignalDelay,
-    Status, UnknownValue, Without,
+    Correlations, Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, RunCoefficient,
+    SignalDelay, Status, UnknownValue, Without,
 };
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
@@ -53,6 +53,9 @@ pub struct Document {
     /// Unknown constants that stand in the equations; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub unknowns: Vec<UnknownValue>,
+    /// How the errors of the coefficients are correlated, fit by fit; absent where it is not known, and in documents of earlier programs.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub correlations: Vec<Correlations>,
     /// Components of the state that nothing measures; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub hidden: Vec<HiddenState>,

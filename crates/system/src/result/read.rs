@@ -1,7 +1,8 @@
 //! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
 use crate::discovery::{
-    Discovery, Equation, Failed, FoundTerm, HiddenState, SignalDelay, Trust, UnknownValue,
+    Correlations, Discovery, Equation, Failed, FoundTerm, HiddenState, SignalDelay, Trust,
+    UnknownValue,
 };
 use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
 use sidc_lang as lang;
@@ -140,6 +141,13 @@ fn opened(name: &str, doc: &Document) -> Result<(Discovery, Model), Diagnostic> 
     if let Some(u) = d.unknowns.iter().find(|u| !is_unknown(u)) {
         let why = format!("{:?} has a value and is no unknown constant", u.name);
         return Err(damaged(name, &why));
+    }
+    d.correlations.clone_from(&doc.correlations);
+    if !d.correlations.iter().all(Correlations::is_sound) {
+        return Err(damaged(
+            name,
+            "its correlations are not one for each pair of coefficients",
+        ));
     }
     d.hidden.clone_from(&doc.hidden);
     let wrong = |h: &&HiddenState| {

@@ -49,6 +49,7 @@ pub fn document(d: &Discovery, beside: Beside) -> Document {
         relations: d.relations.clone(),
         delays: d.delays.clone(),
         unknowns: d.unknowns.clone(),
+        correlations: d.correlations.clone(),
         hidden: d.hidden.clone(),
         settings: beside.settings,
         signals: beside.signals,

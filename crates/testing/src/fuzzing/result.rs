@@ -3,7 +3,7 @@
 //! Promises: a discovery or one refusal; what was opened and written reads back as the same document, word for word; no target panics,
 //! and none has a line that a name smuggled in.
 
-use sidc_emit::TARGETS;
+use sidc_emit::{TARGETS, Written};
 use sidc_system::discovery::Discovery;
 use sidc_system::result;
 use sidc_system::result::{Beside, Document, Opened};
@@ -50,7 +50,10 @@ fn beside(document: &Document) -> Beside {
 fn emits(d: &Discovery) {
     for target in TARGETS {
         match target.emit(d) {
-            Ok(text) => assert!(!text.contains(|c: char| c.is_control() && !"\n\t".contains(c))),
+            Ok(Written::Text(text)) => {
+                assert!(!text.contains(|c: char| c.is_control() && !"\n\t".contains(c)));
+            }
+            Ok(Written::Binary { bytes, .. }) => assert!(!bytes.is_empty()),
             Err(why) => assert!(!why.is_empty()),
         }
     }

@@ -90,7 +90,7 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
         let found = (Some(()), run.notes.clone());
         diagnostics::report(found, &Sources::default(), monitor.notes)?;
     }
-    let write = |path: &PathBuf| files::write(path, &table::csv(d, &runs));
+    let write = |path: &PathBuf| files::write(path, table::csv(d, &runs));
     let written = args.output.as_ref().map(write);
     if args.json {
         stdout::print(&document::json(d, &name, &runs)?)?;

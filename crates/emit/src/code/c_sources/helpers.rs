@@ -1,7 +1,7 @@
 //! What emitted functions call: solvers, Newton's method, steps. In double precision; [`in_single`] makes it single.
 
 /// Steps from event to event.
-pub(super) const STEPS: &str = include_str!("../event_steps/steps.c");
+pub(super) const STEPS: &str = include_str!("../../targets/event_steps/steps.c");
 
 pub(super) const SOLVE_1: &str = "
 /* Solves a times x = b (1 x columns) in place of b; NaN where a is zero. */

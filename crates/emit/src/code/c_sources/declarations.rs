@@ -4,9 +4,10 @@
 
 use crate::caveats::{caveats, delays, verdict_summary};
 use crate::code::identifiers::{ascii, plain, titled};
+use crate::code::parameters::{Parameters, number, numbers};
 use crate::code::printer::commented;
 use crate::code::program::{Function, Kind, Program};
-use crate::target::Target;
+use crate::target::{Target, Written};
 use sidc_system::discovery::Discovery;
 
 /// The type of numbers.
@@ -29,7 +30,7 @@ impl<const SINGLE: bool> Target for Header<SINGLE> {
         }
     }
 
-    fn emit(&self, d: &Discovery) -> Result<String, String> {
+    fn emit(&self, d: &Discovery) -> Result<Written, String> {
         let program = Program::new(d)?;
         let mut out = head(d, &program, ": declarations of its code");
         out.push_str(" */\n#ifndef SIDC_H\n#define SIDC_H\n\n");
@@ -43,7 +44,7 @@ impl<const SINGLE: bool> Target for Header<SINGLE> {
             out.push_str(&format!("\n/* {about} */\n{declared};\n"));
         }
         out.push_str("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
-        Ok(with_prefix(&program, out))
+        Ok(with_prefix(&program, out).into())
     }
 }
 
@@ -85,6 +86,42 @@ pub(super) fn macros(d: &Discovery, program: &Program, single: bool) -> String {
             " */\n#define SIDC_CONSTANTS {{{values}{suffix}}}\n"
         ));
     }
+    if !single {
+        out.push_str(&parameters(d));
+    }
+    out
+}
+
+/// The numbers that were found, as initialisers of arrays.
+fn parameters(d: &Discovery) -> String {
+    let parameters = Parameters::new(d);
+    if parameters.is_empty() {
+        return String::new();
+    }
+    let mut out = String::from(
+        "/* The numbers that were found, as initialisers of arrays; errors are standard errors, 0 where the model states the value:\n",
+    );
+    out.push_str(&parameters.lines(|p| format!(" * {} of {}\n", p.name, p.about)));
+    out.push_str(" */\n");
+    let text = |x: &str| format!("\"{x}\"");
+    let mut define = |name: &str, list: String| {
+        out.push_str(&format!("#define SIDC_{name} {{{list}}}\n"));
+    };
+    define("PARAMETER_NAMES", parameters.list(|p| text(&p.name)));
+    define(
+        "PARAMETER_VALUES",
+        parameters.list(|p| number(p.value, "NAN")),
+    );
+    define(
+        "PARAMETER_ERRORS",
+        parameters.list(|p| number(p.error, "NAN")),
+    );
+    define("PARAMETER_UNITS", parameters.list(|p| text(&p.unit)));
+    if let Some(rows) = parameters.covariance() {
+        define("PARAMETER_COVARIANCE", numbers(&rows.concat(), "NAN"));
+    }
+    let count = parameters.all.len();
+    out.push_str(&format!("#define SIDC_PARAMETERS {count}\n"));
     out
 }
 
@@ -151,7 +188,7 @@ pub(super) fn steps(program: &Program, real: &str) -> Vec<(String, &'static str)
 }
 
 /// Names begin with that of the system, so that programs of several systems link.
-pub(super) fn with_prefix(program: &Program, text: String) -> String {
+pub(crate) fn with_prefix(program: &Program, text: String) -> String {
     let Some(system) = &program.system else {
         return text;
     };

@@ -1,0 +1,37 @@
+//! Correlations between the errors of the coefficients of one fit.
+//!
+//! In: the normal equations behind the coefficients. Out: correlations by names. The sizes of errors come from elsewhere.
+
+use sidc_lang::term::{Language, Signal, SignalNames, Term};
+use sidc_solve::QuadraticForm;
+use sidc_system::discovery::{Correlations, Discovery, Stretches};
+
+/// `None` where terms hold unknown constants, whose errors the normal equations do not know, and where they are singular.
+pub(super) fn error_correlations(blocks: &Stretches, names: &Discovery) -> Option<Correlations> {
+    let found = blocks.support.iter().filter_map(|k| blocks.columns.get(*k));
+    let found: Vec<&(Signal, Term)> = found.collect();
+    let mut constants = false;
+    for (_, term) in &found {
+        term.for_each_signal(&mut |s| constants |= names.is_constant(s.var));
+    }
+    if constants || found.is_empty() {
+        return None;
+    }
+    let form = QuadraticForm::new(&blocks.whole, blocks.columns.len());
+    let all = form.error_correlations(&blocks.support)?;
+    // A coefficient of its own in every run has no one value.
+    let shared = |c: &&(Signal, Term)| found.iter().filter(|f| *f == c).count() == 1;
+    let kept: Vec<usize> = (0..found.len()).filter(|i| shared(&found[*i])).collect();
+    let below = kept.iter().enumerate().flat_map(|(row, i)| {
+        let before = kept.iter().take(row);
+        before
+            .map(|j| all[i * found.len() + j])
+            .collect::<Vec<f64>>()
+    });
+    Some(Correlations {
+        below: below.collect(),
+        of: (kept.iter())
+            .map(|i| (names.name(found[*i].0), Language(names).term(&found[*i].1)))
+            .collect(),
+    })
+}
