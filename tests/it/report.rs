@@ -116,6 +116,36 @@ fn pages_stand_alone_and_are_the_same_every_time() {
 }
 
 #[test]
+fn correlations_of_coefficients_are_those_of_the_document() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = page(folder.path(), "pendulum_positions", &[]);
+    let text = std::fs::read_to_string(folder.path().join("pendulum_positions.json")).unwrap();
+    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let fits = document["correlations"].as_array().unwrap();
+    let of = |f: &serde_json::Value| {
+        f["below"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|r| r.as_f64().unwrap())
+            .collect::<Vec<f64>>()
+    };
+    let all: Vec<f64> = fits.iter().flat_map(of).collect();
+    assert!(!all.is_empty());
+    let shown: Vec<f64> = elements(&page)
+        .iter()
+        .filter_map(|tag| attribute(tag, "style")?.strip_prefix("--r:"))
+        .map(|r| r.parse().unwrap())
+        .collect();
+    assert_eq!(shown.len(), all.len());
+    let near = all
+        .iter()
+        .zip(&shown)
+        .all(|(r, shown)| (r.abs() - shown).abs() < 0.0051);
+    assert!(near, "{all:?} {shown:?}");
+}
+
+#[test]
 fn a_page_says_what_is_the_case() {
     let folder = tempfile::tempdir().unwrap();
     let duffing = page(folder.path(), "duffing", &["--holdout=25%"]);

@@ -2,6 +2,7 @@
 
 use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::Subject;
+use crate::report::sections::coefficient_correlation;
 use crate::report::sections::equations::{heading, reading};
 use crate::text::coefficient_inference::without;
 use crate::thresholds::FIGURES;
@@ -23,7 +24,7 @@ pub(crate) fn html(s: &Subject) -> Section {
     Section::new(
         "coefficients",
         "Coefficients",
-        lead(how) + &reading(s) + &body,
+        lead(how) + &reading(s) + &body + &coefficient_correlation::html(s),
     )
 }
 

@@ -1,5 +1,6 @@
 //! The sections of the report, a file each: a [`super::Subject`] as HTML.
 
+mod coefficient_correlation;
 pub(crate) mod coefficients;
 pub(crate) mod collinearity;
 mod correlation;
