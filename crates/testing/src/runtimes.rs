@@ -52,6 +52,13 @@ pub fn python(modules: &str) -> Option<PathBuf> {
     told(&format!("Python with {modules}"), all.into_iter().find(has))
 }
 
+/// A Python with fmpy, and what that compiles FMUs with.
+pub fn fmpy() -> Option<PathBuf> {
+    c_compiler()?;
+    runtime("make", &["make"])?;
+    python("fmpy.build, numpy")
+}
+
 /// What a program prints that has to end well.
 ///
 /// # Panics

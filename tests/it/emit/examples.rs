@@ -87,8 +87,7 @@ fn run(example: &Example, folder: &Path) -> Option<String> {
 
 /// Puts the binary into the FMU, as the page says; the Python that did.
 fn compiled_fmu(folder: &Path) -> Option<PathBuf> {
-    runtimes::c_compiler()?;
-    let python = runtimes::python("fmpy.build")?;
+    let python = runtimes::fmpy()?;
     let mut path = std::env::var_os("PATH").unwrap_or_default();
     // cmake lies beside the interpreter.
     path.push(format!(":{}", python.parent().unwrap().display()));

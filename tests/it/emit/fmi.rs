@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use super::events;
@@ -43,12 +43,6 @@ pub fn readable(written: Written) -> String {
 
 fn fmu(d: &Discovery) -> Vec<u8> {
     emit::target("fmi").unwrap().emit(d).unwrap().into_bytes()
-}
-
-/// fmpy with what compiles.
-fn fmpy() -> Option<PathBuf> {
-    runtimes::c_compiler()?;
-    runtimes::python("fmpy.build, numpy")
 }
 
 /// Functions that compile and open FMUs. cmake lies beside the interpreter.
@@ -138,7 +132,9 @@ fn functions(case: &Case, text: &str) -> Vec<&'static str> {
 
 #[test]
 fn an_fmu_agrees_with_the_evaluator() {
-    let Some(python) = fmpy() else { return };
+    let Some(python) = runtimes::fmpy() else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     let target = emit::target("fmi").unwrap();
     // Each is compiled for a second: those written by hand, and some drawn ones.
@@ -268,7 +264,9 @@ print(refused(lambda: fmu.getDirectionalDerivative([of['a']], [of['θ']], [1.0])
 /// Parameters are set, states are saved, misuse is refused with a sentence.
 #[test]
 fn an_fmu_has_parameters_and_says_what_is_missing() {
-    let Some(python) = fmpy() else { return };
+    let Some(python) = runtimes::fmpy() else {
+        return;
+    };
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("m.fmu"), fmu(&everything())).unwrap();
     let printed = run(&python, folder.path(), &format!("{OPENED}{EVERYTHING_RUN}"));
@@ -320,7 +318,9 @@ def course(name, step, given, start):
 /// Friction that sticks and slips, at events that CVODE finds, along forces in steps.
 #[test]
 fn an_fmu_runs_from_event_to_event() {
-    let Some(python) = fmpy() else { return };
+    let Some(python) = runtimes::fmpy() else {
+        return;
+    };
     for system in events::systems() {
         let folder = tempfile::tempdir().unwrap();
         let ours = events::ours(&system, folder.path());

@@ -100,7 +100,7 @@ fn terms_that_stand_out_are_firm() {
 fn errors_of_twins_are_opposite() {
     let mut d = discovery();
     let mut twins = blocks(0.1, Some(1e-4));
-    twins.support = vec![0, 1, 2];
+    twins.support = vec![0, 1, 5];
     assess_terms(&twins, &mut d);
     let [all] = &d.correlations[..] else {
         panic!("{:?}", d.correlations)
