@@ -50,6 +50,7 @@ mod rates;
 mod relation;
 mod relation_choices;
 mod report;
+mod report_figures;
 mod report_pages;
 mod reproduce;
 mod required;

@@ -142,3 +142,36 @@ fn chaos_is_told_by_prediction() {
     assert!(page.contains("then farther off than their mean"));
     assert!(!page.contains("fit \u{2212}") && page.contains("<td>below 0</td>"));
 }
+
+/// The first figure as SVG and its lines as CSV.
+const SAVE: &str = r#"<script>
+const kept = [];
+URL.createObjectURL = function (blob) { kept.push(blob); return '#'; };
+document.querySelectorAll('#series .save button').forEach(function (b, i) { if (2 > i) { b.click(); } });
+Promise.all(kept.map(b => b.text())).then(function (texts) {
+  document.title = texts.map(encodeURIComponent).join(' | ') + ' | end';
+});
+</script>"#;
+
+#[test]
+fn figures_can_be_taken_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(mut browser) = browser(folder.path()) else {
+        return;
+    };
+    let page = page(folder.path(), "duffing", &["--holdout=25%"]);
+    let html = folder.path().join("save.html");
+    std::fs::write(&html, page.replace("</body>", &format!("{SAVE}</body>"))).unwrap();
+    let title = title(browser.arg("--virtual-time-budget=2000"), &html);
+    let said: Vec<&str> = title.split(" | ").collect();
+    // A trajectory and its error are two plots.
+    let [svg, _, csv, ..] = said[..] else {
+        panic!("{title}");
+    };
+    assert!(
+        svg.starts_with("%3Csvg") && svg.contains("%3Ctext"),
+        "{svg}"
+    );
+    let lines = csv.matches("%0Ameasured").count();
+    assert!(lines > 10 && csv.starts_with("line%2Cx%2Cy"), "{csv}");
+}
