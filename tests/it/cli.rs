@@ -561,3 +561,52 @@ fn the_same_record_twice_is_said() {
         assert!(run.stderr.contains(said), "{}", run.stderr);
     }
 }
+
+/// What a newcomer does, and what then has to be said.
+#[test]
+fn slips_of_the_first_hour_are_answered() {
+    let dir = folder();
+    let data = "models/data/duffing.csv";
+    let model = write(dir.path(), "edited.sid", "state x\ndx ~ <x>\n");
+    let run = sidc(&["new", data, "-o", &model]);
+    refuses(&run, 1, &["error[file-exists]", "--force"]);
+    assert!(
+        std::fs::read_to_string(&model)
+            .unwrap()
+            .starts_with("state x\n")
+    );
+    assert_eq!(sidc(&["new", data, "-o", &model, "--force"]).status, 0);
+    assert!(
+        std::fs::read_to_string(&model)
+            .unwrap()
+            .starts_with("sidc 1\n")
+    );
+    refuses(
+        &sidc(&["identify", data]),
+        1,
+        &[
+            "error[no-model]",
+            "sidc new models/data/duffing.csv -o model.sid",
+        ],
+    );
+    for (given, meant) in [("0.3", "30%"), ("25", "25%")] {
+        let run = sidc(&[
+            "identify",
+            "models/duffing.sid",
+            data,
+            &format!("--holdout={given}"),
+        ]);
+        refuses(&run, 2, &[&format!("did you mean {meant}?")]);
+    }
+    let lost = write(
+        dir.path(),
+        "lost.sid",
+        "state x\ndata { x = \"x\"; u1 = \"u\" }\ndx ~ <x, u1>\n",
+    );
+    let run = sidc(&["check", &lost]);
+    assert!(
+        run.stderr.contains("`input u1`") && !run.stderr.contains("did you mean `x`"),
+        "{}",
+        run.stderr
+    );
+}

@@ -30,7 +30,7 @@ fn tables(folder: &Path) -> Vec<PathBuf> {
 fn is_used_as_it_stands(table: &Path, folder: &Path) {
     let model = folder.join("model.sid");
     let (table, model) = (table.to_str().unwrap(), model.to_str().unwrap());
-    let new = sidc(&["new", table, "-o", model]);
+    let new = sidc(&["new", table, "-o", model, "--force"]);
     assert_eq!(new.status, 0, "{table}: {}", new.stderr);
     let text = std::fs::read_to_string(model).unwrap();
     assert!(text.starts_with("sidc 1\n# A first model of "), "{text}");

@@ -122,7 +122,7 @@ fn a_rate_that_contradicts_its_positions_is_a_doubt_and_its_advice_helps() {
                 run.stdout
             );
             assert!(run.stdout.contains(said), "{}", run.stdout);
-            assert!(run.stdout.ends_with("\nnext: data { dx = none }\n"));
+            assert!(run.stdout.ends_with(":\n    data { dx = none }\n"));
             is_the_law(&identify(folder.path(), &x, dx, "data { dx = none }\n"));
         }
     }

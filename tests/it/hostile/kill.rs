@@ -41,7 +41,7 @@ fn jobs() -> Vec<Job> {
             "out.csv",
         ),
         job(&["export", "R.json", "--to", "c", "-o", "out.c"], "out.c"),
-        job(&["new", "t.csv", "-o", "out.sid"], "out.sid"),
+        job(&["new", "t.csv", "-o", "out.sid", "--force"], "out.sid"),
         Job {
             args: &["fmt", "out.sid"],
             file: "out.sid",

@@ -5,7 +5,9 @@ use sidc_lang::diagnostic::{Diagnostic, Fix};
 use super::{compiled, texts_in};
 
 /// Files and helps that no change of the text follows: they say what to think about.
-const WITHOUT: [&str; 7] = [
+const WITHOUT: [&str; 9] = [
+    "include: its statements may stand here instead",
+    "include: write `include \"file.sid\"`",
     "lets_grow: use a generator such as `poly(x; 3)` instead of products of products",
     "number_too_large: measure the quantity in another unit",
     "number_too_large: measure the quantity in another unit",
@@ -17,7 +19,7 @@ const WITHOUT: [&str; 7] = [
 
 /// File and message of mistakes that a fix uncovers: what stands in a statement that could not be read, or behind the first thing that is
 /// wrong in it, is checked when that is right.
-const UNCOVERED: [(&str, &str); 24] = [
+const UNCOVERED: [(&str, &str); 27] = [
     (
         "attribute_values",
         "an input either holds its value or moves linearly between samples",
@@ -59,6 +61,10 @@ const UNCOVERED: [(&str, &str); 24] = [
         "coefficients are found with the equation and need no names",
     ),
     ("unit_argument", "`cos` takes a pure number, not s"),
+    // Other files are not here.
+    ("foreign_words", "`motor.sid` is not at hand here"),
+    ("include", "`a.sid` is not at hand here"),
+    ("include", "`b.sid` is not at hand here"),
 ];
 
 fn edited(text: &str, fix: &Fix) -> String {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use sidc::HoldOutRange;
+use sidc_lang::number::significant;
 
 /// `2..10`, `..5`, `3..`
 pub fn window(text: &str) -> Result<(Option<f64>, Option<f64>), String> {
@@ -52,6 +53,11 @@ pub fn held_out(text: &str) -> Result<HeldOut, String> {
     let path = Path::new(text);
     if path.is_file() {
         return Ok(HeldOut::File(path.into()));
+    }
+    let part = text.parse::<f64>().ok().filter(|p| *p > 0.0 && *p < 100.0);
+    if let Some(part) = part {
+        let percent = if part < 1.0 { 100.0 * part } else { part };
+        return Err(format!("did you mean {}%?", significant(percent, 6)));
     }
     if !text.contains("..") {
         return Err(

@@ -33,6 +33,13 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let target = emit::target(&args.to).ok_or_else(|| unknown(&args.to))?;
     files::check_writable(args.output.as_deref(), [&args.result])?;
     let discovery = texts::result(&args.result)?.discovery;
+    if discovery.equations.is_empty() {
+        return Err(Failure::new(format!(
+            "error[nothing-to-export]: {} has no equation: none was found\n  = help: `sidc report {} DATA` says why",
+            shown(&args.result),
+            shown(&args.result)
+        )));
+    }
     let written = target
         .emit(&discovery)
         .map_err(|why| Failure::new(format!("error[not-expressible]: {why}")))?;

@@ -30,6 +30,9 @@ pub struct Args {
     /// Write the model here instead of on standard output
     #[arg(short, long)]
     output: Option<PathBuf>,
+    /// Replace the model that is there
+    #[arg(long)]
+    force: bool,
     /// A column that is time, by its header
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,
@@ -51,6 +54,16 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let mut sources = Sources::default();
     let data = std::slice::from_ref(&args.data);
     files::check_writable(args.output.as_deref(), data)?;
+    if let Some(path) = args
+        .output
+        .as_deref()
+        .filter(|p| p.is_file() && !args.force)
+    {
+        return Err(Failure::new(format!(
+            "error[file-exists]: {} is there already, and may have been edited\n  = help: name another file, or replace it with --force",
+            paths::shown(path)
+        )));
+    }
     let monitor = Monitor::plain();
     let tables = tables::read(data, args.memory_limit, &mut sources, &monitor)?.tables;
     let name = paths::short_name(&args.data);

@@ -22,9 +22,10 @@ impl InputFiles {
             .cloned()
             .partition(|f| f.extension().is_some_and(|e| e == "sid"));
         if models.is_empty() {
-            return Err(Failure::new(
-                "error[no-model]: no model among the files: a model's name ends in .sid",
-            ));
+            let table = data.first().map_or("data.csv".to_string(), |d| shown(d));
+            return Err(Failure::new(format!(
+                "error[no-model]: no model among the files: a model's name ends in .sid\n  = help: `sidc new {table} -o model.sid` writes a first one"
+            )));
         }
         Ok(InputFiles { models, data })
     }

@@ -235,7 +235,15 @@ fn beyond_library(
     let (many, lacking) = (change.enter.len(), all(&change.lacking));
     let text = match (many, change.leave.len()) {
         (many, _) if many > TRAJECTORY_DOUBTS.named_terms => {
-            format!("with {many} other terms, most of them not in the library, {better}")
+            let first: Vec<String> = all(&change.enter)
+                .into_iter()
+                .take(TRAJECTORY_DOUBTS.named_terms)
+                .collect();
+            let others = many - first.len();
+            format!(
+                "with {} and {others} more {better}; so many terms imitate what the model lacks",
+                first.join(", ")
+            )
         }
         (0, _) => {
             format!("without {leave} {better}: as the other equations change, it is not needed")

@@ -59,6 +59,7 @@ pub fn misspecification(
         path: Vec::new(),
     };
     let specification = Specification {
+        model,
         library,
         equation: &equation,
         unexplained: failed.reasons.iter().any(unexplained),

@@ -41,7 +41,7 @@ fn lacking(problem: &Problem, law: &Law) -> Vec<Term> {
     signals.extend(others);
     signals.truncate(LIBRARY_PROBE.max_signals);
     let present = &system.columns[law.columns.clone()];
-    let mut terms = standard_terms(&signals);
+    let mut terms = standard_terms(&signals, &|s| system.with_units.contains(&s));
     terms.retain(|t| !present.contains(t) && !may_diverge(problem, t));
     terms
 }

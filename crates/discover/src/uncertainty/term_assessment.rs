@@ -120,6 +120,12 @@ fn unneeded(
                 -without.cost
             ),
         );
+        // Where several terms take its place, none of them is better known than it is.
+        if without.enter.len() > 1 {
+            return reason.remedy(format!(
+                "compare with a model without {name}, on data held out"
+            ));
+        }
         let told = format!("leave {name} out of the library");
         let stated = model.equations.iter().find(|e| e.target == equation.target);
         match stated {

@@ -7,7 +7,7 @@ use crate::text::layout::{self, TEXT_WIDTH};
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
 use sidc_lang::term::{Signal, SignalNames, VarId};
-use sidc_system::discovery::Discovery;
+use sidc_system::discovery::{Discovery, Form};
 use sidc_system::predict::{DataKind, ErrorFigures, Prediction, SignalPrediction};
 use sidc_system::ranked_reasons::ranked;
 use sidc_system::verdict::{LawVerdict, RunStatus, RunVerdict, SignalRun, Verdict};
@@ -147,8 +147,7 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
         parts.push(format!("{} more end early ({})", ended.starts, ended.code));
     }
     let until = until(p);
-    // Beyond the time that chaos can be followed, a rival's figure means as little.
-    let rival = until.is_none().then(|| rival(&shown(d, p))).flatten();
+    let rival = rival(d, p).map(|r| r.text().to_string());
     parts.extend(until.into_iter().chain(rival));
     parts.extend(p.unavailable.iter().map(|why| why.text.clone()));
     parts.extend(met);
@@ -210,21 +209,74 @@ fn figure(e: ErrorFigures) -> String {
     e.quantile_90.map_or("∞".into(), |x| significant(x, 2))
 }
 
-/// What predicts every signal better than the equations do, where that is more than rounding.
-pub(crate) fn rival(signals: &[&SignalPrediction]) -> Option<String> {
-    let worse = |of: &dyn Fn(&SignalPrediction) -> Option<ErrorFigures>| {
-        !signals.is_empty()
-            && signals.iter().all(|s| {
-                let own = s.error.quantile_90.unwrap_or(f64::INFINITY);
-                let rival = of(s).and_then(|e| e.quantile_90);
-                let visible = own > PRINTED.exact_prediction * s.spread;
-                visible && rival.is_some_and(|r| r < own)
+/// What predicts better than the equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rival {
+    NoChange,
+    Linear,
+}
+
+impl Rival {
+    pub fn text(self) -> &'static str {
+        match self {
+            Rival::NoChange => "worse than no change",
+            Rival::Linear => "a linear model is better",
+        }
+    }
+}
+
+/// What predicts every signal better than the equations do, where that is more than rounding. Beyond the time that chaos can be followed, a
+/// rival's figure means as little as theirs: there it has to be better from the first step on.
+pub fn rival(d: &Discovery, p: &Prediction) -> Option<Rival> {
+    let signals = shown(d, p);
+    let chaotic = signals.iter().any(|s| s.follows.is_some());
+    [Rival::NoChange, Rival::Linear].into_iter().find(|rival| {
+        let at_horizon = |s: &SignalPrediction| {
+            let other = match rival {
+                Rival::NoChange => Some(s.no_change),
+                Rival::Linear => s.linear,
+            };
+            loses(s, s.error, other)
+        };
+        let at_first = |s: &SignalPrediction| {
+            s.curve.first().is_some_and(|first| {
+                let other = match rival {
+                    Rival::NoChange => Some(first.no_change),
+                    Rival::Linear => first.linear,
+                };
+                loses(s, first.error, other)
             })
-    };
-    match (worse(&|s| Some(s.no_change)), worse(&|s| s.linear)) {
-        (true, _) => Some("worse than no change".into()),
-        (false, true) => Some("the linear model is better".into()),
-        _ => None,
+        };
+        let beaten = |s: &&SignalPrediction| at_horizon(s) && (!chaotic || at_first(s));
+        !signals.is_empty() && signals.iter().all(beaten)
+    })
+}
+
+/// Whether an error is larger than another, and than rounding.
+fn loses(s: &SignalPrediction, own: ErrorFigures, other: Option<ErrorFigures>) -> bool {
+    let own = own.quantile_90.unwrap_or(f64::INFINITY);
+    let visible = own > PRINTED.exact_prediction * s.spread;
+    visible && other.and_then(|e| e.quantile_90).is_some_and(|r| r < own)
+}
+
+/// What is to be tried where something simpler predicts better than equations that nothing else speaks against.
+pub fn instead(d: &Discovery, rival: Rival) -> String {
+    match rival {
+        Rival::NoChange => {
+            "look where they fail: no change at all predicts better than these equations".into()
+        }
+        Rival::Linear => {
+            let form = Form::new(d);
+            let own = d.equations.iter().filter(|e| !e.terms.is_empty());
+            let targets: Vec<String> = own.map(|e| d.name(e.target)).collect();
+            let signals = form.state.iter().chain(&form.inputs);
+            let signals: Vec<String> = signals.map(|s| d.name(*s)).collect();
+            format!(
+                "a linear model predicts better than these equations; try it, `{} ~ poly({}; 1)`",
+                targets.join(", "),
+                signals.join(", ")
+            )
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! In: a name and its place. Out: one error for each name, with the nearest name in scope or the way to declare it.
 
-use crate::ast::{Call, Expr as Ast, Keyword, StatementKind};
+use crate::ast::{Call, Entry, EntryKind, Expr as Ast, Keyword, StatementKind};
 use crate::check::checker::Checker;
 use crate::check::errors;
 use crate::check::undeclared_constants::Undeclared;
@@ -68,6 +68,17 @@ impl Checker<'_> {
         self.fail(d)
     }
 
+    /// Whether the data block says where the values of this name are.
+    fn has_column(&self, text: &str) -> bool {
+        let mut blocks = self.statements().filter_map(|s| match &s.kind {
+            StatementKind::Data(entries) => Some(entries),
+            _ => None,
+        });
+        let names =
+            |e: &Entry| matches!(&e.kind, EntryKind::Source { name, .. } if name.text == text);
+        blocks.any(|entries| entries.iter().any(names))
+    }
+
     fn describe_unknown(&self, at: Span, text: &str) -> Diagnostic {
         if self.function_named(text).is_some() {
             return self.without_argument(at, text);
@@ -87,7 +98,10 @@ impl Checker<'_> {
         }
         let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
         let constant = functions::constant(text).map(str::to_string);
-        let meant = constant.or_else(|| self.meant(text));
+        // A name that a column is read for is none of the others misspelt.
+        let meant = constant
+            .or_else(|| self.meant(text))
+            .filter(|_| !self.has_column(text));
         let d = match &meant {
             Some(name) => {
                 let d = d.at(at, format!("did you mean `{name}`?")).fix(at, name);

@@ -103,6 +103,11 @@ impl Unit {
         Some((base, scale))
     }
 
+    /// Whether it is a number without a unit, or an angle in rad: what sines and exponentials take.
+    pub fn is_pure_number(&self) -> bool {
+        self.commensurability(&Unit::one()) == Commensurability::Same
+    }
+
     /// Whether numbers in the two units may be added, with or without a conversion.
     pub fn commensurability(&self, other: &Unit) -> Commensurability {
         let (Some((a, k)), Some((b, l))) = (self.in_base(), other.in_base()) else {

@@ -8,10 +8,11 @@ pub(super) fn nothing(d: &Discovery) -> Diagnostic {
     let failed: Vec<String> = d.failed.iter().map(|f| d.name(f.target)).collect();
     let out = Diagnostic::error("nothing-to-simulate", "the result has no equation");
     match failed.is_empty() {
-        true => out,
-        false => out.fact(format!("not found: {}", failed.join(", "))),
+        true => out.help("find the equations first: sidc identify MODEL.sid DATA.csv -o R.json"),
+        false => out
+            .fact(format!("not found: {}", failed.join(", ")))
+            .help("why none was found is told by `sidc report R.json DATA.csv`"),
     }
-    .help("find the equations first: sidc identify MODEL.sid DATA.csv -o R.json")
 }
 
 pub(super) fn no_rows() -> Diagnostic {

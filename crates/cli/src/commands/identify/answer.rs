@@ -81,9 +81,14 @@ impl Answer<'_> {
             text.push_str(&self.evidence());
             text.push('\n');
         }
-        let tables = self.candidate.source.files.get(1..).unwrap_or_default();
         let held_out = !measured.held_out.is_empty();
-        text.push_str(&next_step::line(self.args, tables, d, held_out));
+        let found = (d, &self.found.verdict.prediction);
+        text.push_str(&next_step::line(
+            self.args,
+            &self.candidate.source,
+            found,
+            held_out,
+        ));
         text
     }
 

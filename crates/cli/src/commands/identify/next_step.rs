@@ -4,8 +4,11 @@
 //! is tried on data not used, kept, then reported.
 
 use super::arguments::Args;
-use sidc_emit::{TEXT_WIDTH, wrapped};
+use sidc::pipeline::ModelSource;
+use sidc_emit::{TEXT_WIDTH, instead, rival, wrapped};
+use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{Change, Discovery, ReasonCode};
+use sidc_system::predict::Prediction;
 use sidc_system::ranked_reasons::{RankedReason, change, ranked};
 use sidc_system::result::FileEntry;
 
@@ -16,18 +19,30 @@ const HELD_OUT: &str = "--holdout=25%";
 /// Where the result is proposed to be kept.
 const RESULT: &str = "result.json";
 
-/// `next: sidc identify model.sid data.csv --robust`. `tables` are the files of the data; `held_out` says whether some were not used.
-pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery, held_out: bool) -> String {
+/// `next: sidc identify model.sid data.csv --robust`. `held_out` says whether some data were not used.
+pub fn line(
+    args: &Args,
+    source: &ModelSource,
+    (discovery, prediction): (&Discovery, &Prediction),
+    held_out: bool,
+) -> String {
     let reasons = ranked(discovery);
+    // On data that it was fitted to a linear model has no merit of its own.
+    let simpler = rival(discovery, prediction).filter(|_| held_out);
     let step = match reasons.first() {
-        None => command(&afterwards(args, tables, held_out)),
+        None if simpler.is_some() => {
+            simpler.map_or(String::new(), |r| words(&instead(discovery, r)))
+        }
+        None => command(&afterwards(args, &source.files, held_out)),
         Some(first) => {
             let cost = first.reason.code.cost();
             let alike = reasons.iter().filter(|r| r.reason.code.cost() == cost);
             let mut at_hand = alike.filter_map(|r| Some((&r.reason.code, change(r.reason)?)));
             match at_hand.next() {
                 Some((_, Change::Options(options))) => command(&again(options)),
-                Some((code, Change::Model(_))) => statements(&reasons, code),
+                Some((code, Change::Model(_))) => {
+                    statements(&source.name, discovery, &reasons, code)
+                }
                 None => words(first.reason.advice()),
             }
         }
@@ -35,13 +50,17 @@ pub fn line(args: &Args, tables: &[FileEntry], discovery: &Discovery, held_out: 
     format!("next: {step}\n")
 }
 
-/// The lines of the model that answer all reasons of one code. Entries of the data block stand in one block.
-fn statements(reasons: &[RankedReason], code: &ReasonCode) -> String {
+/// The lines of the model that answer all reasons of one code, and what they take the place of. Entries of the data block stand in one block.
+fn statements(
+    model: &str,
+    discovery: &Discovery,
+    reasons: &[RankedReason],
+    code: &ReasonCode,
+) -> String {
     let of_code = reasons.iter().filter(|r| r.reason.code == *code);
     let mut lines: Vec<&String> = Vec::new();
     for change in of_code.filter_map(|r| change(r.reason)) {
         if let Change::Model(more) = change {
-            let subject = |line: &str| line.split('~').next().map(String::from);
             // A statement takes one change at a time.
             let fresh = |l: &&String| lines.iter().all(|k| subject(k) != subject(l));
             let more: Vec<&String> = more.iter().filter(fresh).collect();
@@ -53,7 +72,37 @@ fn statements(reasons: &[RankedReason], code: &ReasonCode) -> String {
     let block = (!entries.is_empty()).then(|| format!("data {{ {} }}", entries.join("; ")));
     // A statement goes on behind an operator or a comma.
     let each = others.map(|l| words(l)).chain(block);
-    each.collect::<Vec<String>>().join("\n    ")
+    let each: Vec<String> = each.collect();
+    let replaced: Vec<String> = lines.iter().flat_map(|l| replaced(discovery, l)).collect();
+    let place = match replaced.is_empty() {
+        true => String::new(),
+        false => format!(", in place of {}", replaced.join(", ")),
+    };
+    format!("add to {model}{place}:\n    {}", each.join("\n    "))
+}
+
+/// What of the model a line takes the place of: the equations of its targets, the declaration of a variable.
+fn replaced(d: &Discovery, line: &str) -> Vec<String> {
+    let declared = ["state ", "input ", "output ", "param "];
+    if let Some(rest) = declared.iter().find_map(|word| line.strip_prefix(word)) {
+        let name = rest.split([' ', ':', ',']).next().unwrap_or(rest);
+        let known = d.variables.iter().any(|v| v.name == name);
+        return known
+            .then(|| format!("the declaration of {name}"))
+            .into_iter()
+            .collect();
+    }
+    let asked = d.equations.iter().map(|e| e.target);
+    let asked = asked.chain(d.failed.iter().map(|f| f.target));
+    let asked: Vec<String> = asked.map(|target| d.name(target)).collect();
+    let left = subject(line).split(',').map(str::trim);
+    let known = left.filter(|t| asked.iter().any(|a| a == t));
+    known.map(|t| format!("the equation of {t}")).collect()
+}
+
+/// What an equation is of, or a declaration.
+fn subject(line: &str) -> &str {
+    line.split(['~', '=']).next().unwrap_or(line)
 }
 
 /// `dx = none` of `data { dx = none }`.
@@ -71,7 +120,7 @@ fn command(text: &str) -> String {
 }
 
 /// After an answer without reasons against it.
-fn afterwards(args: &Args, tables: &[FileEntry], held_out: bool) -> String {
+fn afterwards(args: &Args, files: &[FileEntry], held_out: bool) -> String {
     match &args.output {
         _ if !held_out => again(HELD_OUT),
         None => again(&format!("-o {RESULT}")),
@@ -81,7 +130,8 @@ fn afterwards(args: &Args, tables: &[FileEntry], held_out: bool) -> String {
                 "report".into(),
                 quoted(&path.to_string_lossy()),
             ];
-            words.extend(tables.iter().map(|file| quoted(&file.name)));
+            let tables = files.iter().filter(|f| !f.name.ends_with(".sid"));
+            words.extend(tables.map(|file| quoted(&file.name)));
             words.extend(["-o".into(), "report.html".into()]);
             words.join(" ")
         }

@@ -200,6 +200,7 @@ fn median_step(design: &ScaledDesign) -> Option<f64> {
 fn misspecification(design: &ScaledDesign, library: &Library, read: &Samples) -> Option<Finding> {
     let unexplained = |r: &Reason| UNEXPLAINED.contains(&r.code);
     let specification = Specification {
+        model: design.model,
         library,
         equation: design.equation,
         unexplained: design.equation.reasons.iter().any(unexplained),

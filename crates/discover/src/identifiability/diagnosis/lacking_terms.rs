@@ -5,15 +5,17 @@
 use crate::dictionary::evaluate;
 use crate::identifiability::thresholds::MISSPECIFICATION;
 use crate::scaled_design::OrthonormalBasis;
-use crate::standard_terms::{calls, standard_terms};
+use crate::standard_terms::{calls, has_unit, standard_terms};
 use crate::statistics::norm;
 use sidc_data::Samples;
 use sidc_lang::library::Library;
+use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_solve::simd::dot;
 
 /// What a fit leaves of its target.
 pub(super) struct Residual<'a> {
+    pub model: &'a Model,
     pub target: Signal,
     pub library: &'a Library,
     pub samples: &'a Samples,
@@ -28,7 +30,7 @@ impl Residual<'_> {
     /// Each standard term that the library lacks, with the square that it takes off the residual's. Terms of which less than
     /// `dependent` of the squared length is off the span of the fitted columns are left out.
     pub fn gains(&self, dependent: f64) -> impl Iterator<Item = (f64, Term)> {
-        let all = standard_terms_of(self.target, self.samples).into_iter();
+        let all = standard_terms_of(self.model, self.target, self.samples).into_iter();
         let lacking = all.filter(|t| self.library.contains(t).is_none());
         lacking.filter_map(move |term| Some((self.gain(&term, dependent)?, term)))
     }
@@ -53,7 +55,7 @@ impl Residual<'_> {
 }
 
 /// Standard terms of the measured signals, the simplest first.
-fn standard_terms_of(target: Signal, samples: &Samples) -> Vec<Term> {
+fn standard_terms_of(model: &Model, target: Signal, samples: &Samples) -> Vec<Term> {
     let usable = |s: &Signal| {
         let of_target = s.var == target.var && s.der >= target.der && s.shift >= target.shift;
         // The rate of another state is what its own equation is for.
@@ -62,18 +64,20 @@ fn standard_terms_of(target: Signal, samples: &Samples) -> Vec<Term> {
     };
     let measured = samples.columns.iter().map(|c| c.signal).filter(usable);
     let measured: Vec<Signal> = measured.take(MISSPECIFICATION.signals).collect();
-    let mut all = standard_terms(&measured);
-    all.extend(inertia(target, samples, &measured));
+    let mut all = standard_terms(&measured, &|s| has_unit(model, s));
+    all.extend(inertia(model, target, samples, &measured));
     all
 }
 
 /// The accelerations of other coordinates, by which coupled bodies act on each other, alone and times the sine or cosine of a coordinate.
-fn inertia(target: Signal, samples: &Samples, signals: &[Signal]) -> Vec<Term> {
+fn inertia(model: &Model, target: Signal, samples: &Samples, signals: &[Signal]) -> Vec<Term> {
     let of_another = |s: &Signal| s.der == 2 && target.der == 2 && s.var != target.var;
     let measured = samples.columns.iter().map(|c| c.signal);
     let coordinates: Vec<Signal> = signals.iter().copied().filter(|s| s.der == 0).collect();
     let mut factors = vec![Term::one()];
-    factors.extend(calls(&["sin", "cos"], &coordinates));
+    factors.extend(calls(&["sin", "cos"], &coordinates, &|s| {
+        has_unit(model, s)
+    }));
     let products = |s: Signal| factors.iter().map(move |f| Term::signal(s).mul(f));
     measured.filter(of_another).flat_map(products).collect()
 }

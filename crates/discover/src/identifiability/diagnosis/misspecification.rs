@@ -11,6 +11,7 @@ use crate::scaled_design::OrthonormalBasis;
 use crate::statistics::norm;
 use sidc_data::{Origin, Samples};
 use sidc_lang::library::Library;
+use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::Equation;
@@ -30,6 +31,7 @@ pub enum Misspecification {
 
 /// What the model states of an equation, and whether the equation found explains the target.
 pub struct Specification<'a> {
+    pub model: &'a Model,
     pub library: &'a Library,
     pub equation: &'a Equation,
     pub unexplained: bool,
@@ -127,6 +129,7 @@ fn missing_term(specification: &Specification, l: &Projection) -> Option<(Term, 
     let square = dot(&l.residual, &l.residual);
     let mut best: Option<(f64, Term)> = None;
     let residual = Residual {
+        model: specification.model,
         target: specification.equation.target,
         library: specification.library,
         samples: &l.samples,

@@ -57,6 +57,7 @@ fn term_of_law(design: &ScaledDesign, library: &Library) -> Option<(Term, f64)> 
     let left = basis.residual(&design.target);
     let square = dot(&left, &left);
     let residual = Residual {
+        model: design.model,
         target,
         library,
         samples: &design.samples,

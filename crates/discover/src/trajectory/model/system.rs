@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
+use crate::standard_terms::has_unit;
 use sidc_lang::library::{Library, known_terms};
 use sidc_lang::model::{LibExpr, LibKind, Model, RightSide, VarKind};
 use sidc_lang::term::{Expr, Signal, Term, VarId};
@@ -26,6 +27,8 @@ pub struct System {
     pub exogenous: Vec<Signal>,
     /// Which of them belong to states without a law, whose values are noisy measurements.
     pub noisy_exogenous: Vec<bool>,
+    /// States and exogenous signals in a unit that is no pure number.
+    pub with_units: BTreeSet<Signal>,
     /// What the coefficients obey; none at first.
     pub constraints: CoefficientConstraints,
 }
@@ -95,6 +98,7 @@ impl System {
             columns: Vec::new(),
             exogenous: Vec::new(),
             noisy_exogenous: Vec::new(),
+            with_units: BTreeSet::new(),
             constraints: CoefficientConstraints::default(),
         };
         for (i, equation) in model.equations.iter().enumerate() {
@@ -144,6 +148,8 @@ impl System {
         let noisy_exogenous =
             |s: &Signal| model.var(s.var).is_some_and(|v| v.kind == VarKind::State);
         system.noisy_exogenous = system.exogenous.iter().map(noisy_exogenous).collect();
+        let signals = system.states.iter().chain(&system.exogenous).copied();
+        system.with_units = signals.filter(|s| has_unit(model, *s)).collect();
         Ok(system)
     }
 

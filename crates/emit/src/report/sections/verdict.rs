@@ -3,7 +3,7 @@
 use crate::report::markup::section_head;
 use crate::report::report_contents::Subject;
 use crate::report::sections::{prediction, prediction_bands};
-use crate::text::verdict::{answers, rival, shown};
+use crate::text::verdict::{Rival, answers, instead, rival, shown};
 use crate::thresholds::PRINTED;
 use crate::typeset::mathml::{MathMl, escape};
 use crate::unknown_constants;
@@ -116,7 +116,7 @@ fn predicts(d: &Discovery, p: &Prediction) -> Badge {
         _ if p.signals.is_empty() => (OPEN, "none"),
         Some(true) => (GOOD, "good enough"),
         Some(false) if p.on == DataKind::HeldOut => (BAD, "not good enough"),
-        _ if rival(&shown(d, p)).is_some() => (DOUBT, "a simpler model is better"),
+        _ if rival(d, p).is_some() => (DOUBT, rival(d, p).map_or("", Rival::text)),
         _ if p.on == DataKind::Used => (OPEN, "on the data used alone"),
         _ if beats_linear(&shown(d, p)) => (GOOD, "better than a linear model"),
         _ => (OPEN, "not better in every signal"),
@@ -173,12 +173,21 @@ fn next(s: &Subject) -> String {
     let d = s.discovery;
     let held_out = s.document.verdict.as_ref();
     let held_out = held_out.is_some_and(|v| v.prediction.on == DataKind::HeldOut);
+    let simpler = s
+        .document
+        .verdict
+        .as_ref()
+        .and_then(|v| rival(d, &v.prediction));
+    if let (LawVerdict::Passes, Some(rival), true) = (LawVerdict::of(d), simpler, held_out) {
+        return format!("<p><b>Next:</b> {}</p>\n", escape(&instead(d, rival)));
+    }
+    let result = escape(s.name);
     let next = match (LawVerdict::of(d), held_out) {
         (LawVerdict::Passes, false) => {
-            "hold out a part of the data, so that predictions are judged on what the equations have not seen: <code>sidc identify … --holdout=25%</code>"
+            "hold out a part of the data, so that predictions are judged on what the equations have not seen: <code>sidc identify … --holdout=25%</code>".to_string()
         }
         (LawVerdict::Passes, true) => {
-            "use it: <code>sidc export python …</code> writes code, <code>sidc simulate …</code> runs it"
+            format!("use it: <code>sidc export {result} --to python</code> writes code, <code>sidc simulate {result} DATA</code> runs it")
         }
         _ => return String::new(),
     };

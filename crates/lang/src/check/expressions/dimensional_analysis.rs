@@ -292,7 +292,7 @@ impl<'f> Pass<'_, 'f> {
         let Measure::Is(unit) = self.measure(e) else {
             return;
         };
-        if unit.commensurability(&Unit::one()) == Commensurability::Same {
+        if unit.is_pure_number() {
             return;
         }
         let argument = Summand {
