@@ -90,9 +90,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         ]);
     }
     let text = format!(
-        "![Error against the noise bound](bounds.svg)\n\nNormal noise on the target, {SAMPLES} samples of 6,561 terms, medians of {draws} draws; ε as above. Theory promises an error of at most Cε, with C from a restricted isometry that \
-         is not there. What is measured: {}. ℓ1 pays for not knowing the support: against least squares on the true terms its error is {} times as large, since ε lets every coefficient shrink. So the coefficients should be fitted anew \
-         once the terms are known, which `sidc` does.\n",
+        "![Error against the noise bound](bounds.svg)\n\nNormal noise on the target, {SAMPLES} samples of 6,561 terms, medians of {draws} draws; ε as above. Measured: {}. ℓ1 pays for not knowing the support: against least squares on the true terms its error is {} times as large, since ε lets every coefficient shrink. So `sidc` fits the coefficients anew once the terms are known.\n",
         constants(&points),
         ratio(&points),
     );

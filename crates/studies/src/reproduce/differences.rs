@@ -170,7 +170,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
         }
     }
     let text = format!(
-        "{}\n\n{}\n![Errors where a residual is allowed](differences.svg)\n\n{}\nThe textbook method ended so: {}.\n",
+        "{}\n\n{}\n![Errors where a residual is allowed](differences.svg)\n\n{}\nThe textbook method ended: {}.\n",
         include_str!("../bin/reproduce/misprints.md").trim_end(),
         beside.markdown(),
         include_str!("../bin/reproduce/not-arrived.md").trim_end(),

@@ -41,8 +41,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         }
     }
     let text = format!(
-        "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. A term weighs κ^d times the length of its column, where d adds up, over its factors, exponent times variation; the variation of a factor is its standard deviation over its root mean square on the samples, 1 about zero and 0 where it stays the \
-         same ([the method](../method.md#graded-norms)). *Graded* is what `sidc identify` tries: the plain norm, κ = 1.5 and κ = 4, and where none of these leads to a sparse answer, each factor made dear in turn; the answer of fewest terms counts. *Plain* is κ = 1 alone. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n\n\
+        "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. A term weighs κ^d times the length of its column, d its degree by variation ([the method](../method.md#graded-norms)). *Graded* is what `sidc identify` tries; *plain* is κ = 1 alone. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n\n\
          Systems whose laws are not tied to each other, samples for 95 % of {} draws:\n\n{}",
         table.markdown(),
         100.0 * WANTED,
