@@ -54,6 +54,10 @@ fn several_results_are_compared_on_one_page() {
     ] {
         assert!(figure.contains(line), "{line}");
     }
+    // What the poor one lacks is a line to copy on its own page.
+    let alone = sidc(&["report", &other, data, "-q"]).stdout;
+    let line = "<pre>ddx ~ &lt;x, dx, cos(t), 1&gt; + &lt;u&gt;</pre>";
+    assert!(alone.contains(line), "{alone}");
     let many: Vec<&str> = std::iter::repeat_n(own.as_str(), 7).collect();
     let run = sidc(&[&["report"], many.as_slice(), &[data]].concat());
     assert_eq!(run.status, 1);

@@ -67,6 +67,16 @@ pub(crate) fn paragraph(text: &str) -> String {
     format!("<p>{}</p>\n", escape(text))
 }
 
+/// A sentence in which backquotes enclose what is typed.
+pub(crate) fn with_code(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    let parts = parts.map(|(i, part)| match i % 2 {
+        0 => escape(part),
+        _ => format!("<code>{}</code>", escape(part)),
+    });
+    parts.collect()
+}
+
 /// The paragraph under a heading that says how to read the section.
 pub(crate) fn lead(text: &str) -> String {
     format!("<p class=\"lead\">{}</p>\n", escape(text))
@@ -119,6 +129,10 @@ mod tests {
     fn figures_are_typeset() {
         assert_eq!(number(-1.5e-7, 3), "−1.5·10⁻⁷");
         assert_eq!(number(1e12, 3), "10¹²");
+        assert_eq!(
+            with_code("try `a < b` now"),
+            "try <code>a &lt; b</code> now"
+        );
         assert_eq!(number(-0.25, 3), "−0.25");
         assert_eq!(number(f64::NAN, 3), "–");
         assert_eq!(counted(1_234_567, "row"), "1,234,567 rows");

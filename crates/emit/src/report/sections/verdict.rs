@@ -1,15 +1,15 @@
 //! The first screen: the equations, the three answers, the worst prediction, what to do next.
 
-use crate::report::markup::section_head;
+use crate::report::markup::{section_head, with_code};
 use crate::report::report_contents::Subject;
 use crate::report::sections::{prediction, prediction_bands};
 use crate::text::verdict::{Rival, answers, instead, rival, shown};
 use crate::thresholds::PRINTED;
 use crate::typeset::mathml::{MathMl, escape};
 use crate::unknown_constants;
-use sidc_system::discovery::{Discovery, Reason, Status};
+use sidc_system::discovery::{Change, Discovery, Reason, Status};
 use sidc_system::predict::{DataKind, Prediction, SignalPrediction};
-use sidc_system::ranked_reasons::{foremost, ranked};
+use sidc_system::ranked_reasons::{change, foremost, ranked};
 use sidc_system::verdict::{LawVerdict, RunStatus, Verdict};
 
 /// Equations that stand before the answers.
@@ -150,16 +150,25 @@ pub(crate) fn reasons(d: &Discovery, behind: impl Fn(&Reason) -> String) -> Stri
     let each = foremost.iter().map(|r| {
         let (text, help) = (&r.reason.text, r.reason.explained_advice());
         format!(
-            "<li>{}; <strong>{}</strong>{}</li>\n",
+            "<li>{}; <strong>{}</strong>{}{}</li>\n",
             escape(text),
             escape(&help),
-            behind(r.reason)
+            behind(r.reason),
+            lines(r.reason)
         )
     });
     let each: String = each.collect();
     match each.is_empty() {
         true => each,
         false => format!("<ul>\n{each}</ul>\n"),
+    }
+}
+
+/// The lines of the model that answer a reason, to be copied.
+fn lines(r: &Reason) -> String {
+    match change(r) {
+        Some(Change::Model(lines)) => format!("<pre>{}</pre>", escape(&lines.join("\n"))),
+        _ => String::new(),
     }
 }
 
@@ -179,7 +188,7 @@ fn next(s: &Subject) -> String {
         .as_ref()
         .and_then(|v| rival(d, &v.prediction));
     if let (LawVerdict::Passes, Some(rival), true) = (LawVerdict::of(d), simpler, held_out) {
-        return format!("<p><b>Next:</b> {}</p>\n", escape(&instead(d, rival)));
+        return format!("<p><b>Next:</b> {}</p>\n", with_code(&instead(d, rival)));
     }
     let result = escape(s.name);
     let next = match (LawVerdict::of(d), held_out) {
