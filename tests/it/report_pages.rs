@@ -70,6 +70,16 @@ fn several_results_are_compared_on_one_page() {
     assert!(run.stderr.contains("error[no-data]"), "{}", run.stderr);
 }
 
+/// The title that a script gives to the page of a Duffing oscillator, if there is a Chromium.
+fn scripted(folder: &Path, script: &str) -> Option<String> {
+    let mut browser = browser(folder)?;
+    let page = page(folder, "duffing", &["--holdout=25%"]);
+    let html = folder.join("scripted.html");
+    std::fs::write(&html, page.replace("</body>", &format!("{script}</body>"))).unwrap();
+    browser.args(["--window-size=1280,900", "--virtual-time-budget=2000"]);
+    Some(title(&mut browser, &html))
+}
+
 /// A stretch of time drawn with the mouse over the first figure, its marks in all figures, and back.
 const STRETCH: &str = r#"<script>
 const all = document.querySelectorAll('#series svg[data-x]'), said = [];
@@ -94,13 +104,9 @@ document.title = said.join(' | ');
 #[test]
 fn figures_over_the_same_times_show_one_stretch() {
     let folder = tempfile::tempdir().unwrap();
-    let Some(mut browser) = browser(folder.path()) else {
+    let Some(title) = scripted(folder.path(), STRETCH) else {
         return;
     };
-    let page = page(folder.path(), "duffing", &["--holdout=25%"]);
-    let html = folder.path().join("stretch.html");
-    std::fs::write(&html, page.replace("</body>", &format!("{STRETCH}</body>"))).unwrap();
-    let title = title(browser.arg("--window-size=1280,900"), &html);
     let said: Vec<&str> = title.split(" | ").collect();
     let [linked, labels, read, back, large] = said[..] else {
         panic!("{title}");
@@ -160,13 +166,9 @@ Promise.all(kept.map(b => b.text())).then(function (texts) {
 #[test]
 fn figures_can_be_taken_away() {
     let folder = tempfile::tempdir().unwrap();
-    let Some(mut browser) = browser(folder.path()) else {
+    let Some(title) = scripted(folder.path(), SAVE) else {
         return;
     };
-    let page = page(folder.path(), "duffing", &["--holdout=25%"]);
-    let html = folder.path().join("save.html");
-    std::fs::write(&html, page.replace("</body>", &format!("{SAVE}</body>"))).unwrap();
-    let title = title(browser.arg("--virtual-time-budget=2000"), &html);
     let said: Vec<&str> = title.split(" | ").collect();
     // A trajectory and its error are two plots.
     let [svg, _, csv, ..] = said[..] else {

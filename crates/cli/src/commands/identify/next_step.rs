@@ -29,12 +29,10 @@ pub fn line(
     let reasons = ranked(discovery);
     // On data that it was fitted to a linear model has no merit of its own.
     let simpler = rival(discovery, prediction).filter(|_| held_out);
-    let step = match reasons.first() {
-        None if simpler.is_some() => {
-            simpler.map_or(String::new(), |r| words(&instead(discovery, r)))
-        }
-        None => command(&afterwards(args, &source.files, held_out)),
-        Some(first) => {
+    let step = match (reasons.first(), simpler) {
+        (None, Some(rival)) => words(&instead(discovery, rival)),
+        (None, None) => command(&afterwards(args, &source.files, held_out)),
+        (Some(first), _) => {
             let cost = first.reason.code.cost();
             let alike = reasons.iter().filter(|r| r.reason.code.cost() == cost);
             let mut at_hand = alike.filter_map(|r| Some((&r.reason.code, change(r.reason)?)));
