@@ -67,6 +67,7 @@ pub fn identify(
         rows: Rows {
             samples: &measured.samples,
             read: None,
+            unread: &measured.dataset.unread,
         },
         stretches: None,
         options: search,

@@ -55,6 +55,7 @@ pub(super) fn jointly(
         rows: Rows {
             samples: &fitted.samples,
             read: read.as_ref(),
+            unread: &dataset.unread,
         },
         stretches: fitted.stretches.as_ref(),
         options: search,

@@ -575,7 +575,9 @@ fn slips_of_the_first_hour_are_answered() {
             .unwrap()
             .starts_with("state x\n")
     );
-    assert_eq!(sidc(&["new", data, "-o", &model, "--force"]).status, 0);
+    let run = sidc(&["new", data, "-o", &model, "--force"]);
+    let next = format!("next: sidc identify {model} {data}\n");
+    assert_eq!((run.status, run.stderr), (0, next));
     assert!(
         std::fs::read_to_string(&model)
             .unwrap()

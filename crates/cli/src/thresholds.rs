@@ -52,6 +52,8 @@ family! {
     pub(crate) LISTS: Lists {
         /// Starts of one free run.
         starts: usize = 3, unit "starts", source "set by hand";
+        /// Columns of the data that the model does not read.
+        unread: usize = 12, unit "columns", source "set by hand";
         /// Signals with their units.
         units: usize = 24, unit "signals", source "set by hand";
     }

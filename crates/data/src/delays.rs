@@ -199,6 +199,7 @@ mod tests {
             }],
             inputs: between.map(input).into_iter().collect(),
             rate_faults: Vec::new(),
+            unread: Vec::new(),
         }
     }
 

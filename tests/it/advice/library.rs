@@ -103,11 +103,19 @@ pub fn poor_fit() -> Scenario {
 
 /// A body on a spring whose input is declared and in no library.
 pub fn forgotten_input() -> Scenario {
+    pushed("state x : order 2\ninput u : linear\nddx ~ <x, dx, x^3>\n")
+}
+
+/// The same with a column for the input that no line of the model reads.
+pub fn unread_input() -> Scenario {
+    pushed("state x : order 2\nddx ~ <x, dx, x^3>\n")
+}
+
+fn pushed(model: &str) -> Scenario {
     let push = |t: f64| (1.3 * t).sin() + 0.7 * (0.31 * t * t).cos();
     let rate = |t: f64, z: &[f64; 2]| [z[1], 2.0 * push(t) - 3.0 * z[0] - 0.4 * z[1]];
     let [x, _] = motion(rate, [1.0, 0.0], 0.05, 400);
     let u: Vec<f64> = (0..400).map(|k| push(0.05 * k as f64)).collect();
-    let model = "state x : order 2\ninput u : linear\nddx ~ <x, dx, x^3>\n";
     Scenario::change(Case::new(model, record(0.05, &[("x", &x), ("u", &u)])))
 }
 

@@ -83,6 +83,12 @@ fn a_forgotten_input() {
     follow(&ReasonCode::PoorFit, words, &library::forgotten_input());
 }
 
+#[test]
+fn an_input_that_only_the_data_have() {
+    let words = "look at what the data have and the model does not read: u";
+    follow(&ReasonCode::PoorFit, words, &library::unread_input());
+}
+
 /// Codes whose advice no case can follow, with the reason. What they advise is tested where they are made.
 const NOT_FOLLOWED: &[(ReasonCode, &str)] = &[
     (ReasonCode::Interrupted, "a user ends the search"),

@@ -85,6 +85,10 @@ pub fn run(args: &Args) -> Result<u8, Failure> {
     let file = sources.add(name, text.as_str());
     let text = lang::format(file, &text).map_err(|found| diagnostics::failure(&found, &sources))?;
     files::write_or_print(args.output.as_deref(), &text)?;
+    if let Some(model) = &args.output {
+        let word = |path: &PathBuf| printable(&paths::quoted(&path.to_string_lossy()));
+        eprintln!("next: sidc identify {} {}", word(model), word(&args.data));
+    }
     Ok(exit_status::PASS)
 }
 

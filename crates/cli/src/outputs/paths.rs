@@ -16,3 +16,24 @@ pub fn short_name(path: &Path) -> String {
 pub fn shown(path: &Path) -> String {
     printable(&path.display().to_string())
 }
+
+/// A word as a shell takes it.
+pub fn quoted(word: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_=./,:%+@".contains(c);
+    match !word.is_empty() && word.chars().all(plain) {
+        true => word.into(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn words_with_spaces_and_quotes_are_quoted() {
+        assert_eq!(quoted("models/a.sid"), "models/a.sid");
+        assert_eq!(quoted("my data's.csv"), "'my data'\\''s.csv'");
+        assert_eq!(quoted("$HOME"), "'$HOME'");
+    }
+}

@@ -4,6 +4,8 @@ use sidc::pipeline::{self, Measured, Program};
 use sidc_lang::number::significant;
 use sidc_lang::term::SignalNames;
 
+use crate::thresholds::LISTS;
+
 /// The name of the only trajectory, or how many there are.
 pub fn trajectories(measured: &Measured) -> String {
     match measured.dataset.trajectories.as_slice() {
@@ -23,6 +25,15 @@ pub fn describe(program: &Program, measured: &Measured) -> String {
         .map(|(signal, _)| program.model.name(*signal))
         .collect();
     let mut text = format!("measured: {}\n", columns.join(", "));
+    let unread = &measured.dataset.unread;
+    if !unread.is_empty() {
+        let (shown, more) = unread.split_at(unread.len().min(LISTS.unread));
+        let rest = match more.len() {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        text.push_str(&format!("not read: {}{rest}\n", shown.join(", ")));
+    }
     for e in &entries {
         if let Some(error) = e.error {
             text.push_str(&format!(

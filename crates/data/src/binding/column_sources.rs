@@ -2,6 +2,7 @@
 //!
 //! In: a model and a table. Out: column expressions and their values. Reports nothing itself.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use sidc_lang::model::{ColumnExpr, ColumnKind, LibExpr, LibKind, Model, RightSide, Var, VarKind};
@@ -66,6 +67,28 @@ pub(super) fn headers(model: &Model) -> BTreeSet<String> {
     }
     out.extend(model.data.run.iter().map(|(header, _)| header.clone()));
     out
+}
+
+/// Headers of columns that move and that no signal reads, each once. Left out: what only rises, a clock or a row number, and, of logs,
+/// columns that were not asked for.
+pub(super) fn unread(model: &Model, tables: &[Cow<Table>]) -> Vec<String> {
+    let read = headers(model);
+    let mut out: Vec<String> = Vec::new();
+    for table in tables {
+        for (column, header) in table.headers().iter().enumerate() {
+            let known = header.is_empty() || read.contains(header) || out.contains(header);
+            if !known && moves_up_and_down(table.values(column)) {
+                out.push(header.clone());
+            }
+        }
+    }
+    out
+}
+
+fn moves_up_and_down(values: &[f64]) -> bool {
+    let mut steps = values.iter().zip(values.iter().skip(1));
+    let falls = steps.clone().any(|(a, b)| b < a);
+    falls && steps.any(|(a, b)| b > a)
 }
 
 /// Signals that the equations mention, targets included, sorted.

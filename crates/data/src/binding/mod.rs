@@ -61,6 +61,7 @@ pub fn bind(
         trajectories: bound.into_iter().map(|p| p.trajectory).collect(),
         inputs,
         rate_faults,
+        unread: column_sources::unread(model, &tables),
     };
     (dataset, out)
 }

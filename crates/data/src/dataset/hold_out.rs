@@ -63,6 +63,7 @@ pub fn hold_out(dataset: &mut Dataset, what: &HoldOut) -> Result<Dataset, Diagno
         trajectories: Vec::new(),
         inputs: dataset.inputs.clone(),
         rate_faults: dataset.rate_faults.clone(),
+        unread: dataset.unread.clone(),
     };
     if what.is_empty() {
         return Ok(held);
@@ -144,6 +145,7 @@ mod tests {
             trajectories: lengths.iter().enumerate().map(record).collect(),
             inputs: Vec::new(),
             rate_faults: Vec::new(),
+            unread: Vec::new(),
         }
     }
 

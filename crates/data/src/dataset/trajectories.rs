@@ -13,6 +13,8 @@ pub struct Dataset {
     pub inputs: Vec<Input>,
     /// Rates that contradict the samples of their states.
     pub rate_faults: Vec<RateFault>,
+    /// Headers of the columns that move and that the model does not read, in the order of files.
+    pub unread: Vec<String>,
 }
 
 /// An input's intersample behaviour, declared or inferred from its record.

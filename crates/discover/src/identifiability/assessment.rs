@@ -31,6 +31,8 @@ pub struct Rows<'a> {
     pub samples: &'a Samples,
     /// The same with the measured or estimated targets, if the rows are those of a fitted trajectory.
     pub read: Option<&'a Samples>,
+    /// Headers of columns of the data that the model does not read.
+    pub unread: &'a [String],
 }
 
 /// Whether measured targets are needed: something is unexplained, and only they show what is missing.
@@ -67,7 +69,13 @@ pub fn misspecification(
     let read = rows.read?;
     let found = find_misspecification(&specification, read);
     let found = found.filter(|_| specification.unexplained)?;
-    Some(misspecification_finding(model, failed.target, &found, read))
+    let columns = (read, rows.unread);
+    Some(misspecification_finding(
+        model,
+        failed.target,
+        &found,
+        columns,
+    ))
 }
 
 /// What the rows can distinguish for one equation, and the doubts that follow from it.
@@ -91,7 +99,7 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows, ranks: bool)
         equivalent.extend(supports_tied_in_refits(design, &gram));
         let relations = explained_relations(design, &gram, library, &equivalent);
         let read = rows.read.unwrap_or(rows.samples);
-        let findings = findings(design, library, read, &relations);
+        let findings = findings(design, library, (read, rows.unread), &relations);
         (relations, findings, equivalent)
     };
     let ((relations, findings, equivalent), (rank, tolerance)) = match ranks {

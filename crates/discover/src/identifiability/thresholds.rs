@@ -19,6 +19,8 @@ family! {
         cosine_terms: usize = 16, unit "terms", source "set by hand";
         /// Terms among these that are not in the support.
         cosine_rivals: usize = 8, unit "terms", source "set by hand";
+        /// Columns of the data that the model does not read.
+        unread_columns: usize = 3, unit "columns", source "set by hand";
     }
 }
 

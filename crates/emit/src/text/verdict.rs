@@ -132,19 +132,29 @@ fn prediction(d: &Discovery, p: &Prediction, data: &str) -> Vec<String> {
         signals.retain(|s| relative(s) >= least);
         signals.truncate(PRINTED.predicted_signals);
     }
-    let mut parts: Vec<String> = signals.iter().map(|s| signal(s)).collect();
-    if let Some(first) = parts.first_mut() {
-        *first = format!("{} {} ahead {first}", significant(p.horizon, 3), p.unit);
-    }
-    if hidden > 0 {
-        parts.push(format!("{hidden} more with smaller parts of their spread"));
-    }
     let ended: usize = p.ended.iter().map(|e| e.starts).sum();
     let reached = p.starts.saturating_sub(ended);
-    parts.push(format!("90 % of {reached} starts on {data}"));
-    parts.extend(shown(d, p).into_iter().filter_map(missed));
-    for ended in &p.ended {
-        parts.push(format!("{} more end early ({})", ended.starts, ended.code));
+    let ahead = format!("{} {} ahead", significant(p.horizon, 3), p.unit);
+    let mut parts = Vec::new();
+    if reached == 0 {
+        let why: Vec<&str> = p.ended.iter().map(|e| e.code.as_str()).collect();
+        let (all, why) = (p.starts, why.join(", "));
+        parts.push(format!(
+            "none of {all} starts on {data} gets {ahead} ({why})"
+        ));
+    } else {
+        parts.extend(signals.iter().map(|s| signal(s)));
+        if let Some(first) = parts.first_mut() {
+            *first = format!("{ahead} {first}");
+        }
+        if hidden > 0 {
+            parts.push(format!("{hidden} more with smaller parts of their spread"));
+        }
+        parts.push(format!("90 % of {reached} starts on {data}"));
+        parts.extend(shown(d, p).into_iter().filter_map(missed));
+        for ended in &p.ended {
+            parts.push(format!("{} more end early ({})", ended.starts, ended.code));
+        }
     }
     let until = until(p);
     let rival = rival(d, p).map(|r| r.text().to_string());

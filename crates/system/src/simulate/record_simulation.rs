@@ -48,6 +48,7 @@ pub fn simulate(
         trajectories: one.cloned().into_iter().collect(),
         inputs: source.dataset.inputs.clone(),
         rate_faults: Vec::new(),
+        unread: Vec::new(),
     };
     if let Some(empty) = data::keep_window(&mut record, options.window) {
         return Err(empty);
@@ -169,6 +170,7 @@ impl RecordSimulation<'_> {
         Dataset {
             inputs: self.inputs.inputs.clone(),
             rate_faults: Vec::new(),
+            unread: Vec::new(),
             trajectories: vec![self.record.part(rows.clone())],
         }
     }

@@ -56,6 +56,7 @@ impl SegmentRuns {
             trajectories: vec![record.clone()],
             inputs: source.dataset.inputs.clone(),
             rate_faults: Vec::new(),
+            unread: Vec::new(),
         };
         let plant = Plant::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
         let form = &plant.form;

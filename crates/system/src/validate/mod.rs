@@ -93,6 +93,7 @@ pub fn run_on_used(
             trajectories: vec![record.clone()],
             inputs: used.inputs.clone(),
             rate_faults: Vec::new(),
+            unread: Vec::new(),
         };
         runs.extend(run_all((d, model), (&alone, false), &options, observer));
     }
@@ -114,6 +115,7 @@ pub fn restarted(
         trajectories: held.trajectories.iter().flat_map(cut).collect(),
         inputs: held.inputs.clone(),
         rate_faults: held.rate_faults.clone(),
+        unread: held.unread.clone(),
     };
     Validation {
         runs: run_all((d, model), (&pieces, true), &Options::default(), observer),

@@ -4,6 +4,7 @@
 //! is tried on data not used, kept, then reported.
 
 use super::arguments::Args;
+use crate::outputs::paths::quoted;
 use sidc::pipeline::ModelSource;
 use sidc_emit::{TEXT_WIDTH, instead, rival, wrapped};
 use sidc_lang::term::SignalNames;
@@ -160,15 +161,6 @@ fn without(words: &[String], option: &str) -> Vec<String> {
     kept
 }
 
-/// A word as a shell takes it.
-fn quoted(word: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_=./,:%+@".contains(c);
-    match !word.is_empty() && word.chars().all(plain) {
-        true => word.into(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -182,12 +174,5 @@ mod tests {
         ] {
             assert_eq!(without(&words(given), "--method"), words("m.sid d.csv -v"));
         }
-    }
-
-    #[test]
-    fn words_with_spaces_and_quotes_are_quoted() {
-        assert_eq!(quoted("models/a.sid"), "models/a.sid");
-        assert_eq!(quoted("my data's.csv"), "'my data'\\''s.csv'");
-        assert_eq!(quoted("$HOME"), "'$HOME'");
     }
 }

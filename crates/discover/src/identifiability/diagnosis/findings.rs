@@ -3,6 +3,7 @@
 //! In: a design, its relations. Out: [`Finding`]s. Those that matter to the equation found are marked, and printed unasked.
 
 use super::advice::{Exchange, advice};
+use super::lookout::{ReadAndUnread, what_to_look_for};
 use super::messages::{figure, percent, sentence, why};
 use super::misspecification::{Misspecification, Specification, find_misspecification};
 use crate::doubts::regression_rules::times;
@@ -10,11 +11,9 @@ use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::collinearity::relation::ExplainedRelation;
 use crate::identifiability::thresholds::{COLLINEARITY, FINDINGS};
 use crate::scaled_design::ScaledDesign;
-use sidc_data::Samples;
 use sidc_lang::library::Library;
 use sidc_lang::model::{Model, VarKind};
-use sidc_lang::term::{Language, Signal, SignalNames, VarId};
-use sidc_lang::words::listed;
+use sidc_lang::term::{Language, Signal, SignalNames};
 use sidc_system::discovery::{Cause, Change, Finding, Reason, ReasonCode, Status};
 
 /// Doubts that say that something is not explained.
@@ -30,11 +29,11 @@ pub const UNEXPLAINED: [ReasonCode; 9] = [
     ReasonCode::NoTrajectory,
 ];
 
-/// `read` are rows with the measured target, where those of the design are of a fit.
+/// The rows of `columns` have the measured target, where those of the design are of a fit.
 pub fn findings(
     design: &ScaledDesign,
     library: &Library,
-    read: &Samples,
+    columns: ReadAndUnread,
     relations: &[ExplainedRelation],
 ) -> Vec<Finding> {
     let mut all = Vec::new();
@@ -45,7 +44,7 @@ pub fn findings(
         (order.into_iter()).partition(|t| t.why.cause == Cause::WrongOrder);
     all.extend(wrong_order.iter().map(|t| relation_finding(design, t)));
     if wrong_order.is_empty() && design.equation.status == Status::Doubt {
-        all.extend(misspecification(design, library, read));
+        all.extend(misspecification(design, library, columns));
     }
     all.extend(zero_columns(design, &all));
     all.extend(others.iter().map(|t| relation_finding(design, t)));
@@ -197,7 +196,11 @@ fn median_step(design: &ScaledDesign) -> Option<f64> {
 }
 
 /// What is wrong with the library or the order, if something is unexplained.
-fn misspecification(design: &ScaledDesign, library: &Library, read: &Samples) -> Option<Finding> {
+fn misspecification(
+    design: &ScaledDesign,
+    library: &Library,
+    columns: ReadAndUnread,
+) -> Option<Finding> {
     let unexplained = |r: &Reason| UNEXPLAINED.contains(&r.code);
     let specification = Specification {
         model: design.model,
@@ -205,9 +208,14 @@ fn misspecification(design: &ScaledDesign, library: &Library, read: &Samples) ->
         equation: design.equation,
         unexplained: design.equation.reasons.iter().any(unexplained),
     };
-    let found = find_misspecification(&specification, read)?;
+    let found = find_misspecification(&specification, columns.0)?;
     let target = design.equation.target;
-    Some(misspecification_finding(design.model, target, &found, read))
+    Some(misspecification_finding(
+        design.model,
+        target,
+        &found,
+        columns,
+    ))
 }
 
 /// A misspecification in words, of an equation that was sought on these samples.
@@ -215,7 +223,7 @@ pub fn misspecification_finding(
     model: &Model,
     target: Signal,
     found: &Misspecification,
-    read: &Samples,
+    columns: ReadAndUnread,
 ) -> Finding {
     let var = model.variable(target.var);
     let name = model.name(target);
@@ -279,21 +287,7 @@ pub fn misspecification_finding(
             )
         }
         Misspecification::Unknown { part } => {
-            let unused = unused_inputs(model, read);
-            let stated = model.equations.iter().find(|e| e.target == target);
-            let (advice, line) = match unused.as_slice() {
-                [] => (
-                    format!(
-                        "look for an input or a state that is not measured; a hidden state acts like a higher order: compare with {var} of order {}",
-                        target.der + 1
-                    ),
-                    None,
-                ),
-                names => (
-                    format!("add {}, which no equation uses", listed(names)),
-                    stated.map(|e| vec![e.with(names)]),
-                ),
-            };
+            let (advice, line) = what_to_look_for(model, target, columns);
             finding(
                 Cause::MissingTerm,
                 format!(
@@ -305,14 +299,6 @@ pub fn misspecification_finding(
             )
         }
     }
-}
-
-/// Inputs that no equation mentions: the samples have no column of them.
-fn unused_inputs(model: &Model, read: &Samples) -> Vec<String> {
-    let is_read = |id: u16| read.columns.iter().any(|c| c.signal.var == VarId(id));
-    let inputs = (0u16..).zip(&model.vars);
-    let unused = inputs.filter(|(id, v)| v.kind == VarKind::Input && !is_read(*id));
-    unused.map(|(_, v)| v.name.clone()).collect()
 }
 
 /// The lines of a model of one state with an order more: its declaration, and the equation of its next derivative.

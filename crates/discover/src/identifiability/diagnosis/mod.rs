@@ -5,6 +5,7 @@
 mod advice;
 pub mod findings;
 mod lacking_terms;
+mod lookout;
 pub mod messages;
 pub mod misspecification;
 pub mod remedies;
