@@ -97,7 +97,7 @@ pub fn of_powers(effort: Effort) -> Result<Section, Fault> {
     let (table, csv) = tables("total power", &cases, &found, &rows(effort));
     let figure = drawn("powers.svg", "total power of a term", &cases, &found);
     let text = format!(
-        "![Fewest samples against the total power allowed](powers.svg)\n\n{}\nAmong total powers ≤ 2 there is no `dtheta^2*sin(theta)`, so ÿ has no answer there. A bound of 3 has every true term in a fortieth of the 6,561.\n",
+        "![Fewest samples against the total power allowed](powers.svg)\n\n{}\nAmong total powers ≤ 2 there is no `dtheta^2*sin(theta)`, so ÿ has no answer there.\n",
         table.markdown(),
     );
     Ok(Section {
