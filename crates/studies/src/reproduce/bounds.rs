@@ -90,7 +90,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         ]);
     }
     let text = format!(
-        "![Error against the noise bound](bounds.svg)\n\nNormal noise on the target, {SAMPLES} samples of 6,561 terms, medians of {draws} draws; ε as above. Measured: {}. ℓ1 pays for not knowing the support: against least squares on the true terms its error is {} times as large, since ε lets every coefficient shrink. So `sidc` fits the coefficients anew once the terms are known.\n",
+        "![Error against the noise bound](bounds.svg)\n\nNormal noise on the target, {SAMPLES} samples of 6,561 terms, medians of {draws} draws; ε as above. Measured: {}. ℓ1 pays for not knowing the support: against least squares on the true terms its error is {} times as large.\n",
         constants(&points),
         ratio(&points),
     );

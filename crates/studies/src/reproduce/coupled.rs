@@ -95,9 +95,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         }
     }
     let text = format!(
-        "{}\n{}\nMechanisms with random masses, lengths, springs and frictions, two to four coordinates, their laws derived from the mass matrix and the potential by formula; each law is asked for by its own acceleration, out of `powers(…; 2)` of ten atoms \
-         (59,049 terms; more where the law has more atoms): those of the law, the others at random. In large swings every angle goes beyond 2.5 rad, in small ones none beyond 0.6 rad. The cells of the first table are the fewest samples from which on {:.0} % of the laws are exact, and how many laws are exact from {BESIDE}. *By degree* solves in the plain norm and with weights κ^degree, κ = 1.2 and 1.5, *as sidc* is what [`sidc identify` tries](../method.md#graded-norms). A path in the plain norm or by degree is given up after {} steps. \
-         Weights by degree help in large swings and hardly in small ones, in which the cosine hardly varies.\n",
+        "{}\n{}\nMechanisms with random masses, lengths, springs and frictions, two to four coordinates; each law is asked for by its own acceleration, out of `powers(…; 2)` of ten atoms \
+         (59,049 terms or more): those of the law, the others at random. In large swings every angle goes beyond 2.5 rad, in small ones none beyond 0.6 rad. The cells of the first table are the fewest samples from which on {:.0} % of the laws are exact, and how many laws are exact from {BESIDE}. *By degree* solves in the plain norm and with weights κ^degree, κ = 1.2 and 1.5, *as sidc* is what [`sidc identify` tries](../method.md#graded-norms). A path in the plain norm or by degree is given up after {} steps.\n",
         table.markdown(),
         sums.markdown(),
         100.0 * WANTED,

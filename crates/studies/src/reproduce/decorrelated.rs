@@ -40,9 +40,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         super::tidy::percent(all as f64 / (draws * points.len()).max(1) as f64)
     };
     let text = format!(
-        "![Right supports by what is done with alike columns](decorrelated.svg)\n\nA pendulum that swings about so far, 39 terms among which θ, sin θ, θ³ and tan θ are nearly one at small angles, noise on the acceleration, {draws} draws. *Plain* is basis pursuit on Φ \
-         as it is; *orthogonalised* makes every column of a group (cosine above 0.99) orthogonal to those before it, *grouped* lets the solver see the simplest of each group and chooses the member afterwards, *chosen* is `sidc`: all columns, \
-         then its criterion. Over all cells they are right in {}, {}, {} and {} of the draws. Orthogonalised, the law is no longer sparse in the new columns. What helps is a choice after the solver, without groups.\n",
+        "![Right supports by what is done with alike columns](decorrelated.svg)\n\nA pendulum that swings about so far, 39 terms among which θ, sin θ, θ³ and tan θ are nearly one at small angles, noise on the acceleration, {draws} draws. *Plain* is basis pursuit on Φ as it is; *orthogonalised* makes every column of a group (cosine above 0.99) orthogonal to those before it, *grouped* lets the solver see one of each group, *chosen* is `sidc`: all columns, then its criterion. Over all cells they are right in {}, {}, {} and {} of the draws. What helps is a choice after the solver, without groups.\n",
         share(0),
         share(1),
         share(2),

@@ -201,7 +201,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         found.push((case, curve));
     }
     let text = format!(
-        "![Exact answers against samples](double.svg)\n\n{}\nA cart of 0.6 kg with rods of 0.5 m and 0.4 m and bobs of 0.3 kg and 0.2 kg under a square force of ±8 N held 0.1 s to 0.6 s, from rest; `powers(…; 2)` of 13 atoms, never stored. In the plain norm θ̈₂ does not come out of the large library at any number of samples tried: all three laws hold on every row, and a sum of θ̈₂'s with a multiple of another has a smaller 1-norm ([the method](../method.md#limits)). With the nine atoms of the rods alone it is found. In [graded norms](#fewer-samples-in-graded-norms) all three laws come out of the large library.\n\nExact draws in graded norms from {FEW} samples (ẍ and θ̈₁) and {MANY} (θ̈₂):\n\n{}",
+        "![Exact answers against samples](double.svg)\n\n{}\nA cart of 0.6 kg with rods of 0.5 m and 0.4 m and bobs of 0.3 kg and 0.2 kg under a square force of ±8 N held 0.1 s to 0.6 s, from rest; `powers(…; 2)` of 13 atoms, never stored. In the plain norm θ̈₂ does not come out of the large library: all three laws hold on every row, and a sum of θ̈₂'s with a multiple of another has a smaller 1-norm ([the method](../method.md#limits)). In [graded norms](#fewer-samples-in-graded-norms) it does.\n\nExact draws in graded norms from {FEW} samples (ẍ and θ̈₁) and {MANY} (θ̈₂):\n\n{}",
         table(&found).markdown(),
         demanded(&found).markdown(),
     );

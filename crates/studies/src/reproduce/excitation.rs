@@ -195,9 +195,9 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         ]);
     }
     let text = format!(
-        "![Share of exact answers by excitation](excitation.svg)\n\n{}\n768 terms, {} records of 15 s each; the figure has the strengths of 1, and the free decay from 90°. In a free decay there is no force, so ÿ is left out. {}. Forces from outside do it, broad-band or one sine, and so does a wide swing left alone; weak forces cost more. A small swing, on which θ, sin θ and θ cos θ are one, does not, nor a swing-up until there are many samples, since the rod mostly stands still.\n\n\
+        "![Share of exact answers by excitation](excitation.svg)\n\n{}\n768 terms, {} records of 15 s each; the figure has the strengths of 1, and the free decay from 90°. {}. Forces from outside do it, and so does a wide swing left alone. A small swing, on which θ, sin θ and θ cos θ are one, does not.\n\n\
          **Which figure predicts it.** Spearman's rank correlation, over the conditions, between the fewest samples and the median of a figure of Φ on 200 rows, in the order of size:\n\n{}\n\
-         Figures of the law's own columns against the others predict it. Coherence and the restricted isometry of all columns say little, and so does the certificate's margin.\n\n\
+         Figures of the law's own columns against the others predict it. Coherence and the restricted isometry of all columns say little.\n\n\
          ![Fewest samples against three figures](predictors.svg)\n\n{}\n",
         needed_table(&cart, &rod, &rows(effort)).markdown(),
         cart.first().map_or(0, |o| o.curve.draws),

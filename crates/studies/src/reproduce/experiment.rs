@@ -36,9 +36,9 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
     }
     let text = "![Force, angle and position of the experiment](figure-5-4.svg)\n\n\
         10,000 samples at 100 Hz: a controller balances the rod upright for 15 s, a square force of random levels (±6 N, held 0.05 s to 0.5 s) drives the cart for 40 s, \
-        a swing-up for 10 s, then nothing: the rod stands for a while, falls and swings out. θ = 0 hangs down, ±π stands up; the angle is shown within one turn.\n\n\
+        a swing-up for 10 s, then nothing.\n\n\
         ![The same under a Gaussian force](figure-6.svg)\n\n\
-        The second excitation: a Gaussian force, one draw a sample, scaled to ±5 N; its first ten seconds.\n";
+        The second excitation: a Gaussian force, one draw a sample, scaled to ±5 N.\n";
     Ok(Section {
         text: text.to_string(),
         files: vec![

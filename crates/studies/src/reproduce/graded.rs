@@ -41,7 +41,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         }
     }
     let text = format!(
-        "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. A term weighs κ^d times the length of its column, d its degree by variation ([the method](../method.md#graded-norms)). *Graded* is what `sidc identify` tries; *plain* is κ = 1 alone. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n\n\
+        "{}\n![Share of exact answers in several norms](graded.svg)\n\n6,561 terms, draws as above. *Graded* is what [`sidc identify` tries](../method.md#graded-norms); *plain* is κ = 1 alone. Fewest samples are those from which on at least {:.0} % of {} draws are exact.\n\n\
          Systems whose laws are not tied to each other, samples for 95 % of {} draws:\n\n{}",
         table.markdown(),
         100.0 * WANTED,

@@ -206,10 +206,9 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     let coherence = outcomes.iter().map(|o| o.coherence).fold(1.0, f64::min);
     let draws = outcomes.first().map_or(0, |o| o.ratios[0].len());
     let text = format!(
-        "{}\nAs many random columns as the law has terms (4 and 3), normal coefficients, {} draws, 375 of the rows of Table 5.2. The thesis does not say how many terms or draws it took, nor which library.\n\n\
+        "{}\nAs many random columns as the law has terms (4 and 3), normal coefficients, {} draws, 375 of the rows of Table 5.2.\n\n\
          ![Distribution of the ratio, and its range against the number of terms](table-4-1.svg)\n\n\
-         Left, the distribution for as many terms as the law has; right, the least and the largest ratio drawn against the number of terms, dotted the thesis' for Φ_y. More draws give wider ends. δ₂ is at least the largest cosine of two columns, {coherence:.3} and more in these Φ, where the usual guarantees \
-         want δ₂ₖ below 0.41. Answers are exact all the same ([which figure says so](#which-excitation-makes-φ-recoverable)).\n",
+         Left, the distribution for as many terms as the law has; right, the least and the largest ratio drawn against the number of terms, dotted the thesis' for Φ_y. δ₂ is at least the largest cosine of two columns, {coherence:.3} and more in these Φ, where the usual guarantees want δ₂ₖ below 0.41. Answers are exact all the same.\n",
         table.markdown(),
         super::plot::short(draws as f64),
     );

@@ -73,7 +73,7 @@ pub fn of_frequencies(effort: Effort) -> Result<Section, Fault> {
         &found,
     );
     let text = format!(
-        "![Fewest samples against the frequencies in the library](frequencies.svg)\n\n{}\nLibrary: `powers(…; 2)` of the six other atoms times 1, sin ωθ and cos ωθ. Frequencies that the plant does not have cost a few samples, as any larger library, and are never taken for it.\n",
+        "![Fewest samples against the frequencies in the library](frequencies.svg)\n\n{}\nLibrary: `powers(…; 2)` of the six other atoms times 1, sin ωθ and cos ωθ. Frequencies that the plant does not have cost a few samples.\n",
         table.markdown(),
     );
     Ok(Section {
@@ -97,7 +97,7 @@ pub fn of_powers(effort: Effort) -> Result<Section, Fault> {
     let (table, csv) = tables("total power", &cases, &found, &rows(effort));
     let figure = drawn("powers.svg", "total power of a term", &cases, &found);
     let text = format!(
-        "![Fewest samples against the total power allowed](powers.svg)\n\n{}\nAmong total powers ≤ 2 there is no `dtheta^2*sin(theta)`, so ÿ has no answer there. A bound of 3 has every true term in a fortieth of the 6,561 and needs fewer samples than any larger library.\n",
+        "![Fewest samples against the total power allowed](powers.svg)\n\n{}\nAmong total powers ≤ 2 there is no `dtheta^2*sin(theta)`, so ÿ has no answer there.\n",
         table.markdown(),
     );
     Ok(Section {

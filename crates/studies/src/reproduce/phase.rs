@@ -112,9 +112,8 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         ]);
     }
     let text = format!(
-        "![Success over samples and noise](phase.svg)\n\n{}\nNormal noise on the acceleration sought, relative to its root mean square and known to the solver (ε is the length it has on M rows, and two standard deviations more); 165 terms, all products of total power 3 or less, so that STLSQ has more samples than terms at the right of its panels; {draws} draws \
-         a cell. For the three solvers a success is that the true terms are those of the largest shares |a|‖φ‖; for `sidc`, that its terms are the true ones and no others. STLSQ begins with least squares on all columns, which are dependent (sin²θ + cos²θ = 1), so the threshold cuts the wrong ones. The table has the \
-         share of all cells' draws, and the largest noise at which {} samples give 80 %.\n",
+        "![Success over samples and noise](phase.svg)\n\n{}\nNormal noise on the acceleration sought, relative to its root mean square and known to the solver (ε is the length it has on M rows, and two standard deviations more); 165 terms, all products of total power 3 or less; {draws} draws \
+         a cell. A success is that the true terms are those of the largest shares |a|‖φ‖; for the criterion, that its terms are the true ones. The table has the share of all cells' draws, and the largest noise at which {} samples give 80 %.\n",
         summary(&cells, draws, &samples).markdown(),
         samples.last().map_or(String::new(), |m| short(*m as f64)),
     );

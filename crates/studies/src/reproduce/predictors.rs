@@ -29,7 +29,7 @@ pub const FIGURES: [&str; 8] = [
 
 /// What they are, for the document.
 pub const MEANING: &str = "With S the law's columns, of length one, and s the signs of its coefficients: the *exact recovery coefficient* is max ‖Φ_S⁺φ_j‖₁ over columns off S (Tropp 2004; below 1 basis pursuit and OMP are exact for any \
-    signs), the *dual bound* is max |sᵀΦ_S⁺φ_j| (Fuchs 2004; below 1 basis pursuit is exact for these signs), the *effective dimension* is (Σσ²)²/Σσ⁴ over the singular values of Φ, and the *certificate* is what `sidc` prints with a proved answer, from the same 200 rows.";
+    signs), the *dual bound* is max |sᵀΦ_S⁺φ_j| (Fuchs 2004; below 1 basis pursuit is exact for these signs), the *effective dimension* is (Σσ²)²/Σσ⁴ over the singular values of Φ.";
 
 /// Rows that the figures are taken on.
 const ROWS: usize = 200;

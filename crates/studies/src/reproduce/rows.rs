@@ -69,7 +69,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
         table.push([(*words).into(), a, b]);
     }
     let text = format!(
-        "![Share of exact answers by how rows are taken](rows.svg)\n\n{}\n768 terms, {} records of 15 s; fewest samples for 95 %. Consecutive samples at 100 Hz are nearly the same row again: draw instants at random or spread them.\n",
+        "![Share of exact answers by how rows are taken](rows.svg)\n\n{}\n768 terms, {} records of 15 s; fewest samples for 95 %.\n",
         table.markdown(),
         records.len(),
     );

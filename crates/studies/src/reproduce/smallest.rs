@@ -84,7 +84,7 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     let text = format!(
         "{}\nThe fewest samples from which on at least {:.0} % of {} draws are exact: the law and nothing else, every coefficient to 1e-8. Each draw has a start (angle uniform in ±π), a square force and rows of its \
          own, out of 15 s at 100 Hz.\n\n![Share of exact answers against the number of samples](smallest.svg)\n\n\
-         Bands are intervals of 95 %. Nine times as many terms cost {}.\n",
+         Nine times as many terms cost {}.\n",
         table.markdown(),
         100.0 * WANTED,
         records.len(),

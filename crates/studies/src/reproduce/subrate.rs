@@ -85,10 +85,9 @@ pub fn section(effort: Effort) -> Result<Section, Fault> {
     let listed: Vec<String> = angles.iter().map(angle).collect();
     let text = format!(
         "![Mean squared error of the coefficients against the subrate](figure-5-7.svg)\n\n\
-         Figure 5.7: the mean over all N coefficients of the squared error, from the record of Table 5.2; the median of {draws} draws of rows, and the band from the 10th to the 90th percentile. The dot is what the \
-         coefficients of the thesis' Table 5.2 give. The linear programme has the wrong answer or the exact one; the step is at {} to {}.\n\n\
+         Figure 5.7: the mean over all N coefficients of the squared error, from the record of Table 5.2; the median of {draws} draws of rows, and the band from the 10th to the 90th percentile. The dot is the thesis' Table 5.2. The linear programme has the wrong answer or the exact one; the step is at {} to {}.\n\n\
          ![The same from six starts](figure-5-8.svg)\n\n\
-         Figures 5.8 and 5.9: 768 terms, six random starts ({}), each under a force of its own; medians. The start shifts the step by some samples.\n",
+         Figures 5.8 and 5.9: 768 terms, six random starts ({}), each under a force of its own; medians.\n",
         step(&one),
         step(&two),
         listed.join(", "),

@@ -182,8 +182,7 @@ pub fn section(_: Effort) -> Result<Section, Fault> {
     let wrong = rows.iter().map(|r| r.wrong).fold(0.0, f64::max);
     text += &format!(
         "“random” are rows drawn from 100 s of motion, “first” the first rows of the record, 3.75 s and 3.5 s. The largest error of all is {}, and no false term has more than {} of the \
-         share of a true one: the linear programme's own answer. The thesis prints `ddtheta*cos(theta)` as “θ̈” and \
-         `dtheta^2*sin(theta)` as “θ̇ cos θ” ([why](#what-differs-from-the-thesis-and-why)).\n",
+         share of a true one: the linear programme's own answer.\n",
         error(worst),
         error(wrong),
     );
