@@ -95,6 +95,7 @@ fn whole(c: &mut Criterion) {
         let given = Rows {
             samples: &samples,
             read: None,
+            unread: &[],
         };
         let name = format!("{} terms", library.len());
         group.bench_function(BenchmarkId::new(name, rows), |b| {

@@ -23,7 +23,7 @@ use crate::{intersample, rate_columns, time_axis};
 /// Binds tables to a model's signals.
 ///
 /// `params` are `(name, values)` from the command line: one value per trajectory in order, or one for all. The dataset is
-/// complete only if no diagnostic is an error. Codes: see docs/data.md.
+/// complete only if no diagnostic is an error. Codes: see docs/diagnostics.md.
 pub fn bind(
     model: &Model,
     tables: &[Table],

@@ -11,7 +11,7 @@ family! {
     /// How records are smoothed, cut and integrated.
     pub(crate) WEAK_FORM: WeakFormNumbers {
         /// Distances between test functions that are tried, narrowest first; the first with few enough rows is taken.
-        widths: [usize; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48], unit "samples", source "set by hand; wider ones only save rows (docs/method.md, The weak form)";
+        widths: [usize; 11] = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48], unit "samples", source "set by hand; wider ones only save rows";
         /// Longest piece of a record whose library is evaluated at once.
         max_piece: usize = 4000, unit "samples", source "set by hand";
         /// Shortest such piece, however large the library.
