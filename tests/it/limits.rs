@@ -10,7 +10,7 @@ use sidc::{Observer, Unwatched};
 use sidc_data as data;
 use sidc_data::Limits;
 use sidc_lang::source::Sources;
-use sidc_system::discovery::{Discovery, Reason, Status};
+use sidc_system::discovery::{Discovery, Equation, Reason, Status};
 use sidc_system::result::{Document, FailedEntry};
 use sidc_testing::observers::interrupting;
 
@@ -232,8 +232,11 @@ fn stage(s: Stage) -> u8 {
 #[test]
 fn a_stop_between_equations_keeps_those_found() {
     let (d, told) = until(|s| s.place == 1, Stop::Interrupted);
-    assert_eq!(d.equations[0].status, Status::Pass);
-    assert_eq!((d.equations.len(), missing(&d, "interrupted")), (1, 2));
+    let stopped = |e: &Equation| codes(&e.reasons).iter().all(|c| c == "interrupted");
+    assert!(stopped(&d.equations[0]), "{:?}", d.equations[0].reasons);
+    // Another core may have found more by then.
+    assert_eq!(d.equations.len() + missing(&d, "interrupted"), 3);
+    assert!(!d.passes());
     assert_eq!(
         told.iter().filter(|s| s.place > 0).count(),
         1,
@@ -249,7 +252,7 @@ fn a_stop_in_the_solver_keeps_the_best_it_had_as_a_doubt() {
         solving(told.last().unwrap(), 3),
         "told of more after its stop"
     );
-    assert_eq!((d.equations.len(), missing(&d, "time-limit")), (1, 2));
+    assert_eq!(d.equations.len() + missing(&d, "time-limit"), 3);
     let first = &d.equations[0];
     assert_eq!(
         (first.status, first.reasons[0].code.as_str()),

@@ -2,15 +2,19 @@
 //!
 //! In: a model, its libraries, samples. Out: a [`Discovery`], with the doubts that concern several equations together.
 
+use std::collections::BTreeMap;
+
 use crate::constrained::constraint_rows::{ConstraintRow, constraint_rows, coupled_groups};
 use crate::constrained::coupled_equations::CoupledGroup;
 use crate::constrained::{constraint_check, coupled_equations};
 use crate::doubts::dependent_states::{doubt_dependent_states, states_in_samples};
+use crate::early_stop::doubt_unassessed;
 use crate::known_terms::{fixed_terms, stated};
 use crate::options::{Method, Options};
 use crate::redundancy;
 use crate::refusal::Refusal;
 use crate::regression::task::Task;
+use crate::regression::uncoupled::run_uncoupled;
 use crate::regression::weak_regression::WeakSystem;
 use sidc_data::{Dataset, Samples};
 use sidc_lang::library::Library;
@@ -95,20 +99,25 @@ pub fn discover(
             Err(values) => refused.extend(values.into_iter().map(Refusal::Unevaluable)),
         }
     }
+    let open = untied.iter().filter(|i| done[**i].is_none());
+    let open: Vec<(usize, Task)> = open.filter_map(|i| task(*i)).collect();
+    let mut alone: BTreeMap<usize, _> = run_uncoupled(open, &discovery, &mut watcher)
+        .into_iter()
+        .collect();
     for (i, equation) in model.equations.iter().enumerate() {
         if done[i].is_some() {
             continue;
         }
-        let Some((_, alone)) = task(i) else {
+        if task(i).is_none() {
             let known = fixed_terms(&equation.right);
             done[i] = Some(Ok(stated(equation.target, known)));
             continue;
-        };
+        }
         let Some(members) = groups.iter().find(|g| g.contains(&i)) else {
-            watcher.turn_to(i);
-            match alone.run(&discovery, &mut watcher) {
-                Ok(found) => done[i] = Some(found),
-                Err(value) => refused.push(Refusal::Unevaluable((i, value))),
+            match alone.remove(&i) {
+                Some(Ok(found)) => done[i] = Some(found),
+                Some(Err(value)) => refused.push(Refusal::Unevaluable((i, value))),
+                None => {}
             }
             continue;
         };
@@ -149,5 +158,8 @@ pub fn discover(
         .collect();
     doubt_dependent_states(&mut discovery, &states_in_samples(model, samples), &offered);
     constraint_check::doubt_broken(&mut discovery, model);
+    if let Some(stop) = watcher.stop().filter(|_| !discovery.was_stopped()) {
+        doubt_unassessed(&mut discovery, 0, stop);
+    }
     Ok(discovery)
 }

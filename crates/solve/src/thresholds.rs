@@ -3,6 +3,8 @@
 //! In: nothing. Out: families of numbers, and their tables for the documentation. Never computes with them. Sizes of tiles and
 //! panels, which only change how fast a kernel is, stay beside their kernels.
 
+use std::time::Duration;
+
 use sidc_thresholds::{Table, family};
 
 family! {
@@ -45,6 +47,8 @@ family! {
         dense_task: usize = 131_072, unit "numbers", source "set by hand";
         /// Work on products of factors that a thread does before it asks for more.
         factored_task: usize = 4_000_000, unit "multiplications", source "set by hand";
+        /// How often an observer is asked while only other threads work.
+        ask_every: Duration = Duration::from_millis(20), unit "", source "set by hand: what a user does not notice";
     }
 }
 

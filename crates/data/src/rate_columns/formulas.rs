@@ -17,21 +17,21 @@ pub(super) fn formula(stretches: &[Stretch]) -> Option<String> {
         let weights = formula.weights();
         let others = references.iter().filter(|r| *r != formula);
         let errors = others.filter_map(|r| {
-            rms(stretches, |s, k| {
-                Some(formula.at(&weights, s, k)? - r.at(&[], s, k)?)
-            })
+            let off = |s: &Stretch, k: usize| Some(formula.at(&weights, s, k)? - r.at(&[], s, k)?);
+            rms_below(f64::INFINITY, stretches, off)
         });
         errors.reduce(f64::min)
     };
-    let left = |formula: Formula| {
+    let mut nearest: Option<(f64, Formula)> = None;
+    for formula in candidates(even) {
         let weights = formula.weights();
-        let left = rms(stretches, |s, k| {
-            Some(formula.at(&weights, s, k)? - s.rate[k])
-        })?;
-        Some((left, formula))
-    };
-    let nearest = candidates(even).into_iter().filter_map(left);
-    let (left, formula) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let best = nearest.as_ref().map_or(f64::INFINITY, |(left, _)| *left);
+        let off = |s: &Stretch, k: usize| Some(formula.at(&weights, s, k)? - s.rate[k]);
+        if let Some(left) = rms_below(best, stretches, off) {
+            nearest = Some((left, formula));
+        }
+    }
+    let (left, formula) = nearest?;
     (left < FILTERS.exact * differs(&formula)?).then(|| formula.name())
 }
 
@@ -49,11 +49,8 @@ enum Formula {
 }
 
 fn candidates(even: bool) -> Vec<Formula> {
-    let mut out = vec![
-        Formula::Forward,
-        Formula::Backward,
-        Formula::Interpolated(3),
-    ];
+    // The nearest first: what is farther is seen to be so after some samples.
+    let mut out = Vec::new();
     if even {
         out.push(Formula::Interpolated(5));
         for points in (5..=FILTERS.longest_named).step_by(2) {
@@ -65,6 +62,11 @@ fn candidates(even: bool) -> Vec<Formula> {
             out.extend(degrees.map(|d| Formula::Smoothed(points, d)));
         }
     }
+    out.extend([
+        Formula::Interpolated(3),
+        Formula::Forward,
+        Formula::Backward,
+    ]);
     out
 }
 
@@ -186,11 +188,20 @@ fn mean_weights(reach: usize, degree: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Root mean square over samples all along; `None` if the value is known at fewer than ten.
-fn rms(stretches: &[Stretch], value: impl Fn(&Stretch, usize) -> Option<f64>) -> Option<f64> {
+/// Root mean square over samples all along; `None` if it is not below a bound, or the value is known at fewer than ten.
+fn rms_below(
+    bound: f64,
+    stretches: &[Stretch],
+    value: impl Fn(&Stretch, usize) -> Option<f64>,
+) -> Option<f64> {
     let all: usize = stretches.iter().map(|s| s.time.len()).sum();
     // An odd stride, so that no sampling pattern of even period is followed.
     let stride = all.div_ceil(FILTERS.places).max(1) | 1;
+    let visits: usize = stretches
+        .iter()
+        .map(|s| s.time.len().div_ceil(stride))
+        .sum();
+    let most = bound * bound * visits as f64;
     let (mut sum, mut count) = (0.0, 0);
     for s in stretches {
         for x in (0..s.time.len())
@@ -199,9 +210,13 @@ fn rms(stretches: &[Stretch], value: impl Fn(&Stretch, usize) -> Option<f64>) ->
         {
             sum += x * x;
             count += 1;
+            if sum > most {
+                return None;
+            }
         }
     }
-    (count >= 10).then(|| (sum / f64::from(count)).sqrt())
+    let rms = (count >= 10).then(|| (sum / f64::from(count)).sqrt());
+    rms.filter(|rms| *rms < bound)
 }
 
 #[cfg(test)]

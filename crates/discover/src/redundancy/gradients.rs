@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::statistics::{median, rms};
 use sidc_data::Samples;
-use sidc_lang::term::{Expr, Signal, Term};
+use sidc_lang::term::{Expr, Signal, Tape, Term};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::Form;
 
@@ -20,8 +20,9 @@ pub(crate) struct SampledSignals {
     unknowns: usize,
     /// Standard deviation of each signal; root mean square of an unknown.
     scales: Vec<f64>,
-    /// Values by signal and row.
-    values: Vec<Vec<f64>>,
+    rows: usize,
+    /// Values by signal and row: signals × rows.
+    values: Vec<f64>,
 }
 
 /// The gradients of one relation.
@@ -62,7 +63,8 @@ impl SampledSignals {
         let mut rows = SampledSignals {
             unknowns: form.unknowns.len(),
             scales: Vec::with_capacity(signals.len()),
-            values: Vec::with_capacity(signals.len()),
+            rows: 0,
+            values: Vec::new(),
             signals,
         };
         for (k, s) in rows.signals.iter().enumerate() {
@@ -74,27 +76,26 @@ impl SampledSignals {
             let spread: Vec<f64> = all.iter().map(|x| x - about).collect();
             rows.scales.push(rms(&spread));
             let step = (all.len() / REDUNDANCY.sampled_rows).max(1);
-            rows.values
-                .push(all.iter().step_by(step).copied().collect());
+            rows.rows = all.len().div_ceil(step);
+            rows.values.extend(all.iter().step_by(step));
         }
         Some(rows)
     }
 
-    fn len(&self) -> usize {
-        self.values.first().map_or(0, Vec::len)
-    }
-
     /// The values of an expression, by row.
     pub fn values_of(&self, e: &Expr) -> Vec<f64> {
-        let place = |s: Signal| self.signals.iter().position(|o| *o == s);
-        let value = |row: usize| {
-            e.eval(&|s| {
-                let values = place(s).and_then(|k| self.values.get(k));
-                let value = values.and_then(|v| v.get(row));
-                value.copied().unwrap_or(f64::NAN)
-            })
-        };
-        (0..self.len()).map(value).collect()
+        let all = self.values_of_all(std::slice::from_ref(e));
+        all.into_iter().next().unwrap_or_default()
+    }
+
+    /// The values of expressions, by row; NaN where one of their signals is not among these.
+    fn values_of_all(&self, expressions: &[Expr]) -> Vec<Vec<f64>> {
+        let rows = self.rows;
+        let mut out = vec![f64::NAN; expressions.len() * rows];
+        if let Ok(tape) = Tape::new(expressions, &self.signals) {
+            tape.eval(&self.values, rows, &mut out, &mut Vec::new());
+        }
+        out.chunks_exact(rows.max(1)).map(<[f64]>::to_vec).collect()
     }
 
     /// The gradients of target − Σ coefficient · term; `None` if they are zero or not finite on every row.
@@ -109,14 +110,14 @@ impl SampledSignals {
 
     /// The gradients of a sum that is zero where a relation holds. `target` is an unknown in it.
     pub fn gradients_of(&self, relation: &Expr, target: Signal) -> Option<Gradients> {
-        let slope = |(s, scale): (&Signal, &f64)| {
-            let mut values = self.values_of(&relation.derivative(*s));
-            values.iter_mut().for_each(|v| *v *= scale);
-            values
-        };
-        let columns: Vec<Vec<f64>> = self.signals.iter().zip(&self.scales).map(slope).collect();
+        let slopes = self.signals.iter().map(|s| relation.derivative(*s));
+        let slopes: Vec<Expr> = slopes.collect();
+        let mut columns = self.values_of_all(&slopes);
+        for (column, scale) in columns.iter_mut().zip(&self.scales) {
+            column.iter_mut().for_each(|v| *v *= scale);
+        }
         let row = |r: usize| columns.iter().filter_map(|c| c.get(r).copied()).collect();
-        let values: Vec<Vec<f64>> = (0..self.len()).map(row).collect();
+        let values: Vec<Vec<f64>> = (0..self.rows).map(row).collect();
         let lengths: Vec<f64> = values
             .iter()
             .map(|v| dot(v, v).sqrt())

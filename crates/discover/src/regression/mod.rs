@@ -15,6 +15,7 @@ pub(crate) mod row_sampling;
 mod sparsest;
 pub(crate) mod task;
 pub(crate) mod thresholds;
+pub(crate) mod uncoupled;
 pub(crate) mod weak_regression;
 
 use crate::dictionary::BadValue;

@@ -18,6 +18,7 @@ use sidc_progress::Observer;
 use sidc_solve as solve;
 use sidc_solve::Solver;
 use sidc_solve::dictionary::Dense;
+use sidc_solve::threads;
 use sidc_system::discovery::{FewerTerms, SparserLaw, Status};
 
 /// The search among the sums of multiples of coupled laws.
@@ -67,11 +68,9 @@ impl<'a> Search<'a> {
         let pins = self.pins(&columns);
         let sums = sparse_sums(&rows, &pins, rounding, (solver, observer));
         let mut candidates = self.equations()?;
-        candidates.extend(
-            sums.vectors
-                .iter()
-                .filter_map(|v| self.candidate(&columns, v)),
-        );
+        let vectors: Vec<&Vec<f64>> = sums.vectors.iter().collect();
+        let new = threads::map(vectors, |v| self.candidate(&columns, v));
+        candidates.extend(new.into_iter().flatten());
         let chosen = self.chosen(candidates);
         Some(self.told(chosen, &rows, &columns, &sums))
     }

@@ -7,7 +7,7 @@ use crate::relations::elimination::{orthonormal, vanishing};
 use crate::relations::thresholds::FEWER_TERMS;
 use sidc_progress::Observer;
 use sidc_solve::dictionary::{Dense, Dictionary, Graded, Grades};
-use sidc_solve::{Problem, Solver};
+use sidc_solve::{Problem, Solver, threads};
 
 /// Vectors with few entries.
 #[derive(Default)]
@@ -42,13 +42,18 @@ pub(super) fn sparse_sums(
         every_smallest(&basis, rounding, &mut keep);
         return found;
     }
-    for column in solved_for.iter().take(FEWER_TERMS.pins) {
-        if !observer.go_on() {
-            found.stopped = true;
-            break;
-        }
-        if let Some(v) = solved(&basis, *column, rounding, (solver, &mut *observer)) {
-            keep(v);
+    let across = projection(&basis);
+    let pins: Vec<usize> = solved_for.iter().take(FEWER_TERMS.pins).copied().collect();
+    let solve = |column: usize, observer: &mut dyn Observer| {
+        let goes_on = observer.go_on();
+        let vector = goes_on.then(|| solved(&across, column, rounding, (solver, observer)));
+        vector.map(|v| polished(&basis, &v?, rounding))
+    };
+    for vector in threads::map_watched(threads::available(), pins, observer, solve) {
+        match vector {
+            Some(Some(v)) => keep(v),
+            Some(None) => {}
+            None => found.stopped = true,
         }
     }
     found
@@ -103,25 +108,35 @@ fn visit(
     }
 }
 
+/// The columns of the projection across the span of an orthonormal basis.
+fn projection(basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let n = basis.first().map_or(0, Vec::len);
+    let column = |j: usize| -> Vec<f64> {
+        let mut column = vec![0.0; n];
+        for b in basis {
+            let own = b.get(j).copied().unwrap_or(0.0);
+            column.iter_mut().zip(b).for_each(|(c, x)| *c -= own * x);
+        }
+        if let Some(own) = column.get_mut(j) {
+            *own += 1.0;
+        }
+        column
+    };
+    (0..n).map(column).collect()
+}
+
 /// The vector of smallest 1-norm with 1 in a column: v lies in the span iff P v = 0, P the projection across it.
 fn solved(
-    basis: &[Vec<f64>],
+    across: &[Vec<f64>],
     column: usize,
     rounding: f64,
     (solver, observer): (&dyn Solver, &mut dyn Observer),
 ) -> Option<Vec<f64>> {
-    let n = basis.first()?.len();
-    let across = |j: usize| -> Vec<f64> {
-        let entry = |k: usize| {
-            let own = if k == j { 1.0 } else { 0.0 };
-            let along = basis.iter().filter_map(|b| Some(b.get(j)? * b.get(k)?));
-            own - along.sum::<f64>()
-        };
-        (0..n).map(entry).collect()
-    };
+    let n = across.len();
     let others: Vec<usize> = (0..n).filter(|j| *j != column).collect();
-    let all: Vec<f64> = others.iter().flat_map(|j| across(*j)).collect();
-    let target: Vec<f64> = across(column).iter().map(|x| -x).collect();
+    let parts = others.iter().filter_map(|j| across.get(*j));
+    let all: Vec<f64> = parts.flatten().copied().collect();
+    let target: Vec<f64> = across.get(column)?.iter().map(|x| -x).collect();
     let phi = Dense::new(n, all);
     // The 1-norm counts entries, not lengths of columns.
     let lengths = phi.norms();
@@ -142,7 +157,7 @@ fn solved(
     for (k, a) in answer.coefficients {
         *vector.get_mut(*others.get(k)?)? = a;
     }
-    polished(basis, &vector, rounding)
+    Some(vector)
 }
 
 /// The vector of the span that is zero where `vector` nearly is; `None` if there is none, or more than one.

@@ -232,8 +232,8 @@ family! {
         neighbours: f64 = 0.6, unit "", source "set by hand";
         /// Largest share of outliers; a channel with more has another distribution.
         max_outliers: f64 = 0.2, unit "readings", source "set by hand";
-        /// Readings of which a normal distribution puts one beyond the distance of an outlier.
-        readings_per_chance_outlier: f64 = 1.7e6, unit "readings", source "1/(2 Phi(-5)) = 1.74e6, Phi the normal distribution";
+        /// Probability under a normal distribution below which outliers of a state are a doubt.
+        outliers_by_chance: f64 = 1e-3, unit "", source "one false doubt in a thousand sensors";
         /// Blocks of the records that stability is judged on.
         max_blocks: usize = 10, unit "blocks", source "set by hand";
         /// Fewest blocks of which halves are drawn.

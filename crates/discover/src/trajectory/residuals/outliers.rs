@@ -3,6 +3,8 @@
 //! In: a problem and a fit. Out: their number and the worst, or the problem without them. A reading whose neighbours are off as well is
 //! no outlier: there the laws are wrong.
 
+use std::f64::consts::PI;
+
 use crate::trajectory::likelihood::{Fit, final_floor};
 use crate::trajectory::model::{LeftOut, Problem};
 use crate::trajectory::thresholds::RESIDUALS;
@@ -22,7 +24,7 @@ pub struct Outliers {
     pub time: f64,
 }
 
-/// The outliers of one state, if they are more than a normal distribution gives.
+/// The outliers of one state, if they are more, or one is farther, than a normal distribution gives.
 pub(crate) fn outliers(problem: &Problem, fit: &Fit, state: usize) -> Option<Outliers> {
     let mut found: Option<Outliers> = None;
     let readings = problem.readings_of(state);
@@ -43,7 +45,16 @@ pub(crate) fn outliers(problem: &Problem, fit: &Fit, state: usize) -> Option<Out
             }
         }
     }
-    found.filter(|s| s.count as f64 > readings as f64 / RESIDUALS.readings_per_chance_outlier + 0.5)
+    found.filter(|o| by_chance(readings as f64, o) < RESIDUALS.outliers_by_chance)
+}
+
+/// Bounds of the probability that a normal distribution gives as many outliers, by the terms of Poisson's, and one as far, by Mills' ratio:
+/// the smaller of the two.
+fn by_chance(readings: f64, found: &Outliers) -> f64 {
+    let beyond = |d: f64| readings * (-0.5 * d * d).exp() / (d * (0.5 * PI).sqrt());
+    let expected = beyond(RESIDUALS.outlier);
+    let as_many: f64 = (1..=found.count).map(|k| expected / k as f64).product();
+    as_many.min(beyond(found.worst))
 }
 
 /// Whether each reading of a state is an outlier, record by record.
@@ -221,4 +232,28 @@ fn median(values: &mut [f64]) -> f64 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Outliers, by_chance};
+
+    #[test]
+    fn chance_is_that_of_a_normal_distribution() {
+        let found = |count, worst| Outliers {
+            count,
+            worst,
+            trajectory: 0,
+            time: 0.0,
+        };
+        // 2 Φ(−5) = 5.733e-7; the bound is 4 % higher.
+        let one = by_chance(2000.0, &found(1, 5.0));
+        assert!((1.0..1.05).contains(&(one / 1.1466e-3)), "{one}");
+        // 2 Φ(−6) = 1.973e-9
+        let far = by_chance(2000.0, &found(1, 6.0));
+        assert!((1.0..1.05).contains(&(far / 3.946e-6)), "{far}");
+        // At 1.74 million readings one is expected, and four come by chance in one of 53 records.
+        let four = by_chance(1.744e6, &found(4, 5.2));
+        assert!((0.019..0.06).contains(&four), "{four}");
+    }
 }

@@ -3,10 +3,13 @@
 //! In: tasks and what to do with them. Out: one answer for each thread. Which thread takes which task is not fixed, so answers
 //! must not depend on it.
 
+mod watched;
+
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
 
 use crate::thresholds::PARALLELISM;
+pub use watched::map_watched;
 
 /// Threads for so many multiplications (or memory accesses of like cost): one, or every core.
 pub fn threads_for(work: usize) -> usize {

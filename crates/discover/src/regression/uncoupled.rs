@@ -1,0 +1,63 @@
+//! Equations that no constraint connects, as many at once as the machine has cores.
+//!
+//! In: their tasks. Out: what each comes to, in their order. The same as one after another.
+
+use super::row_sampling;
+use super::task::Task;
+use crate::dictionary::{BadValue, bytes};
+use sidc_progress::{Activity, EquationObserver, Observer};
+use sidc_solve::threads;
+use sidc_system::discovery::{Discovery, Equation, Failed};
+
+/// An equation or why there is none; or a term that the data cannot evaluate.
+type Found = Result<Result<Equation, Failed>, Box<BadValue>>;
+
+/// Runs tasks with the places of their equations.
+pub(crate) fn run_uncoupled(
+    tasks: Vec<(usize, Task)>,
+    names: &Discovery,
+    watcher: &mut EquationObserver,
+) -> Vec<(usize, Found)> {
+    let mut observer = |activity: Activity| match activity {
+        Activity::Equation { place, stage } => {
+            watcher.turn_to(place);
+            watcher.hear(Activity::Stage(stage))
+        }
+        other => watcher.hear(other),
+    };
+    threads::map_watched(
+        at_once(&tasks),
+        tasks,
+        &mut observer,
+        |(place, task), observer| {
+            let mut watcher = EquationObserver::new(observer);
+            watcher.turn_to(place);
+            (place, task.run(names, &mut watcher))
+        },
+    )
+}
+
+/// How many tasks are done at once: one for each core, while their libraries fit together into the memory that each may take.
+fn at_once(tasks: &[(usize, Task)]) -> usize {
+    let mut sizes: Vec<u128> = tasks.iter().map(|(_, task)| size(task)).collect();
+    sizes.sort_unstable_by(|a, b| b.cmp(a));
+    let limit = tasks.first().map_or(0, |(_, t)| t.options.memory);
+    let mut total = 0u128;
+    let fits = sizes.iter().take_while(|size| {
+        total = total.saturating_add(**size);
+        total <= u128::from(limit)
+    });
+    fits.take(threads::available()).count().max(1)
+}
+
+/// Bytes of Φ.
+fn size(task: &Task) -> u128 {
+    let (options, library) = (task.options, task.library);
+    let split = row_sampling::split(
+        task.samples.len(),
+        library.len(),
+        options.samples,
+        options.seed,
+    );
+    bytes(library, split.used.len())
+}
