@@ -64,7 +64,7 @@ def row(program, folder, model, data, held, horizon):
     laws += "".join(f"; {u['name']} = {u['value']:.4g}" for u in found.get("unknowns", []))
     codes = list(dict.fromkeys(r["code"] for e in equations + found["failed"] for r in e["reasons"]))
     step = " ".join(w for w in run.stdout.rsplit("next: ", 1)[-1].split() if w != "\\")
-    for part in (f"-o {result} ", "-q ", f"{folder}/", f"{HERE}/"):
+    for part in (f"-o {result} ", "-q ", f"{folder}/", f"{HERE}/", f"{scratch}/"):
         step = step.replace(part, "")
     ended = sum(e["starts"] for e in prediction.get("ended", []))
     starts = f"{prediction['starts'] - ended} of {prediction['starts']}" if ended else str(prediction["starts"])
