@@ -63,11 +63,12 @@ pub fn map_watched<T: Send, A: Send>(
             reports.end(i);
         }
         // A browser has no other thread, and no clock to wait by.
-        while threads > 1 {
+        let mut waits = threads > 1;
+        while waits {
             match answers.recv_timeout(PARALLELISM.ask_every) {
                 Ok(answer) => done.push(answer),
                 Err(RecvTimeoutError::Timeout) => teller.tell(),
-                Err(RecvTimeoutError::Disconnected) => break,
+                Err(RecvTimeoutError::Disconnected) => waits = false,
             }
         }
         done
