@@ -198,8 +198,7 @@ mod tests {
                 columns: vec![(Signal::new(of), values)],
             }],
             inputs: between.map(input).into_iter().collect(),
-            rate_faults: Vec::new(),
-            unread: Vec::new(),
+            ..Dataset::default()
         }
     }
 

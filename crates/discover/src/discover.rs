@@ -108,7 +108,7 @@ pub fn discover(
         if done[i].is_some() {
             continue;
         }
-        if task(i).is_none() {
+        if !libraries.get(i).is_some_and(Option::is_some) {
             let known = fixed_terms(&equation.right);
             done[i] = Some(Ok(stated(equation.target, known)));
             continue;

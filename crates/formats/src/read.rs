@@ -5,6 +5,7 @@ use std::io::Read;
 use sidc_data::{Limits, Table};
 use sidc_lang::diagnostic::Diagnostic;
 use sidc_lang::source::Sources;
+use sidc_lang::words::beginning;
 
 use crate::budget::Budget;
 use crate::fault::Fault;
@@ -132,12 +133,8 @@ fn left_out_note(name: &str, read: &Assembled) -> Option<Diagnostic> {
     if left_out.is_empty() {
         return None;
     }
-    let shown: Vec<&str> = left_out.iter().take(SHOWN).map(String::as_str).collect();
-    let more = match left_out.len().saturating_sub(SHOWN) {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
-    let text = format!("{name}: not read as columns: {}{more}", shown.join(", "));
+    let shown = beginning(left_out, SHOWN);
+    let text = format!("{name}: not read as columns: {shown}");
     let note = Diagnostic::note("left-out", text);
     Some(match read.step {
         Some(step) if read.table.position("t").is_none() => note.help(format!(

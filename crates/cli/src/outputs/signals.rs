@@ -3,6 +3,7 @@
 use sidc::pipeline::{self, Measured, Program};
 use sidc_lang::number::significant;
 use sidc_lang::term::SignalNames;
+use sidc_lang::words::beginning;
 
 use crate::thresholds::LISTS;
 
@@ -27,12 +28,7 @@ pub fn describe(program: &Program, measured: &Measured) -> String {
     let mut text = format!("measured: {}\n", columns.join(", "));
     let unread = &measured.dataset.unread;
     if !unread.is_empty() {
-        let (shown, more) = unread.split_at(unread.len().min(LISTS.unread));
-        let rest = match more.len() {
-            0 => String::new(),
-            n => format!(" and {n} more"),
-        };
-        text.push_str(&format!("not read: {}{rest}\n", shown.join(", ")));
+        text.push_str(&format!("not read: {}\n", beginning(unread, LISTS.unread)));
     }
     for e in &entries {
         if let Some(error) = e.error {

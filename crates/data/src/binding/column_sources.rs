@@ -72,12 +72,13 @@ pub(super) fn headers(model: &Model) -> BTreeSet<String> {
 /// Headers of columns that move and that no signal reads, each once. Left out: what only rises, a clock or a row number, and, of logs,
 /// columns that were not asked for.
 pub(super) fn unread(model: &Model, tables: &[Cow<Table>]) -> Vec<String> {
-    let read = headers(model);
-    let mut out: Vec<String> = Vec::new();
+    let mut known = headers(model);
+    let mut out = Vec::new();
     for table in tables {
         for (column, header) in table.headers().iter().enumerate() {
-            let known = header.is_empty() || read.contains(header) || out.contains(header);
-            if !known && moves_up_and_down(table.values(column)) {
+            let new = !header.is_empty() && !known.contains(header);
+            if new && moves_up_and_down(table.values(column)) {
+                known.insert(header.clone());
                 out.push(header.clone());
             }
         }

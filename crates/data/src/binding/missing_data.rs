@@ -4,6 +4,7 @@ use sidc_lang::diagnostic::{Diagnostic, did_you_mean};
 use sidc_lang::model::{Model, RightSide, Var, VarKind};
 use sidc_lang::source::{Sources, Span};
 use sidc_lang::term::{Expr, Signal, SignalNames};
+use sidc_lang::words::beginning;
 
 use crate::csv::Table;
 use crate::dataset::BoundTrajectory;
@@ -250,18 +251,7 @@ fn found(table: &Table) -> String {
         .filter(|h| !h.is_empty())
         .map(|h| format!("\"{h}\""))
         .collect();
-    let more = named.len().saturating_sub(MAX_HEADERS_SHOWN);
-    let shown = named
-        .iter()
-        .take(MAX_HEADERS_SHOWN)
-        .cloned()
-        .collect::<Vec<_>>();
-    let rest = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
-    format!("columns found: {}{rest}", shown.join(", "))
+    format!("columns found: {}", beginning(&named, MAX_HEADERS_SHOWN))
 }
 
 fn likely_header<'a>(header: &str, table: &'a Table) -> Option<&'a str> {

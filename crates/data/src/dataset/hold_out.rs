@@ -144,8 +144,7 @@ mod tests {
         Dataset {
             trajectories: lengths.iter().enumerate().map(record).collect(),
             inputs: Vec::new(),
-            rate_faults: Vec::new(),
-            unread: Vec::new(),
+            ..Dataset::default()
         }
     }
 

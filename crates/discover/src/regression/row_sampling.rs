@@ -23,6 +23,11 @@ pub struct Split {
     pub limited: bool,
 }
 
+/// How many of `rows` rows [`split`] uses.
+pub(crate) fn used(rows: usize, terms: usize, samples: Option<usize>) -> usize {
+    samples.unwrap_or_else(|| affordable(terms)).min(rows)
+}
+
 /// Splits `rows` rows into those used and those held out: `samples` of them if given, else as many as Φ with `terms` columns may
 /// have.
 ///
@@ -34,8 +39,7 @@ pub struct Split {
 /// assert!(drawn.used.is_sorted());
 /// ```
 pub fn split(rows: usize, terms: usize, samples: Option<usize>, seed: u64) -> Split {
-    let fits = affordable(terms);
-    let wanted = samples.unwrap_or(fits).min(rows);
+    let wanted = used(rows, terms, samples);
     if wanted == rows {
         return Split {
             used: (0..rows).collect(),

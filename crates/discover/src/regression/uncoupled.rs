@@ -52,12 +52,7 @@ fn at_once(tasks: &[(usize, Task)]) -> usize {
 
 /// Bytes of Φ.
 fn size(task: &Task) -> u128 {
-    let (options, library) = (task.options, task.library);
-    let split = row_sampling::split(
-        task.samples.len(),
-        library.len(),
-        options.samples,
-        options.seed,
-    );
-    bytes(library, split.used.len())
+    let library = task.library;
+    let rows = row_sampling::used(task.samples.len(), library.len(), task.options.samples);
+    bytes(library, rows)
 }

@@ -5,6 +5,7 @@
 use crate::text::layout::sum_lines;
 use crate::thresholds::PRINTED;
 use sidc_lang::number::significant;
+use sidc_lang::words::beginning;
 use sidc_system::discovery::{
     Discovery, FewerTerms, RelationChoices, SparserLaw, TargetChoice, WrittenLaw,
 };
@@ -86,12 +87,6 @@ fn term((name, a): &(String, f64)) -> (bool, String) {
 }
 
 fn search(fewer: &FewerTerms) -> String {
-    let shown = fewer.multipliers.iter().take(PRINTED.multipliers);
-    let shown: Vec<&str> = shown.map(String::as_str).collect();
-    let more = match fewer.multipliers.len() - shown.len() {
-        0 => String::new(),
-        n => format!(" and {n} more"),
-    };
     let all = fewer.exhaustive && !fewer.limited;
     let outcome = match fewer.laws.len() {
         0 if all => "no other laws that span the same relations have fewer terms",
@@ -107,9 +102,9 @@ fn search(fewer: &FewerTerms) -> String {
         false => "",
     };
     format!(
-        "relations: {outcome} ({} of the laws with {}{more}: {} with terms of the libraries alone, {}; {how}{limited})",
+        "relations: {outcome} ({} of the laws with {}: {} with terms of the libraries alone, {}; {how}{limited})",
         counted(fewer.multiples, "product"),
-        shown.join(", "),
+        beginning(&fewer.multipliers, PRINTED.multipliers),
         counted(fewer.sums, "independent sum"),
         counted(fewer.terms, "term"),
     )

@@ -5,7 +5,7 @@
 
 mod watched;
 
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
 
 use crate::thresholds::PARALLELISM;
@@ -54,7 +54,7 @@ where
         return vec![work(&mut tasks)];
     }
     let queue = Mutex::new(tasks);
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let next = || lock(&queue).next();
     let work = || work(&mut std::iter::from_fn(next));
     thread::scope(|scope| {
         let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
@@ -76,9 +76,18 @@ pub fn map<T: Send, A: Send>(tasks: Vec<T>, work: impl Fn(T) -> A + Sync) -> Vec
         tasks.map(|(i, task)| (i, work(task))).collect()
     };
     let done = share(threads, tasks.into_iter().enumerate(), numbered);
-    let mut done: Vec<(usize, A)> = done.into_iter().flatten().collect();
+    in_order(done.into_iter().flatten().collect())
+}
+
+/// Answers in the order of their tasks, whose numbers stand beside them.
+fn in_order<A>(mut done: Vec<(usize, A)>) -> Vec<A> {
     done.sort_by_key(|(i, _)| *i);
     done.into_iter().map(|(_, answer)| answer).collect()
+}
+
+/// What is behind a lock, whatever became of the thread that held it.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -7,20 +7,22 @@ use std::collections::VecDeque;
 use std::mem::discriminant;
 use std::ops::ControlFlow;
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock};
 use std::thread;
 
 use sidc_progress::{Activity, Observer, Stage, Stop};
 
+use super::{in_order, lock};
 use crate::thresholds::PARALLELISM;
 
-/// Answers of all tasks, done on so many threads, one of them the calling one.
+/// Answers of all tasks, done on at most so many threads, one of them the calling one.
 pub fn map_watched<T: Send, A: Send>(
     threads: usize,
     tasks: Vec<T>,
     observer: &mut dyn Observer,
     work: impl Fn(T, &mut dyn Observer) -> A + Sync,
 ) -> Vec<A> {
+    let threads = threads.min(tasks.len());
     let reports = Reports::new(tasks.len());
     let queue = Mutex::new(tasks.into_iter().enumerate());
     let next = || lock(&queue).next();
@@ -34,7 +36,7 @@ pub fn map_watched<T: Send, A: Send>(
     if threads > 1 {
         teller.tell();
     }
-    let mut done = thread::scope(|scope| {
+    let done = thread::scope(|scope| {
         let (send, answers) = mpsc::channel();
         for _ in 1..threads {
             let (send, next, reports, work) = (send.clone(), &next, &reports, &work);
@@ -74,12 +76,7 @@ pub fn map_watched<T: Send, A: Send>(
         done
     });
     teller.tell_all();
-    done.sort_by_key(|(i, _)| *i);
-    done.into_iter().map(|(_, answer)| answer).collect()
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+    in_order(done)
 }
 
 /// What tasks reported and the observer has not heard yet.

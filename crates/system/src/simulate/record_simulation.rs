@@ -47,8 +47,7 @@ pub fn simulate(
     let mut record = Dataset {
         trajectories: one.cloned().into_iter().collect(),
         inputs: source.dataset.inputs.clone(),
-        rate_faults: Vec::new(),
-        unread: Vec::new(),
+        ..Dataset::default()
     };
     if let Some(empty) = data::keep_window(&mut record, options.window) {
         return Err(empty);
@@ -169,9 +168,8 @@ impl RecordSimulation<'_> {
     fn part(&self, rows: &std::ops::Range<usize>) -> Dataset {
         Dataset {
             inputs: self.inputs.inputs.clone(),
-            rate_faults: Vec::new(),
-            unread: Vec::new(),
             trajectories: vec![self.record.part(rows.clone())],
+            ..Dataset::default()
         }
     }
 

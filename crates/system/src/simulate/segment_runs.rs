@@ -55,8 +55,7 @@ impl SegmentRuns {
         let alone = Dataset {
             trajectories: vec![record.clone()],
             inputs: source.dataset.inputs.clone(),
-            rate_faults: Vec::new(),
-            unread: Vec::new(),
+            ..Dataset::default()
         };
         let plant = Plant::new(Form::new(d)).map_err(|s| refuse::unknown_signal(d, s))?;
         let form = &plant.form;

@@ -92,8 +92,7 @@ pub fn run_on_used(
         let alone = Dataset {
             trajectories: vec![record.clone()],
             inputs: used.inputs.clone(),
-            rate_faults: Vec::new(),
-            unread: Vec::new(),
+            ..Dataset::default()
         };
         runs.extend(run_all((d, model), (&alone, false), &options, observer));
     }
