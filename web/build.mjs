@@ -17,11 +17,11 @@ const target = process.env.CARGO_TARGET_DIR ?? join(root, "target");
 const run = (program, ...args) => execFileSync(program, args, { cwd: root, stdio: "inherit" });
 
 run("rustup", "--quiet", "target", "add", "wasm32-unknown-unknown");
-run("cargo", "build", "--quiet", "--release", "--package", "sidc-web", "--target", "wasm32-unknown-unknown");
+run("cargo", "build", "--quiet", "--profile", "embedded", "--package", "sidc-web", "--target", "wasm32-unknown-unknown");
 rmSync(dist, { recursive: true, force: true });
 mkdirSync(dist, { recursive: true });
 const bindings = join(target, "web");
-const compiled = join(target, "wasm32-unknown-unknown/release/sidc_web.wasm");
+const compiled = join(target, "wasm32-unknown-unknown/embedded/sidc_web.wasm");
 run("cargo", "run", "--quiet", "--package", "sidc-web-bindings", "--", compiled, bindings);
 // Packed here, so that no server has to be told to.
 writeFileSync(join(dist, "sidc.wasm.gz"), gzipSync(readFileSync(join(bindings, "sidc_bg.wasm")), { level: 9 }));

@@ -7,6 +7,10 @@
 
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+// The crates that read them panic on some broken files, which `parquet` and `hdf5` turn into a message.
+#[cfg(all(any(feature = "parquet", feature = "hdf5"), panic = "abort"))]
+compile_error!("Parquet and HDF5 need a build that unwinds: cargo build --profile embedded …");
+
 mod arrow;
 mod budget;
 mod bytes;

@@ -107,7 +107,7 @@ fn columnar(
     _: &Limits,
 ) -> Result<Vec<crate::variables::Variable>, Fault> {
     Err(Fault::unsupported("a Parquet file, and this program was built without them").help(
-        "build it with --features parquet, give the file to sidc in Python, or export the data as CSV",
+        "build it with --profile embedded --features parquet, give the file to sidc in Python, or export the data as CSV",
     ))
 }
 
@@ -117,7 +117,7 @@ use crate::hdf5::variables as hierarchical;
 #[cfg(not(feature = "hdf5"))]
 fn hierarchical(_: Vec<u8>, _: &mut Budget) -> Result<Vec<crate::variables::Variable>, Fault> {
     Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file, and this program was built without them").help(
-        "in MATLAB, save('data.mat', …, '-v7') writes a file that is read; or build it with --features hdf5, or give the file to sidc in Python",
+        "in MATLAB, save('data.mat', …, '-v7') writes a file that is read; or build it with --profile embedded --features hdf5, or give the file to sidc in Python",
     ))
 }
 

@@ -256,7 +256,7 @@ fn parquet_without_its_reader_is_told_what_to_do() {
     assert_eq!(
         text,
         "[not-text] a.parquet is a Parquet file, and this program was built without them | \
-         build it with --features parquet, give the file to sidc in Python, or export the data as CSV"
+         build it with --profile embedded --features parquet, give the file to sidc in Python, or export the data as CSV"
     );
 }
 
