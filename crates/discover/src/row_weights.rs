@@ -88,8 +88,8 @@ impl Weights {
         self.median_error / self.row[row]
     }
 
-    /// Raises the correlation to that of the residual of the whole library, as `lasting_errors` says; its variance comes back, to be
-    /// added to the floor by `add_drift`.
+    /// Raises the autocorrelation time of the errors to that of the residual of the whole library (`lasting_errors`). Returns the
+    /// variance to pass to `add_drift` once the fit's tolerance is known.
     pub fn raise_correlation(&mut self, residual: &[f64], target: &[f64]) -> f64 {
         let (correlation, drift) = lasting_errors(self.correlation, residual, target);
         self.correlation = correlation;
@@ -112,11 +112,13 @@ impl Weights {
     }
 }
 
-/// The autocorrelation time of rows whose whole library leaves this residual, at most that of the target if that is not below `least`; and the
-/// variance of a residual that lasts longer, by which the floor rises.
+/// The autocorrelation time of the errors, in rows, where the whole library leaves this residual: at least `least`, at most that of the
+/// target. A residual that stays correlated for longer than the target counts through the variance that is returned, by which the noise
+/// floor rises.
 ///
-/// A residual of variance s, of which E lasts τₑ rows and the rest as the target, τ, has s M / (τ s + (τₑ − τ) E) independent samples.
-/// Summed up over ln s that is (M/τ) ln(s + E (τₑ/τ − 1)): the samples of the target above a floor.
+/// Derivation: let the residual have variance s, of which a part E is correlated over τₑ rows and the rest over τ rows, as the target is.
+/// It has s M / (τ s + (τₑ − τ) E) independent samples. Integrated over ln s this is (M/τ) ln(s + E (τₑ/τ − 1)): the number of samples of
+/// the target, with a floor under s.
 pub(crate) fn lasting_errors(least: f64, residual: &[f64], target: &[f64]) -> (f64, f64) {
     let lasting = autocorrelation_time(residual);
     if lasting <= least {

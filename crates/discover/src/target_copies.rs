@@ -36,7 +36,7 @@ impl Products {
         }
     }
 
-    /// Whether all of the column but this part, or rounding, is in proportion to the target.
+    /// Whether the column is proportional to the target: the sine of the angle between them is at most `part`, or rounding.
     pub fn parallel(&self, part: f64) -> bool {
         let both = self.column * self.target;
         let sine = 1.0 - self.mixed * self.mixed / both;

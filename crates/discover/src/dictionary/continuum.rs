@@ -73,7 +73,7 @@ impl Side {
     }
 }
 
-/// The place of a factor in the list of its block, the factor, its column.
+/// A factor: its place in the list of its block, its term, its values by row.
 type Evaluated<'a> = (usize, &'a Term, Vec<f64>);
 
 /// Factors on samples, rows multiplied by `weights`; `None` where one is not finite.
@@ -100,7 +100,7 @@ fn split<'a>(terms: &'a [Term], varies: &dyn Fn(&Term) -> bool) -> [Vec<(usize, 
     [without, with]
 }
 
-/// What is evaluated where.
+/// The library, the rows and the points at which columns are made.
 pub(crate) struct Continuum<'a> {
     pub library: &'a Library,
     /// How many points there are.
@@ -113,8 +113,8 @@ pub(crate) struct Continuum<'a> {
 }
 
 impl ContinuumColumns {
-    /// `at` gives the samples at each of the points. Those at which a factor is not finite are left out; `None` where that leaves a
-    /// product which is not.
+    /// `at` gives the samples at each point. Points at which a varying factor is not finite are left out. `None` if a factor
+    /// without a constant, or a product, is not finite.
     pub fn new(of: &Continuum, at: &mut dyn FnMut(usize) -> Samples) -> Option<ContinuumColumns> {
         let (mut left, mut right) = (Side::new(), Side::new());
         let mut blocks: Vec<Block> = Vec::new();

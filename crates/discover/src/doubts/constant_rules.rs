@@ -26,7 +26,7 @@ pub fn doubt_constants(
     let effects = constant_effects((model, libraries), samples, found, options);
     let effects = effects.unwrap_or_else(|| vec![None; all.len()]);
     let mut told = found.unknowns.clone().into_iter().peekable();
-    // Values stand in the order of `all`, those that no term holds left out.
+    // `found.unknowns` is in the order of `all`, but lacks the constants that no term holds.
     for (number, effect) in all.iter().zip(&effects) {
         let name = model.variable(number.unknown.var);
         let Some(value) = told.next_if(|u| u.name == name) else {
@@ -45,8 +45,8 @@ pub fn doubt_constants(
     }
 }
 
-/// The doubt about equations that were sought with unknown constants and hold none: noise hides terms, and of a small one every constant is as
-/// good. `nearest` are the terms of the best law that holds one, with its criterion over that of the answer.
+/// The doubt about equations that were sought with unknown constants and hold none. Noise may hide a small term, and then any value of its
+/// constant fits as well. `nearest`: the terms of the best law with a constant, and by how much its criterion exceeds that of the answer.
 pub(crate) fn absent(model: &Model, nearest: Option<(Vec<String>, f64)>) -> Reason {
     let names = model.unknowns.iter().map(|u| model.variable(u.var));
     let names = names.collect::<Vec<&str>>().join(", ");
@@ -73,7 +73,8 @@ fn named(value: &UnknownValue) -> String {
     }
 }
 
-/// Whether the error of a constant lets its term change by so much that it could as well be another.
+/// The doubt `uncertain-constant`: within the standard error of the constant its term changes so much that the data do not tell one value
+/// from another.
 fn uncertain(found: &Discovery, value: &UnknownValue, effect: &ConstantEffect) -> Option<Reason> {
     let UnknownValue { name, .. } = value;
     let term = Language(found).term(&effect.term);

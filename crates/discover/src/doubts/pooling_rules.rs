@@ -41,7 +41,7 @@ pub(crate) fn not_followed(problem: &Problem, used: &[usize], left: &[Left]) -> 
     }))
 }
 
-/// The doubt `runs-differ` of one coefficient that nobody said to differ.
+/// The doubt `runs-differ` of one coefficient that the model does not declare `per run`.
 pub(crate) fn differs(
     (model, names): (&Model, &Discovery),
     problem: &Problem,
@@ -65,7 +65,8 @@ pub(crate) fn differs(
     runs_differ(&coefficient, &values, found)
 }
 
-/// The doubt `runs-differ` of the coefficients that the answer has for each run, though nobody said so.
+/// The doubt `runs-differ` of coefficients that the answer has for each run, although the model does not declare them
+/// `per run`.
 pub(crate) fn undeclared(model: &Model, names: &Discovery, equation: &Equation) -> Option<Reason> {
     let terms: Vec<&FoundTerm> = undeclared_terms(model, equation).collect();
     let target = model.name(equation.target);
@@ -94,7 +95,7 @@ pub(crate) fn undeclared(model: &Model, names: &Discovery, equation: &Equation) 
     }
 }
 
-/// Whether the answer has coefficients by run that nobody said to differ.
+/// Whether the answer has coefficients for each run that the model does not declare `per run`.
 pub(crate) fn has_undeclared(model: &Model, discovery: &Discovery) -> bool {
     let mut equations = discovery.equations.iter();
     equations.any(|e| undeclared_terms(model, e).next().is_some())

@@ -10,7 +10,7 @@ use sidc_progress::Stop;
 use sidc_solve::Status as Solved;
 use sidc_system::discovery::{Change, Evidence, FoundTerm, Reason, ReasonCode};
 
-/// How many times as many rows an equation may take that does not carry over; it is only proposed.
+/// The rows proposed for an equation that fits held-out rows worse, over those it was found from.
 const MORE_ROWS: usize = 10;
 
 /// What the residuals show beyond their size.
@@ -93,7 +93,7 @@ fn heuristic(c: &RegressionCase) -> Option<Reason> {
     })
 }
 
-/// Rows that no combination of all terms fits.
+/// No combination of all candidate terms fits the rows.
 fn contradicted(c: &RegressionCase) -> Option<Reason> {
     matches!(c.solved, Solved::Inconsistent { .. }).then(|| {
         Reason::new(
@@ -123,7 +123,7 @@ fn solver(c: &RegressionCase) -> Option<Reason> {
         format!("the solver stopped at gap {gap:.1e} and residual {residual:.1e}")
     };
     let e = c.evidence;
-    // The error of the solver that made the data may be larger than that of their derivatives.
+    // Data that were simulated carry the error of the integrator, which may exceed the estimated error of their derivatives.
     let as_exact = early && e.target_error > 0.0 && e.residual <= DOUBTS.solver_residual;
     let proved = p.optimal && (p.of_answer || !early) || as_exact;
     let reason = Reason::new(ReasonCode::SolverInaccurate, text);
@@ -142,7 +142,7 @@ fn crowded(c: &RegressionCase) -> Option<Reason> {
             format!("{k} terms from {m} rows is no sparse law"),
         ));
     }
-    // The exact fit has as many terms as that of an arbitrary target, so the terms kept of it may explain their part by chance.
+    // With ε = 0 the answer has as many terms as rows, as the fit of any target has, so the terms kept of it may fit by chance.
     let p = &c.evidence.certificate;
     let dense =
         p.tolerance == 0.0 && !p.of_answer && DOUBTS.sparse_rows * c.proposed > m && c.proposed > 1;
@@ -184,7 +184,7 @@ fn used_up(c: &RegressionCase) -> Option<Reason> {
 
 fn poor_fit(c: &RegressionCase) -> Option<Reason> {
     let e = c.evidence;
-    // In the weak form the noise of the rows is known, and only the residual beyond it counts, if there are terms at all.
+    // In the weak form the noise of the rows is known, so only the residual beyond it counts; without terms all of it does.
     let known = match e.method.is_empty() || c.terms.is_empty() {
         true => 0.0,
         false => e.target_error,

@@ -57,12 +57,13 @@ pub(crate) fn misfits(c: &Channel) -> bool {
     c.excess > TRAJECTORY_DOUBTS.misfit
 }
 
-/// The same, or whether they remember.
+/// Whether the residuals of a channel are larger than the noise of its sensor, or autocorrelated beyond chance.
 pub(crate) fn unexplained(c: &Channel) -> bool {
     misfits(c) || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
 }
 
-/// How many times more a channel leaves than noise may: above 1 where it is unexplained.
+/// Size and autocorrelation of a channel's residuals over what noise alone may give, the larger of the two: above 1 where the channel
+/// is unexplained.
 pub(crate) fn left_over_noise(c: &Channel) -> f64 {
     let remembered = match told(c) {
         true => c.memory.abs() / c.chance.max(DOUBTS.autocorrelation),
@@ -137,7 +138,8 @@ pub(crate) fn with_delay(input: &Var, delay: &str) -> String {
     format!("input {} : {}", input.name, attributes.join(", "))
 }
 
-/// The doubt `disturbed`: what the model lacks moves slowly, and so does a disturbance that lasts. White noise is none of these.
+/// The doubt `disturbed`: a disturbance with a memory may stand for a term, an input or a state that the model lacks, which vary
+/// slowly too. White disturbances may not, so they give no doubt.
 pub(crate) fn disturbed(
     names: &Discovery,
     target: Signal,
@@ -156,8 +158,8 @@ pub(crate) fn disturbed(
     ))
 }
 
-/// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do. `terms` are those of this equation; without
-/// any, it has the state in other terms.
+/// The doubt `sensor-offset`: with a constant offset of the sensor, fewer terms would do. `terms` are those of this equation that the
+/// offset makes superfluous; empty if they are in other equations.
 pub(crate) fn offset(model: &Model, offset: &SensorOffset, terms: &[String]) -> Reason {
     let needed = match terms {
         [] => "terms of another equation are".into(),
@@ -230,7 +232,7 @@ fn beyond_library(
         "the readings are described better, the criterion says by {:.0}",
         laws.gain
     );
-    // Terms that leave more than noise imitate something else.
+    // Terms with which the residuals still exceed the noise stand for something else that the model lacks.
     let explained = !laws.channels.iter().any(unexplained);
     let (many, lacking) = (change.enter.len(), all(&change.lacking));
     let text = match (many, change.leave.len()) {
@@ -302,7 +304,7 @@ fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
         })
 }
 
-/// Whether what is left of a channel is more than rounding and more than the fit resolves.
+/// Whether the residuals of a channel exceed both rounding and the accuracy of the fit.
 fn told(c: &Channel) -> bool {
     c.left
         > c.accuracy

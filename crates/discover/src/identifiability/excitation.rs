@@ -39,7 +39,8 @@ fn values(e: &Expr, samples: &Samples) -> Vec<f64> {
     evaluate(&term, samples).iter().map(|v| k * v).collect()
 }
 
-/// Every signal of the library and the target, in order; what is sought is no part of the record.
+/// Range and spectrum of every signal of the library and of the target, in order. Unknown constants are left out:
+/// they are no signals of the record.
 pub fn excitation(design: &ScaledDesign, library: &Library) -> Vec<Excitation> {
     let mut signals = library.signals();
     signals.push(design.equation.target);

@@ -79,11 +79,11 @@ pub fn joint(
     };
     let without_laws = |because| NotJoint {
         because,
-        // Discrete laws have no derivatives to take.
+        // In discrete time no derivative has to be estimated, so regression loses nothing to noise.
         weaker: !model.discrete && declared(),
     };
     let make = |pools: &CandidatePools| System::new(model, libraries, pools);
-    // The noise shows with one column for each equation, which is quick to set up.
+    // The noise of the sensors does not depend on the candidate terms, so one column for each equation is enough to estimate it.
     let bare = make(&libraries.iter().map(|_| Some(vec![0])).collect()).map_err(without_laws)?;
     let missing = |s: Signal| format!("the data have no {}", model.name(s));
     let noise = |s| model.noise(s);

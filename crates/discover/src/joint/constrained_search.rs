@@ -1,7 +1,7 @@
-//! The search under the constraints of a model: freely first, since free answers mostly obey them; then with them.
+//! The search under the constraints of a model. A search without them comes first, since its answer mostly satisfies them.
 //!
-//! In: a problem with its constraints. Out: the answer that obeys them, and the free one where that does not. A free answer that obeys
-//! them stands as it is, to the last digit. Never writes messages.
+//! In: a problem with its constraints. Out: the answer that satisfies them, and the free answer where that breaks one. A free answer
+//! that satisfies all constraints is returned unchanged, to the last digit. Never writes messages.
 
 use std::borrow::Cow;
 
@@ -16,22 +16,22 @@ use sidc_progress::{EquationObserver, Observer};
 /// The answer under the constraints.
 pub(crate) struct ConstrainedAnswer<'a> {
     pub fit: JointFit<'a>,
-    /// The free answer, where it breaks a constraint and another one was looked for.
+    /// The free answer, where it breaks a constraint.
     pub free: Option<JointFit<'a>>,
-    /// Runs that the answer was not found from.
+    /// Runs that were left out of the estimate, because the laws do not follow them.
     pub left: Vec<Left>,
 }
 
 /// What a search under constraints ended with.
 pub(crate) enum Settled<'a> {
     Answer(Box<ConstrainedAnswer<'a>>),
-    /// Only without the constraints something could be fitted.
+    /// No laws could be fitted under the constraints, but some were without them.
     OnlyFree(Box<JointFit<'a>>),
     Nothing,
 }
 
 impl Settled<'_> {
-    /// The same with problems of its own.
+    /// The same, owning its problems.
     pub fn into_owned<'b>(self) -> Settled<'b> {
         match self {
             Settled::Answer(answer) => Settled::Answer(Box::new(ConstrainedAnswer {
@@ -45,7 +45,8 @@ impl Settled<'_> {
     }
 }
 
-/// Searches all equations from `start`. If the run is ended before there is an answer under the constraints, the free one is given.
+/// Searches all equations from `start`. If the search is stopped before there is an answer under the constraints, the free answer is
+/// given.
 pub(crate) fn search_under_constraints<'a>(
     (model, problem): (&Model, &'a Problem),
     start: Option<StartingSupport>,
@@ -84,15 +85,15 @@ pub(crate) fn search_under_constraints<'a>(
         };
     }
     match watcher.stop() {
-        // The constraints may lead where the free search found nothing.
+        // The free search found nothing; the constraints may keep the search from going astray.
         None => search_system((model, problem), None, options, watcher)
             .map_or(Settled::Nothing, |fit| answer(fit, None)),
         Some(_) => Settled::Nothing,
     }
 }
 
-/// The better of two searches: from the free answer on, with its delays and without its outliers; and, where that leaves more than
-/// noise and the free answer does not, from the start.
+/// The better of two searches under the constraints. The first continues from the free answer, with its delays and without its
+/// outliers. Where it leaves more than noise and the free answer does not, the second starts afresh.
 fn under_constraints<'a>(
     model: &Model,
     problem: &'a Problem,
@@ -111,18 +112,18 @@ fn under_constraints<'a>(
     };
     let better = match poor(b) {
         false => true,
-        // Of the same readings, so that their likelihoods are comparable.
+        // Likelihoods are comparable only if both fits are of the same readings.
         true => same_readings(a, b) && a.misfit() > b.misfit(),
     };
     if better { anew } else { near }
 }
 
-/// Whether two fits are of the same readings with the same delays.
+/// Whether two fits have the same delays and as many readings left out, so that their likelihoods are comparable.
 pub(crate) fn same_readings(a: &JointFit, b: &JointFit) -> bool {
     a.late == b.late && a.problem.left_out.len() == b.problem.left_out.len()
 }
 
-/// A free fit with its own problem, in which the constraints hold again for what follows.
+/// A free fit, owning its problem, to which the constraints are restored for what follows.
 fn owned<'a>(fit: JointFit, constraints: &CoefficientConstraints) -> JointFit<'a> {
     JointFit {
         problem: Cow::Owned(fit.problem.under(constraints.clone())),
@@ -134,7 +135,7 @@ fn owned<'a>(fit: JointFit, constraints: &CoefficientConstraints) -> JointFit<'a
     }
 }
 
-/// Rivals that break the constraints, by the likelihood linearised about the answer, are none.
+/// Removes rivals that break the constraints, judged by the likelihood linearised about the answer.
 fn drop_broken_rivals(fit: &mut JointFit, observer: &mut dyn Observer) {
     let best = &fit.found.best;
     let Ok(form) = fit.problem.quadratic_form(&best.point, observer) else {

@@ -67,7 +67,8 @@ pub(crate) fn doubts<'m>(
             continue;
         }
         let own = strain.as_ref().map_or(0.0, |s| s.distance(row));
-        // The linearised likelihood may see only a part of what constraints cost that the free answer breaks.
+        // Where the linearised likelihood shows no strain, a constraint that the free answer breaks is judged by what all constraints
+        // cost in χ².
         let whole = match strained.is_empty() && !row.holds(&free_coefficient) {
             true => gain.unwrap_or(0.0).sqrt(),
             false => 0.0,
@@ -94,8 +95,8 @@ fn value(fit: &Fit, column: usize) -> f64 {
     place.map_or(0.0, |k| fit.coefficients()[k])
 }
 
-/// How much less χ² (−2 log likelihood) is without the constraints, in independent readings; `None` where both answers are not of the
-/// same readings, or where it is not less.
+/// By how much χ² (−2 log likelihood) falls without the constraints, over the statistical inefficiency; `None` where the two answers are
+/// not of the same readings, or where χ² does not fall.
 fn gain(free: &JointFit, fit: &JointFit) -> Option<f64> {
     let gain = (fit.misfit() - free.misfit()) / free.found.inefficiency;
     (same_readings(free, fit) && gain > 0.0).then_some(gain)
@@ -118,7 +119,7 @@ impl Strain {
         })
     }
 
-    /// What rows add to χ² on the terms found freely and those that they name; ∞ if these cannot obey them.
+    /// What rows add to χ² on the free support together with the terms that the rows name; ∞ if this support cannot satisfy them.
     fn added(&self, rows: &[&LinearConstraint]) -> f64 {
         let mut support = self.support.clone();
         support.extend(rows.iter().flat_map(|r| &r.entries).map(|e| e.1));
@@ -141,11 +142,11 @@ impl Strain {
     }
 }
 
-/// Refuses constraints that contradict the readings: the free answer explains these to their noise, and under the constraints no laws
-/// were found that do, by a χ² that chance does not explain.
+/// Refuses constraints that contradict the readings: the free answer explains the readings to their noise, the answer under the
+/// constraints does not, and the difference in χ² is more than chance explains.
 ///
 /// # Errors
-/// The contradiction, with a smallest set of constraints at fault.
+/// The contradiction, with an irreducible set of constraints at fault.
 pub(crate) fn refuse_contradiction(
     names: &Discovery,
     model: &Model,
@@ -172,7 +173,7 @@ pub(crate) fn refuse_contradiction(
     ))
 }
 
-/// The error where the constraints contradict the readings; `under` is what was found under them, if anything.
+/// The error where the constraints contradict the readings; `under` is the answer under them, if there is one.
 pub(crate) fn contradiction(
     names: &Discovery,
     model: &Model,
@@ -217,8 +218,8 @@ pub(crate) fn contradiction(
     Box::new(Refusal::Contradiction(d))
 }
 
-/// A smallest set of statements that contradict the free answer, by the deletion filter: one without which the others still do is
-/// dropped. All that this answer breaks, if the linearised likelihood does not tell.
+/// An irreducible set of constraints that contradicts the free answer, by the deletion filter: a constraint is dropped if the others
+/// still contradict it. If the linearised likelihood shows no contradiction, all constraints that the free answer breaks.
 fn at_fault(free: &JointFit, observer: &mut dyn Observer) -> Vec<usize> {
     let constraints = &free.problem.system.constraints;
     let of = |rows: &[usize]| rows.iter().map(|k| constraints.stated[*k]).collect();

@@ -101,7 +101,7 @@ impl DeclaredDelays {
         self.estimates.iter().map(|e| e.delay).collect()
     }
 
-    /// The settled delays as known ones: what they are compared with no longer takes readings away.
+    /// The delays as known ones: no range of other delays is compared any more, for which readings would have to be left out.
     fn known(&self) -> Vec<AppliedDelay> {
         let known = |e: &DelayEstimate| AppliedDelay::known(e.delay.var, e.delay.seconds);
         self.estimates.iter().map(known).collect()
@@ -115,7 +115,7 @@ impl DeclaredDelays {
         }
     }
 
-    /// The records as the inputs acted and as the states were.
+    /// The records with declared delays taken out: inputs as they act, readings at the instants of their states.
     pub fn dataset<'a>(&self, model: &Model, dataset: &'a Dataset) -> Cow<'a, Dataset> {
         acted(model, dataset, &self.known())
     }

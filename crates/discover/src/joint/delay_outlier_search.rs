@@ -49,7 +49,7 @@ pub(crate) fn search_system<'a>(
     Some(fit)
 }
 
-/// Searches all equations and looks for no faults of sensors.
+/// Searches all equations without looking for sensor faults.
 pub(crate) fn search_terms<'a>(
     problem: &'a Problem,
     start: Option<StartingSupport>,
@@ -65,7 +65,7 @@ pub(crate) fn search_terms<'a>(
     Some(JointFit::new(Cow::Borrowed(problem), found, None))
 }
 
-/// Searches under the constraints of a free fit's problem, from that fit on.
+/// Searches under the constraints of the problem of `free`, starting from that fit.
 pub(crate) fn search_from<'a>(
     free: &JointFit<'a>,
     watcher: &mut EquationObserver,
@@ -78,7 +78,8 @@ pub(crate) fn search_from<'a>(
     Some(JointFit::new(free.problem.clone(), found, late))
 }
 
-/// Searches laws that are disturbed, from a fit that leaves more than noise, if there is one. `None` if disturbances explain no more.
+/// Searches laws with disturbances, from the fit without them if there is one. `gained`: what other explanations improve the criterion by,
+/// which disturbances have to improve it by too. `None` if they do not.
 pub(crate) fn search_with_disturbances<'a>(
     problem: &Problem,
     (free, gained): (Option<&JointFit>, f64),
@@ -95,7 +96,7 @@ pub(crate) fn search_with_disturbances<'a>(
     ))
 }
 
-/// One search that looks for no faults of sensors.
+/// Runs a search without looking for sensor faults.
 fn watched<T>(
     laws: &[Law],
     watcher: &mut EquationObserver,
@@ -149,7 +150,7 @@ impl SearchObserver for SearchGuide<'_, '_, '_> {
     }
 
     fn left_by(&mut self, problem: &Problem, fit: &Fit) -> f64 {
-        // Those of inputs are declared, whatever they leave.
+        // Noisy inputs are declared, so the search for them is not ended by what it leaves.
         if problem.has_noisy_inputs() {
             return 0.0;
         }
@@ -160,7 +161,7 @@ impl SearchObserver for SearchGuide<'_, '_, '_> {
 }
 
 impl DelayOutlierSearch<'_, '_> {
-    /// The search is for all laws at once; progress names them in turn.
+    /// One search serves all laws at once, so progress names the laws in turn.
     fn count_refit(&mut self, laws: &[Law]) {
         self.watcher
             .turn_to(laws[self.refits % laws.len()].equation);
@@ -179,8 +180,8 @@ impl DelayOutlierSearch<'_, '_> {
         trajectory::search(problem, &start, &mut guide)
     }
 
-    /// The first answer. With a delayed input a search adds many terms to compensate, so if the first few terms leave more than
-    /// noise, a delay is looked for at once and the search is repeated with it.
+    /// The first answer. Without a delay that is there, a search adds many terms to compensate for it. So if the first few terms leave more
+    /// than noise, a delay is estimated at once and the search is repeated with it.
     fn first<'a>(&mut self, problem: &'a Problem, inputs: &[VarId]) -> Option<JointFit<'a>> {
         let mut late: Option<DelayedInputs> = None;
         let mut moved = Cow::Borrowed(problem);
@@ -218,7 +219,7 @@ impl DelayOutlierSearch<'_, '_> {
             return Some(fit);
         };
         let without = trajectory::criterion_without_delay(problem, &found.best, late, self.watcher);
-        // A delay that nothing can be compared with is not preferred.
+        // If the fit without the delay cannot be compared, the delay is not preferred.
         if without.is_some_and(|w| w - fit.found.best.value >= fit.found.penalty) {
             return Some(fit);
         }
@@ -234,8 +235,8 @@ impl DelayOutlierSearch<'_, '_> {
         trajectory::fit_delay(problem, fit, &proposals, self.watcher)
     }
 
-    /// A delay that leaves more than noise stands for something that the model lacks. It is called a delay only if a lag, which is the simplest
-    /// thing that the model may lack, explains less.
+    /// Looks for a lag where the answer with a delay leaves more than noise, so that the delay stands for dynamics that the model lacks. A
+    /// first-order lag is the simplest of these: the effect is called a delay only if a lag explains less.
     fn lag_or_delay(&mut self, problem: &Problem, fit: &mut JointFit) {
         let Some(late) = &fit.late else { return };
         let same_readings = fit.problem.left_out.len() == problem.left_out.len();
@@ -246,7 +247,7 @@ impl DelayOutlierSearch<'_, '_> {
         fit.lag = trajectory::find_lag(problem, late, &fit.found, self.watcher);
     }
 
-    /// Removes readings that the laws found do not explain, and searches again, until no more are removed.
+    /// Leaves out readings that the laws do not explain and searches again, until the set of readings left out no longer changes.
     fn without_outliers(&mut self, fit: &mut JointFit) {
         for _ in 0..SENSOR_SEARCH.outlier_rounds {
             if self.watcher.stop().is_some() {
@@ -263,8 +264,8 @@ impl DelayOutlierSearch<'_, '_> {
         }
     }
 
-    /// Weighs readings by noise that grows with the signal, where the model says so or the residuals show it, and searches again until
-    /// the weights stay. True if anything changed. Growth that the last answer shows no more was none.
+    /// Weights readings by noise that grows with the signal, where the model declares it or the residuals show it, and searches again until
+    /// the weights settle. True if anything changed. Growth that the last answer no longer shows is undone.
     fn with_growing_noise(&mut self, fit: &mut JointFit) -> bool {
         let (before, mut estimated) = ((fit.problem.clone(), fit.found.clone()), 0);
         let mut changed = false;
@@ -285,7 +286,7 @@ impl DelayOutlierSearch<'_, '_> {
             };
             let paid = price * grown.estimated as f64;
             let better = found.best.value + paid < fit.found.best.value;
-            // Laws that are wrong leave more where the signal is large, too.
+            // Wrong laws, too, leave larger residuals where the signal is large.
             let explains = || !unexplained(&grown.problem, &found.best);
             if grown.estimated > estimated && !(better && explains()) {
                 break;
@@ -298,8 +299,8 @@ impl DelayOutlierSearch<'_, '_> {
         changed
     }
 
-    /// Takes noise of sensors to last from sample to sample where the residuals show it, and searches again until its time constants stay.
-    /// The answer has to leave nothing but that noise, and to be better than that to white noise: laws that are wrong leave more, too.
+    /// Takes the noise of sensors as autocorrelated where the residuals show it, and searches again until its time constants settle. The
+    /// answer must leave nothing but that noise and be better than the one for white noise: wrong laws leave autocorrelated residuals, too.
     fn with_lasting_noise(&mut self, fit: &mut JointFit) {
         let mut best: Option<JointFit> = None;
         for _ in 0..SENSOR_SEARCH.memory_rounds {
@@ -384,8 +385,8 @@ impl DelayOutlierSearch<'_, '_> {
     }
 }
 
-/// Growth of the noise along the fit, or, where laws leave more than noise, along the smoothed trajectories: with wrong weights a search may
-/// have gone wrong, and what laws leave is no noise.
+/// Growth of the noise with the signal, estimated along the fit. Where the laws leave more than noise, it is estimated along the smoothed
+/// trajectories instead: the residuals of wrong laws are no noise.
 fn grown_noise(fit: &JointFit, settled: bool) -> Option<GrownNoise> {
     let (problem, best, price) = (&fit.problem, &fit.found.best, fit.found.penalty);
     let grown = trajectory::grow_noise(problem, Some(best), price)?;

@@ -1,4 +1,4 @@
-//! Whether laws with disturbances take the place of laws without.
+//! Whether laws with disturbances replace the answer without them.
 //!
 //! In: a problem, the answer without disturbances, if there is one. Out: the answer with them, or nothing. Never writes messages.
 
@@ -14,7 +14,7 @@ use sidc_lang::model::Model;
 use sidc_lang::term::Signal;
 use sidc_progress::EquationObserver;
 
-/// What a search ended with, with disturbances where they explain what it leaves, or where it ended with nothing.
+/// The outcome of a search, with disturbances where these explain what it leaves, or where it found nothing.
 pub(crate) fn with_disturbances<'a>(
     of: (&Model, &Problem),
     settled: Settled<'a>,
@@ -39,12 +39,13 @@ pub(crate) fn with_disturbances<'a>(
     }
 }
 
-/// The fit with disturbances where that is the best explanation of what the answer leaves: the innovations are white, as those of the
-/// right laws with the right disturbances are, and no standard terms explain the same. A disturbance that lasts may also stand for what the
-/// laws lack. So it has to be smaller than the target that it drives, and, against laws without it, to make do with no more terms that by
-/// themselves, from the same states, predict as well. Where constraints shape the answer none is looked for: what it leaves is theirs.
+/// The fit with disturbances, if three conditions hold: its innovations are white, as they are for the right laws and disturbances; every
+/// disturbance with a memory varies less than its target, since it may stand for what the laws lack; and standard terms outside the
+/// libraries do not explain the same. A disturbance with a memory must also make do with no more terms than the laws without disturbances,
+/// and these terms alone must predict as well from the same states. Where constraints shape the answer no disturbance is sought: the
+/// constraints may cause the residuals.
 ///
-/// Inputs whose noise is declared are estimated too, whatever is left without that.
+/// Inputs whose noise is declared are estimated in any case.
 fn disturbed<'a>(
     (model, problem): (&Model, &Problem),
     answer: Option<&ConstrainedAnswer>,
@@ -53,7 +54,7 @@ fn disturbed<'a>(
     let known = answer.map_or(problem, |a| &a.fit.problem);
     let inputs = noisy_inputs(model, known);
     if !inputs.is_empty() && answer.is_none_or(|a| a.free.is_none()) {
-        // The filter that estimates inputs knows white noise of sensors only.
+        // The filter that estimates inputs allows white sensor noise only.
         let noisy = known.with_noise_memory(&[]).with_noisy_inputs(&inputs);
         let fit = search_with_disturbances(&noisy, (answer.map(|a| &a.fit), 0.0), watcher)?;
         return watcher.stop().is_none().then_some(fit);
@@ -63,11 +64,11 @@ fn disturbed<'a>(
     if watcher.stop().is_some() || answer.is_some_and(settled) {
         return None;
     }
-    // Against noise that lasts nothing is to be weighed where the model declares it.
+    // Declared noise that lasts from sample to sample is no rival of disturbances: nothing is left to compare.
     if problem.declares_memory() || answer.is_none() && !still(problem).is_empty() {
         return None;
     }
-    // Noise of sensors that lasts leaves the trajectory alone, disturbances move it: the likelihood tells which it is.
+    // Autocorrelated sensor noise does not move the trajectory, disturbances do: the likelihood tells them apart.
     let before = answer.map(|a| a.fit.white.as_deref().unwrap_or(&a.fit));
     let gained = answer.and_then(|a| Some(a.fit.gain_over(a.fit.white.as_deref()?)));
     let known = before.map_or(problem, |b| &b.problem);
@@ -90,7 +91,8 @@ fn explained(fit: &JointFit) -> bool {
     !unexplained(&fit.problem, &fit.found.best)
 }
 
-/// Whether every disturbance that lasts varies less than what is left to the law of its target.
+/// Whether the variance of every disturbance with a memory is less than half of that of its target, so that the law explains the larger
+/// part.
 fn laws_prevail(problem: &Problem, fit: &JointFit) -> bool {
     let disturbances = fit.found.best.process().into_iter().flat_map(|p| &p.laws);
     disturbances.enumerate().all(|(l, d)| match d {
@@ -112,13 +114,13 @@ fn takes_the_place(
     (white || fewer && predicts_as_well(before, disturbed)) && !terms_explain(before, watcher)
 }
 
-/// Whether the laws with standard terms that their libraries lack leave only noise.
+/// Whether standard terms that the libraries lack leave only noise.
 fn terms_explain(fit: &JointFit, watcher: &mut EquationObserver) -> bool {
     let better = probe_libraries(&fit.problem, &fit.found, watcher);
     better.is_some_and(|laws| !laws.channels.iter().any(trajectory_rules::unexplained))
 }
 
-/// Whether the laws of a fit with disturbances predict as well without these as those of a fit that knows none.
+/// Whether the laws of the fit with disturbances predict, without these, as well as the laws of the other fit.
 fn predicts_as_well(before: &JointFit, disturbed: &JointFit) -> bool {
     let best = &disturbed.found.best;
     let ahead = trajectory::own_time(&before.problem);

@@ -1,6 +1,4 @@
-//! States that nothing measured, as an answer tells them.
-//!
-//! In: an answer. Out: the same in the scale that is told; what is known of each hidden state, in the discovery. Fits no other terms.
+//! Hidden states in an answer: the scale in which they are reported, and doubts about what the readings do not determine.
 
 use std::borrow::Cow;
 
@@ -20,7 +18,7 @@ use sidc_system::discovery::{Discovery, HiddenStart, HiddenState, Reason, Reason
 /// Digits of coefficients in a sentence.
 const FIGURES: usize = 3;
 
-/// Gives the hidden states whose scale is free the one that is told.
+/// Brings hidden states whose scale the laws leave free to the scale in which they are reported.
 pub(crate) fn settle_scales(
     answer: &mut ConstrainedAnswer,
     watcher: &mut EquationObserver,
@@ -37,7 +35,7 @@ pub(crate) fn settle_scales(
     told
 }
 
-/// States the course of every hidden state.
+/// Reports mean, spread and first values of every hidden state.
 pub(crate) fn state(
     model: &Model,
     fit: &JointFit,
@@ -92,8 +90,8 @@ fn rule(model: &Model, scales: &[ToldScale], signal: Signal) -> Option<ScaleRule
     })
 }
 
-/// Doubts what the readings do not tell of a system with hidden states: parameters that can move together, and laws of the same terms that
-/// follow the readings as well.
+/// Doubts what the readings do not determine of a system with hidden states: parameters that can change together without a change of any
+/// reading, and laws with the same terms that follow the readings as well.
 pub(crate) fn doubt(
     (model, constants): (&Model, &[SoughtConstant]),
     fit: &JointFit,
@@ -104,14 +102,14 @@ pub(crate) fn doubt(
     if problem.system.hidden.is_empty() || watcher.stop().is_some() {
         return;
     }
-    // Those that were kept where they are count as well.
+    // Constants that were held at their start are among the parameters, too.
     let free = constants.iter().map(|c| SoughtConstant {
         range: (f64::NEG_INFINITY, f64::INFINITY),
         ..*c
     });
     let free: Vec<SoughtConstant> = free.collect();
     let untold = untold_parameters(problem, &found.best, &free, found.inefficiency, watcher);
-    // A coefficient of measured terms alone has its own doubt.
+    // A coefficient of a term without hidden states has the doubt `uncertain-coefficient` instead.
     let alone = |p: &Parameter| match p {
         Parameter::Coefficient(j) => !problem.system.mentions_hidden(problem.term(*j)),
         Parameter::Constant(_) => false,
@@ -169,7 +167,7 @@ fn unidentifiable(moves: &[(String, f64)]) -> Reason {
         );
         return Reason::new(ReasonCode::Unidentifiable, text);
     }
-    // A move of one part in ten is told in figures that need no thought.
+    // Per cent along the direction, for a step in which the parameter that changes most doubles or halves.
     let told = |(name, power): &(String, f64)| {
         let by = 100.0 * (2.0_f64.powf(*power) - 1.0);
         let way = if by > 0.0 { "rises" } else { "falls" };

@@ -50,7 +50,8 @@ impl<'a> JointFit<'a> {
         }
     }
 
-    /// By how much the criterion prefers this to an answer to white noise, of the same readings; each time constant costs as a number does.
+    /// By how much the criterion prefers this to the answer for white noise on the same readings; each time constant of the noise is paid
+    /// for as a term is.
     pub fn gain_over(&self, white: &JointFit) -> f64 {
         let value = |fit: &JointFit| fit.found.value_of_all_readings(&fit.problem);
         let constants = self.problem.estimated_memories() as f64;

@@ -46,7 +46,8 @@ fn lacking(problem: &Problem, law: &Law) -> Vec<Term> {
     terms
 }
 
-/// Whether a term divides by a signal whose readings change their sign: near that pole it pushes as hard as any single reading wants.
+/// Whether a term may divide by a signal whose readings change sign. Near that pole its value is as large as any single reading
+/// requires, so such a term fits anything.
 fn may_diverge(problem: &Problem, term: &Term) -> bool {
     let divides = term.factors().any(|(_, power)| power < 0.0);
     let mut crosses = false;

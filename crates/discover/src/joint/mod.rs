@@ -191,7 +191,7 @@ fn search_jointly<T>(
     conclude(ended, watcher)
 }
 
-/// The equations of an answer, and its fit with the errors that inputs between their samples add.
+/// The equations of an answer, and its fit with variances that include what interpolation of the inputs between their samples adds.
 fn equations(
     model: &Model,
     mut discovery: Discovery,
@@ -235,7 +235,7 @@ fn equations(
     (discovery, found)
 }
 
-/// The equations with what speaks against them.
+/// The equations with the evidence against them: doubts, and what later checks need.
 fn weigh(
     model: &Model,
     mut discovery: Discovery,
@@ -269,7 +269,8 @@ fn weigh(
         doubt_equations(&mut discovery, constraint, reason);
     }
     doubt_broken(&mut discovery, model);
-    // Where constraints shape the answer, single changes of its terms would break them; a scale that is set is one.
+    // Where constraints shape the answer, changes of single terms would break them. A scale that was set for a hidden state is such a
+    // constraint.
     let free_scale =
         !problem.system.hidden.is_empty() && !problem.system.constraints.rows.is_empty();
     let stretches = match watcher.at(Stage::Weighing) {
@@ -305,7 +306,7 @@ fn doubt_runs(
     discovery.runs_left = (left.iter())
         .filter_map(|l| problem.names.get(l.trajectory).cloned())
         .collect();
-    // A second cause is looked for where the runs share all coefficients that nobody said to differ.
+    // Where some coefficients already have a value for each run, or are declared so, no others are looked for.
     let split = pooling_rules::has_undeclared(model, discovery);
     if split || used.len() < 2 || watcher.at(Stage::Weighing).is_some() {
         return;

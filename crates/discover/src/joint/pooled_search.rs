@@ -1,7 +1,7 @@
-//! The search on several runs: what to do where not all of them can be followed together.
+//! The search on several runs, and what to do where not all of them can be followed together.
 //!
-//! In: a problem of several runs. Out: the best fit and the runs that it does not follow, with where it leaves them. One bad record
-//! must not take the others with it: if all together leave more than noise, each run is searched alone. Laws are then found from
+//! In: a problem of several runs. Out: the best fit, and the runs that it does not follow, with the time from which it does not. One
+//! bad record must not spoil the others: if all together leave more than noise, each run is searched alone. Laws are then found from
 //! the runs that can be followed, together if they agree, else with a coefficient for each run. Never writes messages.
 
 use std::borrow::Cow;
@@ -18,7 +18,7 @@ use sidc_progress::EquationObserver;
 /// A fit to the runs that can be followed.
 pub(crate) struct PooledFit<'a> {
     pub fit: JointFit<'a>,
-    /// The runs that it was not found from.
+    /// Runs that the fit does not follow and was not found from.
     pub left: Vec<Left>,
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn search_runs<'a>(
         .filter(|a| explained(&a.1))
         .map(|a| a.0)
         .collect();
-    // Where no more runs are explained alone than are not, it may be the library that lacks what the others show.
+    // If only half of the runs or fewer are explained when searched alone, the library may lack a term that the others need.
     let most = 2 * good.len() > runs.len() || all.is_none();
     if most && let Some(found) = search.on_good(&good, &runs, &alone) {
         return Some(found);
@@ -70,8 +70,8 @@ fn whole(fit: JointFit) -> PooledFit {
     }
 }
 
-/// Whether a fit leaves no more than the noise of the sensors. What only remembers is no reason to part the runs: laws that are nearly
-/// right leave that, and coefficients by run would hide it.
+/// Whether residuals are no larger than the noise of the sensors. Autocorrelation alone is no reason to separate runs: nearly right
+/// laws cause it, and coefficients for each run would hide it.
 fn explains(fit: &JointFit) -> bool {
     let channels = trajectory::channels(&fit.problem, &fit.found.best);
     !channels.iter().any(trajectory_rules::misfits)
@@ -86,7 +86,7 @@ struct RunSearch<'p, 'w, 'o> {
 }
 
 impl RunSearch<'_, '_, '_> {
-    /// The search on some runs.
+    /// The search on the given runs alone.
     fn on<'b>(&mut self, runs: &[usize]) -> Option<JointFit<'b>> {
         let part = self.problem.on_runs(runs);
         let found = search_system(
@@ -98,7 +98,7 @@ impl RunSearch<'_, '_, '_> {
         Some(found.into_owned())
     }
 
-    /// The fit to the runs that are explained alone: together, or each with coefficients of its own.
+    /// The fit to the runs that are explained alone: with shared coefficients, or else with coefficients for each run.
     fn on_good<'b>(
         &mut self,
         good: &[usize],
@@ -118,7 +118,8 @@ impl RunSearch<'_, '_, '_> {
         Some(self.with_left(fit, good, runs))
     }
 
-    /// The support of one of the runs, fitted to all of them with coefficients that may differ. The smallest criterion counts.
+    /// The best of several fits: the support found on each run alone, fitted to all of them with coefficients that may differ between
+    /// runs.
     fn run_by_run<'b>(
         &mut self,
         good: &[usize],
@@ -128,7 +129,7 @@ impl RunSearch<'_, '_, '_> {
         let mut best: Option<JointFit> = None;
         let mut tried: Vec<Vec<usize>> = Vec::new();
         for (_, fit) in alone.iter().filter(|(run, _)| good.contains(run)) {
-            // A run with a delay of its own is no example for the others.
+            // The support of a run with a delay of its own is not tried on the others.
             let Some(own) = fit.as_ref().filter(|f| f.late.is_none()) else {
                 continue;
             };
@@ -157,7 +158,7 @@ impl RunSearch<'_, '_, '_> {
         best
     }
 
-    /// The runs that can be followed at all, together if that goes, else the longest of them.
+    /// The fit to the runs that can be followed at all: all of them together, or else the longest alone.
     fn on_any<'b>(
         &mut self,
         alone: Vec<(usize, Option<JointFit<'b>>)>,
@@ -193,7 +194,7 @@ impl RunSearch<'_, '_, '_> {
                 Some(late) => Cow::Owned(trajectory::with_delay(self.problem, late)),
             };
             let laws = &fit.found.best.point;
-            // Laws with a coefficient for each run have none for this one.
+            // If every run has coefficients of its own, there are none to follow this run with.
             let at = match fit.problem.run_columns.is_empty() {
                 true => trajectory::left_by(&problem, (laws, &noise), *run, self.watcher),
                 false => None,
@@ -207,7 +208,7 @@ impl RunSearch<'_, '_, '_> {
     }
 }
 
-/// The largest noise of each state's sensors that a fit shows; infinite for states that are not read.
+/// The noise of each state's sensors in the fit, the largest over the runs; infinite for states that are not read.
 fn noise_of_runs(fit: &JointFit) -> Vec<f64> {
     let (problem, n) = (&fit.problem, fit.problem.states());
     let sigma = fit.found.best.sigma();

@@ -115,7 +115,7 @@ impl Report<'_> {
         Some(fit)
     }
 
-    /// An intensity, or 0 where it moves the law's state over all records by nothing that counts.
+    /// The intensity of white noise, or 0 where it moves the law's state by a negligible part of its spread over all records.
     fn noticeable(&self, intensity: f64, law: &Law) -> f64 {
         let moved = intensity * self.problem.length().sqrt();
         match moved > JOINT.noticed_disturbance * self.problem.spread[law.state] {
@@ -243,7 +243,7 @@ impl Report<'_> {
                 true => JOINT.larger_tie,
                 false => TERM_SELECTION.tie,
             };
-            // Beside unknown constants a support with a term more is another law: the constants are others.
+            // A larger support is another law beside unknown constants, since the constants then take other values.
             let moves_constants = larger && !self.model.unknowns.is_empty();
             let near = *value < best.value + within * self.found.inefficiency;
             let rival = part(support);
@@ -259,8 +259,8 @@ impl Report<'_> {
         seen.iter().map(|(s, more)| (name(s), *more)).collect()
     }
 
-    /// The term whose loss costs least, and that cost, if it is not far above the price of a term: fits that were far worse were
-    /// given up early, so their cost is not known.
+    /// The term whose removal costs least, with that cost. `None` where even that is many times the price of a term: fits so
+    /// much worse are given up early, so their cost is not known.
     fn weakest(&self, names: &Discovery, law: &Law) -> Option<(String, f64)> {
         let best = &self.found.best;
         let without = |j: usize| {

@@ -1,4 +1,5 @@
-//! The search of terms where constants inside them are unknown: terms at given values, then the likeliest values for these and for other terms.
+//! The search of terms that hold unknown constants: terms at given values of the constants, then the likeliest values for these terms and
+//! for others, in turn.
 //!
 //! In: a model, its libraries, a dataset, the problem, where the constants may start. Out: what the search ended with, at which values. Without
 //! unknown constants it is one search.
@@ -24,7 +25,7 @@ pub(crate) struct Searched<'a> {
     pub constants: Constants,
 }
 
-/// Searches from each start; the best end.
+/// Searches from each start and returns the best result.
 pub(crate) fn search_with_constants<'a>(
     of: (&'a Model, &'a [Option<Library>]),
     data: (&'a Dataset, &'a Problem),
@@ -46,8 +47,8 @@ pub(crate) fn search_with_constants<'a>(
     best
 }
 
-/// The best of one short search from each start, which says how well a model may describe the readings: terms at the values and courses that hidden
-/// states start from, then, as deep as asked, at the likeliest values for these terms. No other laws are looked for.
+/// A short search from each start, and the best of them: it shows how well a model can describe the readings. Terms are searched at the
+/// start values of constants and hidden states, then once more, as deeply as `depth` says, at the likeliest constants for these terms.
 pub(crate) fn sketch_with_constants<'a>(
     of: (&'a Model, &'a [Option<Library>]),
     data: (&'a Dataset, &'a Problem),
@@ -76,7 +77,7 @@ impl Searched<'_> {
     }
 }
 
-/// What one search of terms looks for.
+/// What a search of terms looks for besides them.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Depth {
     /// Nothing else.
@@ -94,8 +95,8 @@ struct ConstantSearch<'a> {
 }
 
 impl<'a> ConstantSearch<'a> {
-    /// A search of terms at these values; then at those of a law beside its answer that is better, for as long as there is one. Faults of sensors
-    /// are looked for at the end: a wrong constant looks like one.
+    /// Searches terms at the present values of the constants. If another law near the answer, with its own likeliest constants, is better,
+    /// the search is repeated at those, and so on. Sensor faults are looked for last, since a wrong constant looks like one.
     fn from(&self, mut constants: Constants, watcher: &mut EquationObserver) -> Searched<'a> {
         let (_, problem) = self.data;
         let system = &problem.system;
@@ -139,7 +140,7 @@ impl<'a> ConstantSearch<'a> {
         }
     }
 
-    /// Terms from few courses of the hidden states, then once more about the likeliest constants for them.
+    /// Terms from a few guessed courses of the hidden states, then again at the likeliest constants for these terms.
     fn sketch(
         &self,
         constants: Constants,
@@ -211,7 +212,7 @@ impl<'a> ConstantSearch<'a> {
     }
 }
 
-/// The laws about an answer, for another search that ends in the same.
+/// The laws found near an answer, kept for a later search that ends in the same answer.
 struct Known {
     laws: Vec<FittedConstants>,
     support: Vec<usize>,
@@ -234,7 +235,8 @@ impl Known {
     }
 }
 
-/// Whether a law is another one and better, or the same at other values than the answer's: ten times as far as a fit settles.
+/// Whether a law has other terms and a smaller criterion, or the same terms at clearly different constants: by more than ten times the
+/// accuracy of their fit.
 fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Constants) -> bool {
     let best = &answer.fit.found.best;
     let terms: Vec<usize> = law.terms.iter().map(|t| t.0).collect();
@@ -246,7 +248,7 @@ fn improves(law: &FittedConstants, answer: &ConstrainedAnswer, constants: &Const
     moved.any(|((a, b), e)| (a.value - b.value).abs() > 10.0 * CONSTANTS.settled * e)
 }
 
-/// Laws with their likeliest constants are rivals beside those that were fitted at the answer's.
+/// Adds laws with their own likeliest constants to the rivals, which were fitted at the constants of the answer.
 fn add_rivals(answer: &mut ConstrainedAnswer, laws: &[FittedConstants]) {
     let found = &mut answer.fit.found;
     for law in laws {

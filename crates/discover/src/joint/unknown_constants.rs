@@ -26,13 +26,13 @@ use sidc_system::discovery::{Discovery, UnknownValue};
 /// The unknown constants of a model, in order of declaration.
 pub(crate) struct Constants {
     sought: Vec<SoughtConstant>,
-    /// What is sought, of the same length.
+    /// For each of `sought`: its constant in the model, and its run.
     all: Vec<Sought>,
-    /// Values at which laws are looked for beside an answer.
+    /// Values of the constants at which laws are looked for near an answer.
     points: Vec<Vec<f64>>,
 }
 
-/// Where the search for the unknown constants of a model starts, the likeliest first; at least one.
+/// Starts for the search of the unknown constants of a model, the likeliest first; at least one.
 pub(crate) fn settle(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
@@ -49,7 +49,7 @@ pub(crate) fn settle(
         for values in &minima {
             let mut start = Constants::new(&all, values, &[]);
             start.refine_with_hidden_states(problem, watcher);
-            // Minima that the refinement leads to one place are one.
+            // Starts that lead to the same values are tried once.
             if !starts.iter().any(|s| s.is_at(&start)) {
                 starts.push(start);
             }
@@ -65,7 +65,8 @@ pub(crate) fn settle(
     starts.map(|v| Constants::new(&all, v, &points)).collect()
 }
 
-/// Where they may be by what the measured laws make of the hidden states. Constants that differ from run to run start alike.
+/// Values of the constants at which the measured laws, with guessed hidden states, follow the readings best. Constants that differ between
+/// runs start alike.
 fn minima_with_hidden_states(
     model: &Model,
     problem: &Problem,
@@ -84,7 +85,8 @@ fn minima_with_hidden_states(
     (all, minima)
 }
 
-/// Of many points those that are likeliest with the terms that the weak form finds there. Where it finds none, all as they come.
+/// The likeliest of many points, with its constants refined: the weak form gives the terms at each point. The first point if the weak form
+/// finds no terms anywhere.
 fn likeliest(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
@@ -147,7 +149,8 @@ impl Constants {
         }
     }
 
-    /// Laws with the likeliest constants about an answer; of one that does not explain the readings those that may be better alone.
+    /// Laws near an answer, each with its likeliest constants. If the answer does not explain the readings, only laws that may be better
+    /// than it.
     pub fn laws_about(
         &self,
         (problem, found): (&Problem, &Found),
@@ -166,7 +169,7 @@ impl Constants {
         laws_with_constants(&about, &self.sought, &self.points, &range, watcher)
     }
 
-    /// The likeliest values for the terms of an answer, where that tells them.
+    /// The likeliest constants for the terms of an answer; `None` where its laws hold none.
     pub fn likeliest_in(
         &self,
         (problem, found): (&Problem, &Found),
@@ -177,9 +180,9 @@ impl Constants {
         Some(self.moved_to(fitted.constants))
     }
 
-    /// Beside hidden states, the likeliest values for the columns that these propose: a delay would be found for what a wrong constant leaves.
-    /// Constants that the readings do not tell stay where they are, of each direction in which nothing is read the one that moves most: a fit
-    /// of all of them would run along it.
+    /// Beside hidden states, moves the constants to the likeliest values for the columns proposed there, so that the error of a constant is
+    /// not taken for a delay. Of parameters that the readings cannot determine together, the constant that moves most is held: a fit of all
+    /// of them would drift along that direction.
     fn refine_with_hidden_states(&mut self, problem: &Problem, watcher: &mut EquationObserver) {
         if problem.system.hidden.is_empty() {
             return;
@@ -225,7 +228,7 @@ impl Constants {
         }
     }
 
-    /// The same, with a start for its hidden states: the best of so many courses.
+    /// The same, with initial courses for its hidden states: the best of at most `most`.
     pub fn started<'a>(
         &self,
         problem: &'a Problem,
@@ -250,7 +253,7 @@ impl Constants {
         }
     }
 
-    /// States the constants that stand in the equations; the coefficients' errors then hold theirs.
+    /// Reports the constants in the equations. The standard errors of coefficients then include the error of the constants.
     pub fn state(
         &self,
         model: &Model,

@@ -24,7 +24,7 @@ pub fn cause(design: &ScaledDesign, reduced: &ReducedRelation) -> RelationCause 
         about: signal_of_one_sign(design, &signals_in_functions_first(reduced, signals)),
     };
     let mut signals = reduced.signals();
-    // A constant that is estimated is no signal that an experiment could move: for it the relation holds at the value found.
+    // An unknown constant is no signal that an experiment could vary, so the relation is judged at the value found for it.
     let unknowns = &design.model.unknowns;
     signals.retain(|s| unknowns.iter().all(|u| u.var != s.var));
     if let Some(constant) = signals.iter().find_map(|s| constant_signal(design, *s)) {
@@ -44,7 +44,7 @@ pub fn cause(design: &ScaledDesign, reduced: &ReducedRelation) -> RelationCause 
     if let Some(argument) = common_argument(reduced, &signals) {
         let (least, most) = range(&argument, &design.samples);
         let near_zero = least.abs().max(most.abs()) < COLLINEARITY.away_from_zero * (most - least);
-        // Powers are no more collinear near zero than elsewhere, but where a signal mostly has one value.
+        // Powers do not become more collinear near zero, as functions do, so only a narrow range explains their relation.
         if is_powers(reduced) || !near_zero {
             let (least, most) = central_range(&argument, &design.samples);
             return because(Cause::NarrowRange, (argument, least, most));
@@ -67,7 +67,8 @@ pub fn cause(design: &ScaledDesign, reduced: &ReducedRelation) -> RelationCause 
     // Many functions with a common factor are nearly collinear: such a sum counts only if it is exact.
     let no_factor = reduced.common.is_one() || exact;
     let sum = no_factor && reduced.terms.iter().all(|(_, t)| linear(t));
-    // States that follow a curve obey many equations nearly. Only a sum, or an exact relation of few terms, is a conserved quantity.
+    // States on a common curve satisfy many relations approximately. Only a sum, or an exact relation of few terms, is a conserved
+    // quantity.
     let short = reduced.has_constant()
         && reduced.terms.len() <= COLLINEARITY.conserved_terms
         && reduced.residual < NULL_VECTORS.rounding;

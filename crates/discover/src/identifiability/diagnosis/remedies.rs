@@ -19,12 +19,12 @@ pub fn advise(equation: &mut Equation) {
     }
 }
 
-/// A finding as what to do.
+/// The advice of a finding as a remedy.
 pub fn remedy(finding: &Finding) -> Remedy {
     Remedy {
         text: finding.advice.clone(),
         because: match finding.cause {
-            // The doubt gives the same figure.
+            // The text of the doubt already gives this figure.
             Cause::WeakTerm => String::new(),
             _ => finding.text.clone(),
         },
@@ -32,17 +32,17 @@ pub fn remedy(finding: &Finding) -> Remedy {
     }
 }
 
-/// Doubts that say that too much fits.
+/// Doubts that arise where any target could be fitted.
 const CROWDED: [ReasonCode; 2] = [ReasonCode::NotSparse, ReasonCode::ExhaustedLibrary];
 
-/// Doubts behind which sensors or solver may be as well as the library.
+/// Doubts whose cause may be the sensors or the solver as well as the library.
 const MEASURED: [ReasonCode; 3] = [
     ReasonCode::ColouredResiduals,
     ReasonCode::InconsistentRows,
     ReasonCode::SolverInaccurate,
 ];
 
-/// Whether what was found is behind the reason.
+/// Whether the finding is the cause of the reason, so that its advice applies.
 fn explains(finding: &Finding, reason: &Reason) -> bool {
     match &reason.code {
         _ if finding.advice.is_empty() => false,
@@ -53,9 +53,10 @@ fn explains(finding: &Finding, reason: &Reason) -> bool {
             finding.cause != Cause::WeakTerm && finding.cause != Cause::MissingTerm
         }
         code if UNEXPLAINED.contains(code) => match finding.cause {
-            // More rows fit no better, but fewer sets of terms fit them.
+            // More rows do not improve the fit, but rule out sets of terms that fit by chance.
             Cause::TooFewRows => CROWDED.contains(code),
-            // That nothing simple is missing says less than the usual advice.
+            // A finding that no simple term is missing gives no change to make; the usual advice for these
+            // doubts says more.
             Cause::MissingTerm => finding.change.is_some() || !MEASURED.contains(code),
             Cause::WrongOrder => true,
             _ => false,

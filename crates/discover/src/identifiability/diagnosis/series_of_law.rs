@@ -14,7 +14,7 @@ use sidc_lang::term::{Language, Term};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::{Change, Reason, ReasonCode};
 
-/// The doubt `misfit` of an equation whose residual is too small to count as a misfit by itself.
+/// The doubt `misfit` of an equation whose residual is below the threshold of a misfit, but which a single standard term would explain.
 pub fn series_doubt(design: &ScaledDesign, library: &Library) -> Option<Reason> {
     let (residual, error) = (design.evidence.residual, design.evidence.target_error);
     let tiny = residual <= DOUBTS.solver_residual;
@@ -49,7 +49,7 @@ fn doubt(design: &ScaledDesign, term: &Term, rest: f64) -> Reason {
     }
 }
 
-/// The standard term beside which the terms found leave least, and what they leave relative to what they leave without it.
+/// The standard term that lowers the residual of the terms found most, and the residual with it over the residual without it.
 fn term_of_law(design: &ScaledDesign, library: &Library) -> Option<(Term, f64)> {
     let target = design.equation.target;
     let support = design.support.iter().filter_map(|p| design.columns.get(*p));

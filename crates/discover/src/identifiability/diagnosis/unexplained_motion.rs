@@ -14,8 +14,8 @@ use sidc_data::{Origin, Samples, difference_noise};
 use sidc_lang::library::Library;
 use sidc_lang::term::Signal;
 
-/// Whether all terms together leave a large part of the target, and that part is motion. False where it cannot be told: columns that
-/// were estimated have errors that last, and few rows are fitted by any terms.
+/// Whether all terms together leave a large part of the target unexplained, and that part is motion rather than noise. False where
+/// this cannot be decided: estimated columns have correlated errors, and few rows are fitted by any terms.
 pub fn leaves_motion(library: &Library, target: Signal, samples: &Samples) -> bool {
     let limits = UNEXPLAINED_MOTION;
     let measured = |s: Signal| {

@@ -1,7 +1,8 @@
 //! Values of unknown constants from which hidden states lead along the readings.
 //!
-//! In: a problem with hidden states, the constants with their ranges. Out: values, the likeliest first. A constant in the law of a hidden state
-//! moves no reading by itself, so that all values are judged by what the measured laws make of the courses.
+//! In: a problem with hidden states, the constants with their ranges. Out: values, the likeliest first. A constant in the law of a hidden
+//! state moves no reading by itself, so each value is judged by how well the measured laws follow the readings with the courses that it
+//! gives the hidden states.
 
 use super::given_course::given_courses;
 use super::hidden_laws::hidden_laws;
@@ -16,7 +17,7 @@ use sidc_progress::Observer;
 /// The signals of the constants, and the ranges of each.
 pub(crate) type SoughtRanges = Vec<(Signal, Vec<(f64, f64)>)>;
 
-/// Distinct values, the likeliest first; empty where no course leads anywhere.
+/// Distinct values, the likeliest first; empty where no guessed course leads along the readings.
 pub(crate) fn likely_constants(
     problem: &Problem,
     sought: &SoughtRanges,
@@ -38,7 +39,7 @@ pub(crate) fn likely_constants(
         fits.iter().map(|f| f.value).fold(f64::INFINITY, f64::min)
     };
     let mut points: Vec<(f64, Vec<f64>)> = Vec::new();
-    // What is judged by fits is judged at few values.
+    // Each judgement may take a fit of all laws; fewer values are then tried.
     let (count, combinations, improved) = match solved {
         true => (HIDDEN.coarse_values, HIDDEN.coarse_combinations, 1),
         false => (HIDDEN.values, HIDDEN.combinations, HIDDEN.improved),
@@ -111,7 +112,8 @@ fn radical_inverse(mut number: usize, base: usize) -> f64 {
     inverse
 }
 
-/// A compass search: each constant is moved by a step that is halved, so many times, when no move helps or after so many turns.
+/// A compass search (pattern search): each constant is moved up and down by a step, for at most `most` sweeps or until no move helps; then
+/// the step is halved, `halvings` times in all.
 fn improve(
     (mut value, mut at): (f64, Vec<f64>),
     sought: &SoughtRanges,
@@ -141,7 +143,7 @@ fn improve(
     (value, at)
 }
 
-/// A value moved by a part of itself, or of its range where that has both signs, and kept within it.
+/// A value changed by a relative step, or by a part of its range where that includes zero, and kept within the range.
 fn nudged(value: f64, step: f64, ranges: &[(f64, f64)]) -> f64 {
     let holds = |(from, to): &&(f64, f64)| (*from..=*to).contains(&value);
     let Some((from, to)) = ranges.iter().find(holds).copied() else {

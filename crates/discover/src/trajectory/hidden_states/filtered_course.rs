@@ -14,8 +14,9 @@ use sidc_progress::Observer;
 /// Courses of the hidden states, and columns of the whole problem with coefficients.
 pub(super) type Start = (Vec<HiddenCourse>, Vec<(usize, f64)>);
 
-/// Courses for the time constants with which the measured laws follow the readings best, the likeliest first: at every slack and price of a
-/// first linearisation those that are better than their neighbours. Empty where no filter helps, or the observer ends the work.
+/// Courses of the hidden states by filters with the time constants at which the measured laws follow the readings best, the likeliest
+/// first. For every slack and price of a first linearisation these are the local minima over the time constants tried. Empty where no
+/// filter helps, or the observer ends the work.
 pub(super) fn filtered_courses(
     problem: &Problem,
     laws: &[usize],
@@ -61,7 +62,7 @@ pub(super) fn filtered_courses(
     distinct
 }
 
-/// What a new column of the measured part is: a term of a hidden state, with one of its filtered drives in the state's place.
+/// The origin of a column of the measured part that replaces a hidden state in a term by one of its filtered drives.
 #[derive(Clone, Copy)]
 struct Filtered {
     /// The column of the whole problem that has the hidden state.
@@ -140,7 +141,7 @@ impl<'a> Filters<'a> {
                 .map_or(0.0, |(b, a)| b - a)
         };
         let longest = self.problem.records.iter().map(length).fold(0.0, f64::max);
-        // A record of one row has no step; times that no clock has would make a list without end.
+        // A record of one row has no step. Instants so extreme that step or length is not a normal number would make the list endless.
         let first = (step.is_normal() && longest.is_normal()).then_some(step);
         let times = std::iter::successors(first, |t| Some(t * HIDDEN.time_ratio));
         times
@@ -194,7 +195,7 @@ impl<'a> Filters<'a> {
         observed_fits(&problem, observer)
     }
 
-    /// Courses and columns of a fit with filters of this time.
+    /// The hidden courses, and columns of the whole problem with coefficients, that a fit with filters of this time constant stands for.
     fn courses(&self, time: f64, fit: &ObservedFit) -> Option<Start> {
         let mut terms: Vec<(usize, f64)> = Vec::new();
         for (j, a) in &fit.terms {
@@ -232,7 +233,7 @@ impl<'a> Filters<'a> {
         Some((courses, terms))
     }
 
-    /// The columns of a hidden law that filters of this time are.
+    /// The terms of the hidden law that filters of this time constant stand for: its decay and its drives, with their coefficients.
     fn law_terms(
         &self,
         law: &HiddenLaw,

@@ -145,10 +145,11 @@ impl<'a> Flow<'a> {
         if fastest.is_finite() { fastest } else { 0.0 }
     }
 
-    /// Where the hidden states rest under the first readings, by Newton's method from zero and from values on either side of it: laws with roots
-    /// have no slope at zero. Zero where it does not converge.
+    /// The equilibrium of the hidden states under the first readings, by Newton's method from zero and from values on either side of it,
+    /// since laws with roots have no derivative at zero. Zero where no start converges.
     ///
-    /// Laws that nothing drives, as of a predator without its prey's, rest at zero for ever; they start from one.
+    /// Where all rates vanish at zero throughout the record, as for a population that grows in proportion to its size, the states would
+    /// stay at zero; they start from one.
     fn at_rest(&self, record: usize) -> Vec<f64> {
         let zero = vec![0.0; self.places.len()];
         let samples = self.problem.records[record].len();

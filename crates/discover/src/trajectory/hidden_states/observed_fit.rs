@@ -1,4 +1,4 @@
-//! How well the measured part of a system follows its readings with guessed hidden states.
+//! How well the laws of the measured states follow their readings, with guessed courses of the hidden states.
 //!
 //! In: the measured part. Out: its best columns with coefficients, and a criterion by which guesses compare. Follows no trajectory.
 
@@ -19,8 +19,9 @@ pub(super) struct ObservedFit {
     pub strengths: Vec<f64>,
 }
 
-/// Selects columns on the integrals of the laws between samples: a fit for each slack and price, in the same order for all problems. Fewer where
-/// the observer ends the work, or a column has no value.
+/// Selects columns on the integrals of the laws between samples: one fit for each slack and price of a first linearisation, always in the
+/// same order, so that fits of different guesses can be compared one by one. Fewer where the observer ends the work, or a column is not
+/// finite.
 pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> Vec<ObservedFit> {
     let floor = final_floor(problem);
     let sigma: Vec<f64> = (problem.noise.iter().zip(&floor))
@@ -59,7 +60,7 @@ pub(super) fn observed_fits(problem: &Problem, observer: &mut dyn Observer) -> V
     fits
 }
 
-/// The fits of the measured part with the hidden states as they are, in columns of the whole problem.
+/// The fits of the measured part with the present courses of the hidden states, in columns of the whole problem.
 pub(super) fn observed(problem: &Problem, observer: &mut dyn Observer) -> Vec<ObservedFit> {
     let system = &problem.system;
     let columns = |law: usize| {

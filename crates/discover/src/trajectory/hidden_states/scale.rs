@@ -1,8 +1,9 @@
-//! The scale of hidden states: one rule, told with the answer.
+//! The scale of hidden states in an answer: one rule, reported with it.
 //!
-//! In: a problem, the fit to it. Out: both in another scale. Laws made of powers of a hidden state hold for any multiple of it. The rule: the
-//! first term of another law that has the state gets the coefficient 1, or −1 where no sign of the state gives 1 or its own law is given, which
-//! starts above zero. That coefficient is then no estimate, and the errors of the others are those beside it.
+//! In: a problem, the fit to it. Out: both in another scale. Laws made of powers of a hidden state hold for any multiple of it. The rule:
+//! the first term of another law that contains the state gets the coefficient 1. It gets −1 where no real multiple of the state gives 1, or
+//! where the state's own law is given and a negative multiple would be needed. That coefficient is then no estimate, and the errors of the
+//! others are those given it.
 
 use super::hidden_laws::hidden_laws;
 use crate::trajectory::likelihood::{fit, set_variances};
@@ -49,7 +50,8 @@ pub(super) fn is_free(problem: &Problem, l: usize) -> bool {
         && system.columns.iter().all(|t| power_in(t, var).is_some())
 }
 
-/// The fit in the scales that the rule gives, and what they are told by; `None` where no scale is free, or no fit was reached there.
+/// The fit in the scales that the rule gives, with the coefficients that fix them; `None` where no scale is free, or where the fit in that
+/// scale fails.
 pub(crate) fn with_told_scales(
     problem: &Problem,
     found: &Found,
@@ -76,7 +78,7 @@ pub(crate) fn with_told_scales(
     Some((scaled, found, told))
 }
 
-/// Multiplies the hidden state of law `l` so that the rule holds.
+/// Multiplies the hidden state of law `l`, so that the coefficient that fixes its scale is ±1.
 fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> Option<ToldScale> {
     let system = &problem.system;
     let law = system.laws[l].clone();
@@ -90,7 +92,7 @@ fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> O
         .find(|(j, a)| other(j) && *a != 0.0)?;
     let p = power(first);
     let odd = |p: f64| p.fract() == 0.0 && p as i64 % 2 != 0;
-    // A negative multiple has no powers that are not whole.
+    // A negative multiple is possible only if all powers of the state are whole numbers.
     let whole = active.iter().all(|(j, _)| power(*j).fract() == 0.0);
     let signed = odd(p) && whole && !law.columns.is_empty();
     let size = c.abs().powf(1.0 / p);
@@ -129,7 +131,7 @@ fn rescale(problem: &mut Problem, point: &mut LinearizationPoint, l: usize) -> O
         sense: Sense::Equal,
         right: set,
     });
-    // No statement of the model.
+    // The row that fixes the scale comes from no statement of the model.
     constraints.stated.push(usize::MAX);
     problem.system.constraints = CoefficientConstraints { ..constraints };
     Some(told)

@@ -1,8 +1,8 @@
 //! The course of hidden states that a sensor follows by a law that is given: that law, solved for them.
 //!
-//! In: a problem whose constants have values. Out: a course of each, with columns that it was found with. A sensor with a lag obeys
-//! dy = (x − y)/τ, so x = y + τ dy along the smoothed readings y; columns of the laws of x are then selected as if x had been read. It is a
-//! guess: the fit of the trajectory takes all laws as they are written.
+//! In: a problem whose constants have values. Out: a course of each hidden state, with the columns it was found with. Example: a sensor
+//! with a lag obeys dy = (x − y)/τ, so x = y + τ dy along the smoothed readings y; columns of the laws of x are then selected as if x had
+//! been read. It is a guess: the fit of the trajectory takes all laws as they are written.
 
 use super::filtered_course::Start;
 use super::observed_fit::observed_fits;
@@ -11,8 +11,8 @@ use crate::trajectory::model::{HiddenCourse, Problem, gradient};
 use sidc_lang::term::{Expr, Signal, Tape};
 use sidc_progress::Observer;
 
-/// The courses, with the columns of each price and slack of a first linearisation. Empty where one of these laws stands in no given law that can
-/// be solved for its state.
+/// The courses, with the columns of each price and slack of a first linearisation. Empty if some hidden state is in no given law that can
+/// be solved for it.
 pub(super) fn solved_courses(
     problem: &Problem,
     laws: &[usize],
@@ -45,7 +45,7 @@ pub(super) fn solved_courses(
     starts
 }
 
-/// Whether all hidden states whose laws are sought can be had so.
+/// Whether the course of every hidden state whose law is sought follows from a given law.
 pub(super) fn are_solved(problem: &Problem, laws: &[usize]) -> bool {
     !laws.is_empty() && laws.iter().all(|l| SolvedLaw::of(problem, *l).is_some())
 }
@@ -87,7 +87,7 @@ impl<'a> SolvedLaw<'a> {
         })
     }
 
-    /// The hidden state at every sample of a record, from these rates of the measured one. `None` where the law does not tell it.
+    /// The hidden state at every sample of a record, from the rates of the measured state. `None` where the law cannot be solved for it.
     fn along(&self, record: usize, rate: &[f64]) -> Option<Vec<f64>> {
         let (problem, system) = (self.problem, &self.problem.system);
         let (n, m) = (problem.states(), system.laws.len());
@@ -130,8 +130,8 @@ impl<'a> SolvedLaw<'a> {
         })
     }
 
-    /// Gives the hidden state readings, in a problem that has its course: the law solved with differences of the readings as rates. What they
-    /// miss the course by is their noise.
+    /// Gives the hidden state readings, in a problem that has its course: the given law, solved with differences of the raw readings as
+    /// rates. The distance of these from the course counts as their noise.
     fn let_be_read(&self, as_read: &mut Problem) {
         let system = &self.problem.system;
         let (law, state) = (&system.laws[self.hidden], self.state());

@@ -1,4 +1,4 @@
-//! The start from which all laws are fitted best.
+//! The best start for a problem with hidden states.
 //!
 //! In: a problem with hidden states, values of its constants. Out: the same problem with courses and columns to start from. Proposes none itself.
 
@@ -14,8 +14,8 @@ use crate::trajectory::model::{HiddenCourse, LinearizationPoint, Problem};
 use crate::trajectory::search::final_criterion;
 use sidc_progress::Observer;
 
-/// The problem with a start for its hidden states, and for the columns: of so many that are proposed the one from which a fit of all laws is best.
-/// Fits that do not settle count where there is no other: with nothing to hold a hidden state they may run off.
+/// The problem with courses of its hidden states and columns to start from: of at most `most` proposals the one from which the fit of all
+/// laws is best. A fit that did not converge is taken only if no other did, since hidden states without readings may drift.
 pub(crate) fn with_started_states(
     problem: &Problem,
     most: usize,
@@ -31,7 +31,7 @@ pub(crate) fn with_started_states(
     started
 }
 
-/// The criterion of the best start, of long records on segments; infinite where none leads along the readings.
+/// The criterion of the fit from the best start, for long records on segments; infinite where no fit converges.
 pub(super) fn value_of_start(problem: &Problem, observer: &mut dyn Observer) -> f64 {
     let free = of_free_scale(problem);
     let short = problem.on_segments();
@@ -40,7 +40,7 @@ pub(super) fn value_of_start(problem: &Problem, observer: &mut dyn Observer) -> 
     best.map_or(f64::INFINITY, |(fit, _)| fit.value)
 }
 
-/// The laws of hidden states of any scale.
+/// The laws of hidden states whose scale is free.
 fn of_free_scale(problem: &Problem) -> Vec<usize> {
     let (given, sought) = hidden_laws(problem);
     let all = given.into_iter().chain(sought);
@@ -55,7 +55,7 @@ fn with_given_courses(problem: &Problem, free: &[usize]) -> Problem {
     }
 }
 
-/// The best of so many of the likeliest starts.
+/// The fit from the best of at most `most` starts, and its problem.
 fn best_start(
     problem: &Problem,
     free: &[usize],
@@ -82,7 +82,7 @@ fn best_start(
     best
 }
 
-/// Courses of the hidden states whose laws are sought, and columns.
+/// Proposed courses of the hidden states whose laws are sought, and columns with coefficients.
 fn starts(problem: &Problem, observer: &mut dyn Observer) -> Vec<Start> {
     let (_, sought) = hidden_laws(problem);
     if sought.is_empty() {
@@ -107,7 +107,7 @@ pub(crate) fn fit_proposed(problem: &Problem, observer: &mut dyn Observer) -> Op
     fit(problem, point, &criterion, f64::INFINITY, observer)
 }
 
-/// A fit from a point far off: of laws that may slip first, then of tighter ones (weak constraints before strong ones).
+/// A fit from a distant point: the laws may slip more in the first fits than in the last (weak constraints before strong ones).
 pub(super) fn tightened(
     problem: &Problem,
     mut point: LinearizationPoint,
@@ -129,7 +129,7 @@ pub(super) fn tightened(
 }
 
 impl Problem {
-    /// The problem whose hidden states start from where they are in a fit.
+    /// The problem in which the hidden states start from their courses in a fit.
     fn with_hidden_of(&self, fit: &Fit, free_scale: &[usize]) -> Problem {
         let n = self.states();
         let (given, sought) = hidden_laws(self);

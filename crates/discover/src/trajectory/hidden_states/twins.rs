@@ -1,4 +1,4 @@
-//! Laws of the same terms that follow the readings as well, with two time constants in each other's place.
+//! Laws with the same terms that follow the readings as well, found by exchanging two time constants.
 //!
 //! In: a problem, the fit to it. Out: another fit, or nothing. Linearised at the fit nothing shows of them: they lie elsewhere. Where a hidden state z drives a measured x, dx = c + a x + g z and dz = b z + …,
 //! the input reaches x through two first-order lags, and their order does not show: z + ((a − b) x + c (1 − b/a))/g obeys the same laws with a and b
@@ -76,9 +76,9 @@ fn exchanged(
     finite.then_some(moved)
 }
 
-/// The first fit of the same terms, with an unknown constant and another parameter in each other's place, whose criterion is at most `tie` more
-/// and whose constants are others. The rates at which the infected of an epidemic become infectious and recover are such a pair: who sees the
-/// infectious alone cannot tell one from the other.
+/// A fit with the same terms but clearly other constants whose criterion is at most `tie` more, if there is one. It starts from the sizes
+/// of an unknown constant and another parameter exchanged. Example: from the number of infectious people alone, the rates of becoming
+/// infectious and of recovering cannot be told apart.
 pub(crate) fn exchanged_constants(
     problem: &Problem,
     found: &Found,
@@ -116,7 +116,7 @@ pub(crate) fn exchanged_constants(
     })
 }
 
-/// Constants and a point with the sizes of a constant and of another parameter exchanged; `None` where a range forbids it.
+/// Constants and a point in which a constant and another parameter have exchanged their sizes; `None` where a range forbids it.
 fn in_exchange(
     point: &LinearizationPoint,
     constants: &[SoughtConstant],

@@ -14,7 +14,7 @@ use sidc_solve::simd::axpy;
 /// The derivative of one row of values by one signal.
 #[derive(Clone, Copy)]
 struct PartialDerivative {
-    /// An active column; after all of those, the known part of a law.
+    /// Place of an active column; beyond these, of the known part of a law.
     row: usize,
     law: usize,
     /// A state (below n) or a rate.
@@ -29,7 +29,7 @@ pub(crate) struct CompiledLaws {
     pub inputs: usize,
     /// The active columns, rising.
     pub active: Vec<usize>,
-    /// Those of each law, as places among the active ones.
+    /// For each law its columns, as places in `active`.
     pub ranges: Vec<Range<usize>>,
     /// The state that each law moves.
     pub law_states: Vec<usize>,
@@ -45,12 +45,12 @@ pub(crate) struct CompiledLaws {
     implicit: Option<ImplicitRates>,
 }
 
-/// What laws that contain rates need besides.
+/// Compiled derivatives by rates, for laws that contain rates.
 struct ImplicitRates {
     /// Values, then their derivatives by rates.
     tape: Tape,
     slopes: Vec<PartialDerivative>,
-    /// No such derivative contains a rate: one Newton step is exact.
+    /// Whether these derivatives contain no rate, so that one Newton step is exact.
     linear: bool,
 }
 

@@ -30,7 +30,7 @@ impl PenalizedLikelihood {
             floor: sensors
                 .enumerate()
                 .map(|(i, (d, s))| match hidden(i) {
-                    // It has no sensor: how much its law may slip is the same at all levels.
+                    // A hidden state has no sensor; its floor sets how much its law may slip, and is the same at all levels.
                     true => CRITERION.min_floor * s,
                     false => (floor * d).max(CRITERION.min_floor * s),
                 })
@@ -39,15 +39,15 @@ impl PenalizedLikelihood {
         }
     }
 
-    /// With the price of a term that follows from the readings, of which `inefficiency` count as one independent one.
+    /// With the price of a term by the number of independent readings: readings over `inefficiency`.
     pub fn at_floor(problem: &Problem, floor: f64, inefficiency: f64) -> PenalizedLikelihood {
         let readings = problem.measurements() as f64 / inefficiency;
         PenalizedLikelihood::new(problem, floor, inefficiency * term_price(readings))
     }
 
-    /// Price of a support: of its free coefficients, since one that an equation gives is not estimated, and of its degrees, which are the
-    /// less likely the higher they are. Where readings are few, a term costs more, since each fitted coefficient and first state takes one
-    /// away (the correction of Hurvich & Tsai, Biometrika 1989).
+    /// The price of a support. Each free coefficient costs `penalty`; coefficients that constraints fix or tie are not estimated and cost
+    /// nothing. Degrees cost too, since terms of high degree are less likely. Where readings are few a term costs more, since each fitted
+    /// coefficient and first state takes a degree of freedom (the correction of Hurvich & Tsai, Biometrika 1989).
     pub fn cost(&self, problem: &Problem, support: &[usize]) -> f64 {
         let written = |j: &&usize| {
             let law = &problem.system.laws[problem.system.law_of(**j)];
@@ -81,7 +81,8 @@ impl PenalizedLikelihood {
             + self.cost(problem, &point.support)
     }
 
-    /// The noise of sensor `i` that its residuals show. It is larger where readings are little informative, which lowers their weight.
+    /// The noise of sensor `i` by its residuals. It is enlarged where only a share of the readings is informative, which lowers their
+    /// weight.
     pub fn noise(
         &self,
         problem: &Problem,

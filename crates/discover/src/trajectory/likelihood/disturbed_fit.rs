@@ -14,8 +14,8 @@ use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::{DISTURBANCES, GAUSS_NEWTON};
 use sidc_progress::Observer;
 
-/// The criterion of a fit without process noise, as fits with it count: by the innovations. `None` where the laws diverge or the observer ends
-/// the work.
+/// The criterion of a fit without process noise, computed from innovations so that it can be compared with fits with process noise. `None`
+/// where the laws diverge or the observer ends the work.
 pub(crate) fn undisturbed_value(
     problem: &Problem,
     fit: &Fit,
@@ -26,7 +26,7 @@ pub(crate) fn undisturbed_value(
     Some(value - centre(problem) + criterion.cost(problem, fit.support()))
 }
 
-/// What the criterion of fits without process noise leaves out: χ² of as many readings.
+/// The expected χ² of the innovations, one for each reading: criteria of fits without process noise do not contain it, so it is subtracted.
 fn centre(problem: &Problem) -> f64 {
     problem.measurements() as f64
 }
@@ -41,7 +41,7 @@ pub(crate) fn innovations(problem: &Problem, fit: &Fit) -> Vec<Innovation> {
     }
 }
 
-/// Filters all records about a fit: the value.
+/// Filters all records with the laws of a fit: −2 log likelihood of the innovations.
 fn filtered(
     problem: &Problem,
     fit: &Fit,
@@ -53,7 +53,7 @@ fn filtered(
     problem.filter_parts((&code, None), &fit.point, &problem.whole(), sinks, observer)
 }
 
-/// Fits the support of `from`. Steps end early where the criterion will hardly come near `beat`. `None` where the laws diverge, the
+/// Fits the support of `from`. Gives up early if the criterion is unlikely to come near `beat`. `None` where the laws diverge, the
 /// trajectory leaves the data, or the observer ends the work.
 pub(super) fn disturbed_fit(
     problem: &Problem,
@@ -69,7 +69,7 @@ pub(super) fn disturbed_fit(
     let mut halving = StepHalving::default();
     halving.mistrust();
     let (mut arrived, mut before) = (false, f64::INFINITY);
-    // Noises are estimated in every other step, and at the end; first where there is no fit yet to take them from.
+    // Noises are estimated in every other step and in the last; in the first only if no fit before has estimated them.
     let mut estimate = beat == f64::INFINITY;
     let mut known = false;
     for _ in 0..DISTURBANCES.max_steps {

@@ -61,20 +61,20 @@ impl Fit {
             .map(move |((k, y), z)| (y - z) / record.relative_noise_at(state, k))
     }
 
-    /// What is new in each of these residuals: white where the noise is what the problem says.
+    /// These residuals whitened for the noise's memory that the problem assumes; unchanged where it assumes white noise.
     pub(crate) fn whitened(&self, problem: &Problem, record: usize, state: usize) -> Vec<f64> {
         let left: Vec<f64> = self.residuals(problem, record, state).collect();
         problem.records[record].whitened(state, &left)
     }
 }
 
-/// The best fit that was judged, from which every shorter step leaves the data.
+/// The best fit judged so far, for use when every shorter step from it leaves the data.
 pub(super) fn best_judged(halving: StepHalving<Fit>) -> Option<Fit> {
     let (fit, arrived) = halving.best(false)?;
     fit.value.is_finite().then_some(Fit { arrived, ..fit })
 }
 
-/// Whether some trajectory is farther from its readings than any fit of use.
+/// Whether some state is so far from its readings, or from the smoothed trajectory where it has none, that the fit is of no use.
 pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bool {
     let n = problem.states();
     let records = problem
@@ -91,7 +91,7 @@ pub(super) fn left_the_data(problem: &Problem, point: &LinearizationPoint) -> bo
         for (at, x) in path.iter().enumerate() {
             let (k, i) = (at / n, at % n);
             if problem.system.is_hidden(i) {
-                // Nothing says where it is but the laws. Negated so that NaN counts as lost.
+                // A hidden state has no readings to compare with, so its first guess is used. Negated so that NaN counts as lost.
                 let near =
                     (x - curve.states[at]).abs() <= GAUSS_NEWTON.lost_hidden * problem.spread[i];
                 if !near {

@@ -13,7 +13,7 @@ use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 use sidc_progress::Observer;
 
-/// Fits the support of `from` from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
+/// Fits the support of `from` from its coefficients, trajectory and noise. Gives up early if the criterion is unlikely to come near
 /// `beat`. `None` where the laws diverge, the trajectory leaves the data, or the observer ends the work.
 pub(super) fn undisturbed_fit(
     problem: &Problem,

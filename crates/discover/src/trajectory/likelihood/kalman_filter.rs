@@ -99,7 +99,8 @@ impl Filter {
                 self.covariance[j * n + k] -= self.gain[j] * self.gain[k] * variance;
             }
         }
-        // The same without the cancellation that a good sensor brings.
+        // The variance of the state that was read, recomputed without the cancellation that a precise sensor causes in the difference
+        // above.
         self.covariance[i * n + i] = sigma * sigma * self.gain[i];
         if p > 0 {
             self.next[..p].copy_from_slice(&self.sensitivity[i * p..(i + 1) * p]);
@@ -259,7 +260,8 @@ impl Problem {
         Ok(value)
     }
 
-    /// A filter at a sample before that is read: hardly anything is known of the states, and of disturbances their deviation.
+    /// The filter before the first sample is read: a wide prior for all states; for disturbances and noisy inputs their stationary mean and
+    /// deviation.
     fn first_state(&self, at: &LinearizationPoint, r: usize, k: usize, p: usize) -> Filter {
         let n = self.states();
         let mut filter = Filter::new(n, p);
@@ -277,7 +279,7 @@ impl Problem {
         filter
     }
 
-    /// Reads a sample: its part of the criterion.
+    /// Reads a sample and returns its part of the criterion.
     fn read(
         &self,
         (filter, r, k): (&mut Filter, usize, usize),

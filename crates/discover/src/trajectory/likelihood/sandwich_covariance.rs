@@ -58,20 +58,20 @@ fn variances(problem: &Problem, fit: &Fit, observer: &mut dyn Observer) -> Optio
     Some(covariances.iter().map(&mut of).collect())
 }
 
-/// How a coefficient responds to the readings, on the way back along a record.
+/// The response of a coefficient's estimate to the readings, accumulated backwards along a record.
 struct Response<'a> {
     /// Its column of C.
     column: &'a Vec<f64>,
-    /// The response of the states behind.
+    /// Response of the states at the sample after the present one.
     after: Vec<f64>,
-    /// For each state the sum over its readings.
+    /// For each state the weighted sum of its readings' errors.
     sums: Vec<WeightedSum<'a>>,
-    /// For each state the weight of the reading behind: what is new there is known with the one before it.
+    /// For each state the weight of its next reading: what is new in that error is known once the present reading's weight is.
     behind: Vec<Option<f64>>,
 }
 
-/// What the errors of a record's readings add to the variance of each coefficient, of which these are the columns of C. All are found in
-/// one sweep back, so that no response is kept.
+/// What the errors of a record's readings add to the variance of each coefficient; `columns` are those of C, one for each coefficient. One
+/// backward sweep serves all, so that no response is stored.
 fn variances_of_record(
     (problem, fit): (&Problem, &Fit),
     eliminated: &EliminatedRecords,
@@ -116,14 +116,15 @@ fn variances_of_record(
     Some(all.into_iter().map(|of| variance(of.sums)).collect())
 }
 
-/// Root mean square of a sensor's residuals, each over its relative noise. The noise in the fit is larger where a floor holds it, or where readings are little
-/// informative: that is the sensor's weight, not its error. It may not be far smaller, since arithmetic is only as fine as the fit needs.
+/// Root mean square of a sensor's residuals, each over its relative noise. It replaces the noise of the fit, which a floor or uninformative
+/// readings may enlarge: that is a weight, no error. It is at least a part of that noise, since the fit is no more accurate than the noise
+/// required.
 fn residual_rms(problem: &Problem, fit: &Fit, sensor: usize) -> f64 {
     let mean = fit.residual_squares[sensor] / problem.readings[sensor].max(1) as f64;
     mean.sqrt().max(RESIDUALS.min_noise * fit.sigma()[sensor])
 }
 
-/// M/(M − p): residuals are smaller than the noise, for p coefficients and first states were fitted to them.
+/// M/(M − p): fitting p coefficients and first states to the M readings makes residuals smaller than the noise.
 fn degrees_of_freedom_factor(problem: &Problem, fit: &Fit) -> f64 {
     let readings = problem.measurements() as f64;
     let fitted = fit.support().len() + problem.states() * problem.records.len();

@@ -1,17 +1,17 @@
-//! Steps of Gauss–Newton that do not keep what they promised: halved until the criterion falls.
+//! Step halving for Gauss–Newton: a step after which the criterion rises is halved until it falls.
 //!
-//! In: points and the criterion where they are. Out: the point to try next, or that no step helps. Terms that jump, as `sign(dx)` does,
-//! have no slope at their jump, so the linearised likelihood does not see them coming: full steps then swing between two points for ever.
-//! A fit that goes downhill by itself is left alone. Linearises nothing.
+//! In: points and the criterion there. Out: the point to try next, or that no step helps. The linearised likelihood does not see jumps of
+//! terms such as `sign(dx)`, so full steps may oscillate between two points. A fit whose criterion falls with full steps is left alone.
+//! Linearises nothing.
 
 use crate::trajectory::model::LinearizationPoint;
 use crate::trajectory::thresholds::GAUSS_NEWTON;
 
 /// The control of one fit's steps.
 pub(super) struct StepHalving<Fit> {
-    /// Whether a step has gone uphill: from then on every point is judged by its own criterion.
+    /// Whether the criterion has risen after a full step: from then on it is evaluated at every point before a step is taken.
     careful: bool,
-    /// The best point so far that was judged, as a fit.
+    /// The best point so far at which the criterion was evaluated, as a fit.
     accepted: Option<(Fit, f64)>,
     /// Where the last full step began.
     start: Option<LinearizationPoint>,
@@ -22,7 +22,7 @@ pub(super) struct StepHalving<Fit> {
     added: usize,
 }
 
-/// What to do at a point that was judged.
+/// What to do after the criterion was evaluated at a point.
 pub(super) enum Verdict {
     /// Take a step from it.
     Step,
@@ -50,25 +50,26 @@ impl<Fit> StepHalving<Fit> {
         self.careful
     }
 
-    /// Whether one step more may be taken for one that only looked.
+    /// Whether the step limit may be raised by one, for an iteration that only evaluated the criterion.
     pub fn may_add_step(&mut self) -> bool {
         self.added += 1;
         self.added <= GAUSS_NEWTON.careful_steps
     }
 
-    /// A full step starts; its largest move of a state is `reach`. Where it starts is needed once steps are mistrusted.
+    /// Notes that a full step starts, and its largest move of a state, `reach`, in units of the noise. `at`: where it starts, for
+    /// halving; `None` while full steps are trusted.
     pub fn starts(&mut self, at: Option<LinearizationPoint>, reach: f64) {
         self.start = at;
         self.reach = reach;
         self.halvings = 0;
     }
 
-    /// The criterion went uphill with full steps.
+    /// From now on steps are halved where the criterion rises.
     pub fn mistrust(&mut self) {
         self.careful = true;
     }
 
-    /// Judges a point by its fit without a further move of the coefficients, whose criterion is `value`.
+    /// Decides by the criterion `value` of the fit `here`, which has the coefficients of the point `at`.
     pub fn judge(&mut self, here: Fit, value: f64, at: &LinearizationPoint) -> Verdict {
         let best = self.best_value();
         if value < best - GAUSS_NEWTON.criterion_step || self.accepted.is_none() {
@@ -81,7 +82,7 @@ impl<Fit> StepHalving<Fit> {
         }
     }
 
-    /// Whether some point was judged by its own criterion.
+    /// Whether the criterion was evaluated at some point.
     pub fn has_judged(&self) -> bool {
         self.accepted.is_some()
     }
@@ -90,7 +91,7 @@ impl<Fit> StepHalving<Fit> {
         self.accepted.as_ref().map_or(f64::INFINITY, |(_, v)| *v)
     }
 
-    /// The point halfway back to where the last step began; `None` while full steps are trusted, and once it is no step any more.
+    /// The point halfway back to where the last step began; `None` while full steps are trusted, and after the most halvings.
     pub fn halfway(&mut self, from: LinearizationPoint) -> Option<LinearizationPoint> {
         let start = self.start.as_ref()?;
         let known = self.careful && self.accepted.is_some();
@@ -101,13 +102,13 @@ impl<Fit> StepHalving<Fit> {
         Some(middle(start, from))
     }
 
-    /// Whether a step promises no more than the best point has.
+    /// Whether a predicted criterion is no better than that of the best point.
     pub fn promises_nothing(&self, promised: f64) -> bool {
         self.best_value() - promised < GAUSS_NEWTON.criterion_step
     }
 
-    /// The best point that was judged, and whether it has arrived: the last step promised nothing, or steps that did not help from
-    /// there were as small as those of any fit that has converged.
+    /// The best point at which the criterion was evaluated, and whether the fit has converged: as `arrived` says, or because the step
+    /// that no longer helped was as small as the steps at convergence are.
     pub fn best(self, arrived: bool) -> Option<(Fit, bool)> {
         let shortest = self.reach * 0.5_f64.powi(self.halvings as i32);
         let arrived = arrived || shortest < GAUSS_NEWTON.state_step;
@@ -115,7 +116,7 @@ impl<Fit> StepHalving<Fit> {
     }
 }
 
-/// Halfway between two points of one support. Noises are those of the first, so that both are measured alike.
+/// Halfway between two points of one support. Noises are those of `a`, so that the criteria at both are comparable.
 fn middle(a: &LinearizationPoint, mut b: LinearizationPoint) -> LinearizationPoint {
     let halve = |x: &mut [f64], y: &[f64]| {
         x.iter_mut().zip(y).for_each(|(x, y)| *x = 0.5 * (*x + *y));

@@ -9,8 +9,9 @@ use super::gauss_newton::undisturbed_fit;
 use crate::trajectory::model::{LinearizationPoint, Problem};
 use sidc_progress::Observer;
 
-/// Fits the support of `from`, and what is required besides, from its coefficients, trajectory and noise. Steps end early where the criterion will hardly come near
-/// `beat`. `None` where the laws diverge, the trajectory leaves the data, or the observer ends the work.
+/// Fits the support of `from` together with the required columns, starting from its coefficients, trajectory and noise. Gives up early if
+/// the criterion is unlikely to come near `beat`. `None` where the laws diverge, the trajectory leaves the data, or the observer ends the
+/// work.
 pub(crate) fn fit(
     problem: &Problem,
     from: LinearizationPoint,

@@ -16,7 +16,7 @@ use sidc_lang::term::Tape;
 /// All columns, and which of them each law has.
 pub(super) type AllColumns<'a> = (&'a Tape, &'a [Range<usize>]);
 
-/// The way along one record.
+/// One sweep along a record.
 pub(super) struct Sweep<'a> {
     problem: &'a Problem,
     integrator: ShootingIntegrator<'a>,
@@ -25,7 +25,7 @@ pub(super) struct Sweep<'a> {
     path: &'a [f64],
     sigma: &'a [f64],
     stiffness: Vec<f64>,
-    /// The first sample that is used: nothing is known of errors before it.
+    /// The first sample that is used; errors of earlier readings count as unknown.
     first: usize,
 }
 
@@ -82,7 +82,7 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Reads a sample, but for readings that measure the one before too: those belong to the way there.
+    /// Reads a sample, without the readings whose errors are correlated with those of the sample before: these belong to the time update.
     pub fn read(&self, filter: &mut InformationFilter<impl RowSink>, k: usize) {
         let mut own = self.readings(k);
         own.retain(|m| !m.is_tied());

@@ -47,8 +47,8 @@ struct Moved {
 }
 
 impl Problem {
-    /// The problem with these delays. What a delayed input was before its record is unknown, so records lose their ends; those of which
-    /// too little is left are left out.
+    /// The problem with these delays. The value of a delayed input before the record starts is unknown, so records lose the samples at
+    /// their ends; records of which too few samples remain are left out.
     pub fn with_delays(&self, delays: &[AppliedDelay]) -> Problem {
         let plan = self.plan(delays);
         let (mut records, mut left_out, mut origin) = (Vec::new(), Vec::new(), Vec::new());
@@ -101,7 +101,8 @@ impl Problem {
         let of = |s: &Signal| delays.iter().copied().find(|d| d.var == s.var);
         let system = &self.system;
         let exogenous = system.exogenous.iter().zip(&system.noisy_exogenous);
-        // A state without a law drives the others by its readings, which are late: it acts earlier than they say.
+        // Readings of a state without a law come late but drive the laws, so as an input the state acts earlier than recorded: a negative
+        // delay.
         let acting = |(s, is_state): (&Signal, &bool)| {
             let delay = of(s)?;
             Some(match is_state {
@@ -158,7 +159,7 @@ impl LinearizationPoint {
 }
 
 impl Plan {
-    /// `None` if too little is left.
+    /// The record on its new instants; `None` if too few of them remain.
     fn moved(&self, record: &Record, signals: &[Signal]) -> Option<Moved> {
         let (first, last) = (*record.time.first()?, *record.time.last()?);
         let tolerance = DECLARED_DELAYS.instant * (last - first) / (record.len() - 1).max(1) as f64;
@@ -168,7 +169,7 @@ impl Plan {
         });
         let span = from - tolerance..=to + tolerance;
         let mut nodes: Vec<f64> = record.time.clone();
-        // Instants of samples come first, so that those which are the same but for rounding give way to them.
+        // Instants within rounding of a sample are dropped in favour of that sample.
         let mut further = self.knots(record);
         for (state, delay) in self.states.iter().enumerate() {
             let Some(d) = delay else { continue };

@@ -313,7 +313,8 @@ impl Problem {
                 let same = (0..n).filter(|j| self.system.states[*j].var == var);
                 let mut part = same.filter_map(relative).fold(0.0, f64::max);
                 if self.system.is_hidden(i) {
-                    // Its law holds much better than those of the others: what a hidden state slips, large coefficients make motion of.
+                    // The laws of hidden states hold more tightly than the others: without readings, a slip would be amplified by large
+                    // coefficients into motion that explains anything.
                     let best = (0..n).filter_map(relative).fold(f64::INFINITY, f64::min);
                     part = SHOOTING.hidden_slack * best;
                 }

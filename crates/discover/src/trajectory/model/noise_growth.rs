@@ -61,7 +61,8 @@ impl Problem {
         }
     }
 
-    /// A law whose noise nowhere vanishes: by the rounding of an encoder, and by what the value itself is uncertain by.
+    /// A law of noise with a floor, so that no reading has zero noise: at least the rounding of an encoder, and a part of the noise at the
+    /// root mean square value.
     fn bounded(
         &self,
         law: SensorNoise,

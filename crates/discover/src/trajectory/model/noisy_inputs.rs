@@ -76,7 +76,8 @@ impl Problem {
     }
 }
 
-/// Mean, deviation and memory of an input by its readings: their variance less that of the noise, and their correlation from one sample to the next.
+/// Mean, deviation and memory (s) of an input from its readings: the deviation from their variance less that of the noise, the memory from
+/// their correlation from one sample to the next.
 fn course<'a>(
     records: impl Iterator<Item = &'a [f64]> + Clone,
     noise: f64,
@@ -89,7 +90,7 @@ fn course<'a>(
     let pairs = records.clone().flat_map(|r| r.windows(2));
     let shared = pairs.map(|w| (w[0] - mean) * (w[1] - mean)).sum::<f64>() / count;
     let [least, most] = INPUT_NOISE.correlation;
-    // An input that hardly moves beyond its noise still has a deviation.
+    // An input whose variance hardly exceeds that of its noise keeps a share of it, so that its deviation is positive.
     let own = (square - noise * noise).max(INPUT_NOISE.least_share * square);
     let correlation = (shared / own).clamp(least, most);
     NoisyInput {

@@ -1,4 +1,4 @@
-//! The measured part of a system: hidden states as signals from outside, their laws left away.
+//! The measured part of a system: hidden states as exogenous signals, without their laws.
 //!
 //! In: a problem with hidden states. Out: the problem of its measured states alone, in which what hidden states do can be tried. Estimates
 //! nothing.

@@ -2,7 +2,8 @@
 //!
 //! In: nothing but this type. Out: the sample that is held. Holds nothing itself.
 
-/// A sample of a hidden state that stays where it is.
+/// The sample of a hidden state that is held in place, because the readings do not determine the
+/// state's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Pin {
     pub record: usize,

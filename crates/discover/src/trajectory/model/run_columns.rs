@@ -40,8 +40,8 @@ impl RunColumns {
         Some(own.map(|(j, _)| *j).collect())
     }
 
-    /// A proposed support with all columns of a term or none: a term that enters brings all runs, and one of which half the runs or
-    /// fewer are kept leaves.
+    /// The proposed support with all columns of a term, one for each run, or none of them. A term that is new to the support enters
+    /// for all runs; a term of which the proposal keeps half of its columns or fewer leaves.
     pub(crate) fn whole(&self, mut proposed: Vec<usize>, current: &[usize]) -> Vec<usize> {
         if self.is_empty() {
             return proposed;
@@ -59,7 +59,7 @@ impl RunColumns {
         proposed
     }
 
-    /// The same after columns were moved: new column j was `origin[j]`.
+    /// The same after columns were renumbered: column j was `origin[j]` before.
     pub(crate) fn moved(&self, origin: &[Option<usize>]) -> RunColumns {
         let new = origin.iter().enumerate();
         let kept = new.filter_map(|(j, from)| Some((j, self.get((*from)?)?.clone())));

@@ -27,7 +27,8 @@ pub struct RunValue {
     pub variance: f64,
 }
 
-/// The coefficients of a fit that differ between the runs, one after the other, the surest first.
+/// Coefficients of a fit that differ between the runs, the clearest first. Each is given a value for each run only if that improves the
+/// criterion beyond the splits before it.
 pub fn differing_coefficients(
     problem: &Problem,
     found: &Fit,
@@ -38,7 +39,7 @@ pub fn differing_coefficients(
     let criterion = last_criterion(problem, inefficiency);
     let mut split: Vec<usize> = Vec::new();
     let mut gains = Vec::new();
-    // With the same further steps as the others, so that what these gain is no gain of the split.
+    // The fit without split gets further steps as well, so that what these gain is not credited to a split.
     let start = found.point.clone();
     let again = fit(problem, start, &criterion, f64::INFINITY, observer);
     let again = again.filter(|f| f.value < found.value);
@@ -85,7 +86,7 @@ pub fn differing_coefficients(
         values: values(*column),
         gain: *gain,
     };
-    // What the refit gains by something else than the difference is none either.
+    // The criterion may also gain by a better trajectory; only coefficients whose values then differ count.
     let mut all: Vec<Differing> = gains.iter().map(of).collect();
     all.retain(|d| {
         let values = d.values.iter().map(|v| (v.value, v.variance));
@@ -169,8 +170,8 @@ fn own_fit(
     Some(fitted)
 }
 
-/// How far values with variances are from one common value, as a normal deviate: χ² over the runs by the transformation of Wilson and
-/// Hilferty (1931).
+/// The distance of values from their common mean as a standard normal deviate: χ² over the runs, transformed by Wilson and Hilferty
+/// (1931).
 fn deviations(values: &[(f64, f64)]) -> f64 {
     let known: Vec<&(f64, f64)> = values.iter().filter(|v| is_known(v)).collect();
     let free = known.len() as f64 - 1.0;
@@ -183,7 +184,7 @@ fn deviations(values: &[(f64, f64)]) -> f64 {
     ((square / free).cbrt() - (1.0 - part)) / part.sqrt()
 }
 
-/// The mean of values with variances, weighted by what each says; NaN where none is known.
+/// The mean of values weighted by inverse variance; NaN where no variance is known.
 fn mean(values: &[(f64, f64)]) -> f64 {
     let known = || values.iter().filter(|v| is_known(v));
     let weights: f64 = known().map(|(_, v)| 1.0 / v).sum();
@@ -194,8 +195,9 @@ fn is_known((_, variance): &(f64, f64)) -> bool {
     variance.is_finite() && *variance > 0.0
 }
 
-/// A fit of all runs in which every term of a support has a coefficient for each, with its problem; those that do not differ are one
-/// again. `from` are coefficients with that support. `None` where a run cannot be followed.
+/// A fit of all runs in which the terms of a support have a coefficient for each run. Coefficients whose sharing between runs improves
+/// the criterion are shared again, those that differ least first. `from`: a point with that support. `None` where a run cannot be fitted
+/// alone.
 pub(crate) fn fit_by_run(
     problem: &Problem,
     from: &LinearizationPoint,
@@ -214,7 +216,7 @@ pub(crate) fn fit_by_run(
     let criterion = last_criterion(problem, inefficiency);
     let mut split: Vec<usize> = from.support.clone();
     let mut best: Option<(Problem, Fit)> = None;
-    // Terms are joined in the order in which they differ least.
+    // Sharing is tried in rising order of the differences between runs.
     let differ = |place: usize| {
         let values = own
             .iter()
@@ -253,7 +255,8 @@ pub(crate) fn fit_by_run(
     Some((whole, fitted))
 }
 
-/// The point made of the runs' own fits; a coefficient that runs share is their mean, weighted by what each knows.
+/// The point for a joint fit, assembled from the runs' own fits; a coefficient that runs share is the mean of theirs, weighted by inverse
+/// variance.
 fn assembled(
     (whole, origin): (&Problem, &[usize]),
     start: &LinearizationPoint,

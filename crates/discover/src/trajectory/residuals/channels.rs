@@ -97,7 +97,7 @@ fn noise(problem: &Problem, state: usize) -> f64 {
     mean_noise(problem, &problem.noise, state)
 }
 
-/// The same of noises by sensor.
+/// Noise of a state's sensors, root mean square over all readings, from the levels `noise` of all sensors.
 fn mean_noise(problem: &Problem, noise: &[f64], state: usize) -> f64 {
     let n = problem.states();
     let own = (state..noise.len()).step_by(n);
@@ -107,7 +107,7 @@ fn mean_noise(problem: &Problem, noise: &[f64], state: usize) -> f64 {
     (square / problem.readings_of(state) as f64).sqrt()
 }
 
-/// The step at which a fit ends, under the least noise that it goes by.
+/// How far a state may still be from the optimum when the fit ends: its largest last step, for the least noise of its sensors.
 fn accuracy(problem: &Problem, state: usize) -> f64 {
     let own = final_floor(problem).into_iter().skip(state);
     let least = own.step_by(problem.states()).fold(f64::INFINITY, f64::min);
@@ -118,7 +118,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let n = problem.states();
     let (mut sums, mut total) = ([0.0; WHITENESS_LAGS], 0.0);
     let (mut square, mut excess, mut rounded) = (0.0, 0.0, [0.0; WHITENESS_LAGS]);
-    // Smoothing takes noise that lasts for motion, and sees too little of it.
+    // Smoothing takes noise that lasts from sample to sample for motion, so its estimate of that noise is too small.
     let own_scale = problem.noise_memory(state).is_some() && problem.declared[state].is_none();
     let coarse = problem.quantization[state].filter(|l| l.matters(noise(problem, state)));
     for (r, (record, path)) in problem.records.iter().zip(fit.paths()).enumerate() {
@@ -130,7 +130,7 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
             problem.noise[sensor]
         };
         let known = |x: f64| if x.is_finite() { x } else { 0.0 };
-        // In units of the record's own noise, so that the noisiest record does not dominate.
+        // In units of each record's own noise, so that the noisiest record does not dominate.
         let new = fit.whitened(problem, r, state).into_iter();
         let new: Vec<f64> = new.map(|x| known(x / sigma)).collect();
         let own: f64 = new.iter().map(|x| x * x).sum();

@@ -1,4 +1,4 @@
-//! How far off laws run by themselves are, some time ahead, from the same states.
+//! Prediction errors of laws without their disturbances, some time ahead of given states.
 //!
 //! In: problems of the same records, their laws, states to start from. Out: errors of every state that is read. Fits nothing.
 
@@ -9,15 +9,16 @@ use crate::trajectory::likelihood::Fit;
 use crate::trajectory::model::{Law, LinearizationPoint, Problem, Record};
 use crate::trajectory::thresholds::AHEAD;
 
-/// The time in which the slowest state that is read moves by its own spread: beyond, hardly any law of disturbed motion tells more than the mean.
+/// How far ahead predictions are compared (s): a few times the time in which the slowest state moves by its spread. Beyond that, disturbed
+/// motion is hardly predicted better than by its mean.
 pub fn own_time(problem: &Problem) -> f64 {
     let laws = problem.system.laws.iter().enumerate();
     let of = |(l, law): (usize, &Law)| problem.spread[law.state] / problem.rate_spread(l);
     AHEAD.own_times * laws.map(of).fold(0.0, f64::max)
 }
 
-/// The mean logarithm of the errors so far ahead (s), over the states that are read; without disturbances. Starts are the states of `from`, which
-/// come first among those of `problem`. Infinite where a run diverges or no record is as long.
+/// The mean logarithm of the prediction errors `ahead` seconds after each start, over the states that are read; disturbances are left out.
+/// Starts are the states `from`, the first ones of the problem's states. Infinite where a run diverges or no record is long enough.
 pub fn log_error_ahead(problem: &Problem, fit: &Fit, from: &[Vec<f64>], ahead: f64) -> f64 {
     let (step, _) = problem.step_and_length();
     let steps = (ahead / step).round().max(1.0) as usize;
@@ -54,7 +55,7 @@ pub fn log_error_ahead(problem: &Problem, fit: &Fit, from: &[Vec<f64>], ahead: f
     }
 }
 
-/// Squared errors of the runs from as many neighbouring samples as are integrated at once: side by side, each an interval behind the next.
+/// Squared prediction errors of runs from as many neighbouring samples as are integrated at once.
 fn block_errors(
     (problem, laws): (&Problem, &CompiledLaws),
     at: &LinearizationPoint,

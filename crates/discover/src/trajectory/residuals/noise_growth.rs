@@ -60,7 +60,7 @@ fn change(before: &Problem, after: &Problem) -> f64 {
     f64::sqrt(sum / f64::max(count, 1.0))
 }
 
-/// The readings of one state: squared residuals with the squares of the fitted values, sensor by sensor.
+/// Readings of one state, sensor by sensor: squared residuals, with the squares of the fitted values.
 struct Readings {
     sensors: Vec<Vec<(f64, f64)>>,
     /// Mean square of the fitted values.
@@ -68,7 +68,8 @@ struct Readings {
 }
 
 impl Readings {
-    /// Of residuals from trajectories, without the readings that are `alone`. `None` where too few are read, or the residuals are no noise.
+    /// Readings with residuals from the given trajectories, without isolated outliers. `None` where there are too few readings, or the
+    /// residuals are below the noise floor.
     fn new(
         problem: &Problem,
         paths: &[Vec<f64>],
@@ -87,7 +88,7 @@ impl Readings {
             });
             sensors[problem.sensors.group(r)].extend(squares);
         }
-        // What is left below the floor follows from arithmetic, not from the sensor.
+        // Residuals below the noise floor come from arithmetic, not from the sensor.
         let floor = final_floor(problem);
         for (group, readings) in sensors.iter_mut().enumerate() {
             let mean = mean(readings.iter().map(|(square, _)| *square));
@@ -101,7 +102,7 @@ impl Readings {
         (size > 0.0).then_some(Readings { sensors, size })
     }
 
-    /// The noise of the largest likelihood, but for its level, and what it gains over noise that is the same everywhere.
+    /// The law of noise of the largest likelihood, up to its level, and its gain over constant noise.
     fn growth(&self) -> Option<(SensorNoise, f64)> {
         let (least, most) = GROWTH.tried;
         let step = std::f64::consts::LN_10 / GROWTH.per_decade as f64;

@@ -67,7 +67,7 @@ impl<'a> Residuals<'a> {
             sensors[problem.sensors.group(r)].push((record, left));
         }
         let enough = problem.readings_of(state) >= NOISE_MEMORY.min_readings;
-        // What is left below the floor follows from arithmetic, not from the sensor.
+        // Residuals below the noise floor come from arithmetic, not from the sensor.
         let floor = final_floor(problem);
         let above = (state..problem.sensors.count()).step_by(n).all(|s| {
             let least = GAUSS_NEWTON.state_step * floor[s];

@@ -57,14 +57,15 @@ fn by_chance(readings: f64, found: &Outliers) -> f64 {
     as_many.min(beyond(found.worst))
 }
 
-/// Whether each reading of a state is an outlier, record by record.
+/// Whether each reading of a state is an outlier: far from the fit, while its neighbours are not. By record and sample.
 pub(super) fn far_alone(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<bool>> {
     let all = distances(problem, fit, state).into_iter();
     all.map(|far| (0..far.len()).map(|k| is_outlier(&far, k)).collect())
         .collect()
 }
 
-/// The problem with exactly the outliers of this fit left out, earlier ones taken back in if they are none; `None` if that changes nothing.
+/// The problem without the outliers of this fit. Readings left out before are taken back in unless they are still far from the fit; none
+/// are left out of a state with too many outliers. `None` if nothing changes.
 pub fn leave_out(problem: &Problem, fit: &Fit) -> Option<Problem> {
     let mut records = problem.records.clone();
     for l in &problem.left_out {
@@ -123,7 +124,7 @@ fn distances(problem: &Problem, fit: &Fit, state: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// How far readings of one state lie from the fit where nothing is wrong with them.
+/// The usual distance of one state's readings from the fit.
 struct Scale {
     /// Robust standard deviation of every record's sensor.
     records: Vec<f64>,
@@ -170,7 +171,7 @@ impl Scale {
                 return 0.0;
             }
             let far = d / self.records[record];
-            // Only what is far needs a look around.
+            // Only distant readings are compared with those around them, which takes time.
             match far > RESIDUALS.outlier {
                 true => {
                     d / self

@@ -52,7 +52,7 @@ pub(crate) fn best_subsets(
         columns: Vec::new(),
         square: start.square,
     }];
-    // Dependence is measured against the lengths that the other laws' terms leave.
+    // A column is dependent if little of its length is left after the other laws' terms are projected off.
     let usable: Vec<bool> = start
         .free
         .iter()

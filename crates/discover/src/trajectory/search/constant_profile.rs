@@ -39,18 +39,18 @@ pub struct ProfiledLaws {
 /// A column of the extended problem.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    /// The column of the problem that it is, or comes from; `None` for one that is not to be used.
+    /// The column of the problem that it is, or whose value or slope at a point it is; `None` for a column that must not be used.
     column: Option<usize>,
-    /// The point at which a constant has its value.
+    /// The point at which it was evaluated; `None` for a column without a constant.
     point: Option<usize>,
-    /// The constant by which it is the slope of the column.
+    /// For a slope column ∂φ/∂k the constant k; `None` for φ itself.
     slope: Option<usize>,
-    /// What it was divided by.
+    /// Divisor that brings it to the size of other columns.
     weight: f64,
 }
 
-/// At each of the points the best law with each of the terms that hold a constant, at the price of `penalty` a term; the best first. None where
-/// the columns are too many, or the form cannot be computed.
+/// For each point and each term that holds a constant, the best law with that term there, where each term costs `penalty`; the best first.
+/// Empty where there would be too many columns, or the form cannot be computed.
 pub fn profiled_laws(
     problem: &Problem,
     found: &Fit,
@@ -63,7 +63,7 @@ pub fn profiled_laws(
     let room = CONSTANTS.profiled_columns.saturating_sub(plain);
     let shared = constants.iter().all(|c| c.run.is_none());
     let free = problem.system.constraints.is_empty() && problem.run_columns.is_empty();
-    // A term and its slopes.
+    // A term and its derivatives by the constants take this many columns at a point.
     let each = holding.iter().map(|j| {
         let term = &problem.system.columns[*j];
         1 + constants.iter().filter(|c| term.mentions(c.signal)).count()
@@ -184,7 +184,7 @@ impl ColumnsAtPoints {
     }
 }
 
-/// The form of all columns.
+/// The quadratic form of all columns at all points.
 struct Profile<'a> {
     form: &'a QuadraticForm,
     places: &'a [Place],
@@ -193,8 +193,8 @@ struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// The best law with the column `one` of a point, with what else is offered there: between the points if its slopes lead no farther than to
-    /// the next ones, else at the point.
+    /// The best law with column `one` at its point, chosen among the columns offered there. The slopes of `one` move the constants between
+    /// the points; where that would lead beyond the neighbouring points, the constants stay at the point.
     fn best_with(&self, one: usize, offered: &[usize], support: &[usize]) -> Option<ProfiledLaw> {
         let place = self.places[one];
         let slope = |j: &usize| {
@@ -206,7 +206,7 @@ impl Profile<'_> {
             .or_else(|| self.law(one, &[], offered, support))
     }
 
-    /// `None` where slopes lead beyond the next points.
+    /// `None` where the slopes would move a constant beyond the neighbouring points.
     fn law(
         &self,
         one: usize,
@@ -250,7 +250,7 @@ impl Profile<'_> {
         })
     }
 
-    /// How far the nearest other values of a constant are.
+    /// Distance of a constant's value to the nearest other value among the points.
     fn spacing(&self, constant: usize, value: f64) -> f64 {
         let others = self.points.iter().map(|p| (p[constant] - value).abs());
         let others = others.filter(|d| *d > 0.0);
@@ -258,8 +258,9 @@ impl Profile<'_> {
     }
 }
 
-/// The best of the columns that are offered beside those that are kept: these are projected off the others, which are then chosen as ever. The
-/// columns of `now` are one of the starts. `None` where the first that is kept has no part that could be told.
+/// The best support that has the columns `kept`, with others chosen among `offered`: the kept ones are projected off the others, on which
+/// steepest descent then runs. The columns for which `now` holds are one of its starts. `None` where the first kept column is zero or
+/// dependent.
 fn best_beside(
     form: &QuadraticForm,
     kept: &[usize],

@@ -22,12 +22,12 @@ use sidc_progress::Observer;
 pub struct Answer<'a> {
     pub problem: &'a Problem,
     pub found: &'a Found,
-    /// Whether it leaves no more than the noise of the sensors. Beside one that leaves more, laws that may be better are of interest alone.
+    /// Whether the answer leaves no more than the noise of the sensors. If it leaves more, only laws that may be better are of interest.
     pub explained: bool,
 }
 
-/// Laws with their likeliest constants, the best first: the answer, if it holds a constant; what it comes to with one term less or more; the best
-/// laws of the profile at `points`, and these without their weak terms. `range` gives the range of a constant about a value.
+/// Laws with their likeliest constants, the best first: the answer itself if it holds a constant; the answer with one term less or more;
+/// the best laws of the profile at `points`, also without their weak terms. `range` gives the range of a constant about a value.
 pub fn laws_with_constants(
     answer: &Answer,
     constants: &[SoughtConstant],
@@ -82,8 +82,8 @@ pub fn laws_with_constants(
     laws
 }
 
-/// The best laws of a profile: none like another, those that are predicted to be near the answer or better, and of each constant that the answer
-/// lacks the best.
+/// The laws of a profile that are worth a fit, no two alike: those predicted to be near the answer or better, up to a number, and the best
+/// law with each constant that the answer lacks.
 fn to_be_fitted(
     profile: ProfiledLaws,
     constants: &[SoughtConstant],
@@ -123,7 +123,7 @@ fn alike(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(near)
 }
 
-/// Fits from the trajectory of an answer.
+/// Fits that start from the trajectory of an answer.
 struct Refits<'a> {
     problem: &'a Problem,
     answer: &'a Fit,
@@ -147,7 +147,7 @@ impl Refits<'_> {
         fit_constants_at(&at, point, constants, self.inefficiency, observer)
     }
 
-    /// The answer with each of the further terms that are predicted to gain most while the constants move.
+    /// The answer with one further term each: those that are predicted to gain most while the constants are free.
     fn longer(
         &self,
         constants: &[SoughtConstant],
@@ -173,8 +173,8 @@ impl Refits<'_> {
         longer.collect()
     }
 
-    /// A law, and it without each of the terms that are predicted to be missed by less than `loss`; from the best of these on, for as long as the
-    /// criterion falls.
+    /// Fits of a law without each of the terms whose removal is predicted to cost less than `loss`, and so on from the best of these for as
+    /// long as the criterion falls.
     fn shorter(
         &self,
         law: FittedConstants,

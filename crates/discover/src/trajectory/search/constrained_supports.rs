@@ -57,8 +57,8 @@ impl<'a> ConstrainedForm<'a> {
         }
     }
 
-    /// The support itself, closed and without terms held at zero, at its constrained minimum: the better of what it becomes with
-    /// and without the terms that are tied to it. `None` if neither can obey the constraints.
+    /// The support at its constrained minimum, with or without the terms that constraints tie to it, whichever is better; terms that
+    /// are then zero are dropped. `None` if neither support can satisfy the constraints.
     pub fn repaired(&mut self, support: &[usize], price: f64) -> Option<ConstrainedSupport> {
         let free = self.form.least_squares(support).coefficients;
         let closed = self.constraints.closure(support, &free);
@@ -67,7 +67,7 @@ impl<'a> ConstrainedForm<'a> {
         known.min_by(|a, b| a.value(price).total_cmp(&b.value(price)))
     }
 
-    /// The constrained minimum of a support, without the terms that are then zero.
+    /// The constrained minimum of a support, without terms whose coefficient is then zero.
     fn pruned(&mut self, support: &[usize]) -> Option<ConstrainedSupport> {
         if let Some(known) = self.seen.get(support) {
             return known.clone();
@@ -120,7 +120,7 @@ impl<'a> ConstrainedForm<'a> {
         for leaves in leaves.collect::<Vec<Option<usize>>>() {
             let rest = from.columns.iter().copied().filter(|j| Some(*j) != leaves);
             let rest: Vec<usize> = rest.collect();
-            // A tied term that is left alone goes too.
+            // Without its partner a tied term may be zero; `pruned` then drops it, too.
             let Some(kept) = self.pruned(&rest) else {
                 continue;
             };
@@ -137,7 +137,7 @@ impl<'a> ConstrainedForm<'a> {
         near
     }
 
-    /// The columns of each law whose gradient at the support is largest, without those that a sign does not let move that way.
+    /// The columns of each law whose gradient at the support is largest, without those that a sign constraint keeps at zero.
     fn additions(&self, from: &ConstrainedSupport) -> Vec<usize> {
         let mut gradient = self.form.right.clone();
         for (s, a) in from.columns.iter().zip(&from.coefficients) {
@@ -167,9 +167,9 @@ impl<'a> ConstrainedForm<'a> {
         rows.any(|r| r.sense != Sense::Equal && against(r))
     }
 
-    /// Supports with their predicted change of the criterion from the support `present`, best first: those proposed, repaired, and
-    /// what descents from the best of them pass at several prices. As without constraints, a sparse one is proposed whatever the
-    /// form predicts.
+    /// Supports with their predicted change of the criterion from `present`, best first: the proposed supports, repaired, and all
+    /// supports met in descents from the best of them at several prices. The ends of descents at high prices count as no worse than
+    /// `present`, so that sparse supports are fitted whatever the form predicts.
     pub fn proposals(
         mut self,
         present: &[usize],

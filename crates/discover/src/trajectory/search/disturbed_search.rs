@@ -11,10 +11,9 @@ use crate::trajectory::likelihood::{Fit, fit, undisturbed_value};
 use crate::trajectory::model::{LinearizationPoint, Problem, ProcessNoise};
 use crate::trajectory::thresholds::{DISTURBANCES, SEARCH};
 
-/// Searches from the support of the best fit without disturbances, if there is one; what other explanations of what it leaves gain over it
-/// (criterion) disturbances have to gain too. Out come
-/// the problem whose states include disturbances that remember, and the fit to it; `None` if the other fit is as good, or nothing could be
-/// fitted.
+/// Searches from the support of the best fit without disturbances, if there is one. `gained`: by how much another explanation improves the
+/// criterion of that fit; disturbances must improve it by more. Returns the problem whose states include disturbances with a memory, and
+/// the fit to it. `None` if the fit without disturbances is as good, or nothing could be fitted.
 ///
 /// Long records are searched on segments first.
 pub fn search_disturbed(
@@ -24,10 +23,10 @@ pub fn search_disturbed(
 ) -> Option<(Problem, Found)> {
     let criterion = final_criterion(problem);
     let value = |fit| undisturbed_value(problem, fit, &criterion, observer);
-    // Against inputs without noise nothing is to be weighed: it is declared.
+    // Declared input noise is not optional, so a fit without it is no alternative.
     let comparable = free.filter(|_| problem.process.is_none());
     let without = comparable.and_then(value).unwrap_or(f64::INFINITY) - gained;
-    // Noise of inputs is white as it is held; a disturbance that lasts is a hidden state too.
+    // Disturbances with a memory are not tried beside noisy inputs or hidden states, since they are hidden states too.
     let white = problem.process.is_some() || !problem.system.hidden.is_empty();
     let kinds: &[Kind] = match white {
         true => &[Kind::White],
@@ -51,7 +50,7 @@ pub fn search_disturbed(
     let (_, kind, disturbed, found) = best?;
     let (disturbed, found) = match short {
         None => (disturbed, found),
-        // On all samples disturbances that leave more than noise on segments are no better.
+        // Disturbances that leave more than noise on segments do so on all samples, too.
         Some(_) if observer.left_by(&disturbed, &found.best) > 1.0 => return None,
         Some(_) => on_whole((problem, kind), found, free, observer)?,
     };
@@ -74,7 +73,7 @@ fn start(problem: &Problem, kind: Kind, free: Option<&Fit>) -> (Problem, Lineari
     (disturbed, point)
 }
 
-/// What was found on segments, fitted on all samples.
+/// The support found on segments, fitted to all samples.
 fn on_whole(
     (problem, kind): (&Problem, Kind),
     found: Found,
@@ -142,7 +141,7 @@ impl Kind {
     }
 }
 
-/// The best support under disturbances: from the one given, and from what the laws show where disturbances alone are fitted.
+/// The best support under disturbances, from two kinds of starts: the one given, and supports proposed about a fit of disturbances alone.
 fn search_from(
     problem: &Problem,
     start: LinearizationPoint,
@@ -154,8 +153,8 @@ fn search_from(
     let mut starts = proposals(problem, &start, penalty, observer);
     starts.insert(0, start);
     level.fit(starts, observer);
-    // Only disturbances that leave nothing else are an answer, and what they leave hardly changes from one support to the next. Supports
-    // that differ by little in the criterion leave the same, up to chance: they are compared only where there is an answer.
+    // Disturbances count only if they leave no more than noise, and that hardly changes from one support to the next. So supports are
+    // compared further only where the residuals are near the noise.
     if left_by(problem, &level, observer) <= DISTURBANCES.hopeless {
         level.improve((false, false), observer);
         if left_by(problem, &level, observer) <= 1.0 {
@@ -175,13 +174,13 @@ fn search_from(
     })
 }
 
-/// How many times more the best fit leaves than noise may.
+/// Residuals of the best fit over what noise alone may give.
 fn left_by(problem: &Problem, level: &SearchLevel, observer: &mut dyn SearchObserver) -> f64 {
     let best = level.best.first();
     best.map_or(f64::INFINITY, |fit| observer.left_by(problem, fit))
 }
 
-/// Supports on the likelihood about a fit of disturbances alone.
+/// Supports proposed on the likelihood linearised about a fit of disturbances without any terms.
 fn proposals(
     problem: &Problem,
     start: &LinearizationPoint,

@@ -23,7 +23,7 @@ pub(crate) struct SearchLevel<'a> {
     pub tried: BTreeMap<Vec<usize>, f64>,
     /// The best fits, best first.
     pub best: Vec<Fit>,
-    /// Supports of more terms are not fitted.
+    /// Supports with more terms than this are not fitted.
     pub most_terms: usize,
     /// The quadratic form about the fit of this support.
     form: Option<(Vec<usize>, Arc<QuadraticForm>)>,
@@ -96,7 +96,7 @@ impl<'a> SearchLevel<'a> {
         value < before - SEARCH.min_gain
     }
 
-    /// The best fit and the quadratic form about it, which is computed once.
+    /// The best fit and the quadratic form about it, which is kept until another support is the best.
     fn best_and_form(&mut self, observer: &mut dyn Observer) -> Option<(Fit, Arc<QuadraticForm>)> {
         let best = self.best.first()?.clone();
         if let Some((support, form)) = &self.form
@@ -110,7 +110,7 @@ impl<'a> SearchLevel<'a> {
         Some((best, form))
     }
 
-    /// Noise of each sensor for a first linearisation: not below the floor, larger where readings are little informative.
+    /// Noise of each sensor for a first linearisation: at least the floor, larger where only a share of the readings is informative.
     pub fn sigma(&self, at: &[f64]) -> Vec<f64> {
         at.iter()
             .zip(&self.criterion.floor)
@@ -174,8 +174,8 @@ impl<'a> SearchLevel<'a> {
         }
     }
 
-    /// Follows improvements among the supports that the quadratic form proposes, until there is none. The `last` level fits rivals too,
-    /// and with `prune` the support without each of its terms that may be missed.
+    /// Fits the supports that the quadratic form proposes and repeats this about each better one, until there is none. On the `last`
+    /// level rivals are fitted too; with `prune` also the support without each of its terms, where that is predicted to cost little.
     pub fn improve(&mut self, (last, prune): (bool, bool), observer: &mut dyn Observer) {
         let mut fits = 0;
         while fits < SEARCH.max_fits && self.may_refit(observer) {
@@ -236,7 +236,7 @@ impl<'a> SearchLevel<'a> {
             .collect()
     }
 
-    /// Follows only what the quadratic form predicts to be better, for a few fits.
+    /// As [`SearchLevel::improve`], but fits only supports that are predicted to be better, and only a few.
     pub fn improve_briefly(&mut self, observer: &mut dyn Observer) {
         let last = self.tried.len() + SEARCH.fits_beyond;
         while self.tried.len() < last && self.may_refit(observer) {
@@ -263,7 +263,7 @@ impl<'a> SearchLevel<'a> {
         }
     }
 
-    /// For each price of a term where steepest descent ends: the best end from backward elimination, from the strongest column and from
+    /// For each price of a term the best end of three descents: from backward elimination, from the strongest column, and from
     /// `support`.
     fn descents(
         &self,
@@ -292,8 +292,8 @@ impl<'a> SearchLevel<'a> {
         ends.into_iter().flatten().collect()
     }
 
-    /// What constraints make of a proposed support, at a price in units of the price of a term: the same where there are none; with a
-    /// price of zero the support is repaired and not searched about.
+    /// A proposed support made to satisfy the constraints. `price`, in units of the price of a term: above zero, a descent under the
+    /// constraints follows. Unchanged where there are no constraints.
     fn obeying(
         &self,
         form: &QuadraticForm,
@@ -315,7 +315,7 @@ impl<'a> SearchLevel<'a> {
         found.map_or(support, |s| s.columns)
     }
 
-    /// The supports proposed without constraints, made to obey them, and those that a search under them adds.
+    /// The given supports, made to satisfy the constraints, and others met in a search under them.
     fn constrained_proposals(
         &self,
         form: &QuadraticForm,
@@ -359,7 +359,7 @@ impl<'a> SearchLevel<'a> {
         let strengths = SEARCH.prices.map(|s| s * penalty);
         for (best, strength) in self.descents(form, support, strengths, observer) {
             let change = value(&best) - base;
-            // A sparse support is fitted whatever the quadratic form predicts.
+            // Sparse supports are fitted whatever the quadratic form predicts.
             let change = if strength > SEARCH.sparse_price * penalty {
                 change.min(0.0)
             } else {

@@ -28,12 +28,12 @@ pub struct BetterLaws {
 pub struct LawChange {
     pub enter: Vec<Term>,
     pub leave: Vec<Term>,
-    /// Those entering that the library lacks.
+    /// Entering terms that the library lacks.
     pub lacking: Vec<Term>,
 }
 
-/// Searches from the laws found on, with `extra[l]` as further candidates of law l. `None` if the criterion improves by less than
-/// `margin`, and with as many terms or more; laws with fewer terms need only be as good.
+/// Searches from the laws found, with `extra[l]` as further candidates of law l. Laws with fewer terms need only improve the
+/// criterion, others by `margin` in units of independent readings. `None` if no such laws are found.
 pub fn search_beyond_libraries(
     problem: &Problem,
     found: &Found,

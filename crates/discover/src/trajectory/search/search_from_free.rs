@@ -11,21 +11,22 @@ use crate::trajectory::model::{LinearizationPoint, Problem};
 use crate::trajectory::residuals::statistical_inefficiency;
 use crate::trajectory::thresholds::SEARCH;
 
-/// `None` if nothing that obeys the constraints could be fitted from there.
+/// Searches supports that satisfy the constraints, from an answer found without them. `None` if none could be fitted.
 pub fn search_from_free(
     problem: &Problem,
     free: &Found,
     observer: &mut dyn SearchObserver,
 ) -> Option<Found> {
     let starts = starts(problem, free, observer);
-    // Long records are searched near the answer only, as in a free search.
+    // On long records only supports near the answer are fitted, as in a search without constraints.
     let plan = |inefficiency| match problem.searched_in_parts() {
         true => Plan::last_level(inefficiency).near(),
         false => Plan::last_level(inefficiency),
     };
     let mut found = continuation(problem, starts, plan(free.inefficiency), observer)?;
     let inefficiency = statistical_inefficiency(problem, &found.best);
-    // Laws that constraints keep from the right ones leave residuals of a longer memory: the price of terms is then another.
+    // Constraints may exclude the right laws; the residuals then last longer, fewer readings count as independent, and a term has
+    // another price.
     if inefficiency > SEARCH.max_inefficiency.max(free.inefficiency) && observer.go_on() {
         let start = vec![found.best.point.clone()];
         if let Some(again) = continuation(problem, start, plan(inefficiency), observer) {

@@ -12,12 +12,14 @@ use crate::trajectory::thresholds::SEARCH;
 
 /// Hears [`Stage::Refitting`](sidc_progress::Stage::Refitting) between fits, and [`Activity::Working`] during a fit.
 pub trait SearchObserver: Observer {
-    /// Shown the best fit of the supports that integral matching proposes; `false` ends the search without an answer.
+    /// Shown the best fit among the supports that integral matching proposes; `false` ends the search without an
+    /// answer.
     fn first(&mut self, _problem: &Problem, _fit: &Fit) -> bool {
         true
     }
 
-    /// Shown a fit under disturbances: how many times more it leaves than noise may.
+    /// Shown a fit under disturbances. Returns its residuals over what noise alone may give; above 1 they are
+    /// unexplained.
     fn left_by(&mut self, _problem: &Problem, _fit: &Fit) -> f64 {
         0.0
     }

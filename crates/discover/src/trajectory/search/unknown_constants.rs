@@ -148,7 +148,7 @@ pub fn with_constant_values(problem: &Problem, constants: &[SoughtConstant]) -> 
 }
 
 impl SoughtConstant {
-    /// Kept within its range, and between ends of one sign within a factor of e.
+    /// Moves the value by a step, within its range. If the range has one sign the value changes by at most a factor of e.
     fn moved(self, by: f64) -> SoughtConstant {
         let (from, to) = self.range;
         let e = std::f64::consts::E;
@@ -159,7 +159,7 @@ impl SoughtConstant {
             }
             false => free,
         };
-        // Beyond zero there is another sign: as far towards it as one step goes.
+        // A step across zero would change the sign; the value then moves as far towards zero as one step may.
         let same = from * to <= 0.0 || free * self.value > 0.0;
         let value = if same { near } else { self.value / e };
         SoughtConstant {
@@ -251,7 +251,7 @@ pub(super) fn with_sensitivities(
     Some((extended, new, owners))
 }
 
-/// One constant moves all laws that hold it by the same.
+/// Ties the slope columns of a constant: it changes by the same amount in all laws that hold it.
 fn tie(problem: &mut Problem, new: &[usize], owners: &[(usize, f64)]) {
     let columns: Vec<(usize, usize, f64)> = new
         .iter()

@@ -1,4 +1,5 @@
-//! Parameters that the readings do not tell apart: coefficients and unknown constants that can move together and change nothing.
+//! Parameters that the readings do not determine: coefficients and unknown constants that can change together without a change of any
+//! reading.
 //!
 //! In: a problem with hidden states, a fit, the constants. Out: for each such direction the parameters with the powers by which they move. Judges by
 //! the likelihood linearised along the data (local identifiability by sensitivities; Stigter & Molenaar, Automatica 2015).
@@ -12,13 +13,14 @@ use crate::trajectory::likelihood::{EliminatedRecords, Fit};
 use crate::trajectory::model::{ExtendedProblem, Problem};
 use sidc_progress::Observer;
 
-/// Relative change of a parameter within one standard deviation of the readings from which they do not tell it: all of itself.
+/// A direction is undetermined if a relative change of this size moves the readings by less than one standard deviation: the parameter may
+/// change by all of itself.
 const SHARE: f64 = 1.0;
-/// Change relative to the largest of any direction that is rounding.
+/// Singular value, relative to the largest, that is rounding.
 const ROUNDING: f64 = 1e-8;
-/// Share of the largest change from which a parameter takes part in a direction.
+/// Part of the largest change above which a parameter belongs to a direction.
 const PART: f64 = 0.1;
-/// How much farther than in a fit unread states may move: so far that holding them tells nothing.
+/// How much more loosely unread states are held than in a fit, so that holding them determines nothing.
 const HOLD: f64 = 1e4;
 
 /// A number that was estimated.
@@ -30,8 +32,8 @@ pub enum Parameter {
     Constant(usize),
 }
 
-/// Directions that change no reading by more than its noise while parameters change by as much as they are: the parameters of each with their
-/// relative changes, the largest 1. Empty where there are none, or where they could not be found.
+/// Directions in which parameters can change by as much as they are, while no reading changes by more than its noise. For each, the
+/// parameters with their relative changes; the largest is 1. Empty where there are none, or they cannot be computed.
 pub fn untold_parameters(
     problem: &Problem,
     found: &Fit,
@@ -66,7 +68,7 @@ pub fn untold_parameters(
     all.collect()
 }
 
-/// A triangular matrix whose columns say what a parameter that grows by its own size changes, in standard deviations of the readings.
+/// A triangular matrix; column j is the change of the readings, in standard deviations, when parameter j changes by its own size.
 fn relative_changes(
     problem: &Problem,
     found: &Fit,
@@ -83,7 +85,7 @@ fn relative_changes(
         origin,
     } = &extended;
     let mut of = of.clone();
-    // What nothing reads has to be as free as it is.
+    // Hidden states that are held, for their scale or for want of readings, would make it seem determined.
     of.pins.clear();
     of.hold = HOLD;
     let point = with_columns(extended.point(&found.point), &new);
@@ -119,7 +121,7 @@ fn relative_changes(
                 (Parameter::Constant(constant), column(place, times))
             }
         };
-        // A constant moves all laws that hold it.
+        // A constant changes all laws that hold it.
         match parameters.iter().position(|p| *p == parameter) {
             Some(known) => columns[known]
                 .iter_mut()

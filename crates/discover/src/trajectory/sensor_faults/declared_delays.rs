@@ -167,7 +167,7 @@ impl DelayProfile<'_> {
         fit.value
     }
 
-    /// Whether the likelihood goes on rising beyond an end of the range: half a sampling interval away, or an interval of the delay.
+    /// Whether the likelihood rises further beyond an end of the range, tried at half a sampling interval and at `interval` beyond it.
     fn rises_beyond(
         &self,
         place: usize,
@@ -206,7 +206,7 @@ impl DelayProfile<'_> {
             self.value(place, inner.1, observer),
         );
         for _ in 0..DECLARED_DELAYS.sections {
-            // Flat, but for where a fit ends.
+            // The criterion no longer changes, but for the accuracy of the fits.
             if (values.0 - values.1).abs() < DECLARED_DELAYS.flat * self.rise || !observer.go_on() {
                 break;
             }
@@ -268,8 +268,8 @@ impl DelayProfile<'_> {
         }
     }
 
-    /// Where the criterion has risen by [`DelayProfile::rise`] towards an end of the range; that end if it has not. Secants of the root
-    /// of the rise, which is straight where the likelihood is Gaussian, inside a bracket.
+    /// The end of the confidence interval towards `end`: where the criterion has risen by [`DelayProfile::rise`]; `end` itself if it has
+    /// not. A bracketed secant method on the root of the rise, which is linear where the likelihood is Gaussian.
     fn bound(&mut self, place: usize, end: f64, observer: &mut dyn Observer) -> f64 {
         let best = self.delays[place].seconds;
         let length = end - best;

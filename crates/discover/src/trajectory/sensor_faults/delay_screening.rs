@@ -15,7 +15,7 @@ use sidc_solve::QuadraticForm;
 /// A delay to be fitted.
 pub struct DelayProposal {
     pub inputs: Vec<VarId>,
-    /// They act so much later than recorded; 0 if no delay leaves less.
+    /// How many samples later than recorded the inputs act; 0 if no delay leaves less.
     pub samples: f64,
     /// χ² that is left.
     pub(crate) value: f64,

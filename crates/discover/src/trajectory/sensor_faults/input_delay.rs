@@ -16,16 +16,16 @@ use sidc_progress::Observer;
 #[derive(Clone, Debug, PartialEq)]
 pub struct DelayedInputs {
     pub inputs: Vec<VarId>,
-    /// They act so much later than recorded.
+    /// How many samples later than recorded the inputs act.
     pub samples: f64,
     pub seconds: f64,
     /// Decrease of the criterion.
     pub gain: f64,
 }
 
-/// The delay that gains most, if that is more than the price of a term. Under a wrong input a large support imitates the right one,
-/// whatever the delay. So a delay is fitted with the few terms of its screening, with those found if they are few, and if
-/// neither gains, with terms selected again under the best proposal.
+/// The delay that improves the criterion most, if by more than the price of a term. Large supports found under the wrong delay
+/// compensate for it, so they do not show the right one. A delay is therefore fitted with the few terms of its screening, and with the
+/// terms found if they are few; if neither gains, with terms selected anew under the best proposal.
 pub fn fit_delay(
     problem: &Problem,
     found: &Fit,
@@ -39,7 +39,7 @@ pub fn fit_delay(
     let as_found = criterion.value_at(&base, &own) + found.law_misfit;
     let undelayed =
         fit(&base, own.clone(), &criterion, f64::INFINITY, observer).map_or(as_found, |f| f.value);
-    // What cannot be compared is not preferred.
+    // If no fit without the delay can be compared, no delay is preferred.
     if !undelayed.is_finite() {
         return None;
     }

@@ -1,4 +1,4 @@
-//! Inputs between their samples: how much the coefficients owe to straight lines there.
+//! Interpolation of inputs between their samples: how much of the coefficients' errors it causes.
 //!
 //! In: a problem, what was found. Out: variances of the coefficients that hold this too. Where a record is as likely under inputs that run
 //! along cubics, the coefficients of that fit are as good as those found. Both count by their likelihood (Hoeting, Madigan, Raftery and

@@ -1,4 +1,4 @@
-//! A lag of an input in place of a delay: what follows its command slowly looks, to a record, much like what follows it late.
+//! A lag of an input in place of a delay: in a record, a slow response to a command looks much like a late one.
 //!
 //! In: a problem, a fit with a delay. Out: the time constant of the first-order lag under which the likelihood of the same terms is largest,
 //! and whether the delay is as likely. Changes no answer.

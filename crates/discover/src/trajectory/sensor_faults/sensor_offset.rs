@@ -72,8 +72,8 @@ pub fn find_sensor_offset(
     best
 }
 
-/// Whether terms that an offset makes superfluous speak for it. A constant alone does not: it says where the zero is, and the law holds about
-/// either. One other term does, since offset and term are as many numbers, and a zero that is off is the simpler cause.
+/// Whether the terms that an offset makes superfluous are evidence for it. A constant term alone is none: it only says where zero is, and
+/// both laws hold. Any other single term is: offset and term are one number each, and a shifted zero is the simpler cause.
 fn explains(problem: &Problem, terms: &[usize]) -> bool {
     let constant = |j: &usize| problem.system.columns[*j].is_one();
     terms.len() >= OFFSETS.min_terms || terms.iter().any(|j| !constant(j))
@@ -100,7 +100,7 @@ fn candidates(problem: &Problem, found: &Fit, signal: Signal) -> Vec<(f64, usize
             all.push((variance.sqrt() / a.abs(), value, *k));
         }
     }
-    // Terms that speak for an offset first, and among them the most precisely known.
+    // Terms other than the constant first, and among them those with the smallest relative standard error.
     let constant = |k: usize| system.columns[k].is_one();
     all.sort_by(|x, y| (constant(x.2).cmp(&constant(y.2))).then(x.0.total_cmp(&y.0)));
     let mut out: Vec<(f64, usize)> = Vec::new();
