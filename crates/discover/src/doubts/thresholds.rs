@@ -27,9 +27,10 @@ family! {
         rough_target: f64 = 0.1, unit "of the target", source "set by hand";
         /// Residual below which rounding decides, and no misfit is seen.
         negligible_residual: f64 = 1e-9, unit "of the target", source "the least tolerance of a fit, TOLERANCE.relative_floor";
-        /// Residual up to which the error of a solver that made the data explains it, unless a missing term does.
+        /// Residual up to which the integration error of simulated data explains it, unless a missing term does.
         solver_residual: f64 = 1e-6, unit "of the target", source "Runge-Kutta of order 4 with steps of a quarter sample leaves 1e-10 to 3e-8 along 40 random orbits, solvers with tolerances of 1e-8 as much";
-        /// Residual below which a few rows with errors known to a factor only may make all of it, so that the middle row has to be missed too.
+        /// Residual that a few rows alone may cause, since their errors are known to a factor only; above the error of the data it is a
+        /// misfit only if the median row is missed, too.
         small_residual: f64 = 1e-4, unit "of the target", source "attack cases: exact laws with switches leave up to 6e-5 by few rows, a series of a law 2e-9 and more by all";
         /// Residual above which data count as noisy.
         noisy: f64 = 1e-6, unit "of the target", source "set by hand";
@@ -89,7 +90,7 @@ family! {
         misfit: f64 = 1.25, unit "of the sensor's noise", source "set by hand";
         /// Residual below which what is left is rounding.
         negligible_residual: f64 = 1e-6, unit "of the spread", source "set by hand";
-        /// Terms beyond the library that are named; more of them are a series, which is nothing to add.
+        /// Terms beyond the library that a doubt names; more of them imitate a law as a series does, and are not worth adding.
         named_terms: usize = 3, unit "terms", source "attack cases: a term left out comes back as one, or as three at most";
     }
 }

@@ -169,7 +169,7 @@ family! {
         lower_order: f64 = 1e-3, unit "of the derivative", source "set by hand";
         /// The same in terms of the error of the derivative.
         lower_order_noise: f64 = 3.0, unit "of the error", source "set by hand";
-        /// The same at most.
+        /// Upper bound of that residual, however large the error.
         max_lower_order: f64 = 0.15, unit "of the derivative", source "set by hand";
         /// Rows for each term of that function.
         lower_order_rows: usize = 10, unit "rows", source "set by hand";
@@ -177,7 +177,7 @@ family! {
         higher_order: f64 = 0.15, unit "of the derivative", source "set by hand";
         /// The same in terms of the error of the derivative.
         higher_order_noise: f64 = 2.0, unit "of the error", source "set by hand";
-        /// The same at most.
+        /// Upper bound of that residual, however large the error.
         max_higher_order: f64 = 0.4, unit "of the derivative", source "set by hand";
         /// Rows for each term of that function.
         higher_order_rows: usize = 3, unit "rows", source "set by hand";
@@ -187,7 +187,7 @@ family! {
 }
 
 family! {
-    /// When what a library leaves of a measured target is motion, which another method leaves too.
+    /// When the residual of a measured target is motion, which another method would leave unexplained, too.
     pub(crate) UNEXPLAINED_MOTION: UnexplainedMotion {
         /// White noise in it, at most.
         noise: f64 = 0.3333333333333333, unit "of its root mean square", source "eight ninths of its square are motion then, and no noise of sensors explains it";

@@ -11,7 +11,7 @@ family! {
         clean_data: f64 = 1e-6, unit "noise over spread", source "set by hand";
         /// Differences below which readings are clean without being smoothed to see it.
         vanishing_differences: f64 = 1e-9, unit "of the range", source "a thousandth of `clean_data`: what smoothing leaves beyond that is motion";
-        /// Loss up to which it is reported what a term earns.
+        /// Loss without a term, at most, that is reported.
         weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand";
         /// Difference below which a support with more terms is a tie: simplicity decides.
         larger_tie: f64 = 2.0, unit "of the criterion", source "set by hand";
@@ -19,7 +19,7 @@ family! {
         omitted_gain: f64 = 4.5, unit "χ²", source "two standard errors of the term, and the 0.5 that written terms are cheaper; 18 right answers to random laws with 5 % noise: 3.5 at most";
         /// Spread of the readings below which a state does not move.
         no_motion: f64 = 1.2, unit "of the noise", source "set by hand";
-        /// Motion by white noise over all records below which it is not told.
+        /// Motion of a state by white noise over all records, below which the noise is not reported.
         noticed_disturbance: f64 = 0.01, unit "spread of the state", source "what moves a state by less in all that time is no part of its motion";
     }
 }

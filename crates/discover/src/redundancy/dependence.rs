@@ -9,13 +9,14 @@ use crate::redundancy::thresholds::{INDEPENDENT_LAW, REDUNDANCY};
 #[derive(Clone, Copy)]
 pub(super) struct Dependence {
     pub separation: Separation,
-    /// The uncertainty of all of them, in units of its target.
+    /// The joint uncertainty of all equations of the set, in units of this equation's target.
     pub uncertainty: f64,
 }
 
 impl Dependence {
-    /// Nearly parallel gradients whose derivatives by the unknowns differ no more than the uncertainty. Differences by other signals
-    /// do not count: a series for 1/cos θ is close to it, but steeper in places.
+    /// Two equations are one relation if their gradients are nearly parallel and the derivatives by the unknowns differ by no more
+    /// than the uncertainty. Derivatives by other signals are not compared: a series for 1/cos θ is close to it, but steeper in
+    /// places.
     pub fn is_same_relation(&self) -> bool {
         let a = &self.separation;
         a.condition >= REDUNDANCY.close
@@ -23,7 +24,7 @@ impl Dependence {
             && a.of_unknowns <= REDUNDANCY.certain * self.uncertainty
     }
 
-    /// A nearly singular mass matrix: their difference says nothing about the highest derivatives.
+    /// A nearly singular mass matrix: the equations differ too little for the highest derivatives to be determined.
     fn uninformative(&self) -> bool {
         let a = &self.separation;
         a.condition >= REDUNDANCY.singular && a.of_unknowns <= REDUNDANCY.certain * self.uncertainty
@@ -33,7 +34,7 @@ impl Dependence {
         self.is_same_relation() || self.uninformative()
     }
 
-    /// The growth of the residual when the system is solved, if the equation is independent of the others.
+    /// By which factor the residual grows when the system is solved; `None` if the equation depends on the others.
     pub fn growth_if_independent(&self) -> Option<f64> {
         (self.separation.condition <= INDEPENDENT_LAW.condition && !self.is_dependent())
             .then_some(self.separation.growth)

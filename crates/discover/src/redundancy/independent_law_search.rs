@@ -35,7 +35,7 @@ pub(super) struct IndependentLaw {
     pub residual: f64,
     /// Factor by which the residual grows when the system is solved for its targets.
     pub growth: f64,
-    /// Increase of the criterion over the equation that it replaces.
+    /// Criterion of this law minus that of the equation that it replaces.
     pub loss: f64,
     /// The part of `loss` that comes from the fit. The rest comes from more terms, which an independent law may need.
     pub worse: f64,
@@ -44,11 +44,11 @@ pub(super) struct IndependentLaw {
 }
 
 impl IndependentLaw {
-    /// Whether it replaces a copy whose relative residual is `before`.
+    /// Whether it may replace a copy whose relative residual is `before`.
     pub fn bearable(&self, before: f64) -> bool {
         let little =
             self.worse <= TERM_SELECTION.tie || self.residual <= INDEPENDENT_LAW.bearable * before;
-        // Of an exact law only rounding grows.
+        // For an exact law the residual that grows is rounding only.
         let exact = self.residual * self.growth <= INDEPENDENT_LAW.exact;
         (exact || self.growth <= INDEPENDENT_LAW.growth) && little
     }
@@ -170,7 +170,7 @@ impl IndependentLawSearch<'_, '_> {
         others: &[Signal],
         watcher: &mut EquationObserver,
     ) -> Option<Found> {
-        // A law without the targets of the other equations is independent of them; its criterion bounds the search.
+        // A law without the targets of other equations is surely independent of them; its criterion bounds the search.
         let mentions = |j: &usize| {
             let term = self.task.term(*j);
             others.iter().any(|s| term.mentions(*s))
@@ -183,7 +183,8 @@ impl IndependentLawSearch<'_, '_> {
             .collect();
         let mut best = None;
         if let Some(first) = self.node(&self.search(pool), joint.clone(), watcher) {
-            // Its residual is unexplained motion, which is correlated, so the effective sample size is smaller.
+            // Without these targets the residual is mostly unexplained motion, which is autocorrelated, so the effective sample size
+            // falls.
             self.lower_sample_size(&named(pool, &first.support));
             let explicit = self.node(&self.search(pool), joint, watcher);
             best = explicit.and_then(|n| self.independent_support(pool, &n));

@@ -77,7 +77,7 @@ pub(super) fn doubt_redundant_equations(
         return;
     };
     for case in system.dependent_sets(&relations) {
-        // A replaced law may have been part of another set, which is then independent.
+        // If an earlier replacement changed a law of this set, the set may be independent now.
         if case.members.len() > 2 || system.dependent(&case.members, &relations) {
             system.resolve(d, &case, &relations, refit.as_mut());
             relations = system.relations(d).unwrap_or(relations);
@@ -106,8 +106,8 @@ impl System<'_> {
         })
     }
 
-    /// The residual of an equation. A fitted trajectory leaves none; then the residual of the readings beyond their noise, and the
-    /// standard errors of the coefficients.
+    /// The unexplained part of an equation, in units of its target: its residual. For a fitted trajectory, which satisfies the
+    /// equation, instead the residual of the readings beyond their noise, combined with the standard errors of the coefficients.
     fn uncertainty(&self, e: &Equation) -> f64 {
         let Some(evidence) = &e.evidence else {
             return 0.0;

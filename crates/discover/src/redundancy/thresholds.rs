@@ -13,7 +13,7 @@ family! {
         singular: f64 = 1e3, unit "condition number", source "set by hand";
         /// Part of its gradient by which a relation may differ from a copy.
         alike: f64 = 0.2, unit "of the gradient", source "set by hand";
-        /// Difference of two relations, over what they leave open, from which it is real.
+        /// Difference of two relations, over their uncertainty, from which they count as different.
         certain: f64 = 5.0, unit "of the uncertainty", source "set by hand";
         /// Part of the gradient that is rounding and small errors of derivatives.
         rounding: f64 = 1e-5, unit "of the gradient", source "set by hand";

@@ -20,16 +20,16 @@ pub struct Proposal {
     /// `None` in the plain norm.
     pub grades: Option<Grades>,
     pub solution: Solution,
-    /// Terms that are more than rounding.
+    /// Number of terms whose coefficients are more than rounding.
     pub terms: usize,
-    /// Whether they are few beside the rows.
+    /// Whether the terms are few compared with the rows.
     pub sparse: bool,
 }
 
 /// One problem, to be solved in several norms.
 pub struct NormSearch<'a> {
     pub library: &'a Library,
-    /// What the factors of the library are on the rows.
+    /// Signals on the rows, from which the variation of the library's factors follows.
     pub samples: &'a Samples,
     /// In the plain norm.
     pub problem: Problem<'a>,
@@ -37,7 +37,7 @@ pub struct NormSearch<'a> {
 }
 
 impl Proposal {
-    /// Calls `work` with the problem that this proposal answers.
+    /// Calls `work` with the problem, in the norm that this proposal answers.
     pub fn with_problem<A>(&self, plain: &Problem, work: impl FnOnce(&Problem) -> A) -> A {
         let Some(grades) = &self.grades else {
             return work(plain);
@@ -79,10 +79,10 @@ impl NormSearch<'_> {
 
     /// Answers in these norms, those of fewest terms first.
     ///
-    /// Where no norm leads to a sparse answer in a few hundred steps, the first graded one is tried with each factor of the library
-    /// made dear in turn: every multiple of a law has a term with a factor of that law, so multiples go where
-    /// that factor is not needed. Where this leads to none either, the path of the first norm is followed to its end: it
-    /// then fits noise, and takes longer than all others.
+    /// If no norm leads to a sparse answer within the step limit, the first graded norm is tried with the terms of one factor of
+    /// the library made expensive, for each factor in turn. Reason: every multiple of a law by a factor has terms with that factor,
+    /// so making it expensive favours the law itself. If this fails too, the path of the first norm is followed to its end, which
+    /// takes longest because it fits noise.
     pub fn proposals(&self, gradings: &[Grading], observer: &mut dyn Observer) -> Vec<Proposal> {
         let alone = gradings.len() < 2 && gradings.iter().all(Grading::is_plain);
         let most_steps = if alone { usize::MAX } else { GRADING.steps };
@@ -92,12 +92,13 @@ impl NormSearch<'_> {
             found.extend(self.solutions(&dear(gradings), most_steps, observer));
         }
         if none_sparse(&found) && observer.go_on() {
-            // The first norm is the plain one, unless the model prefers others.
+            // The plain norm, unless the model prefers others.
             let first = found.first().filter(|p| !p.answers());
             let first: Vec<Grading> = first.map(|p| p.grading.clone()).into_iter().collect();
             found.extend(self.solutions(&first, usize::MAX, observer));
         }
-        // Of equals the plain norm comes first, then the slighter grading. What a user's stop left comes before what was given up.
+        // On equal numbers of terms the plain norm comes first, then the smaller κ. Paths that a stop interrupted come after
+        // answers, but before those that were given up without any.
         found.sort_by(|a, b| {
             let nothing = |p: &Proposal| p.solution.coefficients.is_empty();
             let dear = |p: &Proposal| p.grading.dear.is_some();
@@ -151,7 +152,7 @@ fn none_sparse(found: &[Proposal]) -> bool {
     !found.iter().any(|p| p.sparse)
 }
 
-/// The first graded norm with each factor dear in turn; none where all norms are plain.
+/// The first graded norm with the terms of each factor made expensive in turn; none where all norms are plain.
 fn dear(gradings: &[Grading]) -> Vec<Grading> {
     let Some(graded) = gradings.iter().find(|g| !g.is_plain()) else {
         return Vec::new();

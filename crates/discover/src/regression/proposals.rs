@@ -28,8 +28,8 @@ impl Task<'_> {
         }
     }
 
-    /// The norms in which to look for this equation, plain first. Where all sets of candidates are searched and rows outnumber
-    /// them, what a solver proposes matters little, and the plain norm is enough; so it is for solvers that give nothing up.
+    /// The norms in which the solver proposes terms for this equation, plain first. The plain norm is enough if all candidates
+    /// are searched and rows outnumber them, so that proposals matter little, and for solvers that never give up a path.
     pub fn gradings(&self, design: &Design) -> Vec<Grading> {
         let (rows, columns) = (design.phi.rows(), design.phi.cols());
         let searched = columns <= TERM_SELECTION.exhaustive_columns && columns < rows;

@@ -20,7 +20,8 @@ struct Rival {
 }
 
 impl Task<'_> {
-    /// Looks for the sparsest fit on the rows of the certificate. The observer may end it without ending the search of equations.
+    /// Looks for the sparsest fit on the rows of the certificate. The observer may end this search alone; the search of equations
+    /// goes on.
     pub fn sparsest(
         &self,
         names: &Discovery,
@@ -41,7 +42,7 @@ impl Task<'_> {
         let selection = selected.selection.support.clone();
         let asked = design.problem();
         let fits = solve::fits(&asked, &selection);
-        // A sparser fit is asked to be no worse than what is printed.
+        // If the printed equation does not fit within ε, the tolerance is its residual: a sparser fit must be no worse.
         let tolerance = match fits {
             true => asked.tolerance,
             false => selected.polished.residual.max(asked.tolerance),

@@ -214,8 +214,8 @@ impl Task<'_> {
         out
     }
 
-    /// Iterates until the selected terms repeat, or lead where an iteration from another guess went: the terms decide what follows, up to
-    /// small differences of their coefficients.
+    /// Iterates until the terms no longer change, or until terms were selected that another iteration passed through: the terms determine
+    /// what follows, up to small differences of coefficients.
     fn iterate(
         &self,
         weak: &Weak,

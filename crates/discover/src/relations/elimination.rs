@@ -2,8 +2,8 @@
 //!
 //! In: rows of numbers. Out: sums of them that vanish in given columns, an orthonormal basis of their span. Knows no terms.
 
-/// A basis of the sums of rows that vanish in every column of `gone`, which stay zero there. What is below `rounding` of its
-/// summands counts as cancelled. Rows are scaled to a largest entry of 1.
+/// A basis of those linear combinations of the rows that vanish in every column of `gone`. An entry counts as cancelled
+/// below `rounding` of its summands. The largest entry of each row is 1.
 pub(super) fn vanishing(mut rows: Vec<Vec<f64>>, gone: &[usize], rounding: f64) -> Vec<Vec<f64>> {
     rows.iter_mut().for_each(|row| scale(row));
     while let Some((r, c)) = largest(&rows, gone, rounding) {
@@ -54,7 +54,7 @@ fn subtract(row: &mut [f64], pivot: &[f64], c: usize, rounding: f64) {
             *x = 0.0;
         }
     }
-    // What is left of a row that was the pivot's multiple is rounding.
+    // A row that was a multiple of the pivot row leaves only rounding.
     if row.iter().all(|x| x.abs() <= rounding * most) {
         row.fill(0.0);
     }
@@ -68,7 +68,7 @@ pub(super) fn scale(row: &mut [f64]) {
     }
 }
 
-/// Rows that span the same and stand at right angles, each of length 1, by Gram–Schmidt with the longest rest first.
+/// An orthonormal basis of the span of the rows, by Gram–Schmidt with the longest remainder first.
 pub(super) fn orthonormal(mut rows: Vec<Vec<f64>>, rounding: f64) -> Vec<Vec<f64>> {
     rows.iter_mut().for_each(|row| scale(row));
     let mut basis: Vec<Vec<f64>> = Vec::new();
@@ -79,7 +79,7 @@ pub(super) fn orthonormal(mut rows: Vec<Vec<f64>>, rounding: f64) -> Vec<Vec<f64
     {
         let mut unit = rows.swap_remove(place);
         unit.iter_mut().for_each(|x| *x /= most);
-        // Once more against the rows before, to keep the digits.
+        // Orthogonalised a second time, to keep the digits.
         basis.iter().for_each(|b| across(&mut unit, b));
         let again = length(&unit);
         if again <= 0.5 {

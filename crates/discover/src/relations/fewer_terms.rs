@@ -26,7 +26,7 @@ pub(super) struct Search<'a> {
     coupled: &'a Coupled<'a>,
     libraries: &'a [Option<Library>],
     multiples: Multiples,
-    /// Root mean square of each term of the multiples.
+    /// Root mean square on the rows of each term of the multiples.
     sizes: Vec<f64>,
     /// The largest residual of an equation, over its largest term.
     residual: f64,
@@ -75,7 +75,8 @@ impl<'a> Search<'a> {
         Some(self.told(chosen, &rows, &columns, &sums))
     }
 
-    /// Terms that may stand in a law, and a basis of the sums of multiples that have no others, in units of the terms' sizes.
+    /// The terms that a law may have, and a basis of those sums of multiples in which all other terms cancel, in units of the terms'
+    /// sizes.
     fn allowed(&self, rounding: f64) -> (Vec<usize>, Vec<Vec<f64>>) {
         let (unknowns, own) = (self.coupled.unknowns(), self.own_terms());
         let in_library = |t: &Term| {
@@ -86,7 +87,7 @@ impl<'a> Search<'a> {
         let real = |k: usize| self.sizes.get(k).is_some_and(|s| s.is_finite() && *s > 0.0);
         let (allowed, others): (Vec<_>, Vec<_>) =
             places.partition(|(k, t)| real(*k) && in_library(t));
-        // A term without a value on some row cannot stand in a law, but must cancel all the same.
+        // A term that is not finite on some row is not allowed in a law; it must cancel, whatever its size.
         let sizes: Vec<f64> = (0..self.sizes.len())
             .map(|k| {
                 self.sizes
@@ -254,7 +255,7 @@ impl<'a> Search<'a> {
             .collect();
         let mut laws = Vec::new();
         for c in chosen.iter().filter(|c| c.equation.is_none()) {
-            // The one whose target the law has, if there is one.
+            // The equation whose target is in the law, if there is one.
             let own = |k: &usize| self.solved_for(&c.law, *k);
             let place = left.iter().position(own).unwrap_or(0);
             if place >= left.len() {

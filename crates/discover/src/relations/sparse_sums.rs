@@ -81,7 +81,8 @@ fn sets(columns: usize, directions: usize) -> usize {
     }
 }
 
-/// A vector of smallest support is zero in a set of columns that leaves one direction, so each of them is visited.
+/// Visits every vector of smallest support: it is the only direction of the span that vanishes in some set of columns, so all
+/// such sets are visited.
 fn every_smallest(basis: &[Vec<f64>], rounding: f64, keep: &mut dyn FnMut(Vec<f64>)) {
     let columns = basis.first().map_or(0, Vec::len);
     visit(basis, 0, columns, rounding, keep);
@@ -100,7 +101,7 @@ fn visit(
         return;
     }
     for column in from..columns {
-        // A column that is zero in all of them takes no direction away.
+        // A column that is zero in all rows does not reduce the dimension.
         let fewer = vanishing(rows.to_vec(), &[column], rounding);
         if fewer.len() + 1 == rows.len() {
             visit(&fewer, column + 1, columns, rounding, keep);
@@ -108,7 +109,7 @@ fn visit(
     }
 }
 
-/// The columns of the projection across the span of an orthonormal basis.
+/// The columns of the projection onto the orthogonal complement of an orthonormal basis.
 fn projection(basis: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = basis.first().map_or(0, Vec::len);
     let column = |j: usize| -> Vec<f64> {
@@ -160,7 +161,7 @@ fn solved(
     Some(vector)
 }
 
-/// The vector of the span that is zero where `vector` nearly is; `None` if there is none, or more than one.
+/// The vector of the span that vanishes exactly where `vector` is nearly zero; `None` unless it is unique.
 fn polished(basis: &[Vec<f64>], vector: &[f64], rounding: f64) -> Option<Vec<f64>> {
     let most = vector.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let small = rounding.sqrt() * most;

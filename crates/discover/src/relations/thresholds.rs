@@ -5,7 +5,7 @@
 use sidc_thresholds::{Table, family};
 
 family! {
-    /// The search for laws of fewer terms among the sums of multiples of the laws found.
+    /// The search, among linear combinations of multiples of the laws found, for laws of fewer terms.
     pub(crate) FEWER_TERMS: FewerTermsLimits {
         /// Residual of an equation up to which the search is made: in noise, terms of a sum cancel by chance.
         clean: f64 = 1e-5, unit "of the largest term", source "set by hand: laws of a solver with an error of 1e-6 count as exact, noisy ones do not";

@@ -25,7 +25,7 @@ struct Fit {
     rest: f64,
 }
 
-/// Gives the equation of a task the coefficients of all rows. `weights` are those of the rows that it was found from.
+/// Gives the equation of a task coefficients from all rows. `weights` are those of the rows that it was found from.
 pub(crate) fn refit(
     (task, factor): (&Task, &Factor),
     weights: &Weights,

@@ -34,9 +34,9 @@ family! {
         slack: f64 = 3e-3, unit "noise of the sensor", source "set by hand";
         /// The same summed over a record (it grows with the root of the number of samples).
         slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand";
-        /// Standard deviation of the loose hold on a state that nothing reads at a sample.
+        /// Standard deviation of the weak prior that keeps a state near its present value at a sample without a reading.
         unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand";
-        /// How firmly the one sample of a hidden state is held that fixes its scale while terms are sought.
+        /// Standard deviation of the prior on the one sample of a hidden state that fixes its scale while terms are sought.
         pinned_hold: f64 = 1e-4, unit "spread of the state", source "set by hand";
         /// Slack of the laws of hidden states.
         hidden_slack: f64 = 1e-6, unit "slack of the best sensor", source "a coefficient of a hundred thousand then still makes less than the noise of a slip";
@@ -76,21 +76,22 @@ family! {
         state_step: f64 = 0.02, unit "noise of the sensor", source "set by hand";
         /// Largest step of the logarithm of a noise at which the fit has converged.
         log_noise_step: f64 = 1e-3, unit "", source "set by hand";
-        /// Change of the criterion that decides nothing.
+        /// Change of the criterion at which the fit has converged.
         criterion_step: f64 = 0.02, unit "criterion", source "set by hand";
         /// Rise of the criterion from which steps are mistrusted and halved: taking each noise from the residuals moves it by less.
         uphill: f64 = 1.0, unit "criterion", source "set by hand";
-        /// Halvings of a step before it is no step.
+        /// Halvings of a step before the fit ends without it.
         max_halvings: usize = 7, unit "halvings", source "a step of one standard deviation of a sensor is then below `state_step`: 2^-7";
         /// Further steps of a fit whose steps are halved.
         careful_steps: usize = 12, unit "steps", source "set by hand";
-        /// A fit is given up if it stays behind the best one by more than this.
+        /// A fit is given up if its criterion, less the gains expected of its remaining steps, exceeds the best one by more than
+        /// this.
         hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand";
-        /// Gain that each remaining step is credited with when that is judged, in gains of the last step.
+        /// Gain expected of each remaining step in that comparison, over the gain of the last step.
         hopeless_gain: f64 = 2.0, unit "", source "set by hand";
         /// Distance from the readings at which a trajectory has left the data.
         lost_spread: f64 = 2.0, unit "spread of the state", source "set by hand";
-        /// Added to it, times the relative noise.
+        /// Factor on the relative noise that is added to this distance.
         lost_noise: f64 = 10.0, unit "noise of the sensor", source "set by hand";
         /// The same for states without a reading, measured from the smoothed trajectory.
         lost_unread: f64 = 6.0, unit "spread of the state", source "set by hand";
@@ -120,7 +121,7 @@ family! {
     pub(crate) DISTURBANCES: Disturbances {
         /// Most steps of a fit under process noise.
         max_steps: usize = 20, unit "steps", source "as many as fits whose steps are halved may take";
-        /// Promise of a step at which the noises have converged.
+        /// Predicted gain of a step below which the noises have converged.
         converged: f64 = 0.01, unit "criterion", source "half of `criterion_step`";
         /// Deviation of states before anything is read.
         first_state: f64 = 10.0, unit "spread of the state", source "hardly anything is known: ten times what the data show";
@@ -128,9 +129,9 @@ family! {
         first_size: f64 = 0.3, unit "spread of the target", source "any size is a start: the likelihood over noises has one maximum in all cases looked at";
         /// First memory of a disturbance.
         first_memory: f64 = 10.0, unit "samples", source "the same";
-        /// How much more than noise the first fits may leave, above which no support is looked for.
+        /// Residuals of the first fits, over what noise may give, above which no support under disturbances is sought.
         hopeless: f64 = 3.0, unit "of what noise may leave", source "204 searches of trust cases: of 94 whose first fits left more than noise 5 ended with noise alone; these left at most 1.7 first";
-        /// Least and largest noise, a factor of what the states spread.
+        /// Least and largest noise that is tried, relative to the spread of the states.
         range: [f64; 2] = [1e-6, 1e3], unit "spread of the state", source "beyond, a noise is none, or the readings say nothing";
     }
 }
@@ -188,7 +189,7 @@ family! {
         carried: usize = 3, unit "fits", source "set by hand";
         /// Improvement below which a fit is no better.
         min_gain: f64 = 1e-3, unit "criterion", source "set by hand";
-        /// Most terms of a support for which each is tried without at the end.
+        /// Largest support of which a fit without each term is tried at the end.
         max_pruned_terms: usize = 30, unit "terms", source "set by hand";
         /// Predicted loss of χ² up to which a support is fitted without one of its terms at the end.
         max_pruned_loss: f64 = 100.0, unit "criterion", source "906 such fits (47 systems at 0.1, 5 and 20 % noise, five measured rigs): 7 of 32 predicted to lose up to 100 were better, the worst predicted to lose 10; none of the 874 others was";
@@ -216,17 +217,17 @@ family! {
     pub(crate) RESIDUALS: Residuals {
         /// Autocorrelation below which residuals count as white, however sure it is.
         white: f64 = 0.05, unit "", source "set by hand";
-        /// Residual below which it is arithmetic.
+        /// Residual that comes from arithmetic.
         arithmetic: f64 = 1e-6, unit "spread of the state", source "set by hand";
         /// Lags summed, over the integrated autocorrelation time so far.
         lag_window: f64 = 5.0, unit "", source "Sokal 1997, Monte Carlo methods in statistical mechanics, section 3 (automatic windowing)";
-        /// Least noise in standard errors, over the noise that the fit went by.
+        /// Least noise by which standard errors are computed, over the noise of the fit.
         min_noise: f64 = 0.1, unit "noise of the fit", source "set by hand";
         /// Ratio of residuals from which files count as having different sensors.
         files_differ: f64 = 1.5, unit "", source "set by hand";
         /// Robust distance beyond which a reading is an outlier.
         outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand";
-        /// Readings around one, in time and in value, whose deviations say what is usual there.
+        /// Neighbouring readings, in time and in value, whose deviations give the usual size there.
         around: usize = 50, unit "readings", source "a standard deviation from the median of 50 readings has a relative error of 1.17/sqrt(50): a sixth";
         /// Distance of its neighbours, relative to its own, up to which a reading is an outlier and not a misfit of the laws.
         neighbours: f64 = 0.6, unit "", source "set by hand";
@@ -248,11 +249,11 @@ family! {
 family! {
     /// Laws run some time ahead.
     pub(crate) AHEAD: Ahead {
-        /// How far ahead.
+        /// How far ahead predictions are compared.
         own_times: f64 = 2.0, unit "times in which a state moves by its spread", source "a third of the period of an oscillation: 2/(2 pi)";
         /// Blocks of neighbouring starts in each record.
         blocks: usize = 6, unit "blocks", source "some 400 starts in each record, a few milliseconds";
-        /// Error of an interval.
+        /// Integration error of an interval.
         accuracy: f64 = 1e-6, unit "spread of the state", source "far below any error ahead";
         /// Ratio of errors up to which laws predict as well.
         as_good: f64 = 1.1, unit "", source "400 starts that overlap tell errors to some 10 %";
@@ -280,7 +281,7 @@ family! {
     pub(crate) NOISE_MEMORY: NoiseMemory {
         /// Shortest time constant that is tried.
         least: f64 = 0.2, unit "steps", source "the next reading then shares less than 1 % of an error: white";
-        /// Independent errors that a record holds at least, on average, under the longest time constant that is tried.
+        /// Fewest independent errors of a record, on average, at the longest time constant that is tried.
         errors: f64 = 10.0, unit "time constants a record", source "with fewer, noise is an offset or a drift, and laws that are wrong leave the same";
         /// Largest share of an error that lasts from one sample to the next.
         most_lasting: f64 = 0.999_999, unit "", source "1/sqrt(1 - share^2), by which what is new is weighed, then keeps all but three digits";
@@ -350,7 +351,7 @@ family! {
         bound_accuracy: f64 = 0.05, unit "of `rise`", source "moves an end by 2.5 % of half the interval";
         /// Most fits for an end of an interval.
         bounds: usize = 12, unit "fits", source "halving alone then leaves 1/4096 of the range";
-        /// Distance from an end of the range that counts as none.
+        /// Distance from an end of the range within which a delay counts as at that end.
         end: f64 = 1e-3, unit "of the range", source "a delay so near an end is not bounded by it";
         /// Rounds of a search of terms and a profile of the delays.
         rounds: usize = 2, unit "rounds", source "as `delay_rounds`: the first terms, found at a screened delay, may not be the last";
@@ -370,13 +371,13 @@ family! {
         settled: f64 = 0.01, unit "standard errors", source "the likelihood changes by 1e-4";
         /// Columns of the likelihood on which constants are profiled, terms at many values with their slopes.
         profiled_columns: usize = 250, unit "columns", source "set by hand: 125 values of one term with its slope";
-        /// Further terms that an answer is fitted with.
+        /// Further terms with each of which an answer is refitted.
         added_terms: usize = 3, unit "terms", source "set by hand: those of the largest predicted gain";
         /// Laws of the profile that are fitted.
         profiled_laws: usize = 6, unit "laws", source "set by hand: each takes some ten fits";
         /// Predicted loss from which a law of the profile is not fitted.
         profiled_loss: f64 = 30.0, unit "criterion", source "five times a tie: the linearised likelihood is that wrong away from its fit";
-        /// Difference up to which two values of a constant lead to one.
+        /// Difference up to which two values of a constant count as the same.
         same: f64 = 0.05, unit "of the constant", source "set by hand: the fit from either goes farther";
         /// Rounds of a search of terms and a fit of the constants.
         rounds: usize = 3, unit "rounds", source "as `delay_rounds`, and one in which nothing changes";

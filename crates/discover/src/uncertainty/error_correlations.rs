@@ -6,7 +6,7 @@ use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_solve::QuadraticForm;
 use sidc_system::discovery::{Correlations, Discovery, Stretches};
 
-/// `None` where terms hold unknown constants, whose errors the normal equations do not know, and where they are singular.
+/// `None` where terms hold unknown constants, whose errors are not in the normal equations, and where these are singular.
 pub(super) fn error_correlations(blocks: &Stretches, names: &Discovery) -> Option<Correlations> {
     let found = blocks.support.iter().filter_map(|k| blocks.columns.get(*k));
     let found: Vec<&(Signal, Term)> = found.collect();
@@ -19,7 +19,7 @@ pub(super) fn error_correlations(blocks: &Stretches, names: &Discovery) -> Optio
     }
     let form = QuadraticForm::new(&blocks.whole, blocks.columns.len());
     let all = form.error_correlations(&blocks.support)?;
-    // A coefficient of its own in every run has no one value.
+    // A coefficient with a value for each run has no single error.
     let shared = |c: &&(Signal, Term)| found.iter().filter(|f| *f == c).count() == 1;
     let kept: Vec<usize> = (0..found.len()).filter(|i| shared(&found[*i])).collect();
     let below = kept.iter().enumerate().flat_map(|(row, i)| {

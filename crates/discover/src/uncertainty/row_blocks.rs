@@ -10,8 +10,8 @@ use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
 use sidc_solve::simd::dot;
 use sidc_system::discovery::Stretches;
 
-/// A single block if the rows do not show the residual of the equation. `None` if a trajectory was fitted, which has blocks of its
-/// own, or if coefficients obey constraints, which single changes of terms would violate.
+/// A single block if the residuals of the equation are not those of the rows. `None` if a trajectory was fitted, since that fit
+/// has blocks of its own, or if coefficients obey constraints, which single changes of terms would violate.
 pub fn block_normal_equations(design: &ScaledDesign) -> Option<Stretches> {
     let evidence = design.evidence;
     let otherwise = evidence.together.is_some() || evidence.certificate.constrained;

@@ -52,8 +52,8 @@ pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery
     }
 }
 
-/// Doubts every equation that the criterion prefers without one of its terms, by as much as separates two answers; without one that the
-/// model requires, by anything.
+/// Doubts every equation whose criterion improves without one of its terms: for terms that the model requires by any amount, for others
+/// by more than a tie.
 pub fn doubt_unneeded_terms(
     discovery: &mut Discovery,
     model: &Model,
@@ -63,7 +63,7 @@ pub fn doubt_unneeded_terms(
     discovery.doubt_each(|d, e| unneeded(e, model, required, &Language(d)));
 }
 
-/// The terms that the model requires and the data do not.
+/// The doubt about terms that the model requires but that the criterion does not support.
 fn required_for_nothing(
     equation: &Equation,
     required: &dyn Fn(Signal, &Term) -> bool,
@@ -96,7 +96,7 @@ fn required_for_nothing(
     )))
 }
 
-/// The term whose loss gains most, if that is enough.
+/// The doubt about the term whose removal improves the criterion most, if by more than a tie.
 fn unneeded(
     equation: &Equation,
     model: &Model,
@@ -120,7 +120,7 @@ fn unneeded(
                 -without.cost
             ),
         );
-        // Where several terms take its place, none of them is better known than it is.
+        // If several terms replace it, dropping it from the library is no clear remedy.
         if without.enter.len() > 1 {
             return reason.remedy(format!(
                 "compare with a model without {name}, on data held out"

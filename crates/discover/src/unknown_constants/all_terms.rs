@@ -1,6 +1,6 @@
-//! What all terms together leave at given values of the constants.
+//! The residual of all terms together at given values of the constants.
 //!
-//! In: the equations with their rows. Out: the values at which the least is left, none near another. Chooses no terms.
+//! In: the equations with their rows. Out: the values at which the residual is least, none near another. Chooses no terms.
 //!
 //! That needs one fit a point, and is smooth in the constants. With several constants few values of each are looked at, and terms chosen away
 //! from the minimum are the wrong ones; all terms together still lead there. Where the noise of the rows hides the constants from a criterion
@@ -15,17 +15,17 @@ use crate::dictionary::compile;
 use sidc_progress::Observer;
 use sidc_solve::minimum_norm_least_squares;
 
-/// What is left at some values.
+/// The residuals of all terms at some values of the constants.
 struct Left {
     values: Vec<f64>,
-    /// Of each equation the residuals of its rows, and their variance.
+    /// For each equation the residuals of its rows, and their variance.
     rests: Vec<(Vec<f64>, f64)>,
     /// Σ samples · ln(variance).
     deviance: f64,
 }
 
-/// The minima that are seen from these points, refined, the least first; at most `unknowns.minima_of_whole`. None where the terms are too many
-/// for the rows or to be fitted at every point.
+/// Local minima of the residual of all terms together, refined by variable projection, the least first; at most `unknowns.minima_of_whole`.
+/// Empty where the terms are too many for the rows, or to be fitted at every point.
 pub(super) fn minima(
     profile: &mut Profile,
     points: &[Vec<f64>],
@@ -64,7 +64,7 @@ pub(super) fn minima(
         }
     }
     let out = ends;
-    // One value for all runs leaves what differs between them.
+    // If constants differ between runs, a fit with shared ones leaves more than the errors of the rows.
     let shared = !profile.sought.iter().any(|s| s.unknown.per_run);
     if let Some(least) = out.first().filter(|_| shared) {
         profile.learn_errors(&least.rests);

@@ -12,7 +12,7 @@ pub(super) struct Family<'a> {
     pub library: &'a Library,
     /// The constants that vary.
     pub sought: &'a [Sought],
-    /// Every signal on the rows; of other constants the values that they keep.
+    /// Every signal on the rows; constants that do not vary have their present values.
     pub samples: &'a Samples,
     /// Factors of the rows.
     pub row: &'a [f64],

@@ -1,4 +1,4 @@
-//! Constants that need fewer terms than those at which the search came out.
+//! Constants at which fewer terms suffice than at those where the search ended.
 //!
 //! In: the profile and its best point. Out: points with fewer terms.
 //!
@@ -12,7 +12,7 @@ use super::thresholds::UNKNOWNS;
 use super::variable_projection::project;
 use sidc_progress::Observer;
 
-/// The points at which the constants come out for a part of the best point's terms.
+/// The best terms at the constants that fit a proper part of the best point's terms, for each such part.
 pub(super) fn with_fewer_terms(
     profile: &mut Profile,
     best: &ProfilePoint,
@@ -20,7 +20,7 @@ pub(super) fn with_fewer_terms(
 ) -> Vec<ProfilePoint> {
     let mut out = Vec::new();
     if profile.is_large() {
-        // Each point takes a solution of the basis pursuit.
+        // With a large library each point takes a basis pursuit, which would take too long.
         return out;
     }
     for (place, support) in best.supports.iter().enumerate() {

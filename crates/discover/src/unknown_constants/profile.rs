@@ -93,8 +93,8 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Sets the errors of each equation's rows by what all its terms leave at some values, M numbers with their variance: lower than estimated,
-    /// and of fewer independent samples where they last.
+    /// Takes the residuals of all terms at some values as the errors of each equation's rows: M numbers and their variance. The variance
+    /// only lowers the estimated one; where the residuals are autocorrelated, fewer samples count as independent.
     pub fn learn_errors(&mut self, left: &[(Vec<f64>, f64)]) {
         for (e, (rest, variance)) in self.equations.iter_mut().zip(left) {
             let Some(y) = e.target_values(&self.samples) else {
@@ -111,7 +111,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Raises the errors of the rows to a share of the target's size at least; what they were comes back.
+    /// Raises the assumed errors of the rows to at least a share of the target's size. Returns the floors as they were.
     pub fn raise_floors(&mut self, share: f64) -> Vec<f64> {
         let floors = self.equations.iter().map(|e| e.criterion.floor).collect();
         for e in &mut self.equations {
@@ -130,13 +130,13 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// Takes residuals at their word, however small beside the errors of the rows.
+    /// Lets residuals count however small they are beside the errors of the rows.
     pub fn forget_errors(&mut self) {
         let criteria = self.equations.iter_mut().map(|e| &mut e.criterion);
         criteria.for_each(|c| c.floor = f64::MIN_POSITIVE);
     }
 
-    /// The terms and factors of terms that a constant stands in, as many as tell how fast they change with it.
+    /// The terms, and factors of terms, that hold a constant; at most as many as are needed to see how fast they change with it.
     pub fn terms(&self) -> Vec<Term> {
         let sought = |s: Signal| self.sought.iter().any(|u| u.signal() == s);
         let mentioned = |t: &&Term| {
@@ -152,7 +152,7 @@ impl<'a> Profile<'a> {
         self.equations.iter().flat_map(of).collect()
     }
 
-    /// So many points that their columns are priced in a fraction of a second.
+    /// The most points whose columns can be priced in a fraction of a second.
     pub fn most_points(&self) -> usize {
         let largest = self.equations.iter().map(|e| e.library.slots()).max();
         let affordable = PRICING.columns / largest.unwrap_or(1).max(1);
@@ -191,8 +191,8 @@ impl<'a> Profile<'a> {
         })
     }
 
-    /// The terms of basis pursuit within the errors of the rows. Where that is a long path, which away from the right values it is, within the
-    /// least of some shares of the target that few terms reach.
+    /// The terms of basis pursuit within the errors of the rows. Away from the right constants that path is long; then the terms within the
+    /// smallest share of the target that a short path reaches.
     fn proposed(
         &self,
         equation: &ProfiledEquation,
@@ -218,7 +218,7 @@ impl<'a> Profile<'a> {
         Vec::new()
     }
 
-    /// What the constants cost that some chosen term holds: each is one more number that is estimated.
+    /// The price of the constants in the chosen terms: each is one more estimated number.
     fn price(&self, supports: &[Vec<usize>]) -> f64 {
         let price = |s: &Sought| {
             let holding = self.holding(s.signal(), supports);

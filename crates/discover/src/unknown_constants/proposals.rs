@@ -23,7 +23,7 @@ pub(super) fn proposals(
 ) -> Vec<Vec<f64>> {
     let mut ranked: Vec<(f64, Vec<f64>)> = Vec::new();
     for equation in &profile.equations {
-        // The last stage has the finest values.
+        // Later stages have finer values, so of similar ones theirs are kept.
         let stages = of_equation(profile, equation, points, observer);
         for members in stages.into_iter().rev() {
             for (share, values) in completed(profile, equation, &members) {
@@ -39,7 +39,7 @@ pub(super) fn proposals(
     best.map(|(_, values)| values).collect()
 }
 
-/// The columns with constants of each stage of one equation.
+/// For each stage of one equation the columns of the answer that hold a constant.
 fn of_equation(
     profile: &Profile,
     equation: &ProfiledEquation,
@@ -78,7 +78,8 @@ fn of_equation(
     out
 }
 
-/// The values of each column, those of constants that its term does not hold taken from the strongest column whose term does.
+/// The values of all constants for each column. Constants that its term does not hold are taken from the strongest column whose term holds
+/// them, else from their start.
 fn completed(
     profile: &Profile,
     equation: &ProfiledEquation,

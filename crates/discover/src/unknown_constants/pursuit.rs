@@ -60,7 +60,7 @@ pub(super) struct Effort {
     pub rounds: usize,
     /// Steps of a path.
     pub steps: usize,
-    /// Excess over a bound that is none.
+    /// Excess over a bound up to which the bound counts as kept.
     pub violation: f64,
 }
 
@@ -197,7 +197,7 @@ impl<'a> Pursuit<'a> {
         }
     }
 
-    /// The slot of a column, and its values.
+    /// The slot of a column, and the values of the constants at which it was evaluated.
     fn origin(&self, column: usize) -> (usize, Option<Vec<f64>>) {
         match column.checked_sub(self.columns.phi.cols()) {
             Some(k) => (self.added[k].slot, Some(self.added[k].values.clone())),

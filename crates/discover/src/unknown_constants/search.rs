@@ -20,8 +20,7 @@ use sidc_lang::term::Term;
 use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
-/// Values at which the criterion of the best terms has its least minima, as far as the search sees: the least first, at most `most`, at least
-/// one.
+/// Values of the constants at local minima of the criterion of the best terms, the least first; at least one value, at most `most`.
 pub fn settle(
     (model, libraries): (&Model, &[Option<Library>]),
     (samples, most): (&Samples, usize),
@@ -35,7 +34,7 @@ pub fn settle(
         return vec![start];
     }
     if most > 1 {
-        // What the noise of the rows leaves is for the likelihood of the trajectory to judge.
+        // Here minima only start the estimate with the trajectory, whose likelihood judges what the noise of the rows would hide.
         profile.forget_errors();
     }
     let large = profile.is_large();
@@ -50,7 +49,7 @@ pub fn settle(
         true => priced(&profile, dense, observer),
         false => dense.into_iter().step_by(every).collect(),
     };
-    // One constant is looked at densely.
+    // For a single constant the points are dense enough.
     let rough = match large || profile.sought.len() < 2 {
         true => Vec::new(),
         false => rough_minima(&mut profile, &points, observer),
@@ -65,7 +64,7 @@ pub fn settle(
         all.iter().filter_map(value).collect()
     };
     if all.iter().any(|s| s.run.is_some()) {
-        // From the values that all runs share best, each run goes downhill with its own.
+        // The search continues from the best shared values, now with a value for each run.
         profile.sought.clone_from(&all);
         let with_own = |s: &ProfilePoint| profile.at(&by_run(&s.values), observer);
         starts = starts.iter().filter_map(with_own).collect();
@@ -91,7 +90,8 @@ pub fn settle(
     out
 }
 
-/// Values of the constants, one of each for all runs, so dense that the columns of neighbours are alike. None where they differ from run to run.
+/// Points over the ranges of the constants, so dense that columns of neighbouring points are similar. Empty where constants differ between
+/// runs.
 pub fn points(
     (model, libraries): (&Model, &[Option<Library>]),
     samples: &Samples,
@@ -105,8 +105,8 @@ pub fn points(
     search_points(&profile.sought, &profile.terms(), rows)
 }
 
-/// The minima that few terms have where the data are taken to be rough: many terms fit small differences at wrong constants as few do at the
-/// right ones.
+/// Minima under enlarged errors of the rows. With small errors many terms at wrong constants can fit as well as few at the right ones, so
+/// that the right minimum is missed.
 fn rough_minima(
     profile: &mut Profile,
     points: &[Vec<f64>],
@@ -123,7 +123,7 @@ fn rough_minima(
     out
 }
 
-/// What basis pursuit over the ranges proposes, or so few of the points that each can be looked at with a solution of the basis pursuit.
+/// The values that basis pursuit over the ranges proposes; if there are none, a few of the points, since each will take a basis pursuit.
 fn priced(profile: &Profile, points: Vec<Vec<f64>>, observer: &mut dyn Observer) -> Vec<Vec<f64>> {
     let proposed = proposals(profile, &points, observer);
     let every = match proposed.is_empty() {
@@ -133,7 +133,7 @@ fn priced(profile: &Profile, points: Vec<Vec<f64>>, observer: &mut dyn Observer)
     points.into_iter().step_by(every.max(1)).collect()
 }
 
-/// The best of some points, in different basins as far as is seen.
+/// The best of some points, no two with the same terms close to each other.
 fn best_points(
     profile: &mut Profile,
     points: &[Vec<f64>],
@@ -147,7 +147,7 @@ fn best_points(
     distinct(profile, &seen).into_iter().cloned().collect()
 }
 
-/// Where each leads downhill, the best first.
+/// The minimum reached from each start, the best first.
 fn ends(
     profile: &mut Profile,
     starts: &[ProfilePoint],
@@ -159,7 +159,8 @@ fn ends(
     ends
 }
 
-/// The best points, of each set of terms those that are not near another. Without a constant in its terms a point leads nowhere.
+/// The best points, without those whose constants are near those of a better point with the same terms. Points without a constant in their
+/// terms are left out, since nothing can be refined there.
 fn distinct<'a>(profile: &Profile, seen: &'a [ProfilePoint]) -> Vec<&'a ProfilePoint> {
     let mut out: Vec<&ProfilePoint> = Vec::new();
     let free = |p: &&ProfilePoint| profile.holds_constant(&p.supports);
@@ -172,7 +173,7 @@ fn distinct<'a>(profile: &Profile, seen: &'a [ProfilePoint]) -> Vec<&'a ProfileP
     out
 }
 
-/// Terms and constants in turn, until the terms stay.
+/// Refines constants and selects terms in turn, until the terms no longer change.
 fn downhill(
     profile: &mut Profile,
     mut here: ProfilePoint,
@@ -196,7 +197,7 @@ fn downhill(
     here
 }
 
-/// The values for the terms of a discovery, on all rows; `None` where no equation holds a constant.
+/// The constants refined for the terms of a discovery, on all rows; `None` where no equation holds a constant.
 pub fn refine(
     (model, libraries): (&Model, &[Option<Library>]),
     (samples, values): (&Samples, &[f64]),

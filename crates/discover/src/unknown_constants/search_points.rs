@@ -8,8 +8,8 @@ use crate::dictionary::evaluate;
 use sidc_data::Samples;
 use sidc_lang::term::Term;
 
-/// At most `most` points: for one constant values so dense that its columns change little from one to the next, for several the products of such lists,
-/// thinned to a bounded number.
+/// At most `most` points. For each constant, values so dense that columns of neighbouring values are similar; for several constants all
+/// combinations of these lists, thinned to keep within `most`.
 pub(super) fn search_points(
     sought: &[Sought],
     terms: &[Term],
@@ -44,7 +44,7 @@ pub(super) fn search_points(
     })
 }
 
-/// Whether two points are one minimum.
+/// Whether two points count as the same minimum.
 pub(crate) fn alike(a: &[f64], b: &[f64]) -> bool {
     within(a, b, UNKNOWNS.same)
 }
@@ -103,8 +103,8 @@ impl Coordinate {
     }
 }
 
-/// At most `most` values of a range: evenly spaced, and more where the columns change. Few of them are those between which the columns
-/// change alike.
+/// At most `most` values of a range: evenly spaced, and denser where the columns change faster. If that would be too many, values between
+/// which the columns change by equal amounts.
 fn dense_values(
     range: (f64, f64),
     most: usize,
@@ -116,7 +116,7 @@ fn dense_values(
     let mut all: Vec<(f64, Vec<Vec<f64>>)> = (0..first)
         .map(|k| (share(k), columns(coordinate.at(share(k)))))
         .collect();
-    // The widest change is halved, as long as there is one.
+    // The interval over which the columns change most is halved, as long as the change is visible.
     let mut apart: Vec<f64> = all.windows(2).map(|w| unlike(&w[0].1, &w[1].1)).collect();
     while all.len() < most {
         let widest = apart.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
@@ -137,9 +137,9 @@ fn dense_values(
     }
 }
 
-/// So many of the values that as much change lies before each: the middles of equal parts of all change.
+/// `most` of the values, at the middles of equal parts of the total change of the columns.
 fn evenly_changing(values: &[f64], apart: &[f64], most: usize) -> Vec<f64> {
-    // 1 − cosine is the square of half the distance between unit columns, which is what adds up.
+    // √(1 − cosine) is proportional to the distance between unit columns, and distances add up along the range.
     let lengths = apart.iter().map(|a| a.sqrt());
     let sums: Vec<f64> = std::iter::once(0.0)
         .chain(lengths.scan(0.0, |sum, l| {

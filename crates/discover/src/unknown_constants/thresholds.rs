@@ -23,9 +23,10 @@ family! {
         starts: usize = 24, unit "points", source "as `unknowns.least_values`: terms and constants in turn, from every part of a range";
         /// Difference up to which two minima are one.
         same: f64 = 0.01, unit "of the constant", source "refined minima agree to rounding; of noisy data the likelihood of the trajectory moves them more";
-        /// Points at which all terms together leave least that are looked at too.
+        /// Minima of the residual of all terms together that join the points of the search.
         minima_of_whole: usize = 24, unit "points", source "as `unknowns.starts`; of three constants in two logistic functions (ODEBench 62) five ended in other minima";
-        /// Errors that rows are taken to have at least before they are believed.
+        /// Lower bounds of the rows' errors in further searches, under which few terms have minima at the right
+        /// constants.
         rough: [f64; 3] = [1e-2, 1e-3, 1e-4], unit "of the target", source "exact data of ODEBench 62 lead to wrong minima, data with 1 % noise do not";
         /// Difference from which two points of the profile may lie in different basins.
         apart: f64 = 0.2, unit "of the constant", source "set by hand";
@@ -89,7 +90,7 @@ family! {
         steps: usize = 300, unit "steps", source "an answer of the least norm is the end of a path of some ten steps for each term";
         /// Residuals at which the dual point is sought in turn.
         residuals: [f64; 2] = [1e-4, 0.0], unit "of the right side", source "the shortest dual point is their limit; an exact fit by nearly dependent columns is a long path";
-        /// How much smaller the norm of another combination is, at least, that counts as one.
+        /// By how much the norm of another combination must be smaller to be reported.
         smaller: f64 = 0.01, unit "of the norm", source "a hundred times the residual that it may leave";
         /// Excess over |φᵀλ| ≤ w that is rounding: B − 1 of what is proved.
         bound: f64 = 1e-6, unit "", source "as the gap of the certificate at one value";
@@ -99,7 +100,7 @@ family! {
         least_cell: f64 = 1e-5, unit "of the value", source "set by hand: an enclosure that is too wide there stays so";
         /// Cells to each side.
         cells: usize = 400, unit "cells", source "each takes some ms; smooth terms need ten to fifty";
-        /// Ranges that are tried, each half as far towards the value that spoiled the last.
+        /// Ranges that are tried; each ends half way to the value at which the proof on the last one failed.
         ranges: usize = 3, unit "ranges", source "set by hand: an eighth of the way is left";
     }
 }

@@ -17,7 +17,7 @@ use sidc_lang::term::{Expr, Signal, Term};
 /// Values, and what is known of them.
 pub(super) struct Projected {
     pub values: Vec<f64>,
-    /// What the residuals say of the constants: Σ JᵀJ/σ², rows are independent only as the samples of the criterion say.
+    /// Information of the residuals on the constants, Σ JᵀJ/σ², scaled to the number of independent rows.
     pub information: DMatrix<f64>,
     /// How the coefficients of each equation move with the constants, terms × constants.
     pub slopes: Vec<DMatrix<f64>>,

@@ -31,7 +31,7 @@ family! {
         judged: usize = 2, unit "courses", source "the same course with columns at another price seldom orders values otherwise";
         /// Pairs of parameters that are tried in each other's place.
         exchanges: usize = 12, unit "pairs", source "each costs a fit of all laws";
-        /// How far another value of a constant is another one.
+        /// Relative difference from which a value of a constant counts as another one.
         other: f64 = 0.1, unit "of the value", source "a tenth is more than a settled fit moves";
         /// Most time constants tried.
         times: usize = 100, unit "time constants", source "from the step of a million samples to three times their record";

@@ -91,11 +91,12 @@ struct Case<'a> {
     support: Vec<(usize, f64)>,
 }
 
-/// What pursuits over a range end with.
+/// The result of a pursuit over a range.
 enum Outcome {
-    /// The equation; the part of the range over which that is proved.
+    /// The equation has the least norm; the part of the range over which that is proved.
     Least(Option<(f64, f64)>),
-    /// Another combination: its norm beside that of the equation, and the value farthest from any doubt, of its largest column with one.
+    /// Another combination has a smaller norm: the ratio of the two norms, and the value of the constant in its largest column with another
+    /// value than the equation's.
     Smaller(f64, Option<f64>),
 }
 
@@ -104,7 +105,7 @@ impl Case<'_> {
         self.sought[0].signal()
     }
 
-    /// `None` where nothing comes out within the effort.
+    /// `None` where the effort allowed leads to no result.
     fn certificate(&self, observer: &mut dyn Observer) -> Option<RangeCertificate> {
         let declared = self.sought[0].unknown.range_about(self.value);
         let mut found = RangeCertificate {
@@ -125,7 +126,7 @@ impl Case<'_> {
                     if found.smaller.is_none() {
                         (found.smaller, found.at) = (Some(share), at);
                     }
-                    // What needs no other value of the constant holds in every range.
+                    // If the combination needs no other value of the constant, it exists for every range.
                     let Some(at) = at else { break };
                     range = cut(range, self.value, at);
                 }
@@ -186,7 +187,8 @@ impl Case<'_> {
             steps: RANGE_PROOF.steps,
             violation: 0.1 * RANGE_PROOF.bound,
         };
-        // Near zero the dual point tends to the shortest one (Duval & Peyré 2015), which is the likeliest to keep its bounds between points.
+        // As the residual tends to zero, the dual point tends to the one of least norm (Duval & Peyré 2015), which most likely keeps its
+        // bounds between points, too.
         let mut reached = false;
         for share in RANGE_PROOF.residuals {
             let goal = (&target[..], share * norm(&target));
@@ -198,7 +200,7 @@ impl Case<'_> {
                 return Some(Outcome::Smaller(answer.norm / size, at));
             }
             let dual = self.vertex(&columns, answer.dual);
-            // Weak duality: no norm is below yᵀλ/B. Where the columns are dependent, λ may not reach the terms' bounds.
+            // Weak duality: no norm is below yᵀλ/B. Where columns are dependent, λ may not reach the bounds of the terms found.
             let reaches = dot(&target, &dual) >= (1.0 - RANGE_PROOF.bound) * size;
             let holds = reaches.then(|| self.proved(&dual, range, observer));
             if let Some(holds @ Some(_)) = holds {
@@ -209,7 +211,7 @@ impl Case<'_> {
         reached.then_some(Outcome::Least(None))
     }
 
-    /// The value in the largest column that has another than the equation.
+    /// The value of the constant in the largest column where it differs from that of the equation.
     fn other_value(&self, members: &[pursuit::Member]) -> Option<f64> {
         let moved = members.iter().filter_map(|m| {
             let value = m.values.as_ref()?.first()?;
@@ -220,7 +222,7 @@ impl Case<'_> {
         largest.map(|(_, value)| value)
     }
 
-    /// λ moved the least to touch the bounds of the terms found, and not to cross them there.
+    /// λ, moved by the least-norm change that makes it touch the bounds of the terms found without crossing them there.
     fn vertex(&self, columns: &[Vec<f64>], mut dual: Vec<f64>) -> Vec<f64> {
         let (mut conditions, mut wanted) = (Vec::new(), Vec::new());
         for ((slot, a), column) in self.support.iter().zip(columns) {
@@ -254,7 +256,7 @@ impl Case<'_> {
         dual
     }
 
-    /// Where no term breaks its bound: a part of the range about the value; `None` where one does whatever the value.
+    /// The part of the range about the value over which no term breaks its bound; `None` where some term breaks it whatever the value.
     fn proved(
         &self,
         dual: &[f64],
@@ -300,7 +302,7 @@ impl Case<'_> {
     }
 }
 
-/// The range cut half way, in its own coordinate, to the value that spoiled it.
+/// The range, cut half way (in its own coordinate) to the value at which the other combination was found.
 fn cut(range: (f64, f64), value: f64, at: f64) -> (f64, f64) {
     let half = match value * at > 0.0 {
         true => value.signum() * (value * at).sqrt(),
