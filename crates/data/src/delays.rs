@@ -65,7 +65,8 @@ pub fn with_acting_inputs(dataset: &Dataset, inputs: &[KnownDelay], value: Input
     })
 }
 
-/// Every column of a delayed variable by `value` of the times and values of an uninterrupted piece, the delay and the signal.
+/// Replaces every column of a delayed variable, on each uninterrupted piece, by what `value` makes of the piece's times and values, the
+/// delay and the signal.
 fn moved(
     dataset: &Dataset,
     delays: &[KnownDelay],
@@ -94,8 +95,8 @@ fn moved(
     out
 }
 
-/// The row at or before an instant, and how far behind it the instant is, as a part of the step; an instant that is that of a row but for
-/// rounding has part 0. `None` outside the record.
+/// The row at or before an instant, and the part of the step that has passed since (0 to 1); 0 if the instant is that of the row but for
+/// rounding. `None` outside the record.
 fn place(time: &[f64], at: f64) -> Option<(usize, f64)> {
     let next = time.partition_point(|t| *t <= at);
     let (before, after) = (next.checked_sub(1), time.get(next));

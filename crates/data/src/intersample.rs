@@ -60,8 +60,8 @@ pub(crate) fn infer(
     inputs
 }
 
-/// Gives inputs values between their readings, where these are missing: an input that was recorded at another rate than the states
-/// moves there as it is said to. Where its own readings are as far apart as a gap, nothing is known.
+/// Fills in values of inputs between their readings, as for inputs recorded at a lower rate than the states, by hold or line as
+/// declared or inferred. No values are filled in where readings are as far apart as a gap.
 pub(crate) fn fill(inputs: &[Input], trajectory: &mut Trajectory) {
     let time = &trajectory.time;
     for (signal, values) in &mut trajectory.columns {
@@ -121,8 +121,9 @@ pub(crate) fn jumps(inputs: &[Input], trajectory: &Trajectory) -> Vec<usize> {
     out
 }
 
-/// What the samples of a driven signal cannot show: how far its highest derivative may be from that of a smooth curve through
-/// the samples, relative to its size, if the input alone moves it. Both vectors have the trajectory's length.
+/// How far the highest derivative of a variable may be from that of a smooth curve through its samples, relative to its size,
+/// because of jumps and corners of inputs between samples; as if the input alone moved it. Both vectors have the trajectory's
+/// length.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct IntersampleError {
     /// For windows across jumps of held inputs: half a jump, since the curve follows its middle.

@@ -34,8 +34,8 @@ impl Segment {
 
 /// Breaks of a measured signal along one trajectory, sorted by row.
 ///
-/// When a held input jumps, so does the highest derivative of every variable. Of a signal that is measured `d` orders below
-/// that, the d-th derivative jumps; an output of order 0 jumps itself.
+/// A jump of a held input makes the highest derivative of every variable jump. For a signal measured `d` orders below it, this
+/// is its d-th derivative; for an output of order 0 its value.
 pub fn breaks(
     model: &Model,
     dataset: &Dataset,

@@ -16,12 +16,12 @@ pub trait Solver: Sync {
     }
     /// Tells the observer of every iteration; where it ends the work, the answer is what there is by then.
     fn solve(&self, problem: &Problem, observer: &mut dyn Observer) -> Solution;
-    /// Whether `solve_all` gives up what leads nowhere, so that many norms cost little more than one.
+    /// Whether `solve_all` gives up paths that lead to no sparse answer, so that several norms cost little more than one.
     fn gives_up(&self) -> bool {
         false
     }
-    /// Answers of problems that differ in their weights only. A solver may give up those that do not lead to a sparse answer while
-    /// another does, or not within so many steps; their status is then [`crate::Status::Interrupted`].
+    /// Answers to problems that differ only in the weights of their columns. A solver may give up a path that is not sparse while
+    /// another is, or that takes more than the allowed steps; its status is then [`crate::Status::Interrupted`].
     fn solve_all(
         &self,
         problems: &[Problem],

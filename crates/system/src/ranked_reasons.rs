@@ -1,4 +1,4 @@
-//! Reasons as they are told: the costliest first, each once for all equations that share it, none twice for one remedy.
+//! Reasons in the order in which they are reported: the most serious first, each once for all equations that it concerns.
 //!
 //! In: a discovery. Out: its reasons in order, and the change that answers the first. Judges nothing.
 
@@ -11,12 +11,12 @@ pub struct RankedReason<'a> {
     pub reason: &'a Reason,
     /// The targets of these equations.
     pub targets: Vec<String>,
-    /// Whether there is no equation for them.
+    /// Whether these equations were not found.
     pub failed: bool,
 }
 
-/// All reasons, the costliest first: by what they put in question, then those with a change at hand, then in the order of the
-/// equations.
+/// All reasons, each with its equations. Ordered by how much they put in question, then those with a ready change of the
+/// model first, then by equation.
 pub fn ranked(d: &Discovery) -> Vec<RankedReason<'_>> {
     let mut all: Vec<RankedReason> = Vec::new();
     for (target, reason) in verdict::reasons(d) {
@@ -33,7 +33,7 @@ pub fn ranked(d: &Discovery) -> Vec<RankedReason<'_>> {
     all
 }
 
-/// The first reasons with a remedy each of its own, at most so many.
+/// The first reasons, at most `most`, without those whose advice was given before.
 pub fn foremost<'a, 'b>(ranked: &'b [RankedReason<'a>], most: usize) -> Vec<&'b RankedReason<'a>> {
     let mut chosen: Vec<&RankedReason> = Vec::new();
     for r in ranked {

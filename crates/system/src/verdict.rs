@@ -106,11 +106,11 @@ impl Verdict {
 }
 
 impl RunVerdict {
-    /// Of the runs on data held out, or on the data used where there are none.
+    /// The verdict of the runs on data held out, or on the data used where nothing was held out.
     fn of(d: &Discovery, all: &Validation) -> RunVerdict {
         let held = all.runs.iter().any(|r| r.held_out);
         let runs = || all.runs.iter().filter(|r| r.held_out == held);
-        // What the equations give at each instant is no state: it is followed as well as the state is.
+        // Signals computed from the state at each instant are left out: they follow the readings as well as the state does.
         let targets: Vec<String> = d.equations.iter().map(|e| d.name(e.target)).collect();
         let mut signals: Vec<SignalRun> = Vec::new();
         for run in runs() {

@@ -69,8 +69,8 @@ pub(super) fn headers(model: &Model) -> BTreeSet<String> {
     out
 }
 
-/// Headers of columns that move and that no signal reads, each once. Left out: what only rises, a clock or a row number, and, of logs,
-/// columns that were not asked for.
+/// Headers of columns that rise and fall and that no signal reads, each once. Columns that only rise are left out, since they are
+/// clocks or row numbers; of logs, also columns that were not asked for.
 pub(super) fn unread(model: &Model, tables: &[Cow<Table>]) -> Vec<String> {
     let mut known = headers(model);
     let mut out = Vec::new();

@@ -51,7 +51,7 @@ pub(super) fn trim(
     }
 }
 
-/// What is wrong with a table is found once for each experiment in it, and said once.
+/// Faults of a table are found once for each experiment in it; keeps one of each.
 pub(super) fn say_once(found: &mut Vec<Diagnostic>) {
     let mut said: Vec<(&'static str, String)> = Vec::new();
     found.retain(|d| {

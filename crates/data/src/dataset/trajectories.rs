@@ -35,7 +35,7 @@ pub struct ConstantValue {
 }
 
 impl Trajectory {
-    /// Gives every unknown constant that has no column one with the value that its search starts from.
+    /// Gives every unknown constant that has no column a constant one, with the value from which its search starts.
     pub(crate) fn start_unknowns(&mut self, model: &Model) {
         for unknown in &model.unknowns {
             let signal = Signal::new(unknown.var);
@@ -57,8 +57,8 @@ impl Dataset {
         self
     }
 
-    /// The records with these values of constants, for those that have a column. A run without a value of its own takes the mean of the
-    /// others. Runs of one name, files of several folders, are told apart by their order.
+    /// The records with these values in the columns of constants. A run without a value gets the mean of the others. Runs of the same
+    /// name, from files in several folders, are told apart by their order.
     pub fn with_constants(&self, values: &[ConstantValue]) -> Dataset {
         let mut data = self.clone();
         let mut seen: Vec<String> = Vec::new();

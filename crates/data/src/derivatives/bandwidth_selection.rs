@@ -114,8 +114,8 @@ pub(super) fn least_error(
     Ok(out)
 }
 
-/// Makes the bias of each degree rise with the width: a window far too wide for the signal shows nothing in the next degrees
-/// either and would look unbiased. `floor` holds the bias of the narrower windows of the degree.
+/// Keeps the bias of each degree from falling as windows grow. Far too wide a window shows no contrast in the next degrees
+/// either, and would look unbiased. `floor`: the largest bias of narrower windows of the degree.
 fn keep_bias_rising(choice: LocalFit, judged: &mut [FitAtRow], floor: &mut (usize, Vec<f64>)) {
     if floor.0 != choice.degree || floor.1.len() != judged.len() {
         *floor = (choice.degree, vec![0.0; judged.len()]);
@@ -196,7 +196,8 @@ fn rank(
                 fitting += 1.0;
             }
         }
-        // A window may also be far from the best because it is too narrow: stop only if widening made it worse.
+        // A window may also be far from the best because it is too narrow, so wider ones are given up only if widening made it
+        // worse.
         level /= f64::max(fitting, 1.0);
         let worse = narrower.0 == choice.degree && level > narrower.1;
         hopeless = (worse && excess > BANDWIDTH.hopeless.ln() * fitting).then_some(choice.degree);

@@ -37,9 +37,9 @@ pub(crate) fn noise_level(grid: &TimeGrid, values: &[f64], segments: &[Segment])
     seen.max(quantization_noise(values, segments)).max(floor)
 }
 
-/// Whether all of `values`, NaN where one is missing, are smooth to `part` of their range: differences of one order vanish to that
-/// everywhere, not in the median alone. Then what a smoother leaves is motion: it does so on records that rest most of the time. False
-/// for records too short to tell.
+/// Whether all of `values` (NaN: missing) are smooth to `part` of their range: differences of some order vanish to that size
+/// everywhere, not only in the median. The residual of a smoother is then motion, as on records that are at rest most of the time.
+/// False for records too short to decide.
 pub fn is_smooth(time: &[f64], values: &[f64], part: f64) -> bool {
     let missing: Vec<bool> = values.iter().map(|x| !x.is_finite()).collect();
     let within = segments(&missing, &breaks_at(&gaps(time), &[], 1));
@@ -53,8 +53,8 @@ pub fn is_smooth(time: &[f64], values: &[f64], part: f64) -> bool {
         && (NOISE.min_order..=NOISE.max_order).rev().any(vanish)
 }
 
-/// Standard deviation of white noise on series of even steps, from the median of their third differences; NaN counts as missing. Zero
-/// where there are none. What moves within four samples, jumps too, counts as noise where it is more than half of the differences.
+/// Standard deviation of white noise in series with even steps, from the median of their third differences; NaN counts as missing.
+/// Zero without differences. Jumps and motion within four samples count as noise if they affect more than half of the differences.
 pub fn difference_noise<'a>(series: impl Iterator<Item = &'a [f64]>) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).abs();
     let all = series.flat_map(|c| c.windows(4).map(third));

@@ -1,4 +1,4 @@
-//! Whether a column is driven from outside, or says what others say already.
+//! Whether a column is driven from outside the system, or is a combination of other columns.
 //!
 //! In: columns of one table. Out: those that are inputs by their values, and those that are combinations of others. Looks at no names.
 //!
@@ -48,7 +48,8 @@ impl Past {
         }
     }
 
-    /// `alone` is what each column's own past leaves unexplained. `None` if there are too few rows to say.
+    /// Whether a column is an input: neither its own past nor that of others explains its steps, and it helps to explain another column.
+    /// `alone`: the part of each column's steps that its own past leaves unexplained. `None` if there are too few rows.
     fn is_driven(&self, column: usize, alone: &[Option<f64>]) -> Option<bool> {
         let own = alone[column]?;
         if own < EXOGENEITY.alone {
@@ -67,7 +68,7 @@ impl Past {
         Some(with_others >= EXOGENEITY.others * own && others.iter().any(moves))
     }
 
-    /// Part of the variance of the next step that is left by polynomials in the column's own past and the past of `others`.
+    /// The part of the variance of the column's next step that polynomials in its own past and in the past of `others` leave unexplained.
     fn unexplained(&self, column: usize, others: &[usize]) -> Option<f64> {
         let own = self.columns.get(column)?;
         let (mut rows, mut steps) = (Vec::new(), Vec::new());
@@ -104,14 +105,14 @@ impl Past {
     }
 }
 
-/// The span of some columns and of the constant, on the rows where all columns have numbers: orthonormal vectors.
+/// An orthonormal basis of the span of some columns and the constant, on the rows where all columns have numbers.
 pub(super) struct Span {
     rows: Vec<usize>,
     basis: Vec<Vec<f64>>,
 }
 
 impl Span {
-    /// Of the constant. `all` are the columns that will be asked for.
+    /// The span of the constant alone. `all`: every column that `has` will be asked for.
     pub fn new(all: &[&Column]) -> Span {
         let n = all.iter().map(|c| c.values.len()).min().unwrap_or(0);
         let step = (n / LAW_ORDER.max_rows).max(1);
@@ -124,8 +125,8 @@ impl Span {
         }
     }
 
-    /// Takes a column in. Whether it was in the span before, as a linear combination on every row, to the digits of a table; not told
-    /// from few rows, of which any column is a combination.
+    /// Adds a column. True if it already was in the span on every row, to the digits of a table. False if there are few rows, of which any
+    /// column is a combination.
     pub fn has(&mut self, column: &Column) -> bool {
         let own = scaled(&column.values);
         let mut left: Vec<f64> = self.rows.iter().map(|k| own[*k]).collect();

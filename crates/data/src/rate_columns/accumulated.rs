@@ -1,4 +1,4 @@
-//! The accumulated difference of a state and the integral of its rate, with what a fault of the rate would make of it.
+//! The accumulated difference x − ∫r of a state and its rate, and how each fault of the rate would change it.
 //!
 //! In: stretches. Out: rows for the regression, and the sizes that its answer is measured with. Decides nothing.
 //!
@@ -78,8 +78,8 @@ pub(super) fn accumulate(stretches: &[Stretch]) -> Option<Accumulated> {
     Some(out)
 }
 
-/// What each sample differs by from the cubic through its four neighbours, in units in which white noise keeps its size. Of a jump it holds
-/// more than a quarter of the square.
+/// The difference of each sample from the cubic through its four neighbours, scaled so that white noise keeps its size. A jump leaves more
+/// than a quarter of its square.
 fn rough(time: &[f64], values: &[f64]) -> Vec<f64> {
     let windows = time.windows(5).zip(values.windows(5));
     let one = |(t, v): (&[f64], &[f64])| {

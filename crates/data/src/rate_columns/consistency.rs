@@ -13,16 +13,16 @@ use super::regression::{Regression, regress};
 use super::stretch::Stretch;
 use super::thresholds::RATES;
 
-/// What a rate column does wrong.
+/// Faults of a rate column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Reads too much, everywhere.
+    /// A constant is added.
     Bias,
-    /// Is a multiple of the rate.
+    /// It is a multiple of the rate.
     Gain,
-    /// Comes late.
+    /// It lags behind the rate.
     Lag,
-    /// Is a mean over a window.
+    /// It is a mean of the rate over a window.
     Smoothing,
 }
 
@@ -34,12 +34,12 @@ pub(super) struct Fault {
     pub error: f64,
 }
 
-/// What a comparison says.
+/// The result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// Nothing contradicts, or nothing can be told.
+    /// No contradiction, or too little data to find one.
     Silent,
-    /// Another signal; with the correlation of rises and integrals.
+    /// The column is another signal; with the correlation between changes of the state and integrals of the rate.
     Unrelated(f64),
     /// The faults, in the order in which they explain the difference; at least one.
     Faulty(Vec<Fault>),
@@ -52,12 +52,12 @@ pub(super) fn compare(stretches: &[Stretch]) -> Verdict {
     let Some(data) = accumulate(stretches) else {
         return Verdict::Silent;
     };
-    // Rough rows may be no record at all, and have no integral.
+    // Where samples are rough, the integral of the rate between them is unknown.
     let told = data.roughness < RATES.rough;
     if let Some(correlation) = unrelated(stretches).filter(|_| told) {
         return Verdict::Unrelated(correlation);
     }
-    // Nine decades of the standard deviation on either side: white noise alone, and a random walk alone.
+    // Ratios of the two variances from nearly white noise alone to nearly a random walk alone.
     let ratios = (-8..=8).map(|e| 10f64.powi(e));
     let search = Search {
         whitened: ratios.map(|r| whiten(&data.stretches, r)).collect(),
@@ -171,7 +171,7 @@ impl Search {
             .iter()
             .min_by(|a, b| a.deviance.total_cmp(&b.deviance))?
             .clone();
-        // A random walk is easily taken for a trend: every ratio that is likely has its say.
+        // A random walk is easily mistaken for a trend, so the errors are the largest over all likely ratios.
         let likely = |f: &&Regression| f.deviance < best.deviance + RATES.likely;
         let mut errors = best.errors.clone();
         for fit in fits.iter().filter(likely) {
@@ -201,8 +201,8 @@ fn fault(kind: Kind, found: Estimate) -> Fault {
     Fault { kind, value, error }
 }
 
-/// The correlation of the rises of the state with the integrals of the rate, if it is low over short and over long intervals: noise hides
-/// it over short ones.
+/// The correlation between changes of the state and integrals of the rate, if it is low over both short and long intervals; over short ones
+/// alone noise may hide it.
 fn unrelated(stretches: &[Stretch]) -> Option<f64> {
     let all: usize = stretches.iter().map(|s| s.time.len()).sum();
     let first = (all / RATES.intervals).max(1);

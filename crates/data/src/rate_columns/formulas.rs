@@ -49,7 +49,8 @@ enum Formula {
 }
 
 fn candidates(even: bool) -> Vec<Formula> {
-    // The nearest first: what is farther is seen to be so after some samples.
+    // Formulas that come close to smooth rates first: the difference to the best so far is a bound by which later ones are rejected after
+    // few samples.
     let mut out = Vec::new();
     if even {
         out.push(Formula::Interpolated(5));

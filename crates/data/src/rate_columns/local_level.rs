@@ -8,7 +8,7 @@ use super::thresholds::RATES;
 /// Columns of one stretch: the accumulated difference by two quadratures, then what may explain it.
 pub(super) const COLUMNS: usize = 7;
 
-/// One row of all columns, and the variance that the random walk gained since the row before, in units of its mean.
+/// One row of all columns. `walked`: the variance that the random walk gained since the row before, relative to its mean gain.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub values: [f64; COLUMNS],
@@ -27,8 +27,8 @@ pub(super) struct Whitened {
     pub log_variance: f64,
 }
 
-/// Whitens stretches for a random walk whose steps have `ratio` times the variance of the white noise. The level at the start of each
-/// stretch is unknown, which takes its first row.
+/// Whitens stretches for a random walk whose steps have `ratio` times the variance of the white noise. The unknown level at the start of
+/// each stretch takes its first row.
 pub(super) fn whiten(stretches: &[Vec<Row>], ratio: f64) -> Whitened {
     let rows = stretches.iter().map(|s| s.len().saturating_sub(1)).sum();
     let mut out = Whitened {

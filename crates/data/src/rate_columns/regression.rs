@@ -1,4 +1,4 @@
-//! Coefficients of a few columns from sums of products, with errors that hold where errors have a memory.
+//! Coefficients of a few columns from sums of products, with standard errors that allow for autocorrelation.
 //!
 //! In: whitened sums, a target, columns. Out: coefficients, standard errors, the likelihood. Knows no meaning of a column.
 
@@ -11,7 +11,8 @@ use super::thresholds::RATES;
 #[derive(Clone, Debug)]
 pub(super) struct Regression {
     pub coefficients: Vec<f64>,
-    /// The larger of the usual error and of that between the parts of the record (sandwich).
+    /// The larger of the ordinary least-squares error and the sandwich error from the scatter between the parts of the
+    /// record.
     pub errors: Vec<f64>,
     /// −2 log likelihood, but for a constant.
     pub deviance: f64,
@@ -50,7 +51,7 @@ pub(super) fn regress(data: &Whitened, target: usize, columns: &[usize]) -> Opti
     let left = (total - explained)
         .max(f64::EPSILON * total)
         .max(f64::MIN_POSITIVE);
-    // Scores of the parts; what their means differ by is the error of the coefficients.
+    // The scatter of the parts' scores estimates the covariance of the coefficients (sandwich formula).
     let mut meat = DMatrix::zeros(p, p);
     for part in &data.parts {
         let score = right(part) - gram(part) * &found;

@@ -17,7 +17,7 @@ use crate::time_axis::TimeGrid;
 /// Samples on either side that filters take.
 const REACHES: [usize; 3] = [8, 25, 50];
 
-/// Length of a filter of the state's samples that makes the rate.
+/// The length, in samples, of the filter of the state's samples that gives the rate; `None` if there is none.
 pub(super) fn filter_length(stretches: &[Stretch]) -> Option<usize> {
     let noise = state_noise(stretches);
     for reach in REACHES {
@@ -32,7 +32,7 @@ pub(super) fn filter_length(stretches: &[Stretch]) -> Option<usize> {
     None
 }
 
-/// Noise of the state by its differences, of which medians are taken: jumps of what drives it are no noise.
+/// Noise of the state from its differences. Medians are used, so that jumps of an input do not count as noise.
 fn state_noise(stretches: &[Stretch]) -> f64 {
     let of = |s: &Stretch| {
         let end = s.state.len();
@@ -46,14 +46,14 @@ fn state_noise(stretches: &[Stretch]) -> f64 {
     stretches.iter().map(of).fold(f64::INFINITY, f64::min)
 }
 
-/// What the best filter leaves of the rate, over the noise of the samples that it passes on; `None` with too few samples.
+/// The residual of the rate after the best filter of the samples, over the noise that this filter passes on; `None` with too few samples.
 fn least_left(stretches: &[Stretch], noise: f64, reach: usize) -> Option<f64> {
     let rows = windows(stretches, reach);
     let weights = 2 * reach;
     if rows.len() < FILTERS.samples_per_weight * weights {
         return None;
     }
-    // The neighbours' differences to the middle, but the next one's last; then the rate.
+    // Columns: the differences of the neighbouring samples to the middle one, with the next sample last; then the rate.
     let table = DMatrix::from_fn(rows.len(), weights + 1, |i, j| {
         let (s, k) = rows[i];
         match j == weights {
@@ -69,7 +69,7 @@ fn least_left(stretches: &[Stretch], noise: f64, reach: usize) -> Option<f64> {
     let r = scaled.qr().r();
     let degrees = (rows.len() - weights) as f64;
     let residual = |column: usize| r[(column, column)].abs() * scale[column] / degrees.sqrt();
-    // The next sample from all others: a contrast in which only noise is left.
+    // Prediction of the next sample from all others: its residual is a contrast that contains noise only.
     let others = solve(&r, weights - 1, &scale);
     let contrast = norm(others.iter().map(|c| -c).chain([1.0]));
     let noise = noise.min(residual(weights - 1) / contrast);

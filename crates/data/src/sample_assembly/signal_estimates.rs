@@ -168,16 +168,16 @@ impl<'a> SignalEstimator<'a> {
         })
     }
 
-    /// Takes the estimate `wide`, which ignores jumps, where it promises to be better than `e`, which respects them:
-    /// segments between jumps may be too short or too noisy.
+    /// Takes the estimate `wide`, which ignores jumps, where its error is clearly smaller than that of `e`, which
+    /// respects them: segments between jumps may be too short or too noisy.
     fn cross_jumps(&self, e: &mut Estimate, wide: Estimate, size: f64) {
         let mut crossed = 0;
         for (i, (value, error)) in wide.values.iter().zip(&wide.error).enumerate() {
             let (Some(v), Some(s)) = (e.values.get_mut(i), e.error.get_mut(i)) else {
                 continue;
             };
-            // At the jump itself a window across it gives the mean of both sides, and its own error does not show that.
-            // What the two estimates differ by, beyond the error of the one that respects the jump, is bias.
+            // Across a jump the estimate is the mean of both sides, which its own error does not show. So the
+            // difference between the two estimates, beyond the error of the one that respects the jump, counts as bias.
             let bias = ((value - *v).powi(2) - *s * *s).max(0.0);
             let hidden = size * self.intersample.across.get(i).unwrap_or(&0.0);
             let bias = if v.is_nan() { 0.0 } else { bias } + hidden * hidden;

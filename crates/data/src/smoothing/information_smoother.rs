@@ -32,7 +32,7 @@ pub(super) enum Transition {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub row: usize,
-    /// Whether the row's value counts here: at a jump it does at the first node only.
+    /// Whether the row's value is used at this node: at a jump, which has two nodes, only at the first.
     pub sees: bool,
     pub next: Transition,
 }

@@ -18,19 +18,20 @@ pub(super) struct SelectedFit {
     pub fit: Fit,
     /// Standard deviation of the noise, in units of the channel.
     pub sigma: f64,
-    /// Samples over which the noise keeps its value.
+    /// Mean number of samples for which the noise keeps its value, as rounding does: 1 for white noise.
     pub repeats: f64,
 }
 
 impl SelectedFit {
-    /// The spline follows the values so closely that its residual is not noise alone.
+    /// True if the spline has so many degrees of freedom that its residual may be bias instead of noise.
     pub(super) fn is_doubtful(&self) -> bool {
         self.fit.degrees_of_freedom > SMOOTHING.doubtful * self.fit.count
     }
 }
 
 impl ScaledChannel<'_> {
-    /// Chooses breaks, noise and smoothing parameter. `near`: a width that was right for nearly the same weights.
+    /// Chooses breaks, noise and smoothing parameter. `near`: the width found for nearly the same weights, about which it
+    /// is searched.
     pub(super) fn select_fit(
         &self,
         weights: &[f64],
@@ -56,7 +57,7 @@ impl ScaledChannel<'_> {
             let fit = smoothing_parameter::select(&channel, criterion, range, smoother);
             (model, fit)
         });
-        // The model with all breaks comes first and wins ties.
+        // On equal scores the model with all breaks is taken, which comes first.
         let best = tried.min_by(|(_, a), (_, b)| a.score(criterion).total_cmp(&b.score(criterion)));
         let (break_model, fit) = best.unwrap_or_else(|| {
             let channel = self.channel(0, weights);
@@ -114,7 +115,7 @@ impl ScaledChannel<'_> {
         selected
     }
 
-    /// Samples from one change of the digits to the next, in the mean.
+    /// Mean number of samples from one change of the value to the next.
     fn repeats(&self) -> f64 {
         let changes = self.values.windows(2).filter(|w| w[0] != w[1]).count();
         self.values.len() as f64 / changes.max(1) as f64

@@ -82,10 +82,11 @@ fn has_weight(weights: &[f64], row: usize) -> bool {
     weights.get(row).is_some_and(|w| *w > 0.0)
 }
 
-/// Residuals in standard deviations: those of the record, or of the neighbourhood where the curve is hard to follow and
-/// all residuals are large.
+/// Residuals in standard deviations. Where the curve is hard to follow and all residuals are large, those of the
+/// neighbourhood are the measure, else those of the record.
 ///
-/// The scale is the larger of median and tail, which agree for normal noise. A doubtful fit must have heavier tails still.
+/// The scale is the larger of two estimates, from the median and from the tail, which agree for normal noise; for a doubtful
+/// fit the tail counts more.
 fn standardised(
     residuals: &[f64],
     weights: &[f64],
@@ -121,8 +122,8 @@ fn neighbourhood(row: usize, reach: usize, rows: usize) -> std::ops::Range<usize
     row.saturating_sub(reach)..(row + reach + 1).min(rows)
 }
 
-/// Rows that may be outliers. The first and the last two values between gaps may not, because nothing there tells an outlier
-/// from a turn; nor may values of a part so short that they determine the curve.
+/// Whether each row may be an outlier. Excluded are the first and last two values between gaps, where an outlier looks like
+/// a turn, and values of segments so short that each determines the curve.
 fn judgeable(channel: &ScaledChannel, present: &[f64]) -> Vec<bool> {
     let mut out = vec![false; present.len()];
     let ends = channel.gaps.iter().copied().chain([present.len()]);
@@ -141,7 +142,7 @@ fn judgeable(channel: &ScaledChannel, present: &[f64]) -> Vec<bool> {
     out
 }
 
-/// Leaves out the rows beside a jump that the curve respects: it ends there.
+/// Excludes rows beside a jump that the curve has, since the curve ends there.
 fn away_from_jumps(channel: &ScaledChannel, break_model: usize, judgeable: &[bool]) -> Vec<bool> {
     let mut out = judgeable.to_vec();
     let nodes = channel
@@ -179,7 +180,8 @@ fn reject(relative: &[f64], before: &[usize], width: f64, candidates: &[bool]) -
         .collect()
 }
 
-/// True if the curve without the value fits its neighbours. At a turn that the spline cannot follow they are off as far.
+/// True if the neighbours lie near the curve without the value. At a turn that the spline cannot follow they are as far off
+/// as the value.
 fn stands_alone(row: usize, residuals: &[f64], weights: &[f64]) -> bool {
     let own = residuals.get(row).copied().unwrap_or(0.0);
     neighbourhood(row, 3, residuals.len())

@@ -58,8 +58,8 @@ pub fn solve_constrained(
     found.solution(Outcome::Inaccurate, iterations + found.iterations)
 }
 
-/// The least residuals ‖Φ_e a_e − y_e‖/‖y_e‖ that the constraints allow; ε_e/‖y_e‖ for a block that reaches its ε. Where blocks
-/// compete, the sum of their excesses over ε_e/‖y_e‖ is minimised.
+/// The least residuals ‖Φ_e a_e − y_e‖/‖y_e‖ that the constraints allow, or ε_e/‖y_e‖ for a block that can reach its ε. Where
+/// blocks compete, the sum of their excesses over ε_e/‖y_e‖ is minimised.
 pub fn least_residuals(problem: &ConstrainedProblem, start: &[Vec<usize>]) -> Vec<f64> {
     let mut sets = working_sets(problem, start);
     let mut excess = Vec::new();

@@ -53,7 +53,8 @@ struct Task<'a> {
 }
 
 impl Factored {
-    /// Factors with their blocks, in slot order and none without slots; `empty` lists the slots that are none, rising.
+    /// From the left and right factors, and their blocks in slot order without empty ones. `empty` lists, rising, the slots that
+    /// hold no term.
     ///
     /// # Errors
     /// The first column, not in an empty slot, that is not finite.

@@ -8,7 +8,7 @@ use crate::simd::wide;
 
 /// Columns compared at once, without branches.
 const LANES: usize = 8;
-/// Less than one by more than the rounding of a product and a quotient.
+/// Slightly below one, by more than the rounding of a product and a quotient.
 const BELOW: f64 = 1.0 - 1e-14;
 
 /// Columns whose correlation with λ exceeds a bound.

@@ -37,14 +37,14 @@ pub(super) struct ConditionedColumns<'a> {
 }
 
 impl QuadraticForm {
-    /// Applies the best single addition, removal or exchange until none helps. The last column stays.
+    /// Applies the best single addition, removal or exchange until none helps. A support of one column is never emptied.
     pub fn steepest_descent(&self, start: &[usize], penalty: f64) -> Vec<usize> {
         let Some(mut here) = ConditionedColumns::new(self, start) else {
             return start.to_vec();
         };
         let mut value = here.square + penalty * here.support.len() as f64;
         for _ in 0..QUADRATIC_FORM.max_changes {
-            // Only one change can remove the last column, so the second best keeps one.
+            // At most one change empties the support, so two candidates are enough to find one that does not.
             let changes = here.changes(penalty, 2);
             let stays = |m: &&SingleChange| m.enters.is_some() || here.support.len() > 1;
             let Some(best) = changes.iter().find(stays) else {

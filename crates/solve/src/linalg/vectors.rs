@@ -15,7 +15,7 @@ pub fn dot_in_lanes<const LANES: usize>(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// aᵀb/‖a‖ where aᵀb overflows; `norm` is ‖a‖.
+/// aᵀb/‖a‖ where aᵀb itself overflows; `norm` is ‖a‖.
 pub fn scaled_dot(a: &[f64], norm: f64, b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a / norm * b).sum()
 }

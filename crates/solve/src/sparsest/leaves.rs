@@ -91,7 +91,7 @@ impl<'a> Leaf<'a> {
     pub fn triples(&self, first: usize) -> Vec<Vec<usize>> {
         let length = self.lengths[first].sqrt();
         if length <= NUMERICAL_RANK.dependent {
-            // Spanned by the included columns: what fits with it fits without.
+            // A column in the span of the included ones adds nothing: what fits with it fits without.
             return Vec::new();
         }
         let mut direction = self.column(first).to_vec();

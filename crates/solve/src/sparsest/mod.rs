@@ -1,7 +1,7 @@
 //! The fewest columns that fit within ε, proved by branch and bound over cuts.
 //!
 //! In: a [`Problem`], supports to begin with, limits. Out: a support of fewest columns with a lower bound on their number, and the
-//! other supports of that size. Never sees names, never judges whether fewer terms are better ones.
+//! other supports of that size. Never sees names; never judges whether fewer terms are better.
 //!
 //! Every λ with yᵀλ > ε‖λ‖ that is orthogonal to the columns of a set U proves that U alone does not fit: each fit has a column
 //! outside U. The columns outside are a *cut*. Disjoint cuts bound the size of a support from below; a cut of one column is a

@@ -59,11 +59,11 @@ pub(super) struct Node {
     pub included: Vec<usize>,
     pub free: Free,
     pub missing: usize,
-    /// Holds at least the columns that are included or free; `None` where it has to be made.
+    /// A dual basis of at least the included and free columns; `None` if it must be computed.
     pub basis: Option<Arc<DualBasis>>,
 }
 
-/// What a stretch of work found.
+/// Result of a limited amount of work.
 #[derive(Default)]
 pub(super) struct Explored {
     pub supports: Vec<Vec<usize>>,
@@ -179,7 +179,8 @@ impl Tree<'_> {
         true
     }
 
-    /// Includes what every fit has and dismisses what none has, as long as that goes on; `None` where nothing fits.
+    /// Includes columns that every fit has and dismisses those that none has, until nothing changes; `None` where nothing fits.
+    /// Returns the smallest cut.
     fn tighten(&self, node: &mut Node, work: &mut f64) -> Option<Vec<usize>> {
         loop {
             let basis = self.basis(node, work);
@@ -220,7 +221,7 @@ impl Tree<'_> {
         }
     }
 
-    /// The dual basis of the columns of a node: what it inherited without what has left since, or a new one.
+    /// The dual basis of the columns of a node: the inherited one without the columns dismissed since, or a new one.
     fn basis(&self, node: &Node, work: &mut f64) -> Arc<DualBasis> {
         let mut columns: Vec<usize> = node
             .included

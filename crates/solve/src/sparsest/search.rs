@@ -19,12 +19,12 @@ use crate::solvers::is_finite;
 use crate::threads;
 use crate::thresholds::{CERTIFICATES, SPARSEST};
 
-/// Where a search ends that is not done.
+/// Limits at which an unfinished search ends.
 #[derive(Clone, Copy, Debug)]
 pub struct SparsestLimits {
     /// Nodes, checked after each round.
     pub nodes: usize,
-    /// Multiplications, checked as often: the end of a search that nobody watches.
+    /// Multiplications, checked after each round; they end a search that no observer ends.
     pub work: f64,
     /// Bytes.
     pub memory: u64,
@@ -164,7 +164,7 @@ fn search(
             return found;
         }
         if upper == Some(size) {
-            // The fit known from the start has terms beyond the assumption; under it there is none of this size.
+            // The fit known from the start has coefficients beyond the assumption; under the assumption no fit has this size.
             found.all_others = true;
             return found;
         }
@@ -173,8 +173,9 @@ fn search(
     found
 }
 
-/// The assumption: larger where the terms of a fit are, but never so large that rounding of the columns, times it, is beyond the
-/// tolerance. Whether terms so large fit, these numbers do not say.
+/// The bound assumed on |a|‖φ‖, at least `SPARSEST.largest_share`. It is raised where the terms of a fit are larger, but only as
+/// far as the rounding of the columns, times the bound, stays below the tolerance: whether still larger terms fit, the data do not
+/// decide.
 fn assumed_share(all: &Columns, found: f64) -> f64 {
     let tolerance = all.square.max(0.0).sqrt();
     let decided = SPARSEST.share_rounding * tolerance / SPARSEST.column_rounding;

@@ -15,7 +15,7 @@ use sidc_progress::{Activity, Observer, Stage, Stop};
 use super::{in_order, lock};
 use crate::thresholds::PARALLELISM;
 
-/// Answers of all tasks, done on at most so many threads, one of them the calling one.
+/// Answers of all tasks in their order, computed on at most `threads` threads, of which the calling one is one.
 pub fn map_watched<T: Send, A: Send>(
     threads: usize,
     tasks: Vec<T>,
@@ -26,13 +26,14 @@ pub fn map_watched<T: Send, A: Send>(
     let reports = Reports::new(tasks.len());
     let queue = Mutex::new(tasks.into_iter().enumerate());
     let next = || lock(&queue).next();
-    // Taken before any other thread is there, so that of the first task every report is told.
+    // The first task is taken before other threads start, so that it runs on the calling thread and the observer hears its reports at
+    // once.
     let first = next();
     let mut teller = Teller {
         reports: &reports,
         observer,
     };
-    // Work that is over before it begins is begun by none.
+    // If the observer ends the work now, no task is begun.
     if threads > 1 {
         teller.tell();
     }
@@ -64,7 +65,7 @@ pub fn map_watched<T: Send, A: Send>(
             done.push((i, work(task, &mut observer)));
             reports.end(i);
         }
-        // A browser has no other thread, and no clock to wait by.
+        // In a browser there is no other thread to wait for, and no clock.
         let mut waits = threads > 1;
         while waits {
             match answers.recv_timeout(PARALLELISM.ask_every) {
@@ -81,7 +82,7 @@ pub fn map_watched<T: Send, A: Send>(
 
 /// What tasks reported and the observer has not heard yet.
 struct Reports {
-    /// From the first task that is not told to its end.
+    /// Reports of tasks from the first on that is not completely reported.
     open: Mutex<VecDeque<Report>>,
     tasks: usize,
     stop: OnceLock<Stop>,
@@ -120,7 +121,7 @@ impl Reports {
         self.change(task, |report| report.ended = true);
     }
 
-    /// Takes the place of what was reported before, if that only says how far the same stage is.
+    /// Replaces the last report if that only tells the progress of the same stage.
     fn add(&self, task: usize, activity: Activity) {
         let Some(activity) = kept(activity) else {
             return;
@@ -137,7 +138,7 @@ impl Reports {
         });
     }
 
-    /// The next report, in the order of tasks.
+    /// The next report to pass on, in the order of tasks.
     fn next(&self) -> Option<Activity<'static>> {
         let mut open = lock(&self.open);
         loop {
@@ -150,7 +151,7 @@ impl Reports {
     }
 }
 
-/// What can be told later.
+/// The activity in a form that can be stored and reported later; `None` if it cannot.
 fn kept(activity: Activity) -> Option<Activity<'static>> {
     match activity {
         Activity::Equation { place, stage } => Some(Activity::Equation { place, stage }),
@@ -191,7 +192,7 @@ impl Teller<'_> {
         told
     }
 
-    /// All reports that are in; if none is, the observer is asked whether to go on.
+    /// Passes on all reports received so far; if there are none, asks the observer whether to go on.
     fn tell(&mut self) {
         if !self.tell_all() && self.reports.flow().is_continue() {
             self.hear(Activity::Working);

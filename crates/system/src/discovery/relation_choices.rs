@@ -25,7 +25,7 @@ pub struct FewerTerms {
     pub multipliers: Vec<String>,
     /// Multiples of laws that took part.
     pub multiples: usize,
-    /// Independent sums of them whose terms all are in a library or a highest derivative.
+    /// Number of independent sums of multiples whose terms all are in a library or are a highest derivative.
     pub sums: usize,
     /// Terms that these sums have together.
     pub terms: usize,

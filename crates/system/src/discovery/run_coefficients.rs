@@ -5,7 +5,7 @@
 use serde::{Deserialize, Serialize};
 use sidc_lang::number::with_error;
 
-/// A coefficient in one run.
+/// The value of a coefficient in one run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunCoefficient {
     /// The run's name: that of its file, and its id if one file holds several.

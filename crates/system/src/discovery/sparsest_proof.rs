@@ -8,8 +8,8 @@ pub struct SparsestProof {
     /// Why none was looked for, a sentence; the other fields are then empty.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub refused: Option<String>,
-    /// ε relative to the target: that of the rows, or what the equation leaves that the criterion selected, if that is more.
-    /// Rounding of exact data counts as fitting.
+    /// ε relative to the target. It is the tolerance of the rows, or the residual of the selected equation if that is larger;
+    /// rounding of exact data is allowed for.
     pub tolerance: f64,
     /// Terms of the sparsest fit that was found; absent where none was.
     #[serde(skip_serializing_if = "Option::is_none", default)]

@@ -24,7 +24,7 @@ pub(super) struct Ahead<'a> {
     pub fitted_rows: usize,
 }
 
-/// A prediction and the reading that it is of.
+/// A prediction and the reading that it was compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Compared {
     record: usize,
@@ -42,7 +42,7 @@ impl Compared {
 }
 
 impl Ahead<'_> {
-    /// For each signal the predictions that were reached and have a reading; fewer where the observer ends the work.
+    /// For each signal the predictions whose runs reach the horizon and that have a reading there; fewer where the observer ends the work.
     fn compare(&self, signals: &[Predicted], observer: &mut dyn Observer) -> Vec<Vec<Compared>> {
         let mut out = vec![Vec::new(); signals.len()];
         for start in self.starts {
@@ -82,7 +82,7 @@ impl Ahead<'_> {
     }
 }
 
-/// The band of each signal; `None` where no prediction on the data used comes true, or 90 % have no error at all.
+/// The band of each signal; `None` where no prediction on the data used could be compared, or 90 % of them have no error.
 pub(super) fn bands(
     used: &Ahead,
     held: &Ahead,
@@ -105,14 +105,16 @@ fn band(used: &[Compared], held: &[Compared]) -> Option<Band> {
     })
 }
 
-/// The least error that a new one of the same kind does not exceed with 90 %: one rank higher than the quantile. `None` below nine errors.
+/// The half width of a band that holds a new prediction of the same kind with a probability of at least 90 % (split conformal prediction):
+/// one rank above the quantile of the errors. `None` below nine errors.
 fn conformal_90(errors: &mut [f64]) -> Option<f64> {
     errors.sort_by(f64::total_cmp);
     let rank = (9 * (errors.len() + 1)).div_ceil(10);
     errors.get(rank.checked_sub(1)?).copied()
 }
 
-/// Readings held out against the band of the data used, and against one that follows the errors in the order in which they become known.
+/// Compares predictions of data held out with the fixed band, and with one that is adapted as the errors of earlier predictions become
+/// known.
 fn follow(half_width: f64, held: &[Compared]) -> BandHeldOut {
     let mut followed = half_width;
     let mut open: VecDeque<(Compared, f64)> = VecDeque::new();
@@ -144,7 +146,7 @@ fn follow(half_width: f64, held: &[Compared]) -> BandHeldOut {
     }
 }
 
-/// After a prediction came true: wider if the reading was missed, a ninth as much narrower if not.
+/// The half width after a prediction was compared: wider if the band missed the reading, a ninth as much narrower if it held it.
 fn next_half_width(half_width: f64, held: bool) -> f64 {
     let missed = if held { 0.0 } else { 1.0 };
     half_width * (BAND.rate * (missed - 0.1)).exp()

@@ -68,8 +68,8 @@ impl<'a> LinearModel<'a> {
         }
     }
 
-    /// Takes the starts from which it predicts better on the data used: states fitted with the equations have less noise than readings,
-    /// and are far from them where the equations are wrong.
+    /// Chooses between two kinds of starts by the prediction error on the data used: readings, or states fitted with the equations. The
+    /// latter have less noise, but are wrong where the equations are.
     pub fn choose_start(
         &mut self,
         trial: &Trial,
@@ -105,7 +105,7 @@ impl<'a> LinearModel<'a> {
         self.from_readings = read < fitted;
     }
 
-    /// The state at a row that it predicts from.
+    /// The state at a row from which predictions start.
     pub fn start(&self, on: Along, row: usize, fitted: Option<&Vec<f64>>) -> Option<Vec<f64>> {
         let before = 2 * LINEAR_MODEL.slope_rows;
         match fitted.filter(|_| !self.from_readings) {
@@ -116,7 +116,7 @@ impl<'a> LinearModel<'a> {
         }
     }
 
-    /// The state at each of these rows behind the start, in rising order; `None` if no model can be fitted.
+    /// The state at each of these rows after the start, in rising order; `None` if no model can be fitted.
     pub fn ahead(
         &mut self,
         on: Along,

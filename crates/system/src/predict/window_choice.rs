@@ -19,7 +19,7 @@ pub(super) struct Trial<'a> {
     pub discrete: bool,
 }
 
-/// Rows before a start; 0 for the reading itself.
+/// The number of rows before a start to which its state is fitted; 0 takes the reading itself.
 pub(super) fn choose_rows(trial: &Trial, most: usize, observer: &mut dyn Observer) -> usize {
     let Some(first) = trial.estimators.first() else {
         return 0;
@@ -31,7 +31,8 @@ pub(super) fn choose_rows(trial: &Trial, most: usize, observer: &mut dyn Observe
     let shortest = first.shortest();
     let lengths = (0..=STATE_FIT.doublings).map(|k| shortest << k);
     let lengths = lengths.take_while(|rows| *rows <= most.max(shortest));
-    // In discrete time the past is a sample, and noise of the process is part of it.
+    // In discrete time process noise is part of the state, which a reading shows and a fit to earlier rows does not; so the reading
+    // itself is tried, too.
     let itself = (read && trial.discrete).then_some(0);
     let (mut best, mut least) = (itself.unwrap_or(shortest), f64::INFINITY);
     for rows in itself.into_iter().chain(lengths) {

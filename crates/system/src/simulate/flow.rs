@@ -90,7 +90,7 @@ impl<'a> Flow<'a> {
         self.plant.has_switches()
     }
 
-    /// Sets the side of every switch after the inputs or the state jumped, or after `events`. States of these sizes.
+    /// Sets the side of every switch after the inputs or the state jumped, or after `events`. `sizes`: typical sizes of the states.
     pub fn settle(
         &mut self,
         (t, x): (f64, &mut [f64]),
@@ -109,8 +109,8 @@ impl<'a> Flow<'a> {
         self.begin_step(t, x)
     }
 
-    /// Passes an event: sides are settled at `x`. Where they stay as they are although the step from there, to `end`, crosses a guard at its
-    /// start, the other side is taken.
+    /// Passes an event: settles the sides at `x`. If no side changes although the step from there to `end` crosses a guard right at its
+    /// start, the switches take the side beyond the guard.
     pub fn pass(
         &mut self,
         (t, x): (f64, &mut [f64]),

@@ -283,9 +283,9 @@ impl RecordSimulation<'_> {
         along.run(leg, x, (begin, budget), observer)
     }
 
-    /// The initial state of a leg, and how many rows it was fitted to. What smoothing takes for noise may be motion
-    /// that it cannot follow: where the equations follow the readings more closely than that noise, the readings are
-    /// taken as they are.
+    /// The initial state of a leg, and the number of rows it was fitted to. What smoothing takes for noise may be
+    /// motion that it cannot follow, so the readings are taken as they are where the equations follow them more
+    /// closely than that noise.
     fn start(
         &self,
         leg: &continuous_time::LegSetup,
@@ -299,7 +299,7 @@ impl RecordSimulation<'_> {
             return LegStart::as_read(raw);
         }
         let names = self.names();
-        // Of a hidden state nothing is known but how it moved where the equations were found.
+        // The prior of a hidden state: mean and deviation along the trajectory from which the equations were found.
         let hidden = starts.iter().enumerate().filter_map(|(i, s)| {
             let deviation = s.error.filter(|_| s.origin == Origin::Hidden)?;
             Some((i, s.value, deviation.max(f64::MIN_POSITIVE)))

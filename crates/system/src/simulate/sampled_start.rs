@@ -1,7 +1,8 @@
 //! The initial state of a run in discrete time: the samples from which the equations follow the first noisy readings best.
 //!
-//! In: readings of every component, samples before the run that the equations look back to. Out: both by least squares. What readings are
-//! worth is the noise declared, or what the equations leave of one sample after another. Readings that the equations meet stay as they are.
+//! In: readings of every component, samples before the run that the equations look back to. Out: both by least squares. The weight of
+//! readings follows from the declared noise, or else from the errors of predictions one sample ahead. Readings that the equations meet stay
+//! as they are.
 
 use crate::simulate::initial_state::candidates::{self, Candidates};
 use crate::simulate::initial_state::least_squares::{
@@ -68,7 +69,8 @@ impl RecordSimulation<'_> {
         if left.is_some_and(|left| left <= INITIAL_STATE.as_read) {
             return LegStart::as_read(raw);
         }
-        // What the equations leave of one sample after another is the noise of two: a start fitted to few rows shows that of one.
+        // One-step prediction errors contain the noise of two samples, so that of one reading is overestimated; the residuals of a fit to a
+        // few rows correct it.
         let whole = std::mem::replace(&mut readings.rows, 2 * shortest(free.len()));
         readings.rows = readings.rows.min(whole);
         if let Some(first) = fit_initial_state(&readings, &x, &free, &mut trial) {
@@ -94,7 +96,8 @@ impl RecordSimulation<'_> {
         }
     }
 
-    /// Standard deviations of the readings of each component; `None` if the equations lead from each reading to the next.
+    /// Standard deviations of the noise of each component's readings; `None` if the equations lead from each reading to the next without
+    /// error.
     fn sample_noise(
         &self,
         leg: &LegSetup,

@@ -82,7 +82,7 @@ impl SlidingRates {
         for i in (0..m).filter(|i| !held[*i]) {
             own[i] = self.outward(i, &own);
         }
-        // Each pivot decides one contact; a problem with one answer ends after fewer than 2^m of them, mostly after m.
+        // Each pivot changes one contact. If the problem has a unique solution they end after fewer than 2^m of them, mostly after m.
         for _ in 0..SWITCHING.pivots {
             let free: Vec<usize> = (0..m).filter(|i| held[*i]).collect();
             if !self.keep(&free, &mut own) {
@@ -93,7 +93,7 @@ impl SlidingRates {
             let rates = &self.start + &self.slope * &own;
             let wrong = (0..m).find(|i| match held[*i] {
                 true => own[*i].abs() >= 1.0 - SWITCHING.limit,
-                // A contact let go at its limit is not caught again by the rest.
+                // The tolerance exceeds the limit at which contacts are let go, so that rounding does not catch them again.
                 false => own[*i] * rates[*i] < -2.0 * SWITCHING.limit * self.size(*i),
             });
             let Some(i) = wrong else { break };
@@ -122,7 +122,7 @@ impl SlidingRates {
         }
     }
 
-    /// σ of a contact that none can hold: to where it moves.
+    /// σ of a contact that no force can hold: the side to which it moves.
     fn outward(&self, i: usize, own: &DVector<f64>) -> f64 {
         let others = self.start[i] + (self.slope.row(i) * own)[0];
         if others < 0.0 { -1.0 } else { 1.0 }
@@ -132,7 +132,7 @@ impl SlidingRates {
         self.start[i].abs() + self.slope.row(i).iter().map(|b| b.abs()).sum::<f64>()
     }
 
-    /// Solves ġ = 0 for these contacts, the σ of the others given. False where that has no solution.
+    /// Solves ġ = 0 for the contacts `held`, with the σ of the others as given. False if that has no solution.
     fn keep(&self, held: &[usize], own: &mut DVector<f64>) -> bool {
         let h = held.len();
         if h == 0 {
@@ -152,7 +152,7 @@ impl SlidingRates {
     }
 }
 
-/// The forces that hold, column by column of the right side. Where contacts hold the same motion together, those of the least norm.
+/// Solves `matrix` · X = `right`. Where contacts constrain the same motion, so that the matrix is singular, the solution of least norm.
 pub fn least_norm(matrix: DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let lu = matrix.clone().lu();
     let pivots = lu.u().diagonal().abs();

@@ -56,7 +56,7 @@ impl<'a> Runs<'a> {
         };
         let longest = self.of(false).map(|(r, _)| r.to - r.from);
         let longest = longest.fold(0.0, f64::max);
-        // Without a run on the data used there is nothing to compare with.
+        // Without runs that follow the data used to their end there is nothing to compare with.
         if longest == 0.0 || !self.of(false).all(|used| whole(&used)) {
             return None;
         }

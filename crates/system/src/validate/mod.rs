@@ -65,8 +65,8 @@ pub fn validate(
     Some(Validation { runs })
 }
 
-/// Runs the equations on the data used, to the accuracy of readings: what is said of free runs where nothing was held out. Readings
-/// that are `clean` are the start themselves.
+/// Runs the equations on the data used, to the accuracy of readings, as a check of free runs where nothing was held out. If the
+/// readings are `clean`, runs start from them.
 pub fn run_on_used(
     (d, model): (&Discovery, &Model),
     (used, clean): (&Dataset, bool),
@@ -99,7 +99,7 @@ pub fn run_on_used(
     Validation { runs }
 }
 
-/// The same on the data held out alone, every record cut into so many parts with a start of their own.
+/// As [`validate`] on the data held out alone, with every record cut into parts of about equal length that start afresh.
 pub fn restarted(
     (d, model): (&Discovery, &Model),
     held: &Dataset,

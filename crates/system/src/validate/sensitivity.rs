@@ -10,11 +10,13 @@ use crate::simulate::{self, Options, Run, Source, Start};
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
 
-/// The parts of a run in which a departure is looked for, one after the other: one that comes soon costs little, one that never comes a
-/// seventh more. Chaos departs in a hundredth of a record of 10⁵ samples.
+/// The runs are compared over growing parts of the record, 1/64, 1/8 and all of it, until they depart. An early departure is cheap to
+/// find; none at all costs a seventh more than one comparison of the whole. On records of 10⁵ samples chaotic runs depart within a
+/// hundredth.
 const PARTS: [usize; 3] = [64, 8, 1];
 
-/// True if the run departs or ended, and another from a start moved by its error departs from it by the bound of following.
+/// True if the run departs from its readings or ended early, and a second run, from a start moved by its standard error, departs from
+/// the first by more than the bound of following.
 pub(super) fn is_sensitive(
     source: &Source,
     (record, run): (usize, &Run),
@@ -29,8 +31,8 @@ pub(super) fn is_sensitive(
         .iter()
         .map(|s| (s.signal, s.value + error(run, s)));
     let start: Vec<(Signal, f64)> = moved.collect();
-    // Only the first leg starts elsewhere, and only where it has values can it be departed from. Most that depart do so soon, and
-    // what comes after may take long.
+    // Only the first leg is compared, up to the last row where the run has values: most departures come early, and the rest may take
+    // long.
     let Some(rows) = with_values(run, leg.rows.clone()) else {
         return false;
     };
@@ -47,7 +49,7 @@ pub(super) fn is_sensitive(
     })
 }
 
-/// The part of some rows up to the last one where a signal has a value.
+/// The rows up to the last one at which a scored signal has a value.
 fn with_values(run: &Run, rows: Range<usize>) -> Option<Range<usize>> {
     let has_value = |k: &usize| {
         let mut scored = run.scores.iter().filter_map(|s| run.column(s.signal));
@@ -57,7 +59,7 @@ fn with_values(run: &Run, rows: Range<usize>) -> Option<Range<usize>> {
     Some(rows.start..last + 1)
 }
 
-/// Whether a run departs from another, whose first row is row `start` of the one, by the bound of following.
+/// Whether two runs depart from each other by more than the bound of following; the first row of `other` is row `start` of `run`.
 fn depart(run: &Run, other: &Run, start: usize) -> bool {
     run.scores.iter().any(|score| {
         let (Some(one), Some(two)) = (run.column(score.signal), other.column(score.signal)) else {

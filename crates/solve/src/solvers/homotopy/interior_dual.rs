@@ -10,9 +10,10 @@ use super::working_set::WorkingSet;
 use crate::simd::axpy;
 use crate::thresholds::HOMOTOPY;
 
-/// λ, moved along the direction of least norm that leaves all bounds off the support at the same rate, to where the largest
-/// correlation of the working set is least; where `feasible` refuses that point, because of columns outside the working set, to
-/// half of the longest step of 1/2, 1/4, … of it that is feasible. `None` if λ meets no bound off the support, or can leave none.
+/// λ moved into the interior of the optimal face. It moves along the direction of least norm that leaves all bounds off the support
+/// at the same rate, to where the largest correlation of the working set off the support is least. If `feasible` rejects that point
+/// because of columns outside the working set, the step is halved until it is feasible, and then once more. `None` if λ is on no
+/// bound off the support, or cannot leave them.
 pub(super) fn interior_dual(
     set: &WorkingSet,
     point: &PathPoint,
@@ -56,7 +57,7 @@ pub(super) fn interior_dual(
     if feasible(&whole) {
         return Some(whole);
     }
-    // Half of a feasible step is inside: the correlations are linear in the step, and λ itself is feasible.
+    // Half of a feasible step is in the interior, since correlations are linear in the step and λ itself is feasible.
     let shorter = (1..=HOMOTOPY.shorter_steps).map(|k| step * 0.5_f64.powi(k));
     let mut shorter = shorter.map(|step| (step, moved(step)));
     let (step, _) = shorter.find(|(_, lambda)| feasible(lambda))?;

@@ -1,6 +1,6 @@
 //! A path on its way from a = 0 to ε, round by round.
 //!
-//! In: a problem. Out: its answer once the path has ended. Which of several paths goes on next is for others to say.
+//! In: a problem. Out: its answer once the path has ended. Does not decide which of several paths goes on next.
 
 use super::column_generation::ColumnGeneration;
 use super::path::{Goal, PathPoint};

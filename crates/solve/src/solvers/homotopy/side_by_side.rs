@@ -11,8 +11,8 @@ use crate::certificates::support;
 use crate::problem::{Problem, Solution, Status};
 use crate::thresholds::SIDE_BY_SIDE;
 
-/// Solves each problem by [`super::Homotopy`]. A path that was given up, which none is within its first round, has the status
-/// [`Status::Interrupted`].
+/// Solves each problem by [`super::Homotopy`]. A path that was given up has the status [`Status::Interrupted`]; none is given up
+/// within its first round.
 pub fn side_by_side(
     problems: &[Problem],
     mut most_steps: usize,
@@ -42,7 +42,7 @@ pub fn side_by_side(
         .collect()
 }
 
-/// One path on its way.
+/// One problem with its path.
 struct Run<'a> {
     problem: &'a Problem<'a>,
     path: Option<Running<'a>>,
@@ -66,7 +66,7 @@ impl<'a> Run<'a> {
         self.path.as_ref().map_or(0, |path| path.steps())
     }
 
-    /// One round of the path; its end if it has come, or if it has taken too many steps.
+    /// One round of the path. Sets the solution if the path has ended, or was given up after `most_steps` steps.
     fn round(&mut self, most_steps: usize, observer: &mut dyn Observer) {
         if let Some(path) = &mut self.path {
             self.solution = match path.steps() < most_steps {

@@ -165,8 +165,8 @@ impl Plant {
         out
     }
 
-    /// Sets the sides of all switches at a point: those of `events`, of guards at zero and of sliding ones by what the laws do there, the
-    /// others by their guards. Guards that slide are set to zero in `x`.
+    /// Sets the sides of all switches at a point. Guards at zero, sliding ones and those of `events` are decided by the rates that the
+    /// laws give there, all others by the sign of their guard. Moves `x` so that sliding guards are exactly zero.
     pub fn settle(
         &self,
         work: &mut Workspace,
@@ -202,7 +202,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Puts switches on the sides that their guards have at `end`; sliding ones, on the side of the σ that leaves its bounds.
+    /// Puts these switches on the side that their guard has at `end`; a sliding switch on the side at which its σ left [−1, 1].
     pub fn cross(&self, work: &mut Workspace, (which, sides): (&[usize], &[f64]), end: &[f64]) {
         let Some(switches) = &self.switches else {
             return;

@@ -91,7 +91,8 @@ pub(crate) fn candidates(
     Ok(out)
 }
 
-/// The readings without noise: they tell where hidden states start, as exactly as they are.
+/// Channels of readings without noise: they determine hidden states, too, and count with the least noise that is
+/// distinguished from none.
 fn clean_readings(trajectory: &Trajectory, raw: &[Component], noise: &[Noise]) -> Vec<Noise> {
     let read = raw.iter().filter(|c| c.origin == Origin::Measured);
     let clean = read.filter(|c| noise.iter().all(|n| n.signal != c.signal));

@@ -1,9 +1,9 @@
 //! Initial states by least squares: the start from which a free run follows the first noisy readings best.
 //!
-//! In: readings with their noise, a first estimate, a function that simulates. What is estimated may hold more than the state, as samples
-//! before it, each with a reading of its own. Out: the estimate over the longest
-//! stretch that the equations follow, with standard errors. The equations stay as they are. Where they follow no stretch to
-//! within the noise, the shortest decides: its readings say more together than the first of them alone.
+//! In: readings with their noise, a first estimate, a function that simulates. The estimate may contain more than the state: samples
+//! before it, each with its own reading. Out: the estimate over the longest stretch that the equations follow, with standard errors. The
+//! equations stay as they are. If they follow no stretch to within the noise, the shortest is used: its readings together still tell more
+//! than the first alone.
 
 use crate::simulate::thresholds::INITIAL_STATE;
 use nalgebra::{DMatrix, DVector};
@@ -17,13 +17,13 @@ pub(crate) type Trial<'a> = &'a mut dyn FnMut(&[f64], usize) -> Option<Rows>;
 pub(crate) struct Readings {
     /// Column in a simulated row, readings by row of the leg (NaN: none), standard deviation of the noise.
     pub channels: Vec<(usize, Vec<f64>, f64)>,
-    /// Components of what is estimated that no simulated row shows: index, reading, standard deviation of its noise.
+    /// Estimated components that no simulated row shows, each with a reading or prior of its own: index, value, standard deviation.
     pub before: Vec<(usize, f64, f64)>,
     pub rows: usize,
 }
 
 impl Readings {
-    /// Takes the noise of all readings for so many times what it is.
+    /// Multiplies the noise of all readings by a factor.
     pub fn scale_noise(&mut self, factor: f64) {
         self.channels.iter_mut().for_each(|c| c.2 *= factor);
         self.before.iter_mut().for_each(|b| b.2 *= factor);

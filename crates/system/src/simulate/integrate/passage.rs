@@ -34,7 +34,7 @@ pub(crate) fn passage(
     end: &[f64],
     state_at: StateAt,
 ) -> Result<Passage, FaultKind> {
-    // A guard that begins at zero, to rounding, has its zero there.
+    // A margin that starts slightly below zero by rounding counts as crossed only below that value.
     let floor: Vec<f64> = flow.margins.iter().map(|m| m.min(0.0)).collect();
     let mut margins = Vec::new();
     flow.margins(t + h, end, &mut margins)?;
@@ -81,7 +81,8 @@ pub(crate) fn passage(
     })
 }
 
-/// A guard that goes down to zero and up again within a step has no sign to show it: the cubic through both ends tells.
+/// A guard that falls to zero and rises again within a step shows no change of sign at its end; the cubic through values
+/// and slopes at both ends shows the minimum.
 fn touch(flow: &Flow, end: &[f64], h: f64) -> Passage {
     let mut rates = Vec::new();
     flow.margin_rates(&mut rates);

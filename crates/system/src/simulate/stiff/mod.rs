@@ -170,7 +170,7 @@ fn first(jacobian: &[f64], slope: &[f64], scale: &[f64]) -> f64 {
 struct StepControl {
     /// The step that the last error suggests.
     h: f64,
-    /// The step within which the polynomial would be exact enough.
+    /// The step up to which the polynomial within it would be as exact as its end.
     through: f64,
     /// The last accepted step, and its error.
     good: Option<(f64, f64)>,
@@ -188,7 +188,7 @@ impl StepControl {
         }
     }
 
-    /// True where the error may be overestimated.
+    /// True after a rejection and in the first step, where the error may be overestimated.
     fn unsure(&self) -> bool {
         self.rejected || self.good.is_none()
     }
