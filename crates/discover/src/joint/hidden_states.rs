@@ -1,4 +1,6 @@
 //! Hidden states in an answer: the scale in which they are reported, and doubts about what the readings do not determine.
+//!
+//! In: an answer. Out: the same in the scale that is reported; in the discovery, what is known of each hidden state. Fits no other terms.
 
 use std::borrow::Cow;
 
