@@ -306,7 +306,7 @@ fn doubt_runs(
     discovery.runs_left = (left.iter())
         .filter_map(|l| problem.names.get(l.trajectory).cloned())
         .collect();
-    // Where some coefficients already have a value for each run, or are declared so, no others are looked for.
+    // Where the answer already has undeclared coefficients for each run, no others are looked for.
     let split = pooling_rules::has_undeclared(model, discovery);
     if split || used.len() < 2 || watcher.at(Stage::Weighing).is_some() {
         return;
