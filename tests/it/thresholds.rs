@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use sidc_testing::program::{file, root};
 use sidc_testing::thresholds::{CONSTANTS, FACTORS, STUDY, Sensitivity, outcome, parts, read};
+use sidc_thresholds::Threshold;
 
 const PAGE: &str = "docs/thresholds.md";
 
@@ -16,7 +17,8 @@ The column \"× ½, × 2\" says how far each number can be moved: the answers th
 `0, 2 of 31` means that half of it changed none of 31 answers, and twice of it two. A case is a command line over the gallery or over a record with something the matter;
 its answer is what a user acts on: exit status, terms, coefficients to three digits, statuses and the codes of reasons, marks of terms, values of simulated and
 smoothed signals, words of messages. Whole numbers are rounded, and move by at least one; lists are moved as a whole. A run that takes ten times its time counts as changed.
-\"set by hand\" means what it says: no experiment has fixed the number, and this column is what is known of it.
+\"round\" as a source says that neither half nor twice of a number changed an answer: this study is the experiment, and any number near it would do. A number that
+changes an answer has a reason (a test sees to it). \"set by hand\" alone is left where the study has not been.
 
     cargo run --release -p sidc-studies --bin thresholds                 # what is missing; some 25 minutes for all on a core
     cargo run --release -p sidc-studies --bin thresholds -- GaussNewton  # a family anew
@@ -25,6 +27,20 @@ smoothed signals, words of messages. Whole numbers are rounded, and move by at l
 It writes [thresholds-study.csv](thresholds-study.csv), which names the cases that changed and what of them changed. \"not run\" stands at numbers that are newer than that table, \"not
 reached\" where no case reads the family, \"constant\" where the build of the study cannot move a number, since constants need it. [What was learned](robustness.md#numbers-moved).
 ";
+
+const BY_HAND: &str = "set by hand";
+
+/// Answers that half or twice of a number changed; none where no answer depends on its family, or the study has not been there.
+fn changes(study: &[Sensitivity], family: &str, number: &Threshold) -> Option<usize> {
+    let rows = study.iter().filter(|row| {
+        FACTORS
+            .iter()
+            .any(|factor| row.is_of(family, number, *factor))
+    });
+    rows.filter(|row| row.cases > 0)
+        .map(|row| row.changed.len())
+        .reduce(|a, b| a + b)
+}
 
 fn study() -> Vec<Sensitivity> {
     read(&file(STUDY))
@@ -36,7 +52,12 @@ fn thresholds_are_documented_as_they_are() {
     let study = study();
     for (part, tables) in parts() {
         page.push_str(&format!("\n# {part}\n"));
-        for table in tables {
+        for mut table in tables {
+            for number in &mut table.thresholds {
+                if number.source == BY_HAND && changes(&study, table.name, number) == Some(0) {
+                    number.source = "round";
+                }
+            }
             page.push_str(&format!(
                 "\n{}",
                 table.markdown(|number| outcome(&study, table.name, number))
@@ -63,6 +84,24 @@ fn every_threshold_has_a_name_of_its_own_and_a_source() {
                 assert!(names.insert(t.name), "{}.{}", table.name, t.name);
                 let told = [t.meaning.as_str(), t.value.as_str(), t.source];
                 assert!(told.iter().all(|text| !text.is_empty()), "{t:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_number_that_changes_an_answer_has_a_reason() {
+    let study = study();
+    for (_, tables) in parts() {
+        for table in tables {
+            for number in table.thresholds.iter().filter(|n| n.source == BY_HAND) {
+                let changed = changes(&study, table.name, number).unwrap_or(0);
+                let name = number.name;
+                assert_eq!(
+                    changed, 0,
+                    "{}.{name} changes answers: why is it {}?",
+                    table.name, number.value
+                );
             }
         }
     }

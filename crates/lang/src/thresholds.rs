@@ -53,13 +53,13 @@ family! {
         /// Longest text of a message that is shown whole; names from files have any length.
         text: usize = 4_000, unit "characters", source "set by hand";
         /// Longest source line that is shown whole.
-        line: usize = 300, unit "bytes", source "set by hand";
+        line: usize = 300, unit "bytes", source "three lines of a terminal";
         /// What is shown of a long line before a marked place.
         before_place: usize = 60, unit "bytes", source "set by hand";
         /// What is shown of a long marked place itself.
-        place: usize = 100, unit "bytes", source "set by hand";
+        place: usize = 100, unit "bytes", source "a line of a terminal";
         /// What is shown of a long line behind a marked place.
-        after_place: usize = 40, unit "bytes", source "set by hand";
+        after_place: usize = 40, unit "bytes", source "with what stands before, the place is in the middle of two lines";
         /// Unknown names that are reported: each costs a search among all names.
         unknown_names: usize = 40, unit "names", source "set by hand: beyond, the model has one mistake and not hundreds";
         /// Sums and arguments with wrong units that are reported.
@@ -126,9 +126,9 @@ family! {
     /// Which texts are units, and which units are the same.
     pub(crate) UNITS: UnitLimits {
         /// Longest text of a unit.
-        text: usize = 200, unit "bytes", source "set by hand";
+        text: usize = 200, unit "bytes", source "all base units with exponents take some 40";
         /// Brackets inside brackets.
-        nesting: usize = 16, unit "levels", source "set by hand";
+        nesting: usize = 16, unit "levels", source "no unit is written with more than two or three; the parser is recursive";
         /// Largest exponent and largest denominator of one.
         exponent: i32 = 100, unit "", source "set by hand: no law of physics comes near";
         /// Distance from a fraction within which a float stands for it, times the largest exponent.

@@ -6,7 +6,7 @@ sidc_thresholds::family! {
         /// Most columns: every pair of them is compared, and a longer draft would not be read.
         max_columns: usize = 100, unit "columns", source "set by hand";
         /// Most candidate terms of one equation, so that a first search is quick.
-        max_candidate_terms: usize = 80, unit "terms", source "set by hand";
+        max_candidate_terms: usize = 80, unit "terms", source "a search of that many takes a second or so on noisy readings; half leaves out products that a cart and a motor need";
         /// The same of coupled bodies whose accelerations were measured.
         max_coupled_terms: usize = 300, unit "terms", source "the cart with a double pendulum has 207 with products of two rates, and its law in 0.4 s";
         /// Rows for each of these.
@@ -16,9 +16,9 @@ sidc_thresholds::family! {
         /// Range of a column, relative to its size, that is constant.
         constant: f64 = 1e-12, unit "", source "set by hand";
         /// Jump of an angle that wraps.
-        wrapped_step: f64 = 0.75, unit "turns", source "set by hand";
+        wrapped_step: f64 = 0.75, unit "turns", source "a jump of three quarters of a turn back is a quarter forth: angles sampled four times a turn are told";
         /// Largest range of an angle that wraps.
-        wrapped_range: f64 = 1.001, unit "turns", source "set by hand";
+        wrapped_range: f64 = 1.001, unit "turns", source "a turn, and its rounding";
     }
 }
 

@@ -6,7 +6,7 @@ sidc_thresholds::family! {
         /// Most differentiations between a measured signal and an estimated one.
         max_differentiations: u8 = 3, unit "orders", source "set by hand";
         /// A jump of an input is stepped over where that leaves less than this of the error.
-        crossing_error: f64 = 0.5, unit "of the error that respects the jump", source "set by hand";
+        crossing_error: f64 = 0.5, unit "of the error that respects the jump", source "an estimated error is known to a factor of two: less may be chance";
         /// Fewer rows than these between two jumps count as too short to differentiate within.
         min_rows_between_jumps: usize = 5, unit "rows", source "set by hand";
         /// Part of all rows in such short segments from which `input-changes-often` is reported.

@@ -20,9 +20,9 @@ family! {
     /// Doubts of an equation from rows, and those that both methods share.
     pub(crate) DOUBTS: Doubts {
         /// Residual above which too much of the target is left unexplained.
-        poor_fit: f64 = 0.1, unit "of the target", source "set by hand";
+        poor_fit: f64 = 0.1, unit "of the target", source "a hundredth of the variance";
         /// Residual above which a term is missing.
-        misfit: f64 = 5.0, unit "of the error of the data", source "set by hand";
+        misfit: f64 = 5.0, unit "of the error of the data", source "two and a half standard deviations of an error that is known to a factor of two";
         /// Estimated error of a derivative above which it is hardly known.
         rough_target: f64 = 0.1, unit "of the target", source "set by hand";
         /// Residual below which rounding decides, and no misfit is seen.
@@ -41,7 +41,7 @@ family! {
         /// Least residual that held-out rows are compared with.
         held_out_rounding: f64 = 1e-7, unit "of the target", source "set by hand";
         /// Noisy rows for each term below which another law may fit by chance.
-        rows_per_term: usize = 15, unit "rows or readings", source "set by hand";
+        rows_per_term: usize = 15, unit "rows or readings", source "10 to 20 observations for each candidate (Harrell, Regression Modeling Strategies, 4.4)";
         /// Rows for each term below which a law is not sparse.
         sparse_rows: usize = 3, unit "rows", source "set by hand";
         /// Standard error above which a term could as well be absent.
@@ -71,7 +71,7 @@ family! {
     /// Linear relations between the states.
     pub(crate) DEPENDENT_STATES: DependentStates {
         /// Variance below which a combination of states is constant; the noise itself is known to some 5 %.
-        constant: f64 = 1.15, unit "variances of the noise", source "set by hand";
+        constant: f64 = 1.15, unit "variances of the noise", source "three standard errors of a variance known to 5 %";
         /// Noise of data that have none.
         clean_noise: f64 = 1e-7, unit "of the spread", source "set by hand";
         /// Contribution from which a state is named.
@@ -83,11 +83,11 @@ family! {
     /// Doubts of equations that were estimated with their trajectory.
     pub(crate) TRAJECTORY_DOUBTS: TrajectoryDoubts {
         /// Residual above which little is explained, where it is more than noise.
-        poor_fit: f64 = 0.3, unit "of the spread", source "set by hand";
+        poor_fit: f64 = 0.3, unit "of the spread", source "a tenth of the variance";
         /// The same where it is white and of the size of the sensor's noise.
         mostly_noise: f64 = 0.7, unit "of the spread", source "half of the variance is noise";
         /// Residual above which something is missing.
-        misfit: f64 = 1.25, unit "of the sensor's noise", source "set by hand";
+        misfit: f64 = 1.25, unit "of the sensor's noise", source "the noise of 50 readings is known to a tenth, 1/√(2 · 50); two and a half of that";
         /// Residual below which what is left is rounding.
         negligible_residual: f64 = 1e-6, unit "of the spread", source "set by hand";
         /// Terms beyond the library that a doubt names; more of them imitate a law as a series does, and are not worth adding.

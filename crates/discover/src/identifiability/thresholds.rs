@@ -222,7 +222,7 @@ family! {
         /// Sizes of the change that are tried.
         steps: i32 = 60, unit "sizes", source "set by hand";
         /// One size over the one before.
-        ratio: f64 = 1.15, unit "", source "set by hand";
+        ratio: f64 = 1.15, unit "", source "five sizes a doubling";
         /// First size of a change of sign, a step or a perturbation.
         first_size: f64 = 0.02, unit "of the signal", source "set by hand";
         /// Rows for which a random perturbation keeps its sign.
@@ -238,9 +238,9 @@ family! {
         /// Samples of a periodogram; longer records are averaged in groups.
         max_samples: usize = 4096, unit "samples", source "set by hand";
         /// Samples below which there is no periodogram.
-        min_samples: usize = 32, unit "samples", source "set by hand";
+        min_samples: usize = 32, unit "samples", source "sixteen frequencies: of fewer none is a band";
         /// Share of the power in the band.
-        band_power: f64 = 0.95, unit "of the power", source "set by hand";
+        band_power: f64 = 0.95, unit "of the power", source "what is left of a smooth spectrum beyond is noise";
         /// Share of the rows whose leverage is reported.
         influential_rows: f64 = 0.01, unit "of the rows", source "set by hand";
         /// Length off the other columns of the support below which a column depends on them.

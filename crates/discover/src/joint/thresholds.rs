@@ -14,7 +14,7 @@ family! {
         /// Loss without a term, at most, that is reported.
         weakest_reported: f64 = 10.0, unit "prices of a term", source "set by hand";
         /// Difference below which a support with more terms is a tie: simplicity decides.
-        larger_tie: f64 = 2.0, unit "of the criterion", source "set by hand";
+        larger_tie: f64 = 2.0, unit "of the criterion", source "Kass & Raftery 1995: a difference below 2 is not worth more than a bare mention";
         /// Fall of χ², beside unknown constants, from which a support with one term more is a tie: the term left out may have moved a constant.
         omitted_gain: f64 = 4.5, unit "χ²", source "two standard errors of the term, and the 0.5 that written terms are cheaper; 18 right answers to random laws with 5 % noise: 3.5 at most";
         /// Spread of the readings below which a state does not move.

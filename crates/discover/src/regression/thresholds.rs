@@ -24,7 +24,7 @@ family! {
         /// Smallest tolerance: below it, rounding decides.
         relative_floor: f64 = 1e-9, unit "of the target", source "set by hand";
         /// Tolerance over the smallest residual that is possible.
-        room: f64 = 1.001, unit "", source "set by hand";
+        room: f64 = 1.001, unit "", source "of the last digit printed; at the bound itself the programme has one feasible point, and an interior-point method none inside";
         /// Residual of the whole library above which it replaces the estimated error of the data.
         visible_noise: f64 = 1e-2, unit "of the target", source "set by hand";
     }

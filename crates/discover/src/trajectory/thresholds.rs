@@ -31,13 +31,13 @@ family! {
     /// How laws are integrated between samples, and how far a trajectory may depart from them.
     pub(crate) SHOOTING: Shooting {
         /// Standard deviation by which a state may slip from the laws between samples: it allows for rounding and chaos.
-        slack: f64 = 3e-3, unit "noise of the sensor", source "set by hand";
+        slack: f64 = 3e-3, unit "noise of the sensor", source "1e-5 of the variance of a reading";
         /// The same summed over a record (it grows with the root of the number of samples).
         slack_of_record: f64 = 0.1, unit "noise of the sensor", source "set by hand";
         /// Standard deviation of the weak prior that keeps a state near its present value at a sample without a reading.
-        unread_hold: f64 = 30.0, unit "spread of the state", source "set by hand";
+        unread_hold: f64 = 30.0, unit "spread of the state", source "a thousandth of the information that a spread has";
         /// Standard deviation of the prior on the one sample of a hidden state that fixes its scale while terms are sought.
-        pinned_hold: f64 = 1e-4, unit "spread of the state", source "set by hand";
+        pinned_hold: f64 = 1e-4, unit "spread of the state", source "far below what any reading tells of a state, far above the rounding of its square";
         /// Slack of the laws of hidden states.
         hidden_slack: f64 = 1e-6, unit "slack of the best sensor", source "a coefficient of a hundred thousand then still makes less than the noise of a slip";
         /// Integration error allowed over an interval.
@@ -83,7 +83,7 @@ family! {
         /// Halvings of a step before the fit ends without it.
         max_halvings: usize = 7, unit "halvings", source "a step of one standard deviation of a sensor is then below `state_step`: 2^-7";
         /// Further steps of a fit whose steps are halved.
-        careful_steps: usize = 12, unit "steps", source "set by hand";
+        careful_steps: usize = 12, unit "steps", source "six are too few for the laws with delays of the study, and twice as many change nothing";
         /// A fit is given up if its criterion, less the gains expected of its remaining steps, exceeds the best one by more than
         /// this.
         hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand";
@@ -150,7 +150,7 @@ family! {
     /// Budgets of the search for supports.
     pub(crate) SEARCH: Search {
         /// Floors under the noise, level after level.
-        floors: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5], unit "spread of the state", source "set by hand";
+        floors: [f64; 5] = [0.1, 0.01, 1e-3, 1e-4, 1e-5], unit "spread of the state", source "by factors of ten, from where any law of the right shape fits to clean readings";
         /// A floor is skipped unless it is this many times the largest noise that smoothing shows.
         floor_over_noise: f64 = 1.5, unit "", source "set by hand";
         /// Slack of the laws in the two first linearisations.
@@ -160,7 +160,7 @@ family! {
         /// Most terms of a support, where one from another method explains the readings: more cannot explain them better.
         terms_of_start: usize = 2, unit "terms of that support", source "set by hand; with it 376 benchmark runs at 1 to 20 % noise are as exact as a search from nothing, and one more is";
         /// Prices of a term for which the first linearisations propose supports.
-        initial_prices: [f64; 3] = [1.0, 4.0, 16.0], unit "price of a term", source "set by hand";
+        initial_prices: [f64; 3] = [1.0, 4.0, 16.0], unit "price of a term", source "by factors of four, from rich supports to sparse ones";
         /// Prices for which backward elimination proposes supports about a fit.
         prices: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0], unit "price of a term", source "set by hand";
         /// Price above which a proposal is fitted whatever the linearised likelihood says of it.
@@ -226,7 +226,7 @@ family! {
         /// Ratio of residuals from which files count as having different sensors.
         files_differ: f64 = 1.5, unit "", source "set by hand";
         /// Robust distance beyond which a reading is an outlier.
-        outlier: f64 = 5.0, unit "robust standard deviations", source "set by hand";
+        outlier: f64 = 5.0, unit "robust standard deviations", source "normal noise goes so far once in 1.7 million readings";
         /// Neighbouring readings, in time and in value, whose deviations give the usual size there.
         around: usize = 50, unit "readings", source "a standard deviation from the median of 50 readings has a relative error of 1.17/sqrt(50): a sixth";
         /// Distance of its neighbours, relative to its own, up to which a reading is an outlier and not a misfit of the laws.
@@ -236,9 +236,9 @@ family! {
         /// Probability under a normal distribution below which outliers of a state are a doubt.
         outliers_by_chance: f64 = 1e-3, unit "", source "one false doubt in a thousand sensors";
         /// Blocks of the records that stability is judged on.
-        max_blocks: usize = 10, unit "blocks", source "set by hand";
+        max_blocks: usize = 10, unit "blocks", source "they divide into halves in 252 ways";
         /// Fewest blocks of which halves are drawn.
-        min_blocks: usize = 4, unit "blocks", source "set by hand";
+        min_blocks: usize = 4, unit "blocks", source "two blocks in each half";
         /// Samples of a block a state: its free first state then takes an eighth of its information.
         block_samples: usize = 8, unit "samples", source "n of 8 n readings determine the first state: an eighth";
         /// Columns beside those found whose products are kept.

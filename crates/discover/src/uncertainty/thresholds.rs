@@ -14,7 +14,7 @@ family! {
         /// Columns off the support that may replace a term.
         alternatives: usize = 50, unit "columns", source "docs/thresholds-study.csv: 50 and 100 give the same answers, and 50 takes half the time";
         /// Residual variance below which inner products, which carry half the digits of their columns, hold rounding only.
-        rounding: f64 = 1e-9, unit "of the target's mean square", source "set by hand";
+        rounding: f64 = 1e-9, unit "of the target's mean square", source "sums of 10^4 squares round by 1e-12; three digits of the variance are left";
     }
 }
 
@@ -22,9 +22,9 @@ family! {
     /// Complementary pairs stability selection (Shah & Samworth 2013).
     pub(crate) STABILITY_SELECTION: StabilitySelection {
         /// Random divisions of the blocks into two halves.
-        complementary_pairs: usize = 25, unit "pairs of halves", source "set by hand";
+        complementary_pairs: usize = 25, unit "pairs of halves", source "the frequency of a term among 50 halves has a standard error of 0.07; Shah & Samworth 2013 take 50 pairs";
         /// Blocks below which no halves are drawn.
-        min_blocks: usize = 4, unit "blocks", source "set by hand";
+        min_blocks: usize = 4, unit "blocks", source "two blocks in each half";
     }
 }
 

@@ -54,7 +54,7 @@ sidc_thresholds::family! {
         /// Error below which it is rounding and allows no longer steps.
         error_rounding: f64 = 1e-9, unit "of the allowed error", source "set by hand";
         /// Part of the way ahead from which a step is stretched to its end.
-        stretch: f64 = 0.999, unit "", source "set by hand";
+        stretch: f64 = 0.999, unit "", source "as RADAU5 from 0.9999 on: the rest would be a step too small to take";
         /// Newton iterations of a step.
         iterations: usize = 12, unit "iterations", source "Hairer, Wanner 1999, J. Comp. Appl. Math. 111, for five stages, rounded";
         /// Error that Newton's method may leave.
@@ -102,7 +102,7 @@ sidc_thresholds::family! {
     /// Initial states from noisy readings, by least squares over the first rows.
     pub INITIAL_STATE: InitialState {
         /// Rows at the beginning in which a start is looked for.
-        search_rows: usize = 1_000, unit "rows", source "set by hand";
+        search_rows: usize = 1_000, unit "rows", source "the first errors grow out of a start; more rows cost time and tell no more of it";
         /// Noise below which readings count as clean, as in `identify`.
         clean: f64 = 1e-6, unit "of the signal's spread", source "set by hand";
         /// Residual up to which readings are taken as they are: what smoothing called noise is motion.
@@ -142,7 +142,7 @@ sidc_thresholds::family! {
     /// Scores of a run.
     pub SCORES: Scores {
         /// Error up to which a run follows, where `--bound` does not say otherwise.
-        bound: f64 = 0.25, unit "standard deviations of the signal", source "set by hand";
+        bound: f64 = 0.25, unit "standard deviations of the signal", source "valid prediction time, which Pathak et al. 2018 end at 0.4 of the rms";
         /// Noise of the readings beside it, added as variances are.
         noise: f64 = 2.0, unit "standard deviations of the noise", source "with the rule of most rows: of noise of 0.2 spreads 2 % of the rows exceed it, three of five successive ones once in 10^4";
         /// Successive rows of which most have to be off.

@@ -17,7 +17,7 @@ use sidc_lang::term::Signal;
 /// Whether all terms together leave a large part of the target unexplained, and that part is motion rather than noise. False where
 /// this cannot be decided: estimated columns have correlated errors, and few rows are fitted by any terms.
 pub fn leaves_motion(library: &Library, target: Signal, samples: &Samples) -> bool {
-    let limits = UNEXPLAINED_MOTION;
+    let limits = &UNEXPLAINED_MOTION;
     let measured = |s: Signal| {
         let column = samples.column(s);
         column.is_some_and(|c| matches!(c.origin, Origin::Measured { .. }))

@@ -8,7 +8,7 @@ family! {
     /// The price of a term, and the least noise.
     pub(crate) CRITERION: Criterion {
         /// Price of a term over the logarithm of the number of readings; 1 would be the Bayesian criterion (Schwarz 1978).
-        term_price: f64 = 1.5, unit "ln(readings)", source "set by hand";
+        term_price: f64 = 1.5, unit "ln(readings)", source "1 ln(readings) is the Bayesian criterion (Schwarz 1978) for one support; half as much again for the choice among as many supports as there are readings (extended criterion, Chen & Chen 2008, γ = 1/4 at N = M)";
         /// Fewest readings in that logarithm.
         min_readings: f64 = 4.0, unit "readings", source "set by hand";
         /// What each degree of a term costs: its prior odds fall by κ = 1.5 a degree, as the graded norms have it.
@@ -16,6 +16,6 @@ family! {
         /// What a term that the model's author wrote out costs less than one that a generator made.
         written_discount: f64 = 0.5, unit "criterion", source "odds of e^(1/4) to 1; set by hand, not measured";
         /// Least floor under the noise.
-        min_floor: f64 = 0.5, unit "noise that smoothing sees", source "set by hand";
+        min_floor: f64 = 0.5, unit "noise that smoothing sees", source "smoothing knows the noise to a factor of two: the likelihood is not believed below half of it";
     }
 }

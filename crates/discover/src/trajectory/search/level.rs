@@ -269,13 +269,14 @@ impl<'a> SearchLevel<'a> {
         &self,
         form: &QuadraticForm,
         support: &[usize],
-        prices: [f64; SEARCH.prices.len()],
+        prices: &[f64],
         observer: &mut dyn Observer,
     ) -> Vec<(Vec<usize>, f64)> {
         let along = |j: &usize| form.right[*j].abs();
         let strongest = (0..form.p).max_by(|i, j| along(i).total_cmp(&along(j)));
-        let backward = form.backward_elimination(&prices);
-        let tasks: Vec<(Vec<usize>, f64)> = backward.into_iter().zip(prices).collect();
+        let backward = form.backward_elimination(prices);
+        let tasks: Vec<(Vec<usize>, f64)> =
+            (backward.into_iter().zip(prices.iter().copied())).collect();
         let descend = |(backward, price): &(Vec<usize>, f64)| {
             let starts = [
                 backward,
@@ -357,7 +358,7 @@ impl<'a> SearchLevel<'a> {
             }
         };
         let strengths = SEARCH.prices.map(|s| s * penalty);
-        for (best, strength) in self.descents(form, support, strengths, observer) {
+        for (best, strength) in self.descents(form, support, &strengths, observer) {
             let change = value(&best) - base;
             // Sparse supports are fitted whatever the quadratic form predicts.
             let change = if strength > SEARCH.sparse_price * penalty {
