@@ -28,7 +28,7 @@ pub(super) fn settle(
     }
     let of = (model, &program.libraries[..]);
     let search = &options.search;
-    let minima = unknown_constants::settle(of, (samples, 1), search, observer);
+    let minima = unknown_constants::minima(of, (samples, 1), search, observer);
     let mut values = minima.into_iter().next()?;
     let sought = unknown_constants::sought(model, samples);
     for _ in 0..BUDGET.constant_rounds {

@@ -9,7 +9,7 @@
 
 use sidc_data::Dataset;
 use sidc_discover as discover;
-use sidc_discover::{Depth, Description, Method};
+use sidc_discover::{Description, Method, SearchScope};
 use sidc_lang::added_state::{AddedState, behind_lag, behind_sensor, driven_by_state};
 use sidc_lang::library::{Library, MEMORY};
 use sidc_lang::model::{Var, VarKind};
@@ -61,7 +61,7 @@ pub(super) fn propose(
     let mut trial = Trial {
         dataset,
         options,
-        depth: Depth::Disturbances,
+        depth: SearchScope::Disturbances,
         observer: &mut quiet,
     };
     let own = description.or_else(|| Some(trial.describe(program)?.1));
@@ -69,7 +69,7 @@ pub(super) fn propose(
         return;
     };
     if !own.is_disturbed() {
-        trial.depth = Depth::Sensors;
+        trial.depth = SearchScope::Sensors;
     }
     let mut tried = trial.each(lagged((program, dataset), &doubted), program);
     let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
@@ -99,7 +99,7 @@ struct Trial<'a> {
     dataset: &'a Dataset,
     options: &'a Options,
     /// Disturbances are looked for beside an added state where the answer has some: each can stand for the other.
-    depth: Depth,
+    depth: SearchScope,
     observer: &'a mut dyn Observer,
 }
 

@@ -42,7 +42,9 @@ pub use doubts::constant_rules::doubt_constants;
 pub use doubts::regression_rules::tie;
 pub use early_stop::{doubt_unassessed, unverified};
 pub use joint::no_fit::nothing_fits;
-pub use joint::{Depth, Description, Fitted, NotJoint, describe_jointly, discover_jointly, joint};
+pub use joint::{
+    Description, Fitted, NotJoint, SearchScope, describe_jointly, discover_jointly, joint,
+};
 pub use needed_signals::needed_signals;
 pub use options::{METHODS, Method, Options};
 pub use random::SplitMix;

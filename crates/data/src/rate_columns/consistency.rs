@@ -36,7 +36,7 @@ pub(super) struct Fault {
 
 /// The result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Verdict {
+pub(super) enum RateComparison {
     /// No contradiction, or too little data to find one.
     Silent,
     /// The column is another signal; with the correlation between changes of the state and integrals of the rate.
@@ -48,14 +48,14 @@ pub(super) enum Verdict {
 const KINDS: [Kind; 4] = [Kind::Bias, Kind::Gain, Kind::Lag, Kind::Smoothing];
 
 /// Compares a rate with the samples of its state.
-pub(super) fn compare(stretches: &[Stretch]) -> Verdict {
+pub(super) fn compare(stretches: &[Stretch]) -> RateComparison {
     let Some(data) = accumulate(stretches) else {
-        return Verdict::Silent;
+        return RateComparison::Silent;
     };
     // Where samples are rough, the integral of the rate between them is unknown.
     let told = data.roughness < RATES.rough;
     if let Some(correlation) = unrelated(stretches).filter(|_| told) {
-        return Verdict::Unrelated(correlation);
+        return RateComparison::Unrelated(correlation);
     }
     // Ratios of the two variances from nearly white noise alone to nearly a random walk alone.
     let ratios = (-8..=8).map(|e| 10f64.powi(e));
@@ -65,8 +65,8 @@ pub(super) fn compare(stretches: &[Stretch]) -> Verdict {
     };
     let found = search.select();
     match found.is_empty() {
-        true => Verdict::Silent,
-        false => Verdict::Faulty(found),
+        true => RateComparison::Silent,
+        false => RateComparison::Faulty(found),
     }
 }
 

@@ -22,7 +22,7 @@ use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames};
 
 use crate::dataset::{BoundTrajectory, Input, RateFault};
-use consistency::{Fault, Kind, Verdict};
+use consistency::{Fault, Kind, RateComparison};
 use stretch::{Stretch, stretches};
 use thresholds::RATES;
 
@@ -58,9 +58,9 @@ pub(crate) fn judge(
             continue;
         }
         let (said, fault) = match column.compare(trajectories, inputs) {
-            Verdict::Silent => continue,
-            Verdict::Unrelated(correlation) => column.unrelated(correlation),
-            Verdict::Faulty(faults) => column.disagrees(&faults, &source(rate)),
+            RateComparison::Silent => continue,
+            RateComparison::Unrelated(correlation) => column.unrelated(correlation),
+            RateComparison::Faulty(faults) => column.disagrees(&faults, &source(rate)),
         };
         out.push(said);
         faults.push(fault);
@@ -98,7 +98,7 @@ impl RateColumn<'_> {
         })
     }
 
-    fn compare(&self, among: &[BoundTrajectory], inputs: &[Input]) -> Verdict {
+    fn compare(&self, among: &[BoundTrajectory], inputs: &[Input]) -> RateComparison {
         consistency::compare(&self.stretches(among, Some(inputs)))
     }
 

@@ -21,7 +21,7 @@ const REACHES: [usize; 3] = [8, 25, 50];
 pub(super) fn filter_length(stretches: &[Stretch]) -> Option<usize> {
     let noise = state_noise(stretches);
     for reach in REACHES {
-        let left = least_left(stretches, noise, reach)?;
+        let left = filter_residual(stretches, noise, reach)?;
         if left < FILTERS.shared {
             return Some(2 * reach + 1);
         }
@@ -47,7 +47,7 @@ fn state_noise(stretches: &[Stretch]) -> f64 {
 }
 
 /// The residual of the rate after the best filter of the samples, over the noise that this filter passes on; `None` with too few samples.
-fn least_left(stretches: &[Stretch], noise: f64, reach: usize) -> Option<f64> {
+fn filter_residual(stretches: &[Stretch], noise: f64, reach: usize) -> Option<f64> {
     let rows = windows(stretches, reach);
     let weights = 2 * reach;
     if rows.len() < FILTERS.samples_per_weight * weights {

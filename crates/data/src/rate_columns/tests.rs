@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::consistency::{Fault, Kind, Verdict, compare};
+use super::consistency::{Fault, Kind, RateComparison, compare};
 use super::formulas::formula;
 use super::shared_noise::filter_length;
 use super::stretch::Stretch;
@@ -83,7 +83,11 @@ fn a_true_rate_is_left_alone() {
         for noise in NOISES {
             for uneven in [0.0, 0.6] {
                 let s = [motion((seed, uneven), noise, &|t, r| r(t))];
-                assert_eq!(compare(&s), Verdict::Silent, "{seed} {noise:?} {uneven}");
+                assert_eq!(
+                    compare(&s),
+                    RateComparison::Silent,
+                    "{seed} {noise:?} {uneven}"
+                );
                 assert_eq!(formula(&s), None, "{seed} {noise:?} {uneven}");
                 assert_eq!(filter_length(&s), None, "{seed} {noise:?} {uneven}");
             }
@@ -92,8 +96,8 @@ fn a_true_rate_is_left_alone() {
 }
 
 /// One fault and no other, within six of its standard errors.
-fn only(found: &Verdict, kind: Kind, value: f64) {
-    let Verdict::Faulty(faults) = found else {
+fn only(found: &RateComparison, kind: Kind, value: f64) {
+    let RateComparison::Faulty(faults) = found else {
         panic!("{kind:?} of {value}: {found:?}");
     };
     let [
@@ -132,7 +136,7 @@ fn a_fault_is_found_with_its_size() {
 fn a_rate_that_is_late_or_smoothed_is_said_to_be() {
     for seed in SEEDS {
         let late = motion((seed, 0.3), (1e-4, 1e-4), &|t, r| r(t - 0.03));
-        let Verdict::Faulty(faults) = compare(&[late]) else {
+        let RateComparison::Faulty(faults) = compare(&[late]) else {
             panic!("late, seed {seed}");
         };
         // The first two moments of a shift: the lag, and what its square does.
@@ -141,7 +145,8 @@ fn a_rate_that_is_late_or_smoothed_is_said_to_be() {
         let mean = |t: f64, r: &dyn Fn(f64) -> f64| {
             (-20..=20).map(|k| r(t + 0.01 * f64::from(k))).sum::<f64>() / 41.0
         };
-        let Verdict::Faulty(faults) = compare(&[motion((seed, 0.3), (1e-4, 1e-4), &mean)]) else {
+        let RateComparison::Faulty(faults) = compare(&[motion((seed, 0.3), (1e-4, 1e-4), &mean)])
+        else {
             panic!("smoothed, seed {seed}");
         };
         let width = faults.iter().find(|f| f.kind == Kind::Smoothing);
@@ -216,7 +221,11 @@ fn jumps_of_a_force_between_coarse_samples_are_no_fault() {
         for hold in [1, 2, 3, 5, 12] {
             for s in pushed(seed, hold) {
                 let found = compare(std::slice::from_ref(&s));
-                assert_eq!(found, Verdict::Silent, "seed {seed}, every {hold} samples");
+                assert_eq!(
+                    found,
+                    RateComparison::Silent,
+                    "seed {seed}, every {hold} samples"
+                );
                 assert_eq!(formula(&[s]), None);
             }
         }
@@ -233,6 +242,6 @@ fn rows_that_are_no_record_tell_nothing() {
             state: column(),
             rate: column(),
         };
-        assert_eq!(compare(&[s]), Verdict::Silent);
+        assert_eq!(compare(&[s]), RateComparison::Silent);
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn find(
     smoother: &mut InformationSmoother,
 ) -> (Vec<usize>, SelectedFit) {
     let present = channel.present();
-    let judgeable = judgeable(channel, &present);
+    let may_be_outlier = may_be_outlier(channel, &present);
     let with_all = channel.select_fit(&present, sigma, None, smoother);
     let mut selected = with_all;
     let mut weights = present.clone();
@@ -33,7 +33,7 @@ pub(super) fn find(
     for _ in 0..OUTLIERS.passes {
         let residuals = studentised(channel, &weights, &selected, smoother);
         let relative = standardised(&residuals, &weights, &selected, channel.rounding_error());
-        let candidates = away_from_jumps(channel, selected.break_model, &judgeable);
+        let candidates = away_from_jumps(channel, selected.break_model, &may_be_outlier);
         let next = reject(&relative, &out, selected.fit.width, &candidates);
         if next == out || (next == before && !next.is_empty()) {
             break;
@@ -47,7 +47,7 @@ pub(super) fn find(
     }
     let residuals = studentised(channel, &weights, &selected, smoother);
     let found = out.len();
-    out.retain(|row| stands_alone(*row, &residuals, &weights));
+    out.retain(|row| is_isolated(*row, &residuals, &weights));
     if out.len() < found {
         weights = channel.weights_without(&out);
         selected = channel.select_fit(&weights, sigma, None, smoother);
@@ -124,7 +124,7 @@ fn neighbourhood(row: usize, reach: usize, rows: usize) -> std::ops::Range<usize
 
 /// Whether each row may be an outlier. Excluded are the first and last two values between gaps, where an outlier looks like
 /// a turn, and values of segments so short that each determines the curve.
-fn judgeable(channel: &ScaledChannel, present: &[f64]) -> Vec<bool> {
+fn may_be_outlier(channel: &ScaledChannel, present: &[f64]) -> Vec<bool> {
     let mut out = vec![false; present.len()];
     let ends = channel.gaps.iter().copied().chain([present.len()]);
     let mut start = 0;
@@ -143,8 +143,12 @@ fn judgeable(channel: &ScaledChannel, present: &[f64]) -> Vec<bool> {
 }
 
 /// Excludes rows beside a jump that the curve has, since the curve ends there.
-fn away_from_jumps(channel: &ScaledChannel, break_model: usize, judgeable: &[bool]) -> Vec<bool> {
-    let mut out = judgeable.to_vec();
+fn away_from_jumps(
+    channel: &ScaledChannel,
+    break_model: usize,
+    may_be_outlier: &[bool],
+) -> Vec<bool> {
+    let mut out = may_be_outlier.to_vec();
     let nodes = channel
         .break_models
         .get(break_model)
@@ -182,7 +186,7 @@ fn reject(relative: &[f64], before: &[usize], width: f64, candidates: &[bool]) -
 
 /// True if the neighbours lie near the curve without the value. At a turn that the spline cannot follow they are as far off
 /// as the value.
-fn stands_alone(row: usize, residuals: &[f64], weights: &[f64]) -> bool {
+fn is_isolated(row: usize, residuals: &[f64], weights: &[f64]) -> bool {
     let own = residuals.get(row).copied().unwrap_or(0.0);
     neighbourhood(row, 3, residuals.len())
         .filter(|r| has_weight(weights, *r))

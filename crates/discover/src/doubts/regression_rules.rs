@@ -45,10 +45,10 @@ pub(crate) fn doubts(case: &RegressionCase) -> Vec<Reason> {
         heuristic,
         contradicted,
         solver,
-        crowded,
+        too_many_terms,
         poor_fit,
         misfit,
-        strayed,
+        badly_fitted_rows_doubt,
         coloured,
         used_up,
         rough,
@@ -134,7 +134,7 @@ fn solver(c: &RegressionCase) -> Option<Reason> {
 }
 
 /// Too many terms for the rows: any target can be fitted like that.
-fn crowded(c: &RegressionCase) -> Option<Reason> {
+fn too_many_terms(c: &RegressionCase) -> Option<Reason> {
     let (k, m) = (c.terms.len(), c.evidence.rows);
     if DOUBTS.sparse_rows * k > m && k > 1 {
         return Some(Reason::new(
@@ -226,7 +226,7 @@ pub(crate) fn times(factor: f64) -> String {
 }
 
 /// Rows of small weight that contradict an equation whose residual as a whole passes.
-fn strayed(c: &RegressionCase) -> Option<Reason> {
+fn badly_fitted_rows_doubt(c: &RegressionCase) -> Option<Reason> {
     let s = c.remains.strays?;
     let hidden = poor_fit(c).is_none() && misfit(c).is_none();
     hidden.then(|| {

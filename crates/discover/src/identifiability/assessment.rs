@@ -21,7 +21,7 @@ use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Term};
 use sidc_solve::threads;
 use sidc_system::discovery::{
-    Alike, Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, ReasonCode,
+    CosineTable, Discovery, Equation, Failed, Finding, Identifiability, Pair, Reason, ReasonCode,
     Relation, Status,
 };
 
@@ -166,7 +166,7 @@ pub fn assess(design: &ScaledDesign, library: &Library, rows: Rows, ranks: bool)
 }
 
 /// The cosines between the terms of the support and the columns most collinear with one of them.
-fn cosine_table(design: &ScaledDesign, gram: &GramMatrix) -> Option<Alike> {
+fn cosine_table(design: &ScaledDesign, gram: &GramMatrix) -> Option<CosineTable> {
     let support: Vec<usize> = design
         .support
         .iter()
@@ -195,7 +195,7 @@ fn cosine_table(design: &ScaledDesign, gram: &GramMatrix) -> Option<Alike> {
         before.map(|q| rounded(gram.cosine(*p, *q))).collect()
     };
     let language = Language(design.model);
-    (!support.is_empty()).then(|| Alike {
+    (!support.is_empty()).then(|| CosineTable {
         terms: (columns.iter().map(|p| language.term(design.term(*p)))).collect(),
         support: support.len(),
         cosines: columns.iter().enumerate().map(row).collect(),

@@ -23,24 +23,24 @@ pub(crate) struct ConstrainedAnswer<'a> {
 }
 
 /// What a search under constraints ended with.
-pub(crate) enum Settled<'a> {
+pub(crate) enum SearchOutcome<'a> {
     Answer(Box<ConstrainedAnswer<'a>>),
     /// No laws could be fitted under the constraints, but some were without them.
     OnlyFree(Box<JointFit<'a>>),
     Nothing,
 }
 
-impl Settled<'_> {
+impl SearchOutcome<'_> {
     /// The same, owning its problems.
-    pub fn into_owned<'b>(self) -> Settled<'b> {
+    pub fn into_owned<'b>(self) -> SearchOutcome<'b> {
         match self {
-            Settled::Answer(answer) => Settled::Answer(Box::new(ConstrainedAnswer {
+            SearchOutcome::Answer(answer) => SearchOutcome::Answer(Box::new(ConstrainedAnswer {
                 fit: answer.fit.into_owned(),
                 free: answer.free.map(JointFit::into_owned),
                 left: answer.left,
             })),
-            Settled::OnlyFree(free) => Settled::OnlyFree(Box::new(free.into_owned())),
-            Settled::Nothing => Settled::Nothing,
+            SearchOutcome::OnlyFree(free) => SearchOutcome::OnlyFree(Box::new(free.into_owned())),
+            SearchOutcome::Nothing => SearchOutcome::Nothing,
         }
     }
 }
@@ -52,14 +52,14 @@ pub(crate) fn search_under_constraints<'a>(
     start: Option<StartingSupport>,
     options: &Options,
     watcher: &mut EquationObserver,
-) -> Settled<'a> {
+) -> SearchOutcome<'a> {
     let settled =
-        |fit, free, left| Settled::Answer(Box::new(ConstrainedAnswer { fit, free, left }));
+        |fit, free, left| SearchOutcome::Answer(Box::new(ConstrainedAnswer { fit, free, left }));
     let answer = |fit, free| settled(fit, free, Vec::new());
     let constraints = &problem.system.constraints;
     if constraints.rows.is_empty() {
         let found = search_runs((model, problem), start, options, watcher);
-        return found.map_or(Settled::Nothing, |pooled| {
+        return found.map_or(SearchOutcome::Nothing, |pooled| {
             settled(pooled.fit, None, pooled.left)
         });
     }
@@ -81,14 +81,14 @@ pub(crate) fn search_under_constraints<'a>(
         return match under_constraints(model, problem, (options, &free), watcher) {
             Some(fit) => answer(fit, Some(free)),
             None if watcher.stop().is_some() => answer(free, None),
-            None => Settled::OnlyFree(Box::new(free)),
+            None => SearchOutcome::OnlyFree(Box::new(free)),
         };
     }
     match watcher.stop() {
         // The free search found nothing; the constraints may keep the search from going astray.
         None => search_system((model, problem), None, options, watcher)
-            .map_or(Settled::Nothing, |fit| answer(fit, None)),
-        Some(_) => Settled::Nothing,
+            .map_or(SearchOutcome::Nothing, |fit| answer(fit, None)),
+        Some(_) => SearchOutcome::Nothing,
     }
 }
 
@@ -113,13 +113,13 @@ fn under_constraints<'a>(
     let better = match poor(b) {
         false => true,
         // Likelihoods are comparable only if both fits are of the same readings.
-        true => same_readings(a, b) && a.misfit() > b.misfit(),
+        true => likelihoods_comparable(a, b) && a.misfit() > b.misfit(),
     };
     if better { anew } else { near }
 }
 
 /// Whether two fits have the same delays and as many readings left out, so that their likelihoods are comparable.
-pub(crate) fn same_readings(a: &JointFit, b: &JointFit) -> bool {
+pub(crate) fn likelihoods_comparable(a: &JointFit, b: &JointFit) -> bool {
     a.late == b.late && a.problem.left_out.len() == b.problem.left_out.len()
 }
 

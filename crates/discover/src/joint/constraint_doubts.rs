@@ -6,7 +6,7 @@
 use crate::constrained::constraint_check::{coefficient_text, constraint_text, six_digits};
 use crate::constrained::thresholds::DATA_CONFLICT;
 use crate::doubts::trajectory_rules::unexplained;
-use crate::joint::constrained_search::{ConstrainedAnswer, same_readings};
+use crate::joint::constrained_search::{ConstrainedAnswer, likelihoods_comparable};
 use crate::joint::joint_fit::{self, JointFit};
 use crate::known_terms::fixed_terms;
 use crate::refusal::Refusal;
@@ -99,7 +99,7 @@ fn value(fit: &Fit, column: usize) -> f64 {
 /// not of the same readings, or where χ² does not fall.
 fn gain(free: &JointFit, fit: &JointFit) -> Option<f64> {
     let gain = (fit.misfit() - free.misfit()) / free.found.inefficiency;
-    (same_readings(free, fit) && gain > 0.0).then_some(gain)
+    (likelihoods_comparable(free, fit) && gain > 0.0).then_some(gain)
 }
 
 /// The likelihood linearised about the free answer.
@@ -157,7 +157,7 @@ pub(crate) fn refuse_contradiction(
         return Ok(());
     };
     let explains = |f: &JointFit| !joint_fit::unexplained(&f.problem, &f.found.best);
-    let lost = match same_readings(free, &answer.fit) {
+    let lost = match likelihoods_comparable(free, &answer.fit) {
         true => gain(free, &answer.fit).is_some_and(|g| g > DATA_CONFLICT.impossible),
         false => true,
     };

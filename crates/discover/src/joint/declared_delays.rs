@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 
 use crate::doubts::trajectory_rules::with_delay;
-use crate::joint::constrained_search::{Settled, search_under_constraints};
+use crate::joint::constrained_search::{SearchOutcome, search_under_constraints};
 use crate::joint::weak_start::weak_start;
 use crate::options::Options;
 use crate::trajectory::{
@@ -29,7 +29,7 @@ pub(crate) struct DeclaredDelays {
 }
 
 /// Settles the delays of a model.
-pub(crate) fn settle(
+pub(crate) fn estimate_delays(
     (model, libraries): (&Model, &[Option<Library>]),
     dataset: &Dataset,
     problem: &Problem,
@@ -53,7 +53,7 @@ pub(crate) fn settle(
         let acted = acted(model, dataset, &delays);
         let start = weak_start((model, libraries), &acted, &at, options, watcher);
         let settled = search_under_constraints((model, &at), start, options, watcher);
-        let Settled::Answer(answer) = settled else {
+        let SearchOutcome::Answer(answer) = settled else {
             break;
         };
         let (fit, count) = (&answer.fit, delays.len());

@@ -72,7 +72,7 @@ pub(crate) fn search_from<'a>(
 ) -> Option<JointFit<'a>> {
     let laws = &free.problem.system.laws;
     let found = watched(laws, watcher, |guide| {
-        trajectory::search_from_free(&free.problem, &free.found, guide)
+        trajectory::search_from_fit(&free.problem, &free.found, guide)
     })?;
     let late = free.late.clone();
     Some(JointFit::new(free.problem.clone(), found, late))
@@ -239,9 +239,9 @@ impl DelayOutlierSearch<'_, '_> {
     /// first-order lag is the simplest of these: the effect is called a delay only if a lag explains less.
     fn lag_or_delay(&mut self, problem: &Problem, fit: &mut JointFit) {
         let Some(late) = &fit.late else { return };
-        let same_readings = fit.problem.left_out.len() == problem.left_out.len();
+        let likelihoods_comparable = fit.problem.left_out.len() == problem.left_out.len();
         let noise_alone = !unexplained(&fit.problem, &fit.found.best);
-        if noise_alone || !same_readings || self.watcher.stop().is_some() {
+        if noise_alone || !likelihoods_comparable || self.watcher.stop().is_some() {
             return;
         }
         fit.lag = trajectory::find_lag(problem, late, &fit.found, self.watcher);
@@ -319,7 +319,7 @@ impl DelayOutlierSearch<'_, '_> {
             };
             let laws = &lasting.problem.system.laws;
             let found = watched(laws, self.watcher, |guide| {
-                trajectory::search_from_free(&lasting.problem, &start, guide)
+                trajectory::search_from_fit(&lasting.problem, &start, guide)
             });
             let Some(found) = found else { break };
             let late = fit.late.clone();

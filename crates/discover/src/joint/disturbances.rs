@@ -3,7 +3,7 @@
 //! In: a problem, the answer without disturbances, if there is one. Out: the answer with them, or nothing. Never writes messages.
 
 use crate::doubts::trajectory_rules;
-use crate::joint::constrained_search::{ConstrainedAnswer, Settled};
+use crate::joint::constrained_search::{ConstrainedAnswer, SearchOutcome};
 use crate::joint::delay_outlier_search::search_with_disturbances;
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::library_probe::probe_libraries;
@@ -17,25 +17,25 @@ use sidc_progress::EquationObserver;
 /// The outcome of a search, with disturbances where these explain what it leaves, or where it found nothing.
 pub(crate) fn with_disturbances<'a>(
     of: (&Model, &Problem),
-    settled: Settled<'a>,
+    settled: SearchOutcome<'a>,
     watcher: &mut EquationObserver,
-) -> Settled<'a> {
+) -> SearchOutcome<'a> {
     match settled {
-        Settled::Answer(mut answer) => {
+        SearchOutcome::Answer(mut answer) => {
             if let Some(fit) = disturbed(of, Some(&answer), watcher) {
                 answer.fit = fit;
             }
-            Settled::Answer(answer)
+            SearchOutcome::Answer(answer)
         }
-        Settled::Nothing => match disturbed(of, None, watcher) {
-            None => Settled::Nothing,
-            Some(fit) => Settled::Answer(Box::new(ConstrainedAnswer {
+        SearchOutcome::Nothing => match disturbed(of, None, watcher) {
+            None => SearchOutcome::Nothing,
+            Some(fit) => SearchOutcome::Answer(Box::new(ConstrainedAnswer {
                 fit,
                 free: None,
                 left: Vec::new(),
             })),
         },
-        Settled::OnlyFree(free) => Settled::OnlyFree(free),
+        SearchOutcome::OnlyFree(free) => SearchOutcome::OnlyFree(free),
     }
 }
 
@@ -74,8 +74,8 @@ fn disturbed<'a>(
     let known = before.map_or(problem, |b| &b.problem);
     let fit = search_with_disturbances(known, (before, gained.unwrap_or(0.0)), watcher)?;
     let better = explained(&fit)
-        && laws_prevail(problem, &fit)
-        && before.is_none_or(|b| takes_the_place(b, &fit, watcher));
+        && laws_dominate(problem, &fit)
+        && before.is_none_or(|b| replaces_answer(b, &fit, watcher));
     (better && watcher.stop().is_none()).then_some(fit)
 }
 
@@ -93,7 +93,7 @@ fn explained(fit: &JointFit) -> bool {
 
 /// Whether the variance of every disturbance with a memory is less than half of that of its target, so that the law explains the larger
 /// part.
-fn laws_prevail(problem: &Problem, fit: &JointFit) -> bool {
+fn laws_dominate(problem: &Problem, fit: &JointFit) -> bool {
     let disturbances = fit.found.best.process().into_iter().flat_map(|p| &p.laws);
     disturbances.enumerate().all(|(l, d)| match d {
         Disturbance::White { .. } => true,
@@ -103,7 +103,7 @@ fn laws_prevail(problem: &Problem, fit: &JointFit) -> bool {
     })
 }
 
-fn takes_the_place(
+fn replaces_answer(
     before: &JointFit,
     disturbed: &JointFit,
     watcher: &mut EquationObserver,

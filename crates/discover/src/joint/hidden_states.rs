@@ -9,7 +9,7 @@ use crate::joint::joint_fit::JointFit;
 use crate::selection::thresholds::TERM_SELECTION;
 use crate::trajectory::{
     Parameter, Problem, SoughtConstant, ToldScale, exchanged_constants, exchanged_lags,
-    untold_parameters, with_told_scales,
+    unidentifiable_directions, with_told_scales,
 };
 use sidc_lang::model::Model;
 use sidc_lang::number::significant;
@@ -110,14 +110,15 @@ pub(crate) fn doubt(
         ..*c
     });
     let free: Vec<SoughtConstant> = free.collect();
-    let untold = untold_parameters(problem, &found.best, &free, found.inefficiency, watcher);
+    let directions =
+        unidentifiable_directions(problem, &found.best, &free, found.inefficiency, watcher);
     // A coefficient of a term without hidden states has the doubt `uncertain-coefficient` instead.
     let alone = |p: &Parameter| match p {
         Parameter::Coefficient(j) => !problem.system.mentions_hidden(problem.term(*j)),
         Parameter::Constant(_) => false,
     };
     let one_measured = |d: &&Vec<(Parameter, f64)>| matches!(&d[..], [(p, _)] if alone(p));
-    for direction in untold.iter().filter(|d| !one_measured(d)) {
+    for direction in directions.iter().filter(|d| !one_measured(d)) {
         let names: Vec<(String, f64)> = (direction.iter())
             .map(|(p, power)| (named(model, problem, constants, *p), *power))
             .collect();

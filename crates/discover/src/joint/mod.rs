@@ -26,7 +26,7 @@ mod weak_start;
 
 pub use applicability::{NotJoint, joint};
 pub use description::Description;
-pub use search_with_constants::Depth;
+pub use search_with_constants::SearchScope;
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ use crate::constrained::constraint_check::{doubt_broken, doubt_equations};
 use crate::doubts::dependent_states::doubt_dependent_states;
 use crate::doubts::{pooling_rules, trajectory_rules};
 use crate::early_stop::{self, doubt_unassessed};
-use crate::joint::constrained_search::{ConstrainedAnswer, Settled};
+use crate::joint::constrained_search::{ConstrainedAnswer, SearchOutcome};
 use crate::joint::constraint_doubts::{contradiction, doubts, refuse_contradiction};
 use crate::joint::declared_delays::DeclaredDelays;
 use crate::joint::joint_fit::JointFit;
@@ -81,7 +81,7 @@ pub fn discover_jointly(
     let discovery = Discovery::of(model);
     let (of, watcher) = ((model, libraries), &mut watcher);
     let conclude = |ended: Ended, watcher: &mut EquationObserver| match ended.searched.settled {
-        Settled::Answer(mut answer) => {
+        SearchOutcome::Answer(mut answer) => {
             let scales = hidden_states::settle_scales(&mut answer, watcher);
             // A search that was cut short shows no contradiction.
             if watcher.stop().is_none() {
@@ -103,7 +103,7 @@ pub fn discover_jointly(
             constants.state(model, (fit.0, fit.1), &mut discovery, watcher);
             Ok(Some((discovery, fitted)))
         }
-        Settled::OnlyFree(free) => {
+        SearchOutcome::OnlyFree(free) => {
             let nothing_under = None;
             Err(contradiction(
                 &discovery,
@@ -113,7 +113,7 @@ pub fn discover_jointly(
                 watcher,
             ))
         }
-        Settled::Nothing => Ok(watcher.stop().map(|stop| {
+        SearchOutcome::Nothing => Ok(watcher.stop().map(|stop| {
             let failed = |law: &Law| Failed {
                 target: law.target,
                 reasons: vec![early_stop::failure(stop)],
@@ -133,14 +133,14 @@ pub fn discover_jointly(
 pub fn describe_jointly(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
-    depth: Depth,
+    depth: SearchScope,
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<(Discovery, Description)> {
     let mut watcher = EquationObserver::new(observer);
     let of = (model, libraries);
     let conclude = |ended: Ended, watcher: &mut EquationObserver| {
-        let Settled::Answer(mut answer) = ended.searched.settled else {
+        let SearchOutcome::Answer(mut answer) = ended.searched.settled else {
             return None;
         };
         hidden_states::settle_scales(&mut answer, watcher);
@@ -164,23 +164,23 @@ struct Ended<'a> {
 
 /// Settles delays, constants, terms and disturbances; by a short search, if its depth is given.
 fn search_jointly<T>(
-    depth: Option<Depth>,
+    depth: Option<SearchScope>,
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
     watcher: &mut EquationObserver,
     conclude: impl FnOnce(Ended, &mut EquationObserver) -> T,
 ) -> T {
-    let delays = declared_delays::settle(of, dataset, problem, options, watcher);
+    let delays = declared_delays::estimate_delays(of, dataset, problem, options, watcher);
     let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
     let data = (dataset.as_ref(), problem.as_ref());
-    let starts = unknown_constants::settle(of, data, options, watcher);
+    let starts = unknown_constants::constant_starts(of, data, options, watcher);
     let searched = match depth {
         None => search_with_constants(of, data, starts, options, watcher),
         Some(depth) => sketch_with_constants(of, data, (starts, depth), options, watcher),
     };
     let nothing = || Searched {
-        settled: Settled::Nothing,
+        settled: SearchOutcome::Nothing,
         constants: Constants::none(),
     };
     let ended = Ended {

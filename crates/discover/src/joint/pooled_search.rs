@@ -57,10 +57,10 @@ pub(crate) fn search_runs<'a>(
         .collect();
     // If only half of the runs or fewer are explained when searched alone, the library may lack a term that the others need.
     let most = 2 * good.len() > runs.len() || all.is_none();
-    if most && let Some(found) = search.on_good(&good, &runs, &alone) {
+    if most && let Some(found) = search.fit_explained_runs(&good, &runs, &alone) {
         return Some(found);
     }
-    all.map(whole).or_else(|| search.on_any(alone, &runs))
+    all.map(whole).or_else(|| search.fit_any_runs(alone, &runs))
 }
 
 fn whole(fit: JointFit) -> PooledFit {
@@ -99,7 +99,7 @@ impl RunSearch<'_, '_, '_> {
     }
 
     /// The fit to the runs that are explained alone: with shared coefficients, or else with coefficients for each run.
-    fn on_good<'b>(
+    fn fit_explained_runs<'b>(
         &mut self,
         good: &[usize],
         runs: &[usize],
@@ -159,7 +159,7 @@ impl RunSearch<'_, '_, '_> {
     }
 
     /// The fit to the runs that can be followed at all: all of them together, or else the longest alone.
-    fn on_any<'b>(
+    fn fit_any_runs<'b>(
         &mut self,
         alone: Vec<(usize, Option<JointFit<'b>>)>,
         runs: &[usize],

@@ -6,7 +6,9 @@
 
 use std::borrow::Cow;
 
-use crate::joint::constrained_search::{ConstrainedAnswer, Settled, search_under_constraints};
+use crate::joint::constrained_search::{
+    ConstrainedAnswer, SearchOutcome, search_under_constraints,
+};
 use crate::joint::delay_outlier_search::search_terms;
 use crate::joint::disturbances::with_disturbances;
 use crate::joint::joint_fit::{JointFit, unexplained};
@@ -21,7 +23,7 @@ use sidc_progress::EquationObserver;
 
 /// Terms with their constants.
 pub(crate) struct Searched<'a> {
-    pub settled: Settled<'a>,
+    pub settled: SearchOutcome<'a>,
     pub constants: Constants,
 }
 
@@ -52,7 +54,7 @@ pub(crate) fn search_with_constants<'a>(
 pub(crate) fn sketch_with_constants<'a>(
     of: (&'a Model, &'a [Option<Library>]),
     data: (&'a Dataset, &'a Problem),
-    (starts, depth): (Vec<Constants>, Depth),
+    (starts, depth): (Vec<Constants>, SearchScope),
     options: &'a Options,
     watcher: &mut EquationObserver,
 ) -> Option<Searched<'a>> {
@@ -71,7 +73,7 @@ pub(crate) fn sketch_with_constants<'a>(
 impl Searched<'_> {
     fn value(&self) -> f64 {
         match &self.settled {
-            Settled::Answer(a) => a.fit.found.best.value,
+            SearchOutcome::Answer(a) => a.fit.found.best.value,
             _ => f64::INFINITY,
         }
     }
@@ -79,7 +81,7 @@ impl Searched<'_> {
 
 /// What a search of terms looks for besides them.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Depth {
+pub enum SearchScope {
     /// Nothing else.
     Terms,
     /// Faults of sensors too: outliers, delays, offsets.
@@ -107,12 +109,12 @@ impl<'a> ConstantSearch<'a> {
         let mut round = 0;
         loop {
             let depth = if careful {
-                Depth::Disturbances
+                SearchScope::Disturbances
             } else {
-                Depth::Terms
+                SearchScope::Terms
             };
             let mut settled = self.at(&constants, start.take(), depth, watcher);
-            let Settled::Answer(answer) = &mut settled else {
+            let SearchOutcome::Answer(answer) = &mut settled else {
                 return Searched { settled, constants };
             };
             let laws = match known.take().filter(|k| k.is_of(&answer.fit)) {
@@ -144,15 +146,15 @@ impl<'a> ConstantSearch<'a> {
     fn sketch(
         &self,
         constants: Constants,
-        depth: Depth,
+        depth: SearchScope,
         watcher: &mut EquationObserver,
     ) -> Searched<'a> {
         let (dataset, problem) = self.data;
         let at = constants.started(problem, HIDDEN.judged, watcher);
         let acting = constants.dataset(dataset);
-        let settled = self.on((&acting, &at), None, Depth::Terms, watcher);
-        let Settled::Answer(answer) = settled else {
-            let settled = Settled::Nothing;
+        let settled = self.on((&acting, &at), None, SearchScope::Terms, watcher);
+        let SearchOutcome::Answer(answer) = settled else {
+            let settled = SearchOutcome::Nothing;
             return Searched { settled, constants };
         };
         let of = (answer.fit.problem.as_ref(), &answer.fit.found);
@@ -170,9 +172,9 @@ impl<'a> ConstantSearch<'a> {
         &self,
         constants: &Constants,
         start: Option<StartingSupport>,
-        depth: Depth,
+        depth: SearchScope,
         watcher: &mut EquationObserver,
-    ) -> Settled<'a> {
+    ) -> SearchOutcome<'a> {
         let (dataset, problem) = self.data;
         match constants.started(problem, HIDDEN.courses, watcher) {
             Cow::Borrowed(at) => self.on((dataset, at), start, depth, watcher),
@@ -188,22 +190,22 @@ impl<'a> ConstantSearch<'a> {
         &self,
         (dataset, problem): (&Dataset, &'b Problem),
         start: Option<StartingSupport>,
-        depth: Depth,
+        depth: SearchScope,
         watcher: &mut EquationObserver,
-    ) -> Settled<'b> {
+    ) -> SearchOutcome<'b> {
         let (model, _) = self.of;
         let start = start.or_else(|| weak_start(self.of, dataset, problem, self.options, watcher));
         let of = (model, problem);
-        if depth != Depth::Terms {
+        if depth != SearchScope::Terms {
             let settled = search_under_constraints(of, start, self.options, watcher);
             return match depth {
-                Depth::Disturbances => with_disturbances(of, settled, watcher),
+                SearchScope::Disturbances => with_disturbances(of, settled, watcher),
                 _ => settled,
             };
         }
         match search_terms(problem, start, watcher) {
-            None => Settled::Nothing,
-            Some(fit) => Settled::Answer(Box::new(ConstrainedAnswer {
+            None => SearchOutcome::Nothing,
+            Some(fit) => SearchOutcome::Answer(Box::new(ConstrainedAnswer {
                 fit,
                 free: None,
                 left: Vec::new(),

@@ -13,7 +13,7 @@ use crate::options::Options;
 use crate::trajectory::{
     Answer, CONSTANTS, FittedConstants, Found, HIDDEN, Parameter, Problem, SoughtConstant,
     fit_constants, fit_constants_from, fit_proposed, laws_with_constants, likely_constants,
-    untold_parameters, with_constant_values, with_started_states,
+    unidentifiable_directions, with_constant_values, with_started_states,
 };
 use crate::unknown_constants::{self, Sought};
 use sidc_data::{ConstantValue, Dataset, Samples, samples};
@@ -33,7 +33,7 @@ pub(crate) struct Constants {
 }
 
 /// Starts for the search of the unknown constants of a model, the likeliest first; at least one.
-pub(crate) fn settle(
+pub(crate) fn constant_starts(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
@@ -57,7 +57,7 @@ pub(crate) fn settle(
         return starts;
     }
     let (rows, _, _) = samples(model, dataset, &needed_signals(model, libraries), watcher);
-    let minima = unknown_constants::settle(of, (&rows, CONSTANTS.ranked), options, watcher);
+    let minima = unknown_constants::minima(of, (&rows, CONSTANTS.ranked), options, watcher);
     let all = unknown_constants::sought(model, &rows);
     let points = unknown_constants::points(of, &rows, options);
     let minima = likeliest(of, (dataset, problem), (&all, minima), options, watcher);
@@ -191,7 +191,7 @@ impl Constants {
         let Some(fit) = fit_proposed(&at, watcher) else {
             return;
         };
-        for direction in untold_parameters(&at, &fit, &self.sought, 1.0, watcher) {
+        for direction in unidentifiable_directions(&at, &fit, &self.sought, 1.0, watcher) {
             let constant = direction.iter().filter_map(|(p, by)| match p {
                 Parameter::Constant(k) => Some((*k, by.abs())),
                 Parameter::Coefficient(_) => None,

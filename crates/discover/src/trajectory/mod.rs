@@ -79,7 +79,7 @@ pub(crate) use search::minimum;
 pub use search::{
     Answer, BetterLaws, FittedConstants, Found, LawChange, Parameter, SearchObserver,
     SoughtConstant, StartingSupport, fit_constants, fit_constants_from, laws_with_constants,
-    search, search_beyond_libraries, search_disturbed, search_from_free, untold_parameters,
+    search, search_beyond_libraries, search_disturbed, search_from_fit, unidentifiable_directions,
     value_by_innovations, with_constant_values,
 };
 pub use sensor_faults::{

@@ -67,7 +67,7 @@ pub(super) fn minima(
     // If constants differ between runs, a fit with shared ones leaves more than the errors of the rows.
     let shared = !profile.sought.iter().any(|s| s.unknown.per_run);
     if let Some(least) = out.first().filter(|_| shared) {
-        profile.learn_errors(&least.rests);
+        profile.set_errors_from_residuals(&least.rests);
     }
     out.into_iter().map(|l| l.values).collect()
 }

@@ -23,6 +23,6 @@ mod variable_projection;
 
 pub(crate) use effects::{ConstantEffect, constant_effects};
 pub use range_proof::range_certificates;
-pub use search::{ConstantErrors, constant_errors, points, refine, settle};
+pub use search::{ConstantErrors, constant_errors, minima, points, refine};
 pub(crate) use search_points::alike;
 pub use sought::{Sought, named_values, sought, values_of, with_values};

@@ -95,7 +95,7 @@ impl<'a> Profile<'a> {
 
     /// Takes the residuals of all terms at some values as the errors of each equation's rows: M numbers and their variance. The variance
     /// only lowers the estimated one; where the residuals are autocorrelated, fewer samples count as independent.
-    pub fn learn_errors(&mut self, left: &[(Vec<f64>, f64)]) {
+    pub fn set_errors_from_residuals(&mut self, left: &[(Vec<f64>, f64)]) {
         for (e, (rest, variance)) in self.equations.iter_mut().zip(left) {
             let Some(y) = e.target_values(&self.samples) else {
                 continue;
@@ -131,7 +131,7 @@ impl<'a> Profile<'a> {
     }
 
     /// Lets residuals count however small they are beside the errors of the rows.
-    pub fn forget_errors(&mut self) {
+    pub fn remove_floors(&mut self) {
         let criteria = self.equations.iter_mut().map(|e| &mut e.criterion);
         criteria.for_each(|c| c.floor = f64::MIN_POSITIVE);
     }

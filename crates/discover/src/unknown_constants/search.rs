@@ -21,7 +21,7 @@ use sidc_progress::Observer;
 use sidc_system::discovery::Discovery;
 
 /// Values of the constants at local minima of the criterion of the best terms, the least first; at least one value, at most `most`.
-pub fn settle(
+pub fn minima(
     (model, libraries): (&Model, &[Option<Library>]),
     (samples, most): (&Samples, usize),
     options: &Options,
@@ -35,7 +35,7 @@ pub fn settle(
     }
     if most > 1 {
         // Here minima only start the estimate with the trajectory, whose likelihood judges what the noise of the rows would hide.
-        profile.forget_errors();
+        profile.remove_floors();
     }
     let large = profile.is_large();
     let most = match large || profile.sought.len() > 1 {

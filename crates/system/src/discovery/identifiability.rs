@@ -23,7 +23,7 @@ pub struct Identifiability {
     pub pairs: Vec<Pair>,
     /// Cosines of the support and of the columns closest to its terms.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub alike: Option<Alike>,
+    pub alike: Option<CosineTable>,
     /// Condition number of the support's unit columns.
     pub condition: f64,
     /// The term that gives the largest condition number when added to the support, and that number.
@@ -67,7 +67,7 @@ pub struct Pair {
 
 /// Cosines between the terms of an equation and their nearest rivals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Alike {
+pub struct CosineTable {
     /// The support in its order, then the rivals, nearest first.
     pub terms: Vec<String>,
     /// Size of the support.

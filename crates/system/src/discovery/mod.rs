@@ -29,7 +29,7 @@ pub use equations::{
 };
 pub use hidden_states::{HiddenStart, HiddenState, ScaleRule};
 pub use identifiability::{
-    Alike, Cause, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
+    Cause, CosineTable, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
 pub use joint_estimate::{ChannelFit, DisturbanceFit, GrowingNoise, InputDelay, Together};
 pub use mass_matrix_form::{Form, Rate, Row};

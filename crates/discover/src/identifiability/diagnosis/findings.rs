@@ -3,9 +3,9 @@
 //! In: a design, its relations. Out: [`Finding`]s. Those that matter to the equation found are marked, and printed unasked.
 
 use super::advice::{Exchange, advice};
-use super::lookout::{ReadAndUnread, what_to_look_for};
 use super::messages::{figure, percent, sentence, why};
 use super::misspecification::{Misspecification, Specification, find_misspecification};
+use super::unread_signals::{ReadAndUnread, what_to_look_for};
 use crate::doubts::regression_rules::times;
 use crate::doubts::thresholds::DOUBTS;
 use crate::identifiability::collinearity::relation::ExplainedRelation;

@@ -5,11 +5,11 @@
 mod advice;
 pub mod findings;
 mod lacking_terms;
-mod lookout;
 pub mod messages;
 pub mod misspecification;
 pub mod remedies;
 pub mod series_of_law;
 mod unexplained_motion;
+mod unread_signals;
 
 pub use unexplained_motion::leaves_motion;

@@ -4,6 +4,7 @@
 //! values of constants from which laws that are given lead along the readings. Estimates nothing exactly: the search does.
 
 mod constant_values;
+mod exchanged_parameters;
 mod filtered_course;
 mod given_course;
 mod hidden_laws;
@@ -12,11 +13,10 @@ mod scale;
 mod solved_course;
 mod start;
 pub(crate) mod thresholds;
-mod twins;
 
 pub(crate) use constant_values::likely_constants;
+pub(crate) use exchanged_parameters::{exchanged_constants, exchanged_lags};
 pub use scale::ToldScale;
 pub(crate) use scale::with_told_scales;
 pub(crate) use start::{fit_proposed, with_started_states};
 pub(crate) use thresholds::HIDDEN;
-pub(crate) use twins::{exchanged_constants, exchanged_lags};

@@ -31,7 +31,7 @@ pub(super) fn solved_courses(
     let courses: Vec<HiddenCourse> = courses;
     let mut as_read = problem.with_hidden_courses(&courses, &[]);
     for one in &read {
-        one.let_be_read(&mut as_read);
+        one.add_pseudo_readings(&mut as_read);
     }
     as_read.update_noise();
     let mut fits = observed_fits(&as_read, observer);
@@ -132,7 +132,7 @@ impl<'a> SolvedLaw<'a> {
 
     /// Gives the hidden state readings, in a problem that has its course: the given law, solved with differences of the raw readings as
     /// rates. The distance of these from the course counts as their noise.
-    fn let_be_read(&self, as_read: &mut Problem) {
+    fn add_pseudo_readings(&self, as_read: &mut Problem) {
         let system = &self.problem.system;
         let (law, state) = (&system.laws[self.hidden], self.state());
         let measured = system.laws[self.given].state;

@@ -7,7 +7,7 @@ use super::criterion::{PenalizedLikelihood, residual_squares};
 use super::fitted_support::{Fit, best_judged, left_the_data};
 use super::kalman_filter::{Filtered, Innovation};
 use super::noise_estimation::estimate_noises;
-use super::step_halving::{StepHalving, Verdict};
+use super::step_halving::{StepDecision, StepHalving};
 use crate::trajectory::integration::{CompiledLaws, Diverged};
 use crate::trajectory::least_squares::{IncrementalQr, NoRows, constrained_step};
 use crate::trajectory::model::{LinearizationPoint, Problem};
@@ -67,7 +67,7 @@ pub(super) fn disturbed_fit(
     let rows = problem.system.constraints.on(&from.support);
     let mut point = from;
     let mut halving = StepHalving::default();
-    halving.mistrust();
+    halving.start_halving();
     let (mut arrived, mut before) = (false, f64::INFINITY);
     // Noises are estimated in every other step and in the last; in the first only if no fit before has estimated them.
     let mut estimate = beat == f64::INFINITY;
@@ -112,11 +112,11 @@ pub(super) fn disturbed_fit(
         let gain = qr.square_without_step() - constrained.solution.residual;
         let still = (before - value).abs() < GAUSS_NEWTON.criterion_step;
         match halving.judge(fit, value, &point) {
-            Verdict::Try(nearer) if !still => {
+            StepDecision::Try(nearer) if !still => {
                 point = nearer;
                 continue;
             }
-            Verdict::End if !still => break,
+            StepDecision::End if !still => break,
             _ => {}
         }
         if gain < GAUSS_NEWTON.criterion_step && still && estimated {

@@ -6,7 +6,7 @@
 use super::criterion::{PenalizedLikelihood, residual_squares};
 use super::eliminated_records::EliminatedRecords;
 use super::fitted_support::{Fit, best_judged, left_the_data};
-use super::step_halving::{StepHalving, Verdict};
+use super::step_halving::{StepDecision, StepHalving};
 use crate::trajectory::integration::CompiledLaws;
 use crate::trajectory::least_squares::{IncrementalQr, constrained_step};
 use crate::trajectory::model::{LinearizationPoint, Problem};
@@ -59,12 +59,12 @@ pub(super) fn undisturbed_fit(
             }
             let value = here.value;
             match halving.judge(here, value, &point) {
-                Verdict::Step => {}
-                Verdict::Try(nearer) => {
+                StepDecision::Step => {}
+                StepDecision::Try(nearer) => {
                     point = nearer;
                     continue;
                 }
-                Verdict::End => break,
+                StepDecision::End => break,
             }
         }
         let moves = eliminated.states(&solved.coefficients, observer).ok()?;
@@ -92,14 +92,14 @@ pub(super) fn undisturbed_fit(
         point.sigma = sigma;
         let still = farthest < GAUSS_NEWTON.state_step && moved < GAUSS_NEWTON.log_noise_step;
         let level = match halving.is_careful() {
-            true => halving.promises_nothing(new),
+            true => halving.gain_is_negligible(new),
             false => (new - value).abs() < GAUSS_NEWTON.criterion_step,
         };
         let hopeless = new - beat
             > GAUSS_NEWTON.hopeless_lag
                 + GAUSS_NEWTON.hopeless_gain * left as f64 * (value - new).abs();
         if new > value + GAUSS_NEWTON.uphill {
-            halving.mistrust();
+            halving.start_halving();
         }
         value = new;
         let arrived = still || level;

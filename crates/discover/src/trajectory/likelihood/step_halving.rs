@@ -23,7 +23,7 @@ pub(super) struct StepHalving<Fit> {
 }
 
 /// What to do after the criterion was evaluated at a point.
-pub(super) enum Verdict {
+pub(super) enum StepDecision {
     /// Take a step from it.
     Step,
     /// Try this one instead.
@@ -65,20 +65,20 @@ impl<Fit> StepHalving<Fit> {
     }
 
     /// From now on steps are halved where the criterion rises.
-    pub fn mistrust(&mut self) {
+    pub fn start_halving(&mut self) {
         self.careful = true;
     }
 
     /// Decides by the criterion `value` of the fit `here`, which has the coefficients of the point `at`.
-    pub fn judge(&mut self, here: Fit, value: f64, at: &LinearizationPoint) -> Verdict {
+    pub fn judge(&mut self, here: Fit, value: f64, at: &LinearizationPoint) -> StepDecision {
         let best = self.best_value();
         if value < best - GAUSS_NEWTON.criterion_step || self.accepted.is_none() {
             self.accepted = Some((here, value));
-            return Verdict::Step;
+            return StepDecision::Step;
         }
         match self.halfway(at.clone()) {
-            Some(point) => Verdict::Try(point),
-            None => Verdict::End,
+            Some(point) => StepDecision::Try(point),
+            None => StepDecision::End,
         }
     }
 
@@ -103,7 +103,7 @@ impl<Fit> StepHalving<Fit> {
     }
 
     /// Whether a predicted criterion is no better than that of the best point.
-    pub fn promises_nothing(&self, promised: f64) -> bool {
+    pub fn gain_is_negligible(&self, promised: f64) -> bool {
         self.best_value() - promised < GAUSS_NEWTON.criterion_step
     }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::coefficient_constraints::CoefficientConstraints;
 use super::growth::Growth;
-use super::pin::Pin;
+use super::held_sample::HeldSample;
 use super::process_noise::ProcessNoise;
 use super::quantization::{QuantizationGrid, informative_shares, quantization_grid};
 use super::record::{Record, SensorSettings, records};
@@ -58,7 +58,7 @@ pub struct Problem {
     /// Time constant of the noise of each state's sensors that the model declares, s; 0 for white noise.
     pub(crate) declared_memory: Vec<Option<f64>>,
     /// Where hidden states without a scale of their own are held: one sample of one record each.
-    pub(crate) pins: Vec<Pin>,
+    pub(crate) pins: Vec<HeldSample>,
     /// How many times more than usual laws may slip: 1, but on the way to a first fit.
     pub(crate) looseness: f64,
     /// How many times farther than usual states that nothing reads may move in a step.

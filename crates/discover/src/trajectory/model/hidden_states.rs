@@ -6,7 +6,7 @@
 //! sought; which multiple is told is decided afterwards.
 
 use super::estimation_problem::{Problem, spread};
-use super::pin::Pin;
+use super::held_sample::HeldSample;
 use super::smoothing::{SmoothedTrajectory, gradient};
 
 /// The course of a hidden variable.
@@ -67,7 +67,7 @@ impl Problem {
                 own.map(move |(k, x)| (x.abs(), r, k))
             });
             let largest = all.max_by(|a, b| a.0.total_cmp(&b.0));
-            largest.map(|(_, record, sample)| Pin {
+            largest.map(|(_, record, sample)| HeldSample {
                 record,
                 sample,
                 state,
@@ -78,7 +78,7 @@ impl Problem {
 
     /// Whether a state is held at a sample.
     pub(crate) fn is_pinned(&self, (record, sample): (usize, usize), state: usize) -> bool {
-        let pin = Pin {
+        let pin = HeldSample {
             record,
             sample,
             state,

@@ -10,11 +10,11 @@ mod constrained_supports;
 mod disturbed_search;
 mod level;
 mod omitted_terms;
-mod search_from_free;
+mod search_from_fit;
 mod search_observer;
 mod support_search;
+mod unidentifiable_directions;
 mod unknown_constants;
-mod untold_parameters;
 
 #[cfg(test)]
 pub(crate) use beam_search::best_subsets;
@@ -22,11 +22,11 @@ pub use constant_rivals::{Answer, laws_with_constants};
 pub(crate) use constrained_supports::{ConstrainedForm, minimum};
 pub use disturbed_search::search_disturbed;
 pub use omitted_terms::{BetterLaws, LawChange, search_beyond_libraries};
-pub use search_from_free::search_from_free;
+pub use search_from_fit::search_from_fit;
 pub use search_observer::SearchObserver;
 pub use support_search::{Found, StartingSupport, search, value_by_innovations};
 pub(crate) use support_search::{final_criterion, initial_fit, last_criterion};
+pub use unidentifiable_directions::{Parameter, unidentifiable_directions};
 pub use unknown_constants::{
     FittedConstants, SoughtConstant, fit_constants, fit_constants_from, with_constant_values,
 };
-pub use untold_parameters::{Parameter, untold_parameters};

@@ -4,7 +4,7 @@ use crate::report::markup::{Section, lead, number};
 use crate::report::report_contents::Subject;
 use crate::report::sections::equations::heading;
 use crate::typeset::mathml::escape;
-use sidc_system::discovery::{Alike, Equation, Identifiability};
+use sidc_system::discovery::{CosineTable, Equation, Identifiability};
 
 /// Relations of one equation that are printed.
 const MAX_RELATIONS: usize = 5;
@@ -39,7 +39,7 @@ fn one(s: &Subject, e: &Equation) -> Option<String> {
     Some(format!("{target}{map}<ul>\n{each}</ul>\n"))
 }
 
-fn table(a: &Alike) -> String {
+fn table(a: &CosineTable) -> String {
     let n = a.terms.len();
     if n == 0 {
         return String::new();

@@ -1,6 +1,6 @@
 //! Basis pursuit by the Lasso path: the end of the path at ε.
 
-use super::running::start;
+use super::path_in_progress::start;
 use super::side_by_side::side_by_side;
 use crate::problem::{Problem, Solution};
 use crate::solver::Solver;

@@ -9,7 +9,7 @@ mod column_generation;
 mod interior_dual;
 mod lasso_path;
 mod path;
-mod running;
+mod path_in_progress;
 mod side_by_side;
 #[cfg(test)]
 mod tests;

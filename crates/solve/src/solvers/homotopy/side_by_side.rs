@@ -6,7 +6,7 @@
 
 use sidc_progress::Observer;
 
-use super::running::{Running, Started, start};
+use super::path_in_progress::{PathInProgress, PreparedPath, start};
 use crate::certificates::support;
 use crate::problem::{Problem, Solution, Status};
 use crate::thresholds::SIDE_BY_SIDE;
@@ -45,12 +45,12 @@ pub fn side_by_side(
 /// One problem with its path.
 struct Run<'a> {
     problem: &'a Problem<'a>,
-    path: Option<Running<'a>>,
+    path: Option<PathInProgress<'a>>,
     solution: Option<Solution>,
 }
 
 impl<'a> Run<'a> {
-    fn new((problem, started): (&'a Problem<'a>, &'a Started)) -> Run<'a> {
+    fn new((problem, started): (&'a Problem<'a>, &'a PreparedPath)) -> Run<'a> {
         let (path, solution) = match started.run(problem) {
             Ok(path) => (Some(path), None),
             Err(solution) => (None, Some(solution)),

@@ -34,7 +34,7 @@ pub enum Parameter {
 
 /// Directions in which parameters can change by as much as they are, while no reading changes by more than its noise. For each, the
 /// parameters with their relative changes; the largest is 1. Empty where there are none, or they cannot be computed.
-pub fn untold_parameters(
+pub fn unidentifiable_directions(
     problem: &Problem,
     found: &Fit,
     constants: &[SoughtConstant],
@@ -52,8 +52,8 @@ pub fn untold_parameters(
     let largest = decomposed.singular_values.max();
     let told = (SHARE * inefficiency.sqrt()).max(ROUNDING * largest);
     let singular = decomposed.singular_values.iter().enumerate();
-    let untold = singular.filter(|(_, size)| **size < told);
-    let all = untold.map(|(row, _)| {
+    let unidentifiable = singular.filter(|(_, size)| **size < told);
+    let all = unidentifiable.map(|(row, _)| {
         let moves: Vec<f64> = directions.row(row).iter().copied().collect();
         let largest = moves
             .iter()

@@ -12,7 +12,7 @@ use crate::trajectory::residuals::statistical_inefficiency;
 use crate::trajectory::thresholds::SEARCH;
 
 /// Searches supports that satisfy the constraints, from an answer found without them. `None` if none could be fitted.
-pub fn search_from_free(
+pub fn search_from_fit(
     problem: &Problem,
     free: &Found,
     observer: &mut dyn SearchObserver,

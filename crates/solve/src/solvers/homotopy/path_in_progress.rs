@@ -12,25 +12,25 @@ use crate::thresholds::HOMOTOPY;
 use sidc_progress::Observer;
 
 /// A problem brought to a target of length one.
-pub(super) struct Started {
+pub(super) struct PreparedPath {
     target: Vec<f64>,
     /// ‖y‖, or the answer that needs no path.
     target_norm: Result<f64, Solution>,
 }
 
 /// Presolve.
-pub(super) fn start(problem: &Problem) -> Started {
+pub(super) fn start(problem: &Problem) -> PreparedPath {
     let target_norm = presolve(problem);
     let target = target_norm.as_ref().map(|n| quotient(problem.target, *n));
-    Started {
+    PreparedPath {
         target: target.unwrap_or_default(),
         target_norm,
     }
 }
 
-impl Started {
+impl PreparedPath {
     /// The path at its start, or the answer that needs none.
-    pub fn run<'a>(&'a self, problem: &'a Problem<'a>) -> Result<Running<'a>, Solution> {
+    pub fn run<'a>(&'a self, problem: &'a Problem<'a>) -> Result<PathInProgress<'a>, Solution> {
         let target_norm = self.target_norm.clone()?;
         let goal = Goal {
             tolerance: problem.tolerance / target_norm,
@@ -39,7 +39,7 @@ impl Started {
         let path = ColumnGeneration::new(problem.dictionary, &self.target, goal);
         let residual = target_norm;
         let none = || Solution::zero(problem, Status::Inconsistent { residual });
-        Ok(Running {
+        Ok(PathInProgress {
             problem,
             target_norm,
             path: path.ok_or_else(none)?,
@@ -48,13 +48,13 @@ impl Started {
 }
 
 /// A path on its way to ε.
-pub(super) struct Running<'a> {
+pub(super) struct PathInProgress<'a> {
     problem: &'a Problem<'a>,
     target_norm: f64,
     path: ColumnGeneration<'a>,
 }
 
-impl Running<'_> {
+impl PathInProgress<'_> {
     pub fn steps(&self) -> usize {
         self.path.steps()
     }

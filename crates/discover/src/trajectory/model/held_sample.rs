@@ -5,7 +5,7 @@
 /// The sample of a hidden state that is held in place, because the readings do not determine the
 /// state's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Pin {
+pub(crate) struct HeldSample {
     pub record: usize,
     pub sample: usize,
     pub state: usize,

@@ -96,7 +96,7 @@ pub(crate) fn exchanged_constants(
         others.map(move |other| (k, other))
     });
     let starts =
-        pairs.filter_map(|(k, other)| in_exchange(&found.best.point, constants, (k, other)));
+        pairs.filter_map(|(k, other)| with_exchanged(&found.best.point, constants, (k, other)));
     let starts: Vec<_> = starts.take(HIDDEN.exchanges).collect();
     starts.into_iter().find_map(|(constants_there, point)| {
         let there = with_constant_values(problem, &constants_there);
@@ -117,7 +117,7 @@ pub(crate) fn exchanged_constants(
 }
 
 /// Constants and a point in which a constant and another parameter have exchanged their sizes; `None` where a range forbids it.
-fn in_exchange(
+fn with_exchanged(
     point: &LinearizationPoint,
     constants: &[SoughtConstant],
     (k, other): (usize, Parameter),
