@@ -61,7 +61,7 @@ pub(super) fn propose(
     let mut trial = Trial {
         dataset,
         options,
-        depth: SearchScope::Disturbances,
+        scope: SearchScope::Disturbances,
         observer: &mut quiet,
     };
     let own = description.or_else(|| Some(trial.describe(program)?.1));
@@ -69,7 +69,7 @@ pub(super) fn propose(
         return;
     };
     if !own.is_disturbed() {
-        trial.depth = SearchScope::Sensors;
+        trial.scope = SearchScope::Sensors;
     }
     let mut tried = trial.each(lagged((program, dataset), &doubted), program);
     let explains = |p: &Proposal| !p.description.unexplained && p.description.is_better_than(&own);
@@ -99,7 +99,7 @@ struct Trial<'a> {
     dataset: &'a Dataset,
     options: &'a Options,
     /// Disturbances are looked for beside an added state where the answer has some: each can stand for the other.
-    depth: SearchScope,
+    scope: SearchScope,
     observer: &'a mut dyn Observer,
 }
 
@@ -129,7 +129,7 @@ impl Trial<'_> {
         let dataset = &self.dataset.without(&targets).with_unknowns_of(of.0);
         let problem = discover::joint(of.0, of.1, dataset, &search, self.observer).ok()?;
         let data = (dataset, &problem);
-        discover::describe_jointly(of, data, self.depth, &search, self.observer)
+        discover::describe_jointly(of, data, self.scope, &search, self.observer)
     }
 }
 

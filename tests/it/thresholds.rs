@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use sidc_testing::program::{file, root};
-use sidc_testing::thresholds::{CONSTANTS, FACTORS, STUDY, Sensitivity, outcome, parts, read};
-use sidc_thresholds::Threshold;
+use sidc_testing::thresholds::{
+    CONSTANTS, FACTORS, STUDY, Sensitivity, changes, outcome, parts, read,
+};
 
 const PAGE: &str = "docs/thresholds.md";
 
@@ -29,18 +30,6 @@ reached\" where no case reads the family, \"constant\" where the build of the st
 ";
 
 const BY_HAND: &str = "set by hand";
-
-/// Answers that half or twice of a number changed; none where no answer depends on its family, or the study has not been there.
-fn changes(study: &[Sensitivity], family: &str, number: &Threshold) -> Option<usize> {
-    let rows = study.iter().filter(|row| {
-        FACTORS
-            .iter()
-            .any(|factor| row.is_of(family, number, *factor))
-    });
-    rows.filter(|row| row.cases > 0)
-        .map(|row| row.changed.len())
-        .reduce(|a, b| a + b)
-}
 
 fn study() -> Vec<Sensitivity> {
     read(&file(STUDY))

@@ -118,18 +118,37 @@ pub fn write(rows: &[Sensitivity]) -> String {
     format!("{HEADER}\n{rows}")
 }
 
+/// The rows of a number as it stands in the code, by half of it and by twice; none if the study has not run it.
+fn moved<'a>(
+    rows: &'a [Sensitivity],
+    family: &str,
+    number: &Threshold,
+) -> Option<[&'a Sensitivity; 2]> {
+    let of = |factor| rows.iter().find(|row| row.is_of(family, number, factor));
+    match FACTORS.map(of) {
+        [Some(half), Some(twice)] => Some([half, twice]),
+        _ => None,
+    }
+}
+
 /// What the study says of a number, for a cell of the documentation: answers changed by each factor, of the cases that read it.
 pub fn outcome(rows: &[Sensitivity], family: &str, number: &Threshold) -> String {
     if CONSTANTS.contains(&(family, number.name)) {
         return "constant".into();
     }
-    let of = |factor| rows.iter().find(|row| row.is_of(family, number, factor));
-    match FACTORS.map(of) {
-        [Some(half), Some(twice)] if half.cases == 0 && twice.cases == 0 => "not reached".into(),
-        [Some(half), Some(twice)] => {
+    match moved(rows, family, number) {
+        None => "not run".into(),
+        Some([half, twice]) if half.cases == 0 && twice.cases == 0 => "not reached".into(),
+        Some([half, twice]) => {
             let (half, twice, cases) = (half.changed.len(), twice.changed.len(), half.cases);
             format!("{half}, {twice} of {cases}")
         }
-        _ => "not run".into(),
     }
+}
+
+/// Answers that half or twice of a number changed; none if no case reads it, or the study has not run it.
+pub fn changes(rows: &[Sensitivity], family: &str, number: &Threshold) -> Option<usize> {
+    let rows = moved(rows, family, number)?;
+    let read = rows.iter().any(|row| row.cases > 0);
+    read.then(|| rows.iter().map(|row| row.changed.len()).sum())
 }

@@ -52,8 +52,8 @@ pub(crate) fn estimate_delays(
         let at = problem.with_delays(&delays);
         let acted = acted(model, dataset, &delays);
         let start = weak_start((model, libraries), &acted, &at, options, watcher);
-        let settled = search_under_constraints((model, &at), start, options, watcher);
-        let SearchOutcome::Answer(answer) = settled else {
+        let outcome = search_under_constraints((model, &at), start, options, watcher);
+        let SearchOutcome::Answer(answer) = outcome else {
             break;
         };
         let (fit, count) = (&answer.fit, delays.len());

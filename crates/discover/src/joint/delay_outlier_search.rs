@@ -239,9 +239,9 @@ impl DelayOutlierSearch<'_, '_> {
     /// first-order lag is the simplest of these: the effect is called a delay only if a lag explains less.
     fn lag_or_delay(&mut self, problem: &Problem, fit: &mut JointFit) {
         let Some(late) = &fit.late else { return };
-        let likelihoods_comparable = fit.problem.left_out.len() == problem.left_out.len();
+        let same_left_out = fit.problem.left_out.len() == problem.left_out.len();
         let noise_alone = !unexplained(&fit.problem, &fit.found.best);
-        if noise_alone || !likelihoods_comparable || self.watcher.stop().is_some() {
+        if noise_alone || !same_left_out || self.watcher.stop().is_some() {
             return;
         }
         fit.lag = trajectory::find_lag(problem, late, &fit.found, self.watcher);

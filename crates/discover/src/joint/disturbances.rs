@@ -17,10 +17,10 @@ use sidc_progress::EquationObserver;
 /// The outcome of a search, with disturbances where these explain what it leaves, or where it found nothing.
 pub(crate) fn with_disturbances<'a>(
     of: (&Model, &Problem),
-    settled: SearchOutcome<'a>,
+    outcome: SearchOutcome<'a>,
     watcher: &mut EquationObserver,
 ) -> SearchOutcome<'a> {
-    match settled {
+    match outcome {
         SearchOutcome::Answer(mut answer) => {
             if let Some(fit) = disturbed(of, Some(&answer), watcher) {
                 answer.fit = fit;

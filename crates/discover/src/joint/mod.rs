@@ -80,7 +80,7 @@ pub fn discover_jointly(
     let mut watcher = EquationObserver::new(observer);
     let discovery = Discovery::of(model);
     let (of, watcher) = ((model, libraries), &mut watcher);
-    let conclude = |ended: Ended, watcher: &mut EquationObserver| match ended.searched.settled {
+    let conclude = |ended: Ended, watcher: &mut EquationObserver| match ended.searched.outcome {
         SearchOutcome::Answer(mut answer) => {
             let scales = hidden_states::settle_scales(&mut answer, watcher);
             // A search that was cut short shows no contradiction.
@@ -133,14 +133,14 @@ pub fn discover_jointly(
 pub fn describe_jointly(
     (model, libraries): (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
-    depth: SearchScope,
+    scope: SearchScope,
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Option<(Discovery, Description)> {
     let mut watcher = EquationObserver::new(observer);
     let of = (model, libraries);
     let conclude = |ended: Ended, watcher: &mut EquationObserver| {
-        let SearchOutcome::Answer(mut answer) = ended.searched.settled else {
+        let SearchOutcome::Answer(mut answer) = ended.searched.outcome else {
             return None;
         };
         hidden_states::settle_scales(&mut answer, watcher);
@@ -152,7 +152,7 @@ pub fn describe_jointly(
         watcher.stop().is_none().then_some((discovery, description))
     };
     let data = (dataset, problem);
-    search_jointly(Some(depth), of, data, options, &mut watcher, conclude)
+    search_jointly(Some(scope), of, data, options, &mut watcher, conclude)
 }
 
 /// What a joint search ended with.
@@ -164,7 +164,7 @@ struct Ended<'a> {
 
 /// Settles delays, constants, terms and disturbances; by a short search, if its depth is given.
 fn search_jointly<T>(
-    depth: Option<SearchScope>,
+    scope: Option<SearchScope>,
     of: (&Model, &[Option<Library>]),
     (dataset, problem): (&Dataset, &Problem),
     options: &Options,
@@ -175,12 +175,12 @@ fn search_jointly<T>(
     let (problem, dataset) = (delays.problem(problem), delays.dataset(of.0, dataset));
     let data = (dataset.as_ref(), problem.as_ref());
     let starts = unknown_constants::constant_starts(of, data, options, watcher);
-    let searched = match depth {
+    let searched = match scope {
         None => search_with_constants(of, data, starts, options, watcher),
-        Some(depth) => sketch_with_constants(of, data, (starts, depth), options, watcher),
+        Some(scope) => sketch_with_constants(of, data, (starts, scope), options, watcher),
     };
     let nothing = || Searched {
-        settled: SearchOutcome::Nothing,
+        outcome: SearchOutcome::Nothing,
         constants: Constants::none(),
     };
     let ended = Ended {

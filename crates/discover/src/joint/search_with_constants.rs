@@ -23,7 +23,7 @@ use sidc_progress::EquationObserver;
 
 /// Terms with their constants.
 pub(crate) struct Searched<'a> {
-    pub settled: SearchOutcome<'a>,
+    pub outcome: SearchOutcome<'a>,
     pub constants: Constants,
 }
 
@@ -54,14 +54,14 @@ pub(crate) fn search_with_constants<'a>(
 pub(crate) fn sketch_with_constants<'a>(
     of: (&'a Model, &'a [Option<Library>]),
     data: (&'a Dataset, &'a Problem),
-    (starts, depth): (Vec<Constants>, SearchScope),
+    (starts, scope): (Vec<Constants>, SearchScope),
     options: &'a Options,
     watcher: &mut EquationObserver,
 ) -> Option<Searched<'a>> {
     let search = ConstantSearch { of, data, options };
     let mut sketches = Vec::new();
     for start in starts {
-        sketches.push(search.sketch(start, depth, watcher));
+        sketches.push(search.sketch(start, scope, watcher));
         if watcher.stop().is_some() {
             break;
         }
@@ -72,7 +72,7 @@ pub(crate) fn sketch_with_constants<'a>(
 
 impl Searched<'_> {
     fn value(&self) -> f64 {
-        match &self.settled {
+        match &self.outcome {
             SearchOutcome::Answer(a) => a.fit.found.best.value,
             _ => f64::INFINITY,
         }
@@ -108,14 +108,14 @@ impl<'a> ConstantSearch<'a> {
         let mut known: Option<Known> = None;
         let mut round = 0;
         loop {
-            let depth = if careful {
+            let scope = if careful {
                 SearchScope::Disturbances
             } else {
                 SearchScope::Terms
             };
-            let mut settled = self.at(&constants, start.take(), depth, watcher);
-            let SearchOutcome::Answer(answer) = &mut settled else {
-                return Searched { settled, constants };
+            let mut outcome = self.at(&constants, start.take(), scope, watcher);
+            let SearchOutcome::Answer(answer) = &mut outcome else {
+                return Searched { outcome, constants };
             };
             let laws = match known.take().filter(|k| k.is_of(&answer.fit)) {
                 Some(known) => known.laws,
@@ -137,7 +137,7 @@ impl<'a> ConstantSearch<'a> {
                 known = Some(Known::new(&answer.fit, laws));
             } else {
                 add_rivals(answer, &laws);
-                return Searched { settled, constants };
+                return Searched { outcome, constants };
             }
         }
     }
@@ -146,25 +146,25 @@ impl<'a> ConstantSearch<'a> {
     fn sketch(
         &self,
         constants: Constants,
-        depth: SearchScope,
+        scope: SearchScope,
         watcher: &mut EquationObserver,
     ) -> Searched<'a> {
         let (dataset, problem) = self.data;
         let at = constants.started(problem, HIDDEN.judged, watcher);
         let acting = constants.dataset(dataset);
-        let settled = self.on((&acting, &at), None, SearchScope::Terms, watcher);
-        let SearchOutcome::Answer(answer) = settled else {
-            let settled = SearchOutcome::Nothing;
-            return Searched { settled, constants };
+        let outcome = self.on((&acting, &at), None, SearchScope::Terms, watcher);
+        let SearchOutcome::Answer(answer) = outcome else {
+            let outcome = SearchOutcome::Nothing;
+            return Searched { outcome, constants };
         };
         let of = (answer.fit.problem.as_ref(), &answer.fit.found);
         let constants = constants.likeliest_in(of, watcher).unwrap_or(constants);
         let at = constants.problem(of.0);
         let acting = constants.dataset(dataset);
         let start = answer.fit.found.best.point.active();
-        let settled = self.on((&acting, &at), Some(start), depth, watcher);
-        let settled = settled.into_owned();
-        Searched { settled, constants }
+        let outcome = self.on((&acting, &at), Some(start), scope, watcher);
+        let outcome = outcome.into_owned();
+        Searched { outcome, constants }
     }
 
     /// One search of terms.
@@ -172,16 +172,16 @@ impl<'a> ConstantSearch<'a> {
         &self,
         constants: &Constants,
         start: Option<StartingSupport>,
-        depth: SearchScope,
+        scope: SearchScope,
         watcher: &mut EquationObserver,
     ) -> SearchOutcome<'a> {
         let (dataset, problem) = self.data;
         match constants.started(problem, HIDDEN.courses, watcher) {
-            Cow::Borrowed(at) => self.on((dataset, at), start, depth, watcher),
+            Cow::Borrowed(at) => self.on((dataset, at), start, scope, watcher),
             Cow::Owned(at) => {
                 let acting = constants.dataset(dataset);
-                let settled = self.on((&acting, &at), start, depth, watcher);
-                settled.into_owned()
+                let outcome = self.on((&acting, &at), start, scope, watcher);
+                outcome.into_owned()
             }
         }
     }
@@ -190,17 +190,17 @@ impl<'a> ConstantSearch<'a> {
         &self,
         (dataset, problem): (&Dataset, &'b Problem),
         start: Option<StartingSupport>,
-        depth: SearchScope,
+        scope: SearchScope,
         watcher: &mut EquationObserver,
     ) -> SearchOutcome<'b> {
         let (model, _) = self.of;
         let start = start.or_else(|| weak_start(self.of, dataset, problem, self.options, watcher));
         let of = (model, problem);
-        if depth != SearchScope::Terms {
-            let settled = search_under_constraints(of, start, self.options, watcher);
-            return match depth {
-                SearchScope::Disturbances => with_disturbances(of, settled, watcher),
-                _ => settled,
+        if scope != SearchScope::Terms {
+            let outcome = search_under_constraints(of, start, self.options, watcher);
+            return match scope {
+                SearchScope::Disturbances => with_disturbances(of, outcome, watcher),
+                _ => outcome,
             };
         }
         match search_terms(problem, start, watcher) {

@@ -100,7 +100,7 @@ pub fn run_on_used(
 }
 
 /// As [`validate`] on the data held out alone, with every record cut into parts of about equal length that start afresh.
-pub fn validate_in_parts(
+pub fn in_parts(
     (d, model): (&Discovery, &Model),
     held: &Dataset,
     parts: usize,

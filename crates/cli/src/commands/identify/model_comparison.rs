@@ -79,8 +79,7 @@ fn restarted(
         let (model, held) = (&candidate.program.model, &candidate.measured.held);
         let true_held = found.discovery.without_sensor_delays(held);
         let held = true_held.as_ref().unwrap_or(held);
-        let runs =
-            validate::validate_in_parts((&found.discovery, model), held, parts, &mut observer);
+        let runs = validate::in_parts((&found.discovery, model), held, parts, &mut observer);
         merit(found, Some(&runs), shared)
     };
     all.iter().zip(tried).map(one).collect()
