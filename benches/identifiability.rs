@@ -65,7 +65,7 @@ fn whole(c: &mut Criterion) {
                 coefficient: 0.7,
                 fixed: false,
                 standard_error: Some(0.01),
-                trust: None,
+                evidence: None,
                 runs: Vec::new(),
             })
             .collect();

@@ -17,7 +17,7 @@ use sidc_discover::uncertainty::Stability;
 use sidc_lang::term::{Language, Signal, Term};
 use sidc_progress::{Activity, Observer, Stage, Stop, Unwatched};
 use sidc_solve::threads;
-use sidc_system::discovery::{Discovery, Equation, Reason, ReasonCode, Stretches};
+use sidc_system::discovery::{BlockNormalEquations, Discovery, Equation, Reason, ReasonCode};
 
 use super::program::{Program, needed};
 use super::thresholds::BUDGET;
@@ -33,7 +33,7 @@ pub(super) struct Weighing<'a> {
     pub program: &'a Program,
     pub rows: Rows<'a>,
     /// Of all equations, where these were estimated together.
-    pub stretches: Option<&'a Stretches>,
+    pub stretches: Option<&'a BlockNormalEquations>,
     pub options: &'a Options,
 }
 
@@ -177,7 +177,7 @@ pub(super) fn readings(
 #[derive(Default)]
 struct Judged {
     told: Option<Assessment>,
-    stretches: Option<Stretches>,
+    stretches: Option<BlockNormalEquations>,
     halves: Option<Stability>,
     /// Independent readings behind its coefficients.
     readings: Option<f64>,

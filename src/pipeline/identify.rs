@@ -96,7 +96,7 @@ fn sparsest_or_why(mut found: Discovery, options: &Options) -> Discovery {
         let Some(evidence) = &mut equation.evidence else {
             continue;
         };
-        let why = match (&evidence.together, evidence.certificate.constrained) {
+        let why = match (&evidence.joint, evidence.certificate.constrained) {
             (Some(_), _) => TOGETHER,
             (None, true) => CONSTRAINED,
             (None, false) => OTHERWISE,

@@ -165,7 +165,7 @@ fn is_at_end(found: &Discovery, program: &Program) -> bool {
 
 /// Whether something besides its terms drives an equation.
 fn is_disturbed(equation: &Equation) -> bool {
-    let together = equation.evidence.as_ref().and_then(|v| v.together.as_ref());
+    let together = equation.evidence.as_ref().and_then(|v| v.joint.as_ref());
     together.is_some_and(|t| t.disturbance.is_some())
 }
 

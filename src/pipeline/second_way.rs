@@ -11,7 +11,7 @@ use sidc_discover::identifiability::leaves_motion;
 use sidc_discover::trajectory::Problem;
 use sidc_lang::term::Signal;
 use sidc_progress::Observer;
-use sidc_system::discovery::{Discovery, ReasonCode, Ways};
+use sidc_system::discovery::{Discovery, MethodComparison, ReasonCode};
 
 use super::joint::jointly;
 use super::measure::Measured;
@@ -45,7 +45,7 @@ pub(super) fn better_way(
     let holds = second.passes();
     let name = |method: Method| method.chosen().to_owned();
     let (regression, joint) = (name(Method::Regression), name(Method::Joint));
-    let ways = Ways {
+    let ways = MethodComparison {
         first: regression.clone(),
         first_doubts: first.doubt_codes(),
         second: joint.clone(),

@@ -177,7 +177,7 @@ fn a_proof_in_another_norm_is_rejected() {
         &|g| g.base = 1.0 + (g.base - 1.0) * 0.99,
         &|g| *g = sidc_lang::library::Grading::PLAIN,
         &|g| g.counts = None,
-        &|g| g.dear = g.counts.iter().flat_map(|c| c.keys()).last().cloned(),
+        &|g| g.penalized = g.counts.iter().flat_map(|c| c.keys()).last().cloned(),
     ];
     for fault in faults {
         rejected(&in_norm(fault), &["is not shown"]);
@@ -379,8 +379,8 @@ fn a_trajectory_is_held_against_its_equation_and_its_readings() {
     }
     let spoil = |d: &mut Discovery| {
         d.equations[0].terms[0].coefficient *= 1.0001;
-        let together = evidence(&mut d.equations[1]).together.as_mut().unwrap();
-        together.channels[0].left *= 1.001;
+        let together = evidence(&mut d.equations[1]).joint.as_mut().unwrap();
+        together.channels[0].residual *= 1.001;
     };
     let found = verified("fitzhugh_nagumo", spoil, None);
     let said = |at: usize| {

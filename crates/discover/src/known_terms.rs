@@ -34,7 +34,7 @@ pub(crate) fn fixed((coefficient, term): (f64, Term)) -> FoundTerm {
         coefficient,
         fixed: true,
         standard_error: None,
-        trust: None,
+        evidence: None,
         runs: Vec::new(),
     }
 }

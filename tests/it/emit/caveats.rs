@@ -5,7 +5,7 @@ use std::process::Command;
 
 use super::fmi::readable;
 use sidc_emit as emit;
-use sidc_system::discovery::{Discovery, Evidence, InputDelay, Together};
+use sidc_system::discovery::{Discovery, Evidence, InputDelay, JointEvidence};
 use sidc_system::result;
 use sidc_testing::program::sidc;
 use sidc_testing::runtimes;
@@ -22,9 +22,9 @@ fn text(doubted: bool) -> String {
         samples: 2.5,
     };
     let evidence = Evidence {
-        together: Some(Together {
+        joint: Some(JointEvidence {
             delays: if doubted { vec![delay] } else { Vec::new() },
-            ..Together::default()
+            ..JointEvidence::default()
         }),
         ..Evidence::default()
     };

@@ -290,7 +290,7 @@ fn equation(target: Signal, terms: Vec<(f64, Expr)>) -> Equation {
         coefficient,
         fixed: false,
         standard_error: None,
-        trust: None,
+        evidence: None,
         runs: Vec::new(),
     });
     Equation {

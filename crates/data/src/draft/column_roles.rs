@@ -240,7 +240,7 @@ fn find_combinations(columns: &[Column], chosen: &ChosenRoles, out: &mut Roles) 
     let signals: Vec<&Column> = places.iter().filter_map(|i| columns.get(*i)).collect();
     let mut span = Span::new(&signals);
     for (i, column) in places.iter().zip(signals) {
-        if span.has(column) && undecided.contains(i) && out.states.len() > 1 {
+        if span.add(column) && undecided.contains(i) && out.states.len() > 1 {
             out.states.retain(|s| s != i);
             out.combinations.push(*i);
         }

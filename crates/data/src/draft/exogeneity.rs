@@ -127,7 +127,7 @@ impl Span {
 
     /// Adds a column. True if it already was in the span on every row, to the digits of a table. False if there are few rows, of which any
     /// column is a combination.
-    pub fn has(&mut self, column: &Column) -> bool {
+    pub fn add(&mut self, column: &Column) -> bool {
         let own = scaled(&column.values);
         let mut left: Vec<f64> = self.rows.iter().map(|k| own[*k]).collect();
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -15,7 +15,7 @@ use super::thresholds::RATES;
 
 /// Faults of a rate column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum FaultKind {
     /// A constant is added.
     Bias,
     /// It is a multiple of the rate.
@@ -29,7 +29,7 @@ pub(super) enum Kind {
 /// A fault with its size: of a bias its value, of a gain the factor, of a lag seconds, of a smoothing the standard deviation of its window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Fault {
-    pub kind: Kind,
+    pub kind: FaultKind,
     pub value: f64,
     pub error: f64,
 }
@@ -45,7 +45,12 @@ pub(super) enum RateComparison {
     Faulty(Vec<Fault>),
 }
 
-const KINDS: [Kind; 4] = [Kind::Bias, Kind::Gain, Kind::Lag, Kind::Smoothing];
+const KINDS: [FaultKind; 4] = [
+    FaultKind::Bias,
+    FaultKind::Gain,
+    FaultKind::Lag,
+    FaultKind::Smoothing,
+];
 
 /// Compares a rate with the samples of its state.
 pub(super) fn compare(stretches: &[Stretch]) -> RateComparison {
@@ -85,17 +90,17 @@ struct Estimate {
 }
 
 impl Estimate {
-    fn counts(&self, kind: Kind) -> bool {
-        let removes = kind != Kind::Smoothing || self.value < 0.0;
+    fn counts(&self, kind: FaultKind) -> bool {
+        let removes = kind != FaultKind::Smoothing || self.value < 0.0;
         removes && self.effect > RATES.effect && self.value.abs() > RATES.significance * self.error
     }
 }
 
 impl Search {
     fn select(&self) -> Vec<Fault> {
-        let mut set: Vec<Kind> = Vec::new();
+        let mut set: Vec<FaultKind> = Vec::new();
         loop {
-            let mut best: Option<(f64, Kind)> = None;
+            let mut best: Option<(f64, FaultKind)> = None;
             for kind in KINDS.into_iter().filter(|k| !set.contains(k)) {
                 let mut with = set.clone();
                 with.push(kind);
@@ -118,31 +123,31 @@ impl Search {
     }
 
     /// Fits a set of faults: the deviance, and the estimates with all that makes them uncertain.
-    fn fit(&self, set: &[Kind]) -> Option<(f64, Vec<Estimate>)> {
+    fn fit(&self, set: &[FaultKind]) -> Option<(f64, Vec<Estimate>)> {
         let fine = self.likeliest(accumulated::FINE, set, accumulated::INTEGRAL)?;
         let coarse = self.likeliest(accumulated::COARSE, set, accumulated::INTEGRAL)?;
-        let reverse = match set.contains(&Kind::Gain) {
+        let reverse = match set.contains(&FaultKind::Gain) {
             true => self.likeliest(accumulated::FINE, set, accumulated::STATE)?,
             false => fine.clone(),
         };
-        let estimate = |(i, kind): (usize, &Kind)| {
+        let estimate = |(i, kind): (usize, &FaultKind)| {
             let value = fine.coefficients[i];
             let mut error = fine.errors[i].hypot(value - coarse.coefficients[i]);
             let half = 0.5 * self.data.step * self.data.roughness;
             let part = |x: f64| (value * x / self.data.rate).abs();
             let effect = match kind {
-                Kind::Bias => part(1.0),
-                Kind::Gain => {
+                FaultKind::Bias => part(1.0),
+                FaultKind::Gain => {
                     // x − ∫r = c x is ∫r = (1 − c) x.
                     let c = reverse.coefficients[i];
                     error = error.hypot(value - c / (1.0 - c));
                     value.abs()
                 }
-                Kind::Lag => {
+                FaultKind::Lag => {
                     error = error.hypot(half);
                     part(self.data.slope)
                 }
-                Kind::Smoothing => {
+                FaultKind::Smoothing => {
                     error = error.hypot(half * self.data.step / 3.0);
                     part(self.data.bend)
                 }
@@ -157,12 +162,12 @@ impl Search {
         Some((fine.deviance, estimates))
     }
 
-    fn likeliest(&self, target: usize, set: &[Kind], gain: usize) -> Option<Regression> {
-        let column = |kind: &Kind| match kind {
-            Kind::Bias => accumulated::TIME,
-            Kind::Gain => gain,
-            Kind::Lag => accumulated::RATE,
-            Kind::Smoothing => accumulated::SLOPE,
+    fn likeliest(&self, target: usize, set: &[FaultKind], gain: usize) -> Option<Regression> {
+        let column = |kind: &FaultKind| match kind {
+            FaultKind::Bias => accumulated::TIME,
+            FaultKind::Gain => gain,
+            FaultKind::Lag => accumulated::RATE,
+            FaultKind::Smoothing => accumulated::SLOPE,
         };
         let columns: Vec<usize> = set.iter().map(column).collect();
         let fits = self.whitened.iter();
@@ -187,13 +192,13 @@ impl Search {
     }
 }
 
-fn fault(kind: Kind, found: Estimate) -> Fault {
+fn fault(kind: FaultKind, found: Estimate) -> Fault {
     let Estimate { value, error, .. } = found;
     let (value, error) = match kind {
-        Kind::Bias => (-value, error),
-        Kind::Gain => (1.0 / (1.0 + value), error / (1.0 + value).powi(2)),
-        Kind::Lag => (value, error),
-        Kind::Smoothing => {
+        FaultKind::Bias => (-value, error),
+        FaultKind::Gain => (1.0 / (1.0 + value), error / (1.0 + value).powi(2)),
+        FaultKind::Lag => (value, error),
+        FaultKind::Smoothing => {
             let width = (-2.0 * value).sqrt();
             (width, error / width)
         }

@@ -1,6 +1,6 @@
 //! What is said about a rate column.
 
-use super::consistency::{Fault, Kind};
+use super::consistency::{Fault, FaultKind};
 use sidc_lang::number::with_error;
 use sidc_lang::words::listed;
 
@@ -40,15 +40,15 @@ fn phrase(fault: &Fault, state: &str) -> String {
     let Fault { kind, value, error } = fault;
     let shown = with_error(value.abs(), *error, DIGITS);
     match kind {
-        Kind::Gain => format!(
+        FaultKind::Gain => format!(
             "is {} times the slope of {state}",
             with_error(*value, *error, DIGITS)
         ),
-        Kind::Bias if *value > 0.0 => format!("reads {shown} more than the slope of {state}"),
-        Kind::Bias => format!("reads {shown} less than the slope of {state}"),
-        Kind::Lag if *value > 0.0 => format!("comes {shown} s after the slope of {state}"),
-        Kind::Lag => format!("comes {shown} s before the slope of {state}"),
-        Kind::Smoothing => {
+        FaultKind::Bias if *value > 0.0 => format!("reads {shown} more than the slope of {state}"),
+        FaultKind::Bias => format!("reads {shown} less than the slope of {state}"),
+        FaultKind::Lag if *value > 0.0 => format!("comes {shown} s after the slope of {state}"),
+        FaultKind::Lag => format!("comes {shown} s before the slope of {state}"),
+        FaultKind::Smoothing => {
             format!("is the slope of {state} smoothed by a window of standard deviation {shown} s")
         }
     }

@@ -22,7 +22,7 @@ use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, SignalNames};
 
 use crate::dataset::{BoundTrajectory, Input, RateFault};
-use consistency::{Fault, Kind, RateComparison};
+use consistency::{Fault, FaultKind, RateComparison};
 use stretch::{Stretch, stretches};
 use thresholds::RATES;
 
@@ -145,7 +145,7 @@ impl RateColumn<'_> {
         let text = messages::clause(&rate, &below, faults);
         let said = Diagnostic::warning("slope-disagrees", text.clone());
         let unit = |f: &Fault| match f.kind {
-            Kind::Gain => messages::unit_of(f.value, RATES.unit_tolerance),
+            FaultKind::Gain => messages::unit_of(f.value, RATES.unit_tolerance),
             _ => None,
         };
         match faults.iter().find_map(unit) {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::consistency::{Fault, Kind, RateComparison, compare};
+use super::consistency::{Fault, FaultKind, RateComparison, compare};
 use super::formulas::formula;
 use super::shared_noise::filter_length;
 use super::stretch::Stretch;
@@ -96,7 +96,7 @@ fn a_true_rate_is_left_alone() {
 }
 
 /// One fault and no other, within six of its standard errors.
-fn only(found: &RateComparison, kind: Kind, value: f64) {
+fn only(found: &RateComparison, kind: FaultKind, value: f64) {
     let RateComparison::Faulty(faults) = found else {
         panic!("{kind:?} of {value}: {found:?}");
     };
@@ -123,10 +123,10 @@ fn a_fault_is_found_with_its_size() {
         for noise in [(0.0, 0.0), (1e-3, 1e-3), (0.01, 0.02)] {
             for uneven in [0.0, 0.6] {
                 let found = |sensor: &Sensor| compare(&[motion((seed, uneven), noise, sensor)]);
-                only(&found(&|t, r| r(t) + 0.05), Kind::Bias, 0.05);
-                only(&found(&|t, r| 1.05 * r(t)), Kind::Gain, 1.05);
-                only(&found(&|t, r| 1000.0 * r(t)), Kind::Gain, 1000.0);
-                only(&found(&|t, r| -r(t)), Kind::Gain, -1.0);
+                only(&found(&|t, r| r(t) + 0.05), FaultKind::Bias, 0.05);
+                only(&found(&|t, r| 1.05 * r(t)), FaultKind::Gain, 1.05);
+                only(&found(&|t, r| 1000.0 * r(t)), FaultKind::Gain, 1000.0);
+                only(&found(&|t, r| -r(t)), FaultKind::Gain, -1.0);
             }
         }
     }
@@ -140,7 +140,7 @@ fn a_rate_that_is_late_or_smoothed_is_said_to_be() {
             panic!("late, seed {seed}");
         };
         // The first two moments of a shift: the lag, and what its square does.
-        assert_eq!(faults[0].kind, Kind::Lag);
+        assert_eq!(faults[0].kind, FaultKind::Lag);
         assert!((faults[0].value - 0.03).abs() < 0.003, "{faults:?}");
         let mean = |t: f64, r: &dyn Fn(f64) -> f64| {
             (-20..=20).map(|k| r(t + 0.01 * f64::from(k))).sum::<f64>() / 41.0
@@ -149,7 +149,7 @@ fn a_rate_that_is_late_or_smoothed_is_said_to_be() {
         else {
             panic!("smoothed, seed {seed}");
         };
-        let width = faults.iter().find(|f| f.kind == Kind::Smoothing);
+        let width = faults.iter().find(|f| f.kind == FaultKind::Smoothing);
         // The window's standard deviation is 0.118.
         assert!(
             width.is_some_and(|f| (f.value - 0.118).abs() < 0.03),

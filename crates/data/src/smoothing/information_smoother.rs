@@ -33,14 +33,14 @@ pub(super) enum Transition {
 pub(super) struct Node {
     pub row: usize,
     /// Whether the row's value is used at this node: at a jump, which has two nodes, only at the first.
-    pub sees: bool,
+    pub uses_reading: bool,
     pub next: Transition,
 }
 
 impl Node {
     /// True if the value is continuous from here on and its derivatives are not.
     pub(super) fn jumps(&self) -> bool {
-        self.sees && matches!(self.next, Transition::Reset(order) if order > 0)
+        self.uses_reading && matches!(self.next, Transition::Reset(order) if order > 0)
     }
 }
 
@@ -93,7 +93,7 @@ impl InformationSmoother {
         self.gains.clear();
         let mut information = diagonal(&prior);
         for node in nodes {
-            if node.sees {
+            if node.uses_reading {
                 let w = weights.get(node.row).copied().unwrap_or(0.0).sqrt();
                 let y = values.get(node.row).copied().unwrap_or(0.0);
                 if w > 0.0 {

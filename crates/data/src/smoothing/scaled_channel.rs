@@ -152,12 +152,16 @@ fn nodes(time: &[f64], step: f64, breaks: &[Break]) -> Vec<Node> {
             let next = Transition::Reset(order);
             out.push(Node {
                 row,
-                sees: true,
+                uses_reading: true,
                 next,
             });
         }
-        let sees = order == 0 || order >= STATES;
-        out.push(Node { row, sees, next });
+        let uses_reading = order == 0 || order >= STATES;
+        out.push(Node {
+            row,
+            uses_reading,
+            next,
+        });
     }
     out
 }

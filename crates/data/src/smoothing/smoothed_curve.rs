@@ -54,7 +54,7 @@ impl ScaledChannel<'_> {
                 let Some(node) = channel.nodes.get(k) else {
                     return;
                 };
-                if node.sees {
+                if node.uses_reading {
                     let (weight, value) = (channel.weight(node.row), channel.value(node.row));
                     degrees_of_freedom += weight * state.variance[0];
                     energy += weight * value * (value - state.mean[0]);

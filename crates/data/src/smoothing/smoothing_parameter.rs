@@ -23,7 +23,7 @@ impl Channel<'_> {
         mut each: impl FnMut(usize, State),
     ) {
         smoother.run(self.nodes, self.values, self.weights, width, |k, state| {
-            if let Some(node) = self.nodes.get(k).filter(|n| n.sees) {
+            if let Some(node) = self.nodes.get(k).filter(|n| n.uses_reading) {
                 each(node.row, state);
             }
         });

@@ -2,7 +2,7 @@
 //!
 //! In: what the estimate of all runs found. Out: reasons. Never changes an equation.
 
-use crate::trajectory::{Differing, Left, Problem};
+use crate::trajectory::{Differing, Problem, RunNotFollowed};
 use sidc_lang::model::Model;
 use sidc_lang::number::rounded;
 use sidc_lang::term::{Language, SignalNames};
@@ -12,9 +12,13 @@ use sidc_system::discovery::{
 };
 
 /// The doubt `run-not-followed` for the runs that the equations were not found from.
-pub(crate) fn not_followed(problem: &Problem, used: &[usize], left: &[Left]) -> Option<Reason> {
+pub(crate) fn not_followed(
+    problem: &Problem,
+    used: &[usize],
+    left: &[RunNotFollowed],
+) -> Option<Reason> {
     let name = |t: usize| problem.names.get(t).map_or("?", String::as_str);
-    let place = |l: &Left| match l.time {
+    let place = |l: &RunNotFollowed| match l.time {
         Some(time) => format!("{} at {} s", name(l.trajectory), rounded(time, DIGITS)),
         None => name(l.trajectory).to_owned(),
     };

@@ -16,9 +16,9 @@ const MORE_ROWS: usize = 10;
 /// What the residuals show beyond their size.
 #[derive(Default)]
 pub(crate) struct ResidualFindings {
-    pub strays: Option<BadlyFittedRows>,
+    pub badly_fitted: Option<BadlyFittedRows>,
     /// In discrete time.
-    pub memory: Option<ResidualAutocorrelation>,
+    pub autocorrelation: Option<ResidualAutocorrelation>,
     /// The median residual of a row over its error; 0 if no error is estimated.
     pub median_miss: f64,
 }
@@ -35,7 +35,7 @@ pub(crate) struct RegressionCase<'a> {
     pub exact: bool,
     /// Terms that the solver proposed.
     pub proposed: usize,
-    pub remains: ResidualFindings,
+    pub residuals: ResidualFindings,
 }
 
 pub(crate) fn doubts(case: &RegressionCase) -> Vec<Reason> {
@@ -204,7 +204,7 @@ fn poor_fit(c: &RegressionCase) -> Option<Reason> {
 
 fn misfit(c: &RegressionCase) -> Option<Reason> {
     let (r, e) = (c.evidence.residual, c.evidence.target_error);
-    let all_rows = r > DOUBTS.small_residual || c.remains.median_miss > DOUBTS.misfit;
+    let all_rows = r > DOUBTS.small_residual || c.residuals.median_miss > DOUBTS.misfit;
     let beyond = e > 0.0 && r > DOUBTS.misfit * e && r > DOUBTS.solver_residual;
     (beyond && all_rows).then(|| {
         Reason::new(
@@ -227,7 +227,7 @@ pub(crate) fn times(factor: f64) -> String {
 
 /// Rows of small weight that contradict an equation whose residual as a whole passes.
 fn badly_fitted_rows_doubt(c: &RegressionCase) -> Option<Reason> {
-    let s = c.remains.strays?;
+    let s = c.residuals.badly_fitted?;
     let hidden = poor_fit(c).is_none() && misfit(c).is_none();
     hidden.then(|| {
         let reason = Reason::new(
@@ -248,14 +248,14 @@ fn badly_fitted_rows_doubt(c: &RegressionCase) -> Option<Reason> {
 }
 
 fn coloured(c: &RegressionCase) -> Option<Reason> {
-    let m = c.remains.memory?;
-    (m.is.abs() > m.chance.max(DOUBTS.autocorrelation) && c.evidence.residual > DOUBTS.negligible_residual).then(|| {
+    let m = c.residuals.autocorrelation?;
+    (m.value.abs() > m.bound.max(DOUBTS.autocorrelation) && c.evidence.residual > DOUBTS.negligible_residual).then(|| {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(
                 "the residuals of successive samples follow each other (autocorrelation {:.2}, chance allows {:.2}): a missing term, or noise \
                  of the sensors, by which coefficients are wrong by more than their intervals",
-                m.is, m.chance
+                m.value, m.bound
             ),
         )
     })

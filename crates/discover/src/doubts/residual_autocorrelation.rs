@@ -12,8 +12,9 @@ use sidc_solve::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ResidualAutocorrelation {
     /// Root mean square of the autocorrelation over the first lags, with the sign of the first.
-    pub is: f64,
-    pub chance: f64,
+    pub value: f64,
+    /// What white noise stays below.
+    pub bound: f64,
 }
 
 /// `left`: residuals by row. `None` if too few rows are successive samples.
@@ -40,8 +41,8 @@ pub(crate) fn measure(left: &[f64], samples: &Samples) -> Option<ResidualAutocor
     let size = rms_autocorrelation(&correlation);
     (neighbours >= BADLY_FITTED_ROWS.min_neighbours && size.is_finite()).then(|| {
         ResidualAutocorrelation {
-            is: size.copysign(correlation[0]),
-            chance: white_noise_bound(neighbours as f64),
+            value: size.copysign(correlation[0]),
+            bound: white_noise_bound(neighbours as f64),
         }
     })
 }
@@ -65,14 +66,14 @@ mod tests {
         let white = Numbers(9).many(2000);
         let even = samples(2000, |k| k as f64);
         let found = measure(&white, &even).unwrap();
-        assert!(found.is.abs() < found.chance, "{found:?}");
+        assert!(found.value.abs() < found.bound, "{found:?}");
         // e_k − e_{k−1}/2: −0.4 at the first lag, nothing beyond.
         let moving: Vec<f64> = (0..2000)
             .map(|k| white[k] - 0.5 * if k > 0 { white[k - 1] } else { 0.0 })
             .collect();
         let found = measure(&moving, &even).unwrap();
-        assert!((found.is + 0.4 / 8f64.sqrt()).abs() < 0.02, "{found:?}");
-        assert!(found.is.abs() > found.chance);
+        assert!((found.value + 0.4 / 8f64.sqrt()).abs() < 0.02, "{found:?}");
+        assert!(found.value.abs() > found.bound);
     }
 
     #[test]

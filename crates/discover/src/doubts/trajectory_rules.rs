@@ -27,7 +27,7 @@ pub(crate) struct TrajectoryCase<'a> {
     pub readings: usize,
     /// Terms of all equations.
     pub all_terms: usize,
-    pub arrived: bool,
+    pub converged: bool,
     /// Candidates of this equation that a generator made.
     pub made: usize,
 }
@@ -54,22 +54,23 @@ pub(crate) fn doubts(case: &TrajectoryCase) -> Vec<Reason> {
 
 /// Whether the residuals of a channel are larger than the noise of its sensor.
 pub(crate) fn misfits(c: &Channel) -> bool {
-    c.excess > TRAJECTORY_DOUBTS.misfit
+    c.noise_ratio > TRAJECTORY_DOUBTS.misfit
 }
 
 /// Whether the residuals of a channel are larger than the noise of its sensor, or autocorrelated beyond chance.
 pub(crate) fn unexplained(c: &Channel) -> bool {
-    misfits(c) || c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)
+    misfits(c)
+        || c.autocorrelation.abs() > c.white_noise_bound.max(DOUBTS.autocorrelation) && told(c)
 }
 
 /// Size and autocorrelation of a channel's residuals over what noise alone may give, the larger of the two: above 1 where the channel
 /// is unexplained.
 pub(crate) fn left_over_noise(c: &Channel) -> f64 {
     let remembered = match told(c) {
-        true => c.memory.abs() / c.chance.max(DOUBTS.autocorrelation),
+        true => c.autocorrelation.abs() / c.white_noise_bound.max(DOUBTS.autocorrelation),
         false => 0.0,
     };
-    remembered.max(c.excess / TRAJECTORY_DOUBTS.misfit)
+    remembered.max(c.noise_ratio / TRAJECTORY_DOUBTS.misfit)
 }
 
 /// The doubt `input-delay`: inputs that were shifted in time, or that a lag would explain as well.
@@ -271,7 +272,7 @@ fn beyond_library(
 }
 
 fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
-    let part = c.left / c.spread;
+    let part = c.residual / c.spread;
     let allowed = match unexplained(c) {
         true => TRAJECTORY_DOUBTS.poor_fit,
         false => TRAJECTORY_DOUBTS.mostly_noise,
@@ -290,15 +291,15 @@ fn poor(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
 }
 
 fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
-    (c.excess > TRAJECTORY_DOUBTS.misfit
-        && c.left > TRAJECTORY_DOUBTS.negligible_residual * c.spread)
+    (c.noise_ratio > TRAJECTORY_DOUBTS.misfit
+        && c.residual > TRAJECTORY_DOUBTS.negligible_residual * c.spread)
         .then(|| {
             Reason::new(
                 ReasonCode::Misfit,
                 format!(
                     "the residuals of {} are {:.1} times its sensor's noise",
                     case.names.name(c.signal),
-                    c.excess
+                    c.noise_ratio
                 ),
             )
         })
@@ -306,21 +307,21 @@ fn large(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
 
 /// Whether the residuals of a channel exceed both rounding and the accuracy of the fit.
 fn told(c: &Channel) -> bool {
-    c.left
+    c.residual
         > c.accuracy
             .max(TRAJECTORY_DOUBTS.negligible_residual * c.spread)
 }
 
 fn memory(case: &TrajectoryCase, c: &Channel) -> Option<Reason> {
-    (c.memory.abs() > c.chance.max(DOUBTS.autocorrelation) && told(c)).then(|| {
+    (c.autocorrelation.abs() > c.white_noise_bound.max(DOUBTS.autocorrelation) && told(c)).then(|| {
         Reason::new(
             ReasonCode::ColouredResiduals,
             format!(
                 "the residuals of {} follow each other (autocorrelation {:.2}, chance allows {:.2}), which neither white noise of \
                  a sensor nor one that fades explains",
                 case.names.name(c.signal),
-                c.memory,
-                c.chance
+                c.autocorrelation,
+                c.white_noise_bound
             ),
         )
     })
@@ -370,7 +371,7 @@ fn few(case: &TrajectoryCase) -> Option<Reason> {
 }
 
 fn unsettled(case: &TrajectoryCase) -> Option<Reason> {
-    (!case.arrived).then(|| {
+    (!case.converged).then(|| {
         Reason::new(
             ReasonCode::NotSettled,
             "trajectory and coefficients still moved when their fit was ended: they are near the best, not at it",

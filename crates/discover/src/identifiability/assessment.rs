@@ -216,7 +216,7 @@ pub fn attach(equation: &mut Equation, assessment: Assessment) {
         return;
     };
     let said = equation.reasons.iter().any(|r| r.code == ReasonCode::Tie);
-    let refitted = evidence.together.is_some();
+    let refitted = evidence.joint.is_some();
     if !said
         && !refitted
         && let Some(reason) = tie(&assessment.equivalent)

@@ -9,7 +9,7 @@ use crate::joint::delay_outlier_search::{search_from, search_system};
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::joint::pooled_search::search_runs;
 use crate::options::Options;
-use crate::trajectory::{CoefficientConstraints, Left, Problem, StartingSupport};
+use crate::trajectory::{CoefficientConstraints, Problem, RunNotFollowed, StartingSupport};
 use sidc_lang::model::Model;
 use sidc_progress::{EquationObserver, Observer};
 
@@ -19,7 +19,7 @@ pub(crate) struct ConstrainedAnswer<'a> {
     /// The free answer, where it breaks a constraint.
     pub free: Option<JointFit<'a>>,
     /// Runs that were left out of the estimate, because the laws do not follow them.
-    pub left: Vec<Left>,
+    pub not_followed: Vec<RunNotFollowed>,
 }
 
 /// What a search under constraints ended with.
@@ -37,7 +37,7 @@ impl SearchOutcome<'_> {
             SearchOutcome::Answer(answer) => SearchOutcome::Answer(Box::new(ConstrainedAnswer {
                 fit: answer.fit.into_owned(),
                 free: answer.free.map(JointFit::into_owned),
-                left: answer.left,
+                not_followed: answer.not_followed,
             })),
             SearchOutcome::OnlyFree(free) => SearchOutcome::OnlyFree(Box::new(free.into_owned())),
             SearchOutcome::Nothing => SearchOutcome::Nothing,
@@ -53,14 +53,19 @@ pub(crate) fn search_under_constraints<'a>(
     options: &Options,
     watcher: &mut EquationObserver,
 ) -> SearchOutcome<'a> {
-    let settled =
-        |fit, free, left| SearchOutcome::Answer(Box::new(ConstrainedAnswer { fit, free, left }));
+    let settled = |fit, free, not_followed| {
+        SearchOutcome::Answer(Box::new(ConstrainedAnswer {
+            fit,
+            free,
+            not_followed,
+        }))
+    };
     let answer = |fit, free| settled(fit, free, Vec::new());
     let constraints = &problem.system.constraints;
     if constraints.rows.is_empty() {
         let found = search_runs((model, problem), start, options, watcher);
         return found.map_or(SearchOutcome::Nothing, |pooled| {
-            settled(pooled.fit, None, pooled.left)
+            settled(pooled.fit, None, pooled.not_followed)
         });
     }
     let unconstrained = problem.under(constraints.without_rows());
@@ -131,7 +136,8 @@ fn owned<'a>(fit: JointFit, constraints: &CoefficientConstraints) -> JointFit<'a
         late: fit.late,
         lag: fit.lag,
         offset: fit.offset,
-        white: (fit.white).map(|white| Box::new(owned(*white, constraints))),
+        white_noise_answer: (fit.white_noise_answer)
+            .map(|white| Box::new(owned(*white, constraints))),
     }
 }
 

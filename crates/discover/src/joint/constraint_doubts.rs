@@ -210,8 +210,8 @@ pub(crate) fn contradiction(
         d = d.fact(format!(
             "{}: the residuals are at best {:.1} times the noise of its sensor under the constraints, {:.1} without",
             names.name(c.signal),
-            c.excess,
-            own.excess
+            c.noise_ratio,
+            own.noise_ratio
         ));
     }
     let d = d.help("look at signs, units and the system itself; leave the constraint out to see the equations that the data want");

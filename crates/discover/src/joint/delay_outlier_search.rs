@@ -333,7 +333,7 @@ impl DelayOutlierSearch<'_, '_> {
         let explains = !unexplained(&best.problem, &best.found.best);
         if explains && best.gain_over(fit) > 0.0 {
             std::mem::swap(fit, &mut best);
-            fit.white = Some(Box::new(best));
+            fit.white_noise_answer = Some(Box::new(best));
         }
     }
 

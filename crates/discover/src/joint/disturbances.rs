@@ -32,7 +32,7 @@ pub(crate) fn with_disturbances<'a>(
             Some(fit) => SearchOutcome::Answer(Box::new(ConstrainedAnswer {
                 fit,
                 free: None,
-                left: Vec::new(),
+                not_followed: Vec::new(),
             })),
         },
         SearchOutcome::OnlyFree(free) => SearchOutcome::OnlyFree(free),
@@ -59,8 +59,9 @@ fn disturbed<'a>(
         let fit = search_with_disturbances(&noisy, (answer.map(|a| &a.fit), 0.0), watcher)?;
         return watcher.stop().is_none().then_some(fit);
     }
-    let settled =
-        |a: &ConstrainedAnswer| a.free.is_some() || a.fit.white.is_none() && explained(&a.fit);
+    let settled = |a: &ConstrainedAnswer| {
+        a.free.is_some() || a.fit.white_noise_answer.is_none() && explained(&a.fit)
+    };
     if watcher.stop().is_some() || answer.is_some_and(settled) {
         return None;
     }
@@ -69,8 +70,8 @@ fn disturbed<'a>(
         return None;
     }
     // Autocorrelated sensor noise does not move the trajectory, disturbances do: the likelihood tells them apart.
-    let before = answer.map(|a| a.fit.white.as_deref().unwrap_or(&a.fit));
-    let gained = answer.and_then(|a| Some(a.fit.gain_over(a.fit.white.as_deref()?)));
+    let before = answer.map(|a| a.fit.white_noise_answer.as_deref().unwrap_or(&a.fit));
+    let gained = answer.and_then(|a| Some(a.fit.gain_over(a.fit.white_noise_answer.as_deref()?)));
     let known = before.map_or(problem, |b| &b.problem);
     let fit = search_with_disturbances(known, (before, gained.unwrap_or(0.0)), watcher)?;
     let better = explained(&fit)

@@ -19,7 +19,7 @@ pub(crate) struct JointFit<'a> {
     /// An offset of a sensor that would explain terms.
     pub offset: Option<SensorOffset>,
     /// The answer to white noise, where one to noise that lasts was found to be better.
-    pub white: Option<Box<JointFit<'a>>>,
+    pub white_noise_answer: Option<Box<JointFit<'a>>>,
 }
 
 impl<'a> JointFit<'a> {
@@ -31,7 +31,9 @@ impl<'a> JointFit<'a> {
             late: self.late,
             lag: self.lag,
             offset: self.offset,
-            white: self.white.map(|white| Box::new(white.into_owned())),
+            white_noise_answer: self
+                .white_noise_answer
+                .map(|white| Box::new(white.into_owned())),
         }
     }
 
@@ -46,7 +48,7 @@ impl<'a> JointFit<'a> {
             late,
             lag: None,
             offset: None,
-            white: None,
+            white_noise_answer: None,
         }
     }
 

@@ -48,13 +48,13 @@ use crate::options::Options;
 use crate::redundancy::doubt_redundant_equations;
 use crate::refusal::Refusal;
 use crate::trajectory;
-use crate::trajectory::{Found, Law, Left, Problem};
+use crate::trajectory::{Found, Law, Problem, RunNotFollowed};
 use sidc_data::{Column, Dataset, Origin, Samples};
 use sidc_lang::library::Library;
 use sidc_lang::model::Model;
 use sidc_lang::term::Signal;
 use sidc_progress::{EquationObserver, Observer, Stage};
-use sidc_system::discovery::{Discovery, Failed, Status, Stretches, Witness};
+use sidc_system::discovery::{BlockNormalEquations, Discovery, Failed, Status, Witness};
 
 /// What is kept of a joint estimate so that it can be judged.
 #[derive(Clone, Debug, Default)]
@@ -62,7 +62,7 @@ pub struct Fitted {
     /// All signals along the trajectory.
     pub samples: Samples,
     /// `None` if the records cannot be divided.
-    pub stretches: Option<Stretches>,
+    pub stretches: Option<BlockNormalEquations>,
     /// `None` if nothing was fitted.
     pub description: Option<Description>,
 }
@@ -205,7 +205,7 @@ fn equations(
         late,
         lag,
         offset,
-        white: _,
+        white_noise_answer: _,
     } = &answer.fit;
     let mut found = found.clone();
     let problem = problem.as_ref();
@@ -247,7 +247,7 @@ fn weigh(
     doubt_runs(
         &mut discovery,
         (model, problem),
-        (found, &answer.left),
+        (found, &answer.not_followed),
         watcher,
     );
     if stopped.is_none() && watcher.at(Stage::Weighing).is_none() {
@@ -294,16 +294,16 @@ fn weigh(
 fn doubt_runs(
     discovery: &mut Discovery,
     (model, problem): (&Model, &Problem),
-    (found, left): (&Found, &[Left]),
+    (found, left_out): (&Found, &[RunNotFollowed]),
     watcher: &mut EquationObserver,
 ) {
     let used = problem.runs();
-    let not_followed = pooling_rules::not_followed(problem, &used, left);
+    let not_followed = pooling_rules::not_followed(problem, &used, left_out);
     if let Some(reason) = not_followed {
         discovery.doubt_each(|_, _| Some(reason.clone()));
     }
     discovery.doubt_each(|names, equation| pooling_rules::undeclared(model, names, equation));
-    discovery.runs_left = (left.iter())
+    discovery.runs_left = (left_out.iter())
         .filter_map(|l| problem.names.get(l.trajectory).cloned())
         .collect();
     // Where the answer already has undeclared coefficients for each run, no others are looked for.
@@ -343,7 +343,7 @@ fn likelihood_by_stretch(
     problem: &Problem,
     found: &Found,
     observer: &mut dyn Observer,
-) -> Option<Stretches> {
+) -> Option<BlockNormalEquations> {
     let pieces = trajectory::block_products(problem, &found.best, found.inefficiency, observer)?;
     let system = &problem.system;
     let column = |j: &usize| {
@@ -352,7 +352,7 @@ fn likelihood_by_stretch(
     };
     let support = found.best.support().iter();
     let readings = problem.measurements() as f64 / found.inefficiency;
-    Some(Stretches {
+    Some(BlockNormalEquations {
         columns: pieces.columns.iter().map(column).collect(),
         support: support
             .filter_map(|j| pieces.columns.binary_search(j).ok())

@@ -11,7 +11,7 @@ use crate::joint::delay_outlier_search::search_system;
 use crate::joint::joint_fit::{JointFit, unexplained};
 use crate::options::Options;
 use crate::trajectory;
-use crate::trajectory::{Found, Left, POOLING, Problem, StartingSupport};
+use crate::trajectory::{Found, POOLING, Problem, RunNotFollowed, StartingSupport};
 use sidc_lang::model::Model;
 use sidc_progress::EquationObserver;
 
@@ -19,7 +19,7 @@ use sidc_progress::EquationObserver;
 pub(crate) struct PooledFit<'a> {
     pub fit: JointFit<'a>,
     /// Runs that the fit does not follow and was not found from.
-    pub left: Vec<Left>,
+    pub not_followed: Vec<RunNotFollowed>,
 }
 
 /// Searches all equations on all runs, or on those that can be followed. `None` if no support could be fitted to any.
@@ -44,7 +44,7 @@ pub(crate) fn search_runs<'a>(
         watcher,
     };
     let alone: Vec<(usize, Option<JointFit>)> = (runs.iter())
-        .map(|run| (*run, search.on(&[*run])))
+        .map(|run| (*run, search.on_runs(&[*run])))
         .collect();
     if search.watcher.stop().is_some() {
         return all.map(whole);
@@ -66,7 +66,7 @@ pub(crate) fn search_runs<'a>(
 fn whole(fit: JointFit) -> PooledFit {
     PooledFit {
         fit,
-        left: Vec::new(),
+        not_followed: Vec::new(),
     }
 }
 
@@ -87,7 +87,7 @@ struct RunSearch<'p, 'w, 'o> {
 
 impl RunSearch<'_, '_, '_> {
     /// The search on the given runs alone.
-    fn on<'b>(&mut self, runs: &[usize]) -> Option<JointFit<'b>> {
+    fn on_runs<'b>(&mut self, runs: &[usize]) -> Option<JointFit<'b>> {
         let part = self.problem.on_runs(runs);
         let found = search_system(
             (self.model, &part),
@@ -106,16 +106,16 @@ impl RunSearch<'_, '_, '_> {
         alone: &[(usize, Option<JointFit<'static>>)],
     ) -> Option<PooledFit<'b>> {
         if good.len() < 2 {
-            let fit = self.on(good.get(..1)?)?;
-            return Some(self.with_left(fit, good, runs));
+            let fit = self.on_runs(good.get(..1)?)?;
+            return Some(self.leaving_out(fit, good, runs));
         }
         if good.len() < runs.len()
-            && let Some(fit) = self.on(good).filter(explains)
+            && let Some(fit) = self.on_runs(good).filter(explains)
         {
-            return Some(self.with_left(fit, good, runs));
+            return Some(self.leaving_out(fit, good, runs));
         }
         let fit = self.run_by_run(good, alone)?;
-        Some(self.with_left(fit, good, runs))
+        Some(self.leaving_out(fit, good, runs))
     }
 
     /// The best of several fits: the support found on each run alone, fitted to all of them with coefficients that may differ between
@@ -170,23 +170,23 @@ impl RunSearch<'_, '_, '_> {
             .map(|a| a.0)
             .collect();
         if (2..runs.len()).contains(&able.len())
-            && let Some(fit) = self.on(&able)
+            && let Some(fit) = self.on_runs(&able)
         {
-            return Some(self.with_left(fit, &able, runs));
+            return Some(self.leaving_out(fit, &able, runs));
         }
         let able = alone.into_iter().filter_map(|(run, fit)| Some((run, fit?)));
         let longest = able.max_by_key(|(run, fit)| (fit.problem.samples(), usize::MAX - run))?;
-        Some(self.with_left(longest.1, &[longest.0], runs))
+        Some(self.leaving_out(longest.1, &[longest.0], runs))
     }
 
-    fn with_left<'b>(
+    fn leaving_out<'b>(
         &mut self,
         fit: JointFit<'b>,
         used: &[usize],
         runs: &[usize],
     ) -> PooledFit<'b> {
         let others = runs.iter().filter(|run| !used.contains(run));
-        let mut left = Vec::new();
+        let mut not_followed = Vec::new();
         let noise = noise_of_runs(&fit);
         for run in others {
             let problem = match &fit.late {
@@ -199,12 +199,12 @@ impl RunSearch<'_, '_, '_> {
                 true => trajectory::left_by(&problem, (laws, &noise), *run, self.watcher),
                 false => None,
             };
-            left.push(at.unwrap_or(Left {
+            not_followed.push(at.unwrap_or(RunNotFollowed {
                 trajectory: *run,
                 time: None,
             }));
         }
-        PooledFit { fit, left }
+        PooledFit { fit, not_followed }
     }
 }
 

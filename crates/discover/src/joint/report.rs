@@ -15,7 +15,7 @@ use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term, VarId};
 use sidc_system::discovery::{
     ChannelFit, Discovery, DisturbanceFit, Equation, Evidence, FoundTerm, GrowingNoise, InputDelay,
-    RunCoefficient, Status, Together,
+    JointEvidence, RunCoefficient, Status,
 };
 
 /// A fitted system, as its equations are reported.
@@ -43,10 +43,10 @@ impl Report<'_> {
             candidates: law.candidates,
             searched: distinct(&law.slots),
             iterations: self.found.tried,
-            residual: worst(&|c| c.left / c.spread),
+            residual: worst(&|c| c.residual / c.spread),
             target_error: worst(&|c| c.noise / c.spread),
             ties: ties.iter().map(|(s, _)| s.clone()).collect(),
-            together: Some(Together {
+            joint: Some(JointEvidence {
                 channels: channels.iter().map(|c| self.channel(names, c)).collect(),
                 weakest: self.weakest(names, law),
                 delays: self.delays(names),
@@ -66,7 +66,7 @@ impl Report<'_> {
             evidence: &evidence,
             readings: self.problem.measurements(),
             all_terms: self.found.best.support().len(),
-            arrived: self.found.best.arrived,
+            converged: self.found.best.converged,
             made: law.written.iter().filter(|by_hand| !**by_hand).count(),
         });
         if let Some(disturbance) = self.disturbance(law) {
@@ -156,17 +156,17 @@ impl Report<'_> {
         let files = c.files.iter();
         ChannelFit {
             signal: names.name(c.signal),
-            left: c.left,
+            residual: c.residual,
             noise: c.noise,
             declared: self.model.noise(c.signal).is_some(),
             growing: c.growth.map(|noise| GrowingNoise {
                 floor: noise.floor,
                 share: noise.share,
             }),
-            relative: c.left / c.spread,
+            relative: c.residual / c.spread,
             lasting: c.lasting,
-            memory: c.memory,
-            chance: c.chance,
+            autocorrelation: c.autocorrelation,
+            white_noise_bound: c.white_noise_bound,
             files: files.filter_map(|f| Some((name(f)?, f.left))).collect(),
             left_out: c.left_out,
         }
@@ -199,7 +199,7 @@ impl Report<'_> {
                     coefficient: *a,
                     fixed: false,
                     standard_error,
-                    trust: None,
+                    evidence: None,
                     runs: own.into_iter().collect(),
                 }),
             }

@@ -38,7 +38,7 @@ pub(crate) fn search_with_constants<'a>(
     let mut best: Option<Searched> = None;
     let search = ConstantSearch { of, data, options };
     for start in starts {
-        let searched = search.from(start, watcher);
+        let searched = search.search_from(start, watcher);
         if best.as_ref().is_none_or(|b| searched.value() < b.value()) {
             best = Some(searched);
         }
@@ -99,13 +99,17 @@ struct ConstantSearch<'a> {
 impl<'a> ConstantSearch<'a> {
     /// Searches terms at the present values of the constants. If another law near the answer, with its own likeliest constants, is better,
     /// the search is repeated at those, and so on. Sensor faults are looked for last, since a wrong constant looks like one.
-    fn from(&self, mut constants: Constants, watcher: &mut EquationObserver) -> Searched<'a> {
+    fn search_from(
+        &self,
+        mut constants: Constants,
+        watcher: &mut EquationObserver,
+    ) -> Searched<'a> {
         let (_, problem) = self.data;
         let system = &problem.system;
         let plain = system.constraints.is_empty() && system.hidden.is_empty();
         let mut careful = !plain || constants.sought().is_empty();
         let mut start = None;
-        let mut known: Option<Known> = None;
+        let mut known: Option<KnownLaws> = None;
         let mut round = 0;
         loop {
             let scope = if careful {
@@ -113,7 +117,7 @@ impl<'a> ConstantSearch<'a> {
             } else {
                 SearchScope::Terms
             };
-            let mut outcome = self.at(&constants, start.take(), scope, watcher);
+            let mut outcome = self.search_at(&constants, start.take(), scope, watcher);
             let SearchOutcome::Answer(answer) = &mut outcome else {
                 return Searched { outcome, constants };
             };
@@ -134,7 +138,7 @@ impl<'a> ConstantSearch<'a> {
             } else if !careful && watcher.stop().is_none() {
                 (careful, round) = (true, CONSTANTS.rounds - 2);
                 start = Some(answer.fit.found.best.point.active());
-                known = Some(Known::new(&answer.fit, laws));
+                known = Some(KnownLaws::new(&answer.fit, laws));
             } else {
                 add_rivals(answer, &laws);
                 return Searched { outcome, constants };
@@ -150,9 +154,9 @@ impl<'a> ConstantSearch<'a> {
         watcher: &mut EquationObserver,
     ) -> Searched<'a> {
         let (dataset, problem) = self.data;
-        let at = constants.started(problem, HIDDEN.judged, watcher);
+        let at = constants.started(problem, HIDDEN.courses_per_value, watcher);
         let acting = constants.dataset(dataset);
-        let outcome = self.on((&acting, &at), None, SearchScope::Terms, watcher);
+        let outcome = self.search_terms((&acting, &at), None, SearchScope::Terms, watcher);
         let SearchOutcome::Answer(answer) = outcome else {
             let outcome = SearchOutcome::Nothing;
             return Searched { outcome, constants };
@@ -162,13 +166,13 @@ impl<'a> ConstantSearch<'a> {
         let at = constants.problem(of.0);
         let acting = constants.dataset(dataset);
         let start = answer.fit.found.best.point.active();
-        let outcome = self.on((&acting, &at), Some(start), scope, watcher);
+        let outcome = self.search_terms((&acting, &at), Some(start), scope, watcher);
         let outcome = outcome.into_owned();
         Searched { outcome, constants }
     }
 
     /// One search of terms.
-    fn at(
+    fn search_at(
         &self,
         constants: &Constants,
         start: Option<StartingSupport>,
@@ -177,16 +181,16 @@ impl<'a> ConstantSearch<'a> {
     ) -> SearchOutcome<'a> {
         let (dataset, problem) = self.data;
         match constants.started(problem, HIDDEN.courses, watcher) {
-            Cow::Borrowed(at) => self.on((dataset, at), start, scope, watcher),
+            Cow::Borrowed(at) => self.search_terms((dataset, at), start, scope, watcher),
             Cow::Owned(at) => {
                 let acting = constants.dataset(dataset);
-                let outcome = self.on((&acting, &at), start, scope, watcher);
+                let outcome = self.search_terms((&acting, &at), start, scope, watcher);
                 outcome.into_owned()
             }
         }
     }
 
-    fn on<'b>(
+    fn search_terms<'b>(
         &self,
         (dataset, problem): (&Dataset, &'b Problem),
         start: Option<StartingSupport>,
@@ -208,22 +212,22 @@ impl<'a> ConstantSearch<'a> {
             Some(fit) => SearchOutcome::Answer(Box::new(ConstrainedAnswer {
                 fit,
                 free: None,
-                left: Vec::new(),
+                not_followed: Vec::new(),
             })),
         }
     }
 }
 
 /// The laws found near an answer, kept for a later search that ends in the same answer.
-struct Known {
+struct KnownLaws {
     laws: Vec<FittedConstants>,
     support: Vec<usize>,
     value: f64,
 }
 
-impl Known {
-    fn new(fit: &JointFit, laws: Vec<FittedConstants>) -> Known {
-        Known {
+impl KnownLaws {
+    fn new(fit: &JointFit, laws: Vec<FittedConstants>) -> KnownLaws {
+        KnownLaws {
             laws,
             support: fit.found.best.support().to_vec(),
             value: fit.found.best.value,

@@ -113,7 +113,7 @@ impl System<'_> {
             return 0.0;
         };
         let size = self.size(e);
-        if evidence.together.is_none() {
+        if evidence.joint.is_none() {
             return evidence.residual * size;
         }
         let excess = evidence.residual.powi(2) - evidence.target_error.powi(2);
@@ -315,8 +315,8 @@ impl System<'_> {
         };
         let rearranged = Rearranged {
             of: originals.iter().map(|m| message.name(*m)).collect(),
-            apart: dependence.separation.part,
-            open: dependence.uncertainty / relation.gradients.size,
+            separation: dependence.separation.part,
+            uncertainty: dependence.uncertainty / relation.gradients.size,
             condition: dependence.separation.condition,
             independent: replaces,
             other: law.as_ref().map(|law| match replaces {

@@ -4,7 +4,7 @@ use super::*;
 use sidc_data::{Column, Origin};
 use sidc_lang::model::VarKind;
 use sidc_lang::term::{Func, VarId};
-use sidc_system::discovery::{Evidence, FoundTerm, Together, Variable};
+use sidc_system::discovery::{Evidence, FoundTerm, JointEvidence, Variable};
 
 const X: Signal = Signal::derivative(VarId(1), 2);
 const TURN: Signal = Signal::derivative(VarId(2), 2);
@@ -22,7 +22,7 @@ fn equation(target: Signal, terms: &[(f64, Term)]) -> Equation {
         coefficient: *coefficient,
         fixed: false,
         standard_error: Some(1e-3 * coefficient.abs()),
-        trust: None,
+        evidence: None,
         runs: Vec::new(),
     };
     Equation {
@@ -31,7 +31,7 @@ fn equation(target: Signal, terms: &[(f64, Term)]) -> Equation {
         status: Status::Pass,
         reasons: Vec::new(),
         evidence: Some(Evidence {
-            together: Some(Together::default()),
+            joint: Some(JointEvidence::default()),
             ..Evidence::default()
         }),
         path: Vec::new(),

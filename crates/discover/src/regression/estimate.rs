@@ -142,7 +142,7 @@ impl Task<'_> {
         let name = |atom: &Atom| Language(self.model).term(&Term::atom(atom.clone()));
         (!grading.is_plain()).then(|| NormGrading {
             base: grading.base,
-            dear: grading.dear.as_ref().map(name).unwrap_or_default(),
+            penalized: grading.penalized.as_ref().map(name).unwrap_or_default(),
         })
     }
 }

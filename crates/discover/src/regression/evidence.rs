@@ -33,10 +33,10 @@ impl Task<'_> {
                     ..answer.witness.clone()
                 }));
                 let left = self.residual(&terms, used, y);
-                remains.strays = badly_fitted_rows(&left, weights, used, size);
+                remains.badly_fitted = badly_fitted_rows(&left, weights, used, size);
                 remains.median_miss = median_miss(&left, weights);
                 if self.model.discrete {
-                    remains.memory = residual_autocorrelation::measure(&left, used);
+                    remains.autocorrelation = residual_autocorrelation::measure(&left, used);
                 }
                 let left = rms(&product(&left, &weights.row));
                 (
@@ -64,12 +64,12 @@ impl Task<'_> {
             searched: answer.searched,
             certificate: answer.proof.clone(),
             certificate_range: Vec::new(),
-            together: None,
+            joint: None,
             relation: None,
-            ways: None,
+            methods: None,
             ties: self.named(&self.other_laws(answer), names),
             halves: None,
-            nearest: None,
+            omitted: None,
             identifiability: None,
             verification: None,
             sparsest: None,
@@ -135,7 +135,7 @@ impl Task<'_> {
             stopped: answer.stopped,
             exact: answer.exact,
             proposed: answer.proposed,
-            remains,
+            residuals: remains,
         });
         let status = if reasons.is_empty() {
             Status::Pass

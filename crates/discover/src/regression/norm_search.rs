@@ -65,7 +65,7 @@ impl NormSearch<'_> {
         let grading = |base| Grading {
             base,
             counts: Some(counts.clone()),
-            dear: None,
+            penalized: None,
         };
         [GRADING.slight, GRADING.steep].map(grading).to_vec()
     }
@@ -89,7 +89,7 @@ impl NormSearch<'_> {
         let mut found = self.solutions(gradings, most_steps, observer);
         let many = !alone && self.solver.gives_up();
         if many && none_sparse(&found) && observer.go_on() {
-            found.extend(self.solutions(&dear(gradings), most_steps, observer));
+            found.extend(self.solutions(&penalized(gradings), most_steps, observer));
         }
         if none_sparse(&found) && observer.go_on() {
             // The plain norm, unless the model prefers others.
@@ -101,8 +101,8 @@ impl NormSearch<'_> {
         // answers, but before those that were given up without any.
         found.sort_by(|a, b| {
             let nothing = |p: &Proposal| p.solution.coefficients.is_empty();
-            let dear = |p: &Proposal| p.grading.dear.is_some();
-            let key = |p: &Proposal| (!p.answers(), nothing(p), p.terms, dear(p));
+            let penalized = |p: &Proposal| p.grading.penalized.is_some();
+            let key = |p: &Proposal| (!p.answers(), nothing(p), p.terms, penalized(p));
             let bases = a.grading.base.total_cmp(&b.grading.base);
             key(a).cmp(&key(b)).then(bases)
         });
@@ -153,14 +153,14 @@ fn none_sparse(found: &[Proposal]) -> bool {
 }
 
 /// The first graded norm with the terms of each factor made expensive in turn; none where all norms are plain.
-fn dear(gradings: &[Grading]) -> Vec<Grading> {
+fn penalized(gradings: &[Grading]) -> Vec<Grading> {
     let Some(graded) = gradings.iter().find(|g| !g.is_plain()) else {
         return Vec::new();
     };
-    let dear = |atom: &Atom| Grading {
-        dear: Some(atom.clone()),
+    let penalized = |atom: &Atom| Grading {
+        penalized: Some(atom.clone()),
         ..graded.clone()
     };
     let atoms = graded.counts.iter().flat_map(|counts| counts.keys());
-    atoms.take(GRADING.dear).map(dear).collect()
+    atoms.take(GRADING.penalized).map(penalized).collect()
 }

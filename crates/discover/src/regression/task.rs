@@ -102,7 +102,7 @@ impl Task<'_> {
             coefficient,
             fixed: false,
             standard_error,
-            trust: None,
+            evidence: None,
             runs: Vec::new(),
         };
         let mut found: Vec<FoundTerm> = all.map(term).collect();

@@ -84,7 +84,7 @@ family! {
         /// κ of the steep grading.
         steep: f64 = 4.0, unit "", source "study `coupled`";
         /// Factors of a library whose terms are made expensive, one factor at a time, where no grading leads to a sparse answer.
-        dear: usize = 24, unit "factors", source "set by hand: a bound on work";
+        penalized: usize = 24, unit "factors", source "set by hand: a bound on work";
         /// Steps after which a path is given up until all others have been tried.
         steps: usize = 512, unit "steps", source "study `coupled`: nine in ten sparse answers take fewer than 263 steps, 99 in 100 fewer than 841";
         /// Terms of a proposal up to which it takes part in the selection.

@@ -30,7 +30,7 @@ pub(super) fn coupled<'a>(
     samples: &Samples,
     libraries: &[Option<Library>],
 ) -> Option<Coupled<'a>> {
-    let judged = |e: &Equation| e.evidence.as_ref().is_none_or(|e| e.together.is_none());
+    let judged = |e: &Equation| e.evidence.as_ref().is_none_or(|e| e.joint.is_none());
     let whole = d.failed.is_empty() && d.equations.iter().all(judged);
     if form.rows.len() < 2 || !form.coupled() || samples.is_empty() || !whole {
         return None;

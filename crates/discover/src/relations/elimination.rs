@@ -4,7 +4,7 @@
 
 /// A basis of those linear combinations of the rows that vanish in every column of `gone`. An entry counts as cancelled
 /// below `rounding` of its summands. The largest entry of each row is 1.
-pub(super) fn vanishing(mut rows: Vec<Vec<f64>>, gone: &[usize], rounding: f64) -> Vec<Vec<f64>> {
+pub(super) fn eliminate(mut rows: Vec<Vec<f64>>, gone: &[usize], rounding: f64) -> Vec<Vec<f64>> {
     rows.iter_mut().for_each(|row| scale(row));
     while let Some((r, c)) = largest(&rows, gone, rounding) {
         let pivot = rows.swap_remove(r);
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn sums_that_vanish_in_a_column_are_found() {
         let rows = vec![vec![1.0, 2.0, 0.0], vec![0.0, 4.0, 3.0]];
-        let found = vanishing(rows, &[1], 1e-12);
+        let found = eliminate(rows, &[1], 1e-12);
         assert_eq!(found.len(), 1);
         let ratio = found[0][2] / found[0][0];
         assert!(

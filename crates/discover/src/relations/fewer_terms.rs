@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use crate::redundancy::gradients::Gradients;
 use crate::relations::coupled_laws::Coupled;
-use crate::relations::elimination::vanishing;
+use crate::relations::elimination::eliminate;
 use crate::relations::multiples::{Law, Multiples, multiples};
 use crate::relations::sparse_sums::{SparseSums, sparse_sums, support};
 use crate::relations::thresholds::FEWER_TERMS;
@@ -101,7 +101,7 @@ impl<'a> Search<'a> {
         let rows: Vec<Vec<f64>> = self.multiples.rows.iter().map(scaled).collect();
         let gone: Vec<usize> = others.iter().map(|(k, _)| *k).collect();
         let columns: Vec<usize> = allowed.iter().map(|(k, _)| *k).collect();
-        let kept = vanishing(rows, &gone, rounding).into_iter();
+        let kept = eliminate(rows, &gone, rounding).into_iter();
         let part = |row: Vec<f64>| {
             columns
                 .iter()

@@ -3,7 +3,7 @@
 //! In: rows of numbers, one column a term, and columns to solve for. Out: vectors with few entries that are not zero. Where there
 //! are few enough sets of columns all are visited; else basis pursuit proposes. Knows no terms and no data.
 
-use crate::relations::elimination::{orthonormal, vanishing};
+use crate::relations::elimination::{eliminate, orthonormal};
 use crate::relations::thresholds::FEWER_TERMS;
 use sidc_progress::Observer;
 use sidc_solve::dictionary::{Dense, Dictionary, Graded, Grades};
@@ -102,7 +102,7 @@ fn visit(
     }
     for column in from..columns {
         // A column that is zero in all rows does not reduce the dimension.
-        let fewer = vanishing(rows.to_vec(), &[column], rounding);
+        let fewer = eliminate(rows.to_vec(), &[column], rounding);
         if fewer.len() + 1 == rows.len() {
             visit(&fewer, column + 1, columns, rounding, keep);
         }
@@ -170,7 +170,7 @@ fn polished(basis: &[Vec<f64>], vector: &[f64], rounding: f64) -> Option<Vec<f64
         .filter(|(_, x)| x.abs() <= small)
         .map(|(k, _)| k)
         .collect();
-    let left = vanishing(basis.to_vec(), &gone, rounding);
+    let left = eliminate(basis.to_vec(), &gone, rounding);
     match <[Vec<f64>; 1]>::try_from(left) {
         Ok([one]) => Some(without_rounding(one, rounding)),
         Err(_) => None,

@@ -163,7 +163,7 @@ fn discovery(n: usize, laws: &Laws) -> Discovery {
                     coefficient: -a / by,
                     fixed: false,
                     standard_error: None,
-                    trust: None,
+                    evidence: None,
                     runs: Vec::new(),
                 })
                 .collect(),

@@ -54,14 +54,14 @@ pub(crate) fn refit(
     }
     let found = equation.terms.iter_mut().filter(|t| !t.fixed);
     for (k, term) in found.enumerate() {
-        let interval = term.trust.as_ref().and_then(|t| t.interval);
+        let interval = term.evidence.as_ref().and_then(|t| t.interval);
         if interval.is_some_and(|i| moved(i, fit.coefficients[k])) {
             let name = named(std::iter::once(term.term.clone()), names).concat();
             reasons.push(other_value(&name, (term.coefficient, fit.coefficients[k])));
         }
         term.coefficient = fit.coefficients[k];
         term.standard_error = Some(fit.standard_errors[k]).filter(|e| e.is_finite());
-        if let (Some(trust), Some(error)) = (&mut term.trust, term.standard_error) {
+        if let (Some(trust), Some(error)) = (&mut term.evidence, term.standard_error) {
             let half = trust.interval.map(|(low, high)| (high - low) / 2.0);
             let half = half.unwrap_or(f64::INFINITY).min(2.0 * error);
             trust.interval = trust

@@ -69,7 +69,7 @@ pub use model::{
     AppliedDelay, CoefficientConstraints, Disturbance, Law, LeftOut, Problem, ProcessNoise, Record,
     RunColumn, RunColumns, SensorGroups, System,
 };
-pub use pooling::{Differing, Left, RunValue, differing_coefficients};
+pub use pooling::{Differing, RunNotFollowed, RunValue, differing_coefficients};
 pub(crate) use pooling::{fit_by_run, left_by};
 pub use residuals::{
     Channel, File, GrownNoise, LastingNoise, Outliers, channels, grow_noise, lasting_noise,

@@ -83,7 +83,7 @@ family! {
         /// Halvings of a step before the fit ends without it.
         max_halvings: usize = 7, unit "halvings", source "a step of one standard deviation of a sensor is then below `state_step`: 2^-7";
         /// Further steps of a fit whose steps are halved.
-        careful_steps: usize = 12, unit "steps", source "six are too few for the laws with delays of the study, and twice as many change nothing";
+        halving_steps: usize = 12, unit "steps", source "six are too few for the laws with delays of the study, and twice as many change nothing";
         /// A fit is given up if its criterion, less the gains expected of its remaining steps, exceeds the best one by more than
         /// this.
         hopeless_lag: f64 = 100.0, unit "criterion", source "set by hand";

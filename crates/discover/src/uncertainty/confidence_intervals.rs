@@ -15,7 +15,7 @@ pub fn confidence_intervals(equation: &mut Equation, readings: f64) {
     let quantile = student_quantile(readings - fitted as f64);
     for t in equation.terms.iter_mut().filter(|t| !t.fixed) {
         if let Some(error) = t.standard_error {
-            let trust = t.trust.get_or_insert_with(Box::default);
+            let trust = t.evidence.get_or_insert_with(Box::default);
             let half_width = quantile * error;
             trust.interval = Some((t.coefficient - half_width, t.coefficient + half_width));
         }

@@ -5,7 +5,7 @@
 use super::target_regression::TargetRegression;
 use super::term_identity::is_identity;
 use sidc_lang::term::{Language, Term};
-use sidc_system::discovery::{Discovery, Without};
+use sidc_system::discovery::{Discovery, DropOneRefit};
 
 /// The best support without column `dropped` that single changes reach. The other equations keep their terms. `full` is the
 /// regression with the column.
@@ -13,7 +13,7 @@ pub(super) fn drop_one_refit(
     full: &TargetRegression,
     dropped: usize,
     names: &Language<Discovery>,
-) -> Option<Without> {
+) -> Option<DropOneRefit> {
     let blocks = full.blocks;
     let (target, term) = blocks.columns.get(dropped)?;
     let reduced = TargetRegression::new(blocks, *target, Some(dropped));
@@ -33,7 +33,7 @@ pub(super) fn drop_one_refit(
         .filter_map(|k| Some(reduced.column(*k)?.1.clone()))
         .collect();
     let named = |all: &[Term]| all.iter().map(|t| names.term(t)).collect();
-    Some(Without {
+    Some(DropOneRefit {
         same: leave.is_empty() && is_identity(term, &refit_terms),
         enter: named(&enter),
         leave: named(&leave),

@@ -4,10 +4,13 @@
 
 use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_solve::QuadraticForm;
-use sidc_system::discovery::{Correlations, Discovery, Stretches};
+use sidc_system::discovery::{BlockNormalEquations, Correlations, Discovery};
 
 /// `None` where terms hold unknown constants, whose errors are not in the normal equations, and where these are singular.
-pub(super) fn error_correlations(blocks: &Stretches, names: &Discovery) -> Option<Correlations> {
+pub(super) fn error_correlations(
+    blocks: &BlockNormalEquations,
+    names: &Discovery,
+) -> Option<Correlations> {
     let found = blocks.support.iter().filter_map(|k| blocks.columns.get(*k));
     let found: Vec<&(Signal, Term)> = found.collect();
     let mut constants = false;

@@ -1,6 +1,6 @@
 //! Inference about each term that was found: confidence interval, stability, the best equation without it, and a mark.
 //!
-//! In: the normal equations behind an equation, for each block of the records. Out: a [`sidc_system::discovery::Trust`] for every
+//! In: the normal equations behind an equation, for each block of the records. Out: a [`sidc_system::discovery::TermEvidence`] for every
 //! term found. Never changes a term or a coefficient, never prints.
 
 mod confidence_intervals;

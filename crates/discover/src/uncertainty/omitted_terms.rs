@@ -6,14 +6,14 @@
 use super::target_regression::TargetRegression;
 use super::thresholds::OMITTED_TERMS;
 use sidc_lang::term::{Language, Signal};
-use sidc_system::discovery::{Discovery, MARKS, Nearest};
+use sidc_system::discovery::{Discovery, MARKS, OmittedTerm};
 
 /// `None` if there is no omitted term, or none improves the fit.
 pub(super) fn nearest_omitted_terms(
     regression: &TargetRegression,
     target: Signal,
     names: &Language<Discovery>,
-) -> Option<Nearest> {
+) -> Option<OmittedTerm> {
     let of_target = |k: usize| regression.column(k).is_some_and(|(t, _)| *t == target);
     let moves = OMITTED_TERMS.moves * regression.columns.len();
     let moves = regression
@@ -31,7 +31,7 @@ pub(super) fn nearest_omitted_terms(
     let similar = OMITTED_TERMS.similar * MARKS.tied;
     let similar = gains.iter().filter(|(_, gain)| *gain > largest - similar);
     let name = |k: &usize| Some(names.term(&regression.column(*k)?.1));
-    Some(Nearest {
+    Some(OmittedTerm {
         terms: similar
             .filter_map(|(k, _)| name(k))
             .take(OMITTED_TERMS.named)

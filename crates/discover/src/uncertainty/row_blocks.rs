@@ -1,6 +1,6 @@
 //! The normal equations of one equation that was found from rows, block by block of the rows.
 //!
-//! In: the equation's columns on its rows. Out: [`Stretches`] of the terms found and of the columns most likely to replace one.
+//! In: the equation's columns on its rows. Out: [`BlockNormalEquations`] of the terms found and of the columns most likely to replace one.
 
 use std::ops::Range;
 
@@ -8,13 +8,13 @@ use super::target_regression::sum_blocks;
 use super::thresholds::ROW_BLOCKS;
 use crate::scaled_design::{OrthonormalBasis, ScaledDesign};
 use sidc_solve::simd::dot;
-use sidc_system::discovery::Stretches;
+use sidc_system::discovery::BlockNormalEquations;
 
 /// A single block if the residuals of the equation are not those of the rows. `None` if a trajectory was fitted, since that fit
 /// has blocks of its own, or if coefficients obey constraints, which single changes of terms would violate.
-pub fn block_normal_equations(design: &ScaledDesign) -> Option<Stretches> {
+pub fn block_normal_equations(design: &ScaledDesign) -> Option<BlockNormalEquations> {
     let evidence = design.evidence;
-    let otherwise = evidence.together.is_some() || evidence.certificate.constrained;
+    let otherwise = evidence.joint.is_some() || evidence.certificate.constrained;
     if otherwise || design.support.is_empty() {
         return None;
     }
@@ -37,7 +37,7 @@ pub fn block_normal_equations(design: &ScaledDesign) -> Option<Stretches> {
     let block = |i: usize| products(&columns, edge(i)..edge(i + 1), scale);
     let products: Vec<Vec<f64>> = (0..count).map(block).collect();
     let price = |n: f64| n.max(2.0).ln() + 2.0 * (design.candidates.max(1) as f64).ln();
-    Some(Stretches {
+    Some(BlockNormalEquations {
         columns: (candidates.iter())
             .map(|p| (design.equation.target, design.term(*p).clone()))
             .collect(),

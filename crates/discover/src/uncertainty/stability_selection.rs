@@ -7,7 +7,7 @@ use super::target_regression::sum_blocks;
 use super::thresholds::STABILITY_SELECTION;
 use crate::SplitMix;
 use sidc_solve::QuadraticForm;
-use sidc_system::discovery::{Halves, Stretches};
+use sidc_system::discovery::{BlockNormalEquations, Halves};
 
 const SEED: u64 = 1;
 
@@ -20,7 +20,7 @@ pub struct Stability {
 }
 
 /// Selects on random halves of the blocks; `None` for too few blocks.
-pub fn stability_selection(blocks: &Stretches) -> Option<Stability> {
+pub fn stability_selection(blocks: &BlockNormalEquations) -> Option<Stability> {
     let count = blocks.products.len();
     if count < STABILITY_SELECTION.min_blocks {
         return None;
@@ -54,7 +54,7 @@ pub fn stability_selection(blocks: &Stretches) -> Option<Stability> {
 
 /// The support selected on some blocks: the better end of two descents by single changes, one from the support found, one from the
 /// term that correlates most with the target.
-fn select(blocks: &Stretches, half: &[usize]) -> Vec<usize> {
+fn select(blocks: &BlockNormalEquations, half: &[usize]) -> Vec<usize> {
     let columns = blocks.columns.len();
     let products = half.iter().filter_map(|i| blocks.products.get(*i));
     let form = QuadraticForm::new(&sum_blocks(products, columns + 1), columns);

@@ -4,11 +4,11 @@
 
 use sidc_lang::term::{Signal, Term};
 use sidc_solve::QuadraticForm;
-use sidc_system::discovery::Stretches;
+use sidc_system::discovery::BlockNormalEquations;
 
 /// The columns that one equation may use, and the terms found for the other equations, which stay.
 pub(super) struct TargetRegression<'a> {
-    pub blocks: &'a Stretches,
+    pub blocks: &'a BlockNormalEquations,
     /// Their numbers among the columns of the blocks, rising.
     pub columns: Vec<usize>,
     pub form: QuadraticForm,
@@ -19,7 +19,7 @@ pub(super) struct TargetRegression<'a> {
 impl TargetRegression<'_> {
     /// Without the column `excluded`, if there is one.
     pub fn new(
-        blocks: &Stretches,
+        blocks: &BlockNormalEquations,
         target: Signal,
         excluded: Option<usize>,
     ) -> TargetRegression<'_> {

@@ -12,12 +12,17 @@ use sidc_lang::model::Model;
 use sidc_lang::term::{Language, Signal, SignalNames, Term};
 use sidc_solve::threads;
 use sidc_system::discovery::{
-    Change, Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode, Status, Stretches,
+    BlockNormalEquations, Change, Discovery, Equation, FoundTerm, MARKS, Mark, Reason, ReasonCode,
+    Status,
 };
 
 /// Gives every term found on these blocks its stability and the best equation without it, and the discovery how their errors are
 /// correlated.
-pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery: &mut Discovery) {
+pub fn assess_terms(
+    blocks: &BlockNormalEquations,
+    stability: &Option<Stability>,
+    discovery: &mut Discovery,
+) {
     let correlations = error_correlations(blocks, discovery);
     discovery.correlations.extend(correlations);
     let mut targets: Vec<Signal> = blocks.columns.iter().map(|(t, _)| *t).collect();
@@ -39,14 +44,14 @@ pub fn assess_terms(blocks: &Stretches, stability: &Option<Stability>, discovery
         for ((k, _, term), without) in own.into_iter().zip(refits) {
             let found = equation(discovery, target).and_then(|e| found_term(e, term));
             if let Some(found) = found {
-                let trust = found.trust.get_or_insert_with(Box::default);
+                let trust = found.evidence.get_or_insert_with(Box::default);
                 trust.stability = stability.as_ref().and_then(|s| s.shares.get(k).copied());
                 trust.without = without;
             }
         }
         let evidence = equation(discovery, target).and_then(|e| e.evidence.as_mut());
         if let Some(evidence) = evidence {
-            evidence.nearest = nearest;
+            evidence.omitted = nearest;
             evidence.halves = stability.as_ref().map(|s| s.halves.clone());
         }
     }
@@ -72,10 +77,12 @@ fn required_for_nothing(
     let own = equation.terms.iter();
     let own = own.filter(|t| !t.fixed && required(equation.target, &t.term));
     let idle = own.filter(|t| {
-        t.trust.as_ref().is_some_and(|trust| match &trust.without {
-            Some(without) => without.cost < 0.0,
-            None => (trust.interval).is_some_and(|(low, high)| low <= 0.0 && 0.0 <= high),
-        })
+        t.evidence
+            .as_ref()
+            .is_some_and(|trust| match &trust.without {
+                Some(without) => without.cost < 0.0,
+                None => (trust.interval).is_some_and(|(low, high)| low <= 0.0 && 0.0 <= high),
+            })
     });
     let idle: Vec<String> = idle.map(|t| names.term(&t.term)).collect();
     let (first, act) = match idle.as_slice() {
@@ -105,7 +112,7 @@ fn unneeded(
 ) -> Option<Reason> {
     let free = equation.terms.iter();
     let free = free.filter(|t| !t.fixed && !required(equation.target, &t.term));
-    let gains = free.filter_map(|t| Some((t, t.trust.as_ref()?.without.as_ref()?)));
+    let gains = free.filter_map(|t| Some((t, t.evidence.as_ref()?.without.as_ref()?)));
     let (term, without) = gains.min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))?;
     (without.cost < -MARKS.tied).then(|| {
         let instead = match without.enter.as_slice() {
@@ -146,7 +153,7 @@ pub fn mark_terms(discovery: &mut Discovery) {
             _ => Mark::Firm,
         };
         for t in equation.terms.iter_mut().filter(|t| !t.fixed) {
-            let trust = t.trust.get_or_insert_with(Box::default);
+            let trust = t.evidence.get_or_insert_with(Box::default);
             trust.mark = MARKS.of(trust).min(best);
         }
     }

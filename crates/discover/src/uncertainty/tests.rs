@@ -8,8 +8,8 @@ use crate::SplitMix;
 use sidc_lang::model::Model;
 use sidc_lang::term::{Signal, Term, VarId};
 use sidc_system::discovery::{
-    Discovery, Equation, Evidence, FoundTerm, MARKS, Mark, ReasonCode, Status, Stretches, Trust,
-    Without,
+    BlockNormalEquations, Discovery, DropOneRefit, Equation, Evidence, FoundTerm, MARKS, Mark,
+    ReasonCode, Status, TermEvidence,
 };
 
 const TARGET: Signal = Signal {
@@ -18,7 +18,7 @@ const TARGET: Signal = Signal {
     shift: 0,
 };
 
-fn assess_terms(blocks: &Stretches, d: &mut Discovery) {
+fn assess_terms(blocks: &BlockNormalEquations, d: &mut Discovery) {
     assess(blocks, &stability_selection(blocks), d);
 }
 
@@ -27,7 +27,7 @@ fn column(j: u16) -> Term {
 }
 
 /// Rows of random columns; with `twin`, column 5 is column 0 plus a small part. The target is 2 × column 0 − column 1 plus noise.
-fn blocks(noise: f64, twin: Option<f64>) -> Stretches {
+fn blocks(noise: f64, twin: Option<f64>) -> BlockNormalEquations {
     let mut random = SplitMix::new(4);
     let (rows, p) = (400, 6);
     let mut products = vec![vec![0.0; (p + 1) * (p + 1)]; 20];
@@ -47,7 +47,7 @@ fn blocks(noise: f64, twin: Option<f64>) -> Stretches {
     for part in &products {
         whole.iter_mut().zip(part).for_each(|(s, x)| *s += x);
     }
-    Stretches {
+    BlockNormalEquations {
         whole,
         columns: (0..p as u16).map(|j| (TARGET, column(j))).collect(),
         products,
@@ -63,7 +63,7 @@ fn discovery() -> Discovery {
         coefficient,
         fixed: false,
         standard_error: Some(0.01),
-        trust: None,
+        evidence: None,
         runs: Vec::new(),
     };
     Discovery {
@@ -79,13 +79,13 @@ fn discovery() -> Discovery {
     }
 }
 
-fn assessed(blocks: &Stretches) -> Vec<Trust> {
+fn assessed(blocks: &BlockNormalEquations) -> Vec<TermEvidence> {
     let mut d = discovery();
     confidence_intervals(&mut d.equations[0], blocks.readings);
     assess_terms(blocks, &mut d);
     mark_terms(&mut d);
     let terms = d.equations[0].terms.iter();
-    terms.map(|t| *t.trust.clone().unwrap()).collect()
+    terms.map(|t| *t.evidence.clone().unwrap()).collect()
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn intervals_are_those_of_student() {
     let mut d = discovery();
     confidence_intervals(&mut d.equations[0], 12.0);
     let (low, high) = d.equations[0].terms[0]
-        .trust
+        .evidence
         .as_ref()
         .unwrap()
         .interval
@@ -154,7 +154,7 @@ fn terms_of_a_doubted_equation_are_never_firm() {
     let marks = d.equations[0]
         .terms
         .iter()
-        .map(|t| t.trust.as_ref().unwrap());
+        .map(|t| t.evidence.as_ref().unwrap());
     assert!(marks.clone().all(|t| t.mark == Mark::Likely));
     assert!(marks.clone().all(|t| MARKS.of(t) == Mark::Firm));
 }
@@ -164,7 +164,10 @@ fn without_evidence_no_term_is_firm() {
     let mut d = discovery();
     confidence_intervals(&mut d.equations[0], 100.0);
     mark_terms(&mut d);
-    let marks = d.equations[0].terms.iter().filter_map(|t| t.trust.as_ref());
+    let marks = d.equations[0]
+        .terms
+        .iter()
+        .filter_map(|t| t.evidence.as_ref());
     assert!(marks.map(|t| t.mark).all(|m| m == Mark::Likely));
 }
 
@@ -172,13 +175,13 @@ fn without_evidence_no_term_is_firm() {
 fn an_equation_that_is_better_without_a_term_is_doubted() {
     let with = |cost: f64| {
         let mut d = discovery();
-        let without = Without {
+        let without = DropOneRefit {
             cost,
-            ..Without::default()
+            ..DropOneRefit::default()
         };
-        d.equations[0].terms[0].trust = Some(Box::new(Trust {
+        d.equations[0].terms[0].evidence = Some(Box::new(TermEvidence {
             without: Some(without),
-            ..Trust::default()
+            ..TermEvidence::default()
         }));
         doubt_unneeded_terms(&mut d, &Model::default(), &|_, _| false);
         d.equations[0].reasons.iter().map(|r| r.code.clone()).next()
@@ -207,7 +210,7 @@ fn a_single_term_is_replaced_by_nothing() {
     let mut d = discovery();
     d.equations[0].terms.truncate(1);
     assess_terms(&all, &mut d);
-    let trust = d.equations[0].terms[0].trust.as_ref().unwrap();
+    let trust = d.equations[0].terms[0].evidence.as_ref().unwrap();
     let without = trust.without.as_ref().unwrap();
     assert!(without.enter.is_empty() && without.cost > 20.0);
 }

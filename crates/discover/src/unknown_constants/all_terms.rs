@@ -16,10 +16,10 @@ use sidc_progress::Observer;
 use sidc_solve::minimum_norm_least_squares;
 
 /// The residuals of all terms at some values of the constants.
-struct Left {
+struct WholeResidual {
     values: Vec<f64>,
     /// For each equation the residuals of its rows, and their variance.
-    rests: Vec<(Vec<f64>, f64)>,
+    residuals: Vec<(Vec<f64>, f64)>,
     /// Σ samples · ln(variance).
     deviance: f64,
 }
@@ -34,7 +34,7 @@ pub(super) fn minima(
     let Some(all) = columns(profile) else {
         return Vec::new();
     };
-    let mut seen: Vec<Left> = Vec::new();
+    let mut seen: Vec<WholeResidual> = Vec::new();
     for values in points {
         if !observer.go_on() {
             break;
@@ -42,7 +42,7 @@ pub(super) fn minima(
         seen.extend(left(profile, values));
     }
     seen.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    let mut out: Vec<Left> = Vec::new();
+    let mut out: Vec<WholeResidual> = Vec::new();
     for point in seen {
         let new = out.iter().all(|o| apart(&o.values, &point.values));
         if out.len() < UNKNOWNS.minima_of_whole && new {
@@ -57,7 +57,7 @@ pub(super) fn minima(
         }
     }
     out.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
-    let mut ends: Vec<Left> = Vec::new();
+    let mut ends: Vec<WholeResidual> = Vec::new();
     for end in out {
         if ends.iter().all(|e| !alike(&e.values, &end.values)) {
             ends.push(end);
@@ -67,7 +67,7 @@ pub(super) fn minima(
     // If constants differ between runs, a fit with shared ones leaves more than the errors of the rows.
     let shared = !profile.sought.iter().any(|s| s.unknown.per_run);
     if let Some(least) = out.first().filter(|_| shared) {
-        profile.set_errors_from_residuals(&least.rests);
+        profile.set_errors_from_residuals(&least.residuals);
     }
     out.into_iter().map(|l| l.values).collect()
 }
@@ -82,9 +82,9 @@ fn columns(profile: &Profile) -> Option<Vec<Vec<usize>>> {
 }
 
 /// `None` where a term has no value.
-fn left(profile: &mut Profile, values: &[f64]) -> Option<Left> {
+fn left(profile: &mut Profile, values: &[f64]) -> Option<WholeResidual> {
     set_values(&mut profile.samples, &profile.sought, values);
-    let mut rests = Vec::new();
+    let mut residuals = Vec::new();
     let mut deviance = 0.0;
     for e in &profile.equations {
         let y = e.target_values(&profile.samples)?;
@@ -93,11 +93,11 @@ fn left(profile: &mut Profile, values: &[f64]) -> Option<Left> {
         let free = (phi.rows() - fit.rank.min(phi.rows() - 1)) as f64;
         let variance = (fit.residual * fit.residual / free).max(f64::MIN_POSITIVE);
         deviance += e.criterion.samples * variance.ln();
-        rests.push((fit.rest, variance));
+        residuals.push((fit.rest, variance));
     }
-    deviance.is_finite().then(|| Left {
+    deviance.is_finite().then(|| WholeResidual {
         values: values.to_vec(),
-        rests,
+        residuals,
         deviance,
     })
 }

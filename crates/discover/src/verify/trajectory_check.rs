@@ -14,13 +14,13 @@ use super::weighted_sums::WeightedRows;
 use sidc_data::Samples;
 use sidc_lang::term::{Signal, SignalNames};
 use sidc_progress::Observer;
-use sidc_system::discovery::{ChannelFit, Evidence, Together, Verification};
+use sidc_system::discovery::{ChannelFit, Evidence, JointEvidence, Verification};
 
 /// An equation with its trajectory.
 pub struct TrajectoryCheck<'a> {
     pub case: &'a Case<'a>,
     pub evidence: &'a Evidence,
-    pub together: &'a Together,
+    pub together: &'a JointEvidence,
     pub samples: &'a Samples,
 }
 
@@ -85,11 +85,14 @@ impl TrajectoryCheck<'_> {
         };
         let residual = self.reading_residual(signal);
         if !within(
-            (residual - channel.left).abs(),
+            (residual - channel.residual).abs(),
             VERIFICATION.readings * residual,
         ) {
-            out.fails
-                .push(messages::channel(&channel.signal, residual, channel.left));
+            out.fails.push(messages::channel(
+                &channel.signal,
+                residual,
+                channel.residual,
+            ));
         }
     }
 

@@ -65,7 +65,7 @@ pub fn verify(case: &Case, observer: &mut dyn Observer) -> Option<Verification> 
         out.holds = true;
         return Some(out);
     };
-    if let (Some(together), Some(samples)) = (&evidence.together, &witness.path) {
+    if let (Some(together), Some(samples)) = (&evidence.joint, &witness.path) {
         let check = TrajectoryCheck {
             case,
             evidence,

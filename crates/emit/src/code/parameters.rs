@@ -167,7 +167,7 @@ mod tests {
             coefficient: 2.0,
             fixed,
             standard_error: error,
-            trust: None,
+            evidence: None,
             runs: Vec::new(),
         }
     }

@@ -6,7 +6,7 @@ use crate::thresholds::PRINTED;
 use sidc_lang::number::{digits_apart, significant};
 use sidc_lang::term::{Language, SignalNames};
 use sidc_system::discovery::{
-    Discovery, Equation, FoundTerm, MARKS, Mark, Nearest, Trust, Without,
+    Discovery, DropOneRefit, Equation, FoundTerm, MARKS, Mark, OmittedTerm, TermEvidence,
 };
 
 /// Names in a list before `and 4 more`.
@@ -17,17 +17,17 @@ pub(crate) fn lines(d: &Discovery, e: &Equation) -> Vec<String> {
     let found = e
         .terms
         .iter()
-        .filter_map(|t| Some((t, t.trust.as_deref()?)));
+        .filter_map(|t| Some((t, t.evidence.as_deref()?)));
     let halves = e.evidence.as_ref().and_then(|e| e.halves.as_ref());
     let drawn = halves.map_or(0, |h| h.drawn);
-    let line = |(t, trust): (&FoundTerm, &Trust)| {
+    let line = |(t, trust): (&FoundTerm, &TermEvidence)| {
         let mut figures = vec![trust.mark.name().to_string()];
         figures.extend(trust.interval.map(between));
         figures.extend(reasons(trust, drawn));
         format!("term {}: {}", Language(d).term(&t.term), figures.join(", "))
     };
     let mut lines: Vec<String> = found.map(line).collect();
-    let nearest = e.evidence.as_ref().and_then(|e| e.nearest.as_ref());
+    let nearest = e.evidence.as_ref().and_then(|e| e.omitted.as_ref());
     let nearest = nearest.filter(|n| n.earns > PRINTED.nearest && !lines.is_empty());
     lines.extend(nearest.map(missing));
     lines
@@ -39,7 +39,7 @@ pub(crate) fn firmness(d: &Discovery) -> Option<String> {
         let marked = e
             .terms
             .iter()
-            .filter_map(|t| Some((t, t.trust.as_ref()?.mark)));
+            .filter_map(|t| Some((t, t.evidence.as_ref()?.mark)));
         marked.map(move |(t, mark)| (e.target, t, mark))
     });
     let terms: Vec<_> = terms.collect();
@@ -60,7 +60,7 @@ pub(crate) fn firmness(d: &Discovery) -> Option<String> {
 }
 
 /// `left out: x^2 would earn 9.8 where a term costs 11; 1.7 times as much data would decide`
-fn missing(n: &Nearest) -> String {
+fn missing(n: &OmittedTerm) -> String {
     let mut line = format!(
         "left out: {} would earn {} where a term costs {}",
         n.terms.join(" or "),
@@ -79,7 +79,7 @@ fn missing(n: &Nearest) -> String {
 /// The rule of the marks, where there are any.
 pub(crate) fn rule(d: &Discovery) -> Option<String> {
     let mut terms = d.equations.iter().flat_map(|e| &e.terms);
-    terms.any(|t| t.trust.is_some()).then(|| {
+    terms.any(|t| t.evidence.is_some()).then(|| {
         format!(
             "firm: 95 % interval without 0, found in {:.0} % of half records or more, at least {} lost without it, equation passes; \
              doubtful: interval with 0, found in under {:.0} %, or less than {} lost; likely: the rest",
@@ -101,7 +101,7 @@ fn between((low, high): (f64, f64)) -> String {
     )
 }
 
-fn reasons(trust: &Trust, drawn: usize) -> Vec<String> {
+fn reasons(trust: &TermEvidence, drawn: usize) -> Vec<String> {
     let mut all = Vec::new();
     if let Some((low, high)) = trust.interval
         && low <= 0.0
@@ -128,7 +128,7 @@ fn several(names: &[String]) -> String {
 }
 
 /// The equation without a term: `x^2 instead, 14 lost`.
-pub fn without(w: &Without) -> String {
+pub fn without(w: &DropOneRefit) -> String {
     let mut parts = Vec::new();
     if !w.enter.is_empty() {
         parts.push(format!("{} instead", several(&w.enter)));

@@ -12,7 +12,7 @@ pub(crate) fn sentences(d: &Discovery) -> impl Iterator<Item = String> {
 }
 
 fn sentence(d: &Discovery, e: &Equation) -> Option<String> {
-    let together = e.evidence.as_ref()?.together.as_ref()?;
+    let together = e.evidence.as_ref()?.joint.as_ref()?;
     let found = together.disturbance.as_ref().filter(|d| d.size > 0.0)?;
     let (target, size) = (d.name(e.target), significant(found.size, 3));
     Some(match found.memory {

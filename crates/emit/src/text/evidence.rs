@@ -2,8 +2,8 @@
 
 use sidc_lang::term::SignalNames;
 use sidc_system::discovery::{
-    ChannelFit, Discovery, Equation, Evidence, NormGrading, Proof, Rearranged, Reason, ReasonCode,
-    Together,
+    ChannelFit, Discovery, Equation, Evidence, JointEvidence, NormGrading, Proof, Rearranged,
+    Reason, ReasonCode,
 };
 
 use crate::text::layout::{TEXT_WIDTH, wrapped};
@@ -65,7 +65,7 @@ pub fn remarks(d: &Discovery, e: &Equation) -> Vec<String> {
     let Some(evidence) = &e.evidence else {
         return vec!["known: stated by the model".into()];
     };
-    let mut lines = match &evidence.together {
+    let mut lines = match &evidence.joint {
         Some(together) => jointly(d, evidence, together),
         None => vec![
             format!("{}; {}", fit(evidence), scope(evidence)),
@@ -100,7 +100,7 @@ fn independent(r: &Rearranged) -> Option<String> {
 }
 
 /// Residuals of the trajectory, gain of the terms, and errors of the coefficients.
-fn jointly(d: &Discovery, evidence: &Evidence, t: &Together) -> Vec<String> {
+fn jointly(d: &Discovery, evidence: &Evidence, t: &JointEvidence) -> Vec<String> {
     let mut lines: Vec<String> = match &t.disturbance {
         None => t.channels.iter().flat_map(|c| channel(d, c)).collect(),
         Some(_) => t.channels.iter().map(innovations).collect(),
@@ -129,9 +129,9 @@ fn jointly(d: &Discovery, evidence: &Evidence, t: &Together) -> Vec<String> {
 }
 
 fn whiteness(c: &ChannelFit) -> String {
-    match c.memory.abs() <= c.chance {
+    match c.autocorrelation.abs() <= c.white_noise_bound {
         true => "white".into(),
-        false => format!("autocorrelation {:.2}", c.memory),
+        false => format!("autocorrelation {:.2}", c.autocorrelation),
     }
 }
 
@@ -140,7 +140,7 @@ fn innovations(c: &ChannelFit) -> String {
     format!(
         "fit: {} one sample ahead to {} ({} of its spread), errors {}; noise of its sensor {}",
         c.signal,
-        significant(c.left, 2),
+        significant(c.residual, 2),
         percent(c.relative),
         whiteness(c),
         significant(c.noise, 2)
@@ -157,7 +157,7 @@ fn channel(d: &Discovery, c: &ChannelFit) -> Vec<String> {
     let mut lines = vec![format!(
         "fit: {} to {} ({} of its spread), residuals {white}; {noise}",
         c.signal,
-        significant(c.left, 2),
+        significant(c.residual, 2),
         percent(c.relative)
     )];
     if let Some(noise) = c.growing {
@@ -271,7 +271,11 @@ fn proof(e: &Evidence) -> String {
 
 /// Which norm is meant.
 fn norm(p: &Proof) -> String {
-    let Some(NormGrading { base, dear }) = &p.grading else {
+    let Some(NormGrading {
+        base,
+        penalized: dear,
+    }) = &p.grading
+    else {
         return "1-norm".into();
     };
     let base = significant(*base, 3);

@@ -18,7 +18,7 @@ pub struct Grading {
     /// How much of a degree each power of a factor counts; `None` counts 1 for all. A factor that is not listed counts 1.
     pub counts: Option<Arc<BTreeMap<Atom, f64>>>,
     /// A factor whose terms weigh [`Grading::DEAR`] times as much for each power: they come in only where nothing else fits.
-    pub dear: Option<Atom>,
+    pub penalized: Option<Atom>,
 }
 
 impl Grading {
@@ -26,7 +26,7 @@ impl Grading {
     pub const PLAIN: Grading = Grading {
         base: 1.0,
         counts: None,
-        dear: None,
+        penalized: None,
     };
     /// What a power of a dear factor weighs: more than coefficients of laws differ, and little enough to be computed with.
     pub const DEAR: f64 = 1e5;
@@ -42,7 +42,7 @@ impl Grading {
             counted.copied().unwrap_or(1.0)
         };
         let degree = |(atom, power): (&Atom, f64)| count(atom) * power.abs();
-        let dear = |(atom, power): (&Atom, f64)| match self.dear.as_ref() == Some(atom) {
+        let dear = |(atom, power): (&Atom, f64)| match self.penalized.as_ref() == Some(atom) {
             true => power.abs(),
             false => 0.0,
         };

@@ -109,8 +109,8 @@ impl<'a> Leaf<'a> {
         rest.square = dot_in_lanes::<8>(&left, &left);
         for (k, p) in products.iter().enumerate() {
             rest.lengths[k] = (rest.lengths[k] - p * p).max(0.0);
-            rest.along[k] -= p * target;
-            rest.probed[k] -= p * probe;
+            rest.target_products[k] -= p * target;
+            rest.probe_products[k] -= p * probe;
         }
         let product = |i: usize, j: usize| {
             let whole = dot_in_lanes::<8>(self.column(first + 1 + i), self.column(first + 1 + j));
@@ -124,8 +124,8 @@ impl<'a> Leaf<'a> {
     fn pairs_of(&self, places: Range<usize>) -> Pairs {
         Pairs {
             lengths: self.lengths[places.clone()].to_vec(),
-            along: self.along[places.clone()].to_vec(),
-            probed: self.probed[places].to_vec(),
+            target_products: self.along[places.clone()].to_vec(),
+            probe_products: self.probed[places].to_vec(),
             target_probed: dot_in_lanes::<8>(&self.target, &self.probe),
             square: dot_in_lanes::<8>(&self.target, &self.target),
             allowed: self.all.square.max(0.0),

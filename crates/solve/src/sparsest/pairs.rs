@@ -14,9 +14,9 @@ pub(super) struct Pairs {
     /// Squared lengths.
     pub lengths: Vec<f64>,
     /// Products with the target.
-    pub along: Vec<f64>,
+    pub target_products: Vec<f64>,
     /// Products with the probe, a unit vector.
-    pub probed: Vec<f64>,
+    pub probe_products: Vec<f64>,
     /// Product of the target with the probe.
     pub target_probed: f64,
     /// Squared length of the target.
@@ -38,7 +38,7 @@ impl Pairs {
     /// Places of columns that may fit alone.
     pub fn singles(&self) -> Vec<usize> {
         let all = 0..self.lengths.len();
-        all.filter(|i| self.passes(self.square, self.along[*i], self.lengths[*i]))
+        all.filter(|i| self.passes(self.square, self.target_products[*i], self.lengths[*i]))
             .collect()
     }
 
@@ -89,14 +89,14 @@ impl Pairs {
         }
         let (mut directions, mut special) = (Vec::new(), Vec::new());
         for place in 0..self.lengths.len() {
-            let (square, along) = (self.lengths[place], self.along[place] / length);
+            let (square, along) = (self.lengths[place], self.target_products[place] / length);
             let across = (square - along * along).max(0.0).sqrt();
             let unit = square.sqrt();
             if unit <= SPARSEST.least_share || across / unit * length <= tolerance + least {
                 special.push(place);
                 continue;
             }
-            let key = (self.probed[place] - along * self.target_probed / length) / across;
+            let key = (self.probe_products[place] - along * self.target_probed / length) / across;
             directions.push(Direction {
                 place,
                 key: key.abs(),
@@ -117,9 +117,9 @@ impl Pairs {
             return false;
         }
         let product = product(first, second);
-        let along = self.along[first];
+        let along = self.target_products[first];
         let square = self.square - along * along / length;
-        let along = self.along[second] - product * along / length;
+        let along = self.target_products[second] - product * along / length;
         self.passes(
             square,
             along,

@@ -90,7 +90,7 @@ fn marked(case: &Case, found: &Discovery) -> Marked {
         for t in &e.terms {
             let name = Language(found).term(&t.term);
             let own = law.is_some_and(|(_, terms)| terms.iter().any(|(n, _)| *n == name));
-            if let Some(trust) = &t.trust {
+            if let Some(trust) = &t.evidence {
                 marks[trust.mark as usize][usize::from(!own)] += 1;
             }
         }

@@ -68,7 +68,7 @@ pub fn run(case: &Case) -> Result<Outcome, String> {
         truth.sort();
         truth == terms
     });
-    let firm = |t: &&FoundTerm| t.trust.as_ref().is_some_and(|t| t.mark == Mark::Firm);
+    let firm = |t: &&FoundTerm| t.evidence.as_ref().is_some_and(|t| t.mark == Mark::Firm);
     let marked = equation.terms.iter().filter(firm);
     let wrong = |name: &String| {
         !case

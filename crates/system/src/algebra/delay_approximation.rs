@@ -71,7 +71,7 @@ fn approximant(delay: &DelayState) -> Equation {
         coefficient,
         fixed: true,
         standard_error: None,
-        trust: None,
+        evidence: None,
         runs: Vec::new(),
     };
     let der = |der| Signal::derivative(delay.state.var, der);
@@ -135,7 +135,7 @@ fn in_expr(e: &Expr, delays: &[DelayState]) -> Expr {
 mod tests {
     use super::*;
     use crate::algebra::{Point, linear};
-    use crate::discovery::{Evidence, Form, InputDelay, Together};
+    use crate::discovery::{Evidence, Form, InputDelay, JointEvidence};
 
     /// ẋ = −x + 3 u(t − 0.2)
     fn late() -> Discovery {
@@ -151,7 +151,7 @@ mod tests {
             coefficient,
             fixed: false,
             standard_error: None,
-            trust: None,
+            evidence: None,
             runs: Vec::new(),
         };
         let delay = InputDelay {
@@ -159,9 +159,9 @@ mod tests {
             seconds: 0.2,
             samples: 2.0,
         };
-        let together = Together {
+        let together = JointEvidence {
             delays: vec![delay],
-            ..Together::default()
+            ..JointEvidence::default()
         };
         Discovery {
             variables: vec![
@@ -175,7 +175,7 @@ mod tests {
                 status: Status::Pass,
                 reasons: Vec::new(),
                 evidence: Some(Evidence {
-                    together: Some(together),
+                    joint: Some(together),
                     ..Evidence::default()
                 }),
                 path: Vec::new(),

@@ -9,19 +9,19 @@ use sidc_lang::term::{Signal, Term};
 
 /// The evidence for one term and its coefficient.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trust {
+pub struct TermEvidence {
     /// 95 % confidence interval of the coefficient, given the terms.
     pub interval: Option<(f64, f64)>,
     /// Share of half records in which the term was found again (stability selection); `None` where none were drawn.
     pub stability: Option<f64>,
     /// The best equation without the term.
-    pub without: Option<Without>,
+    pub without: Option<DropOneRefit>,
     pub mark: Mark,
 }
 
 /// The best equation without a term.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Without {
+pub struct DropOneRefit {
     /// Terms that replace it.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub enter: Vec<String>,
@@ -37,7 +37,7 @@ pub struct Without {
 
 /// The term left out that comes nearest to being included.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Nearest {
+pub struct OmittedTerm {
     /// Terms any of which would gain about as much.
     pub terms: Vec<String>,
     /// Gain of the best of them, and the price of a term, in units of the criterion.
@@ -69,7 +69,7 @@ impl Mark {
 
 impl Marks {
     /// The mark of a term from its figures. Firm needs all of them: what was not measured is no evidence.
-    pub fn of(&self, trust: &Trust) -> Mark {
+    pub fn of(&self, trust: &TermEvidence) -> Mark {
         let open = |(low, high): (f64, f64)| low <= 0.0 && high >= 0.0;
         let without = trust.without.as_ref().filter(|w| !w.same);
         let cost = without.map(|w| w.cost);
@@ -87,7 +87,7 @@ impl Marks {
     }
 }
 
-impl Trust {
+impl TermEvidence {
     /// Whether only the same function in other words replaces the term.
     fn has_synonym(&self) -> bool {
         self.without.as_ref().is_some_and(|w| w.same)
@@ -109,7 +109,7 @@ pub struct Halves {
 /// The normal equations behind the coefficients, stretch by stretch of the records, so that any choice of terms can be
 /// fitted on any part of them.
 #[derive(Clone, Debug, Default)]
-pub struct Stretches {
+pub struct BlockNormalEquations {
     /// Each column, with the target of its equation.
     pub columns: Vec<(Signal, Term)>,
     /// For each stretch the Gram matrix of all p columns and the right side, (p + 1) × (p + 1) by rows, divided by the

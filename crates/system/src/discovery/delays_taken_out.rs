@@ -21,7 +21,7 @@ impl Discovery {
         }
         let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
         let mut delays = evidence
-            .filter_map(|e| e.together.as_ref())
+            .filter_map(|e| e.joint.as_ref())
             .flat_map(|t| &t.delays);
         let name = self.variable_of(input).map(|v| v.name.as_str());
         let found = delays.find(|d| Some(d.input.as_str()) == name);

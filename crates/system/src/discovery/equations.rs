@@ -9,8 +9,8 @@ use super::hidden_states::HiddenState;
 use super::signal_delays::{SignalDelay, stated};
 use super::unknown_values::UnknownValue;
 use crate::discovery::{
-    Halves, Identifiability, Nearest, Reason, ReasonCode, RelationChoices, RunCoefficient,
-    SparsestProof, Together, Trust, Verification, Witness,
+    Halves, Identifiability, JointEvidence, OmittedTerm, Reason, ReasonCode, RelationChoices,
+    RunCoefficient, SparsestProof, TermEvidence, Verification, Witness,
 };
 use sidc_lang::model::{Model, VarKind};
 use sidc_lang::number::significant;
@@ -94,7 +94,7 @@ pub struct FoundTerm {
     /// Standard error from the scatter of the residual; `None` for fixed terms.
     pub standard_error: Option<f64>,
     /// `None` for fixed terms, and where nothing was tested.
-    pub trust: Option<Box<Trust>>,
+    pub evidence: Option<Box<TermEvidence>>,
     /// Its value in each run; empty where all share one. The coefficient is then their mean.
     pub runs: Vec<RunCoefficient>,
 }
@@ -147,10 +147,12 @@ pub struct Evidence {
     pub certificate_range: Vec<RangeCertificate>,
     /// Figures of the joint estimation with the trajectory, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub together: Option<Together>,
+    #[serde(rename = "together")]
+    pub joint: Option<JointEvidence>,
     /// Which ways were tried, where the first ended in doubt.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub ways: Option<Box<Ways>>,
+    #[serde(rename = "ways")]
+    pub methods: Option<Box<MethodComparison>>,
     /// Whether the equation repeats other equations of its system.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub relation: Option<Rearranged>,
@@ -162,7 +164,8 @@ pub struct Evidence {
     pub halves: Option<Halves>,
     /// The term left out that comes nearest to being included.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub nearest: Option<Nearest>,
+    #[serde(rename = "nearest")]
+    pub omitted: Option<OmittedTerm>,
     /// Which terms the rows can distinguish.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub identifiability: Option<Box<Identifiability>>,
@@ -179,7 +182,7 @@ pub struct Evidence {
 
 /// A second way, tried because the first ended in doubt.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ways {
+pub struct MethodComparison {
     /// The way of `--method` that was tried first, and the doubts of all its equations.
     pub first: String,
     pub first_doubts: Vec<ReasonCode>,
@@ -197,9 +200,11 @@ pub struct Rearranged {
     /// Targets of the equations that are repeated.
     pub of: Vec<String>,
     /// Part of the repeating law's gradient outside the span of theirs: 0 for the same relation.
-    pub apart: f64,
+    #[serde(rename = "apart")]
+    pub separation: f64,
     /// The uncertainty of that part, in the same units.
-    pub open: f64,
+    #[serde(rename = "open")]
+    pub uncertainty: f64,
     /// Median condition number of the mass matrix along the data, rows of unit length.
     pub condition: f64,
     /// True if the equation is the independent law and `other` the repeating one; false for the reverse.
@@ -283,8 +288,8 @@ pub struct NormGrading {
     /// κ
     pub base: f64,
     /// A factor whose terms weigh 1e5 times as much; empty if there is none.
-    #[serde(skip_serializing_if = "String::is_empty", default)]
-    pub dear: String,
+    #[serde(rename = "dear", skip_serializing_if = "String::is_empty", default)]
+    pub penalized: String,
 }
 
 impl Discovery {
@@ -348,7 +353,7 @@ impl Discovery {
     /// The noise of a signal's sensor, declared or seen by smoothing, in its unit; 0 where none was estimated.
     pub fn sensor_noise(&self, signal: Signal) -> f64 {
         let evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let together = evidence.filter_map(|e| e.together.as_ref());
+        let together = evidence.filter_map(|e| e.joint.as_ref());
         let name = self.name(signal);
         let mut channels = together.flat_map(|t| &t.channels);
         let channel = channels.find(|c| c.signal == name);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Figures of a system estimated jointly with its trajectory, for one variable.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Together {
+pub struct JointEvidence {
     /// Every measured derivative of the variable.
     pub channels: Vec<ChannelFit>,
     /// The term whose loss costs least, and what the criterion loses with it.
@@ -53,7 +53,8 @@ pub struct InputDelay {
 pub struct ChannelFit {
     pub signal: String,
     /// Root mean square residual, in the signal's units, and relative to its spread.
-    pub left: f64,
+    #[serde(rename = "left")]
+    pub residual: f64,
     pub relative: f64,
     /// The sensor's noise, declared or estimated by smoothing. Smoothing overestimates it where jumps of an input make
     /// kinks.
@@ -64,13 +65,15 @@ pub struct ChannelFit {
     /// The noise that the residuals show, where it grows with the signal.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub growing: Option<GrowingNoise>,
-    /// Time constant of the noise, where it lasts from sample to sample. `left` is then the size of the noise, `memory` that of what is new in
+    /// Time constant of the noise, where it lasts from sample to sample. `residual` is then the size of the noise, `autocorrelation` that of what is new in
     /// each residual.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub lasting: Option<f64>,
     /// Autocorrelation of the residuals over the first lags, and its bound for white noise.
-    pub memory: f64,
-    pub chance: f64,
+    #[serde(rename = "memory")]
+    pub autocorrelation: f64,
+    #[serde(rename = "chance")]
+    pub white_noise_bound: f64,
     /// The residual in each file, by name, where sensors differ.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub files: Vec<(String, f64)>,

@@ -21,17 +21,19 @@ mod unknown_values;
 mod verification;
 mod ways;
 
-pub use coefficient_inference::{Halves, Mark, Nearest, Stretches, Trust, Without};
+pub use coefficient_inference::{
+    BlockNormalEquations, DropOneRefit, Halves, Mark, OmittedTerm, TermEvidence,
+};
 pub use correlations::Correlations;
 pub use equations::{
-    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, NormGrading, OtherLaw, PathKnot,
-    Proof, RangeCertificate, Rearranged, Status, Variable, Ways,
+    Discovery, Equation, Evidence, Failed, FoundTerm, HeldOut, MethodComparison, NormGrading,
+    OtherLaw, PathKnot, Proof, RangeCertificate, Rearranged, Status, Variable,
 };
 pub use hidden_states::{HiddenStart, HiddenState, ScaleRule};
 pub use identifiability::{
     Cause, CosineTable, Excitation, Finding, Identifiability, Isometry, Leverage, Pair, Relation,
 };
-pub use joint_estimate::{ChannelFit, DisturbanceFit, GrowingNoise, InputDelay, Together};
+pub use joint_estimate::{ChannelFit, DisturbanceFit, GrowingNoise, InputDelay, JointEvidence};
 pub use mass_matrix_form::{Form, Rate, Row};
 pub use reason::{Change, Cost, Notice, Reason, ReasonCode, Remedy};
 pub use relation_choices::{

@@ -2,7 +2,7 @@
 //!
 //! In: two discoveries of one system. Out: the record of it in the evidence, and a notice. Never changes a term or a coefficient.
 
-use super::{Discovery, Notice, ReasonCode, Ways};
+use super::{Discovery, MethodComparison, Notice, ReasonCode};
 
 impl Discovery {
     /// The codes of all doubts and failures, each once.
@@ -19,16 +19,16 @@ impl Discovery {
     }
 
     /// Records in the evidence of every equation that two ways were tried.
-    pub fn record_ways(&mut self, ways: &Ways) {
+    pub fn record_ways(&mut self, ways: &MethodComparison) {
         for evidence in self.equations.iter_mut().flat_map(|e| &mut e.evidence) {
-            evidence.ways = Some(Box::new(ways.clone()));
+            evidence.methods = Some(Box::new(ways.clone()));
         }
     }
 
     /// What is to be said of equations that came from the second of two ways.
     pub fn other_way(&self) -> Option<Notice> {
         let mut evidence = self.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let ways = evidence.find_map(|e| e.ways.as_deref())?;
+        let ways = evidence.find_map(|e| e.methods.as_deref())?;
         let codes: Vec<&str> = ways.first_doubts.iter().map(ReasonCode::as_str).collect();
         let text = format!(
             "by {} of the measured rates the equations are doubted ({}); these are by the {} estimate without those rates, and pass",

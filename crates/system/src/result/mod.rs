@@ -10,8 +10,8 @@ mod write;
 use serde::{Deserialize, Serialize};
 
 use crate::discovery::{
-    Correlations, Evidence, HiddenState, Mark, Notice, Reason, RelationChoices, RunCoefficient,
-    SignalDelay, Status, UnknownValue, Without,
+    Correlations, DropOneRefit, Evidence, HiddenState, Mark, Notice, Reason, RelationChoices,
+    RunCoefficient, SignalDelay, Status, UnknownValue,
 };
 use crate::predict::PredictionRequest;
 use crate::validate::Validation;
@@ -176,7 +176,7 @@ pub struct TermEntry {
     pub stability: Option<f64>,
     /// The best equation without the term.
     #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub without: Option<Without>,
+    pub without: Option<DropOneRefit>,
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub mark: Option<Mark>,
 }

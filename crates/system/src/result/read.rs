@@ -1,7 +1,7 @@
 //! Text → document → discovery, and the model that reads other data alike: names and terms go through the language's own parser.
 
 use crate::discovery::{
-    Correlations, Discovery, Equation, Failed, FoundTerm, HiddenState, SignalDelay, Trust,
+    Correlations, Discovery, Equation, Failed, FoundTerm, HiddenState, SignalDelay, TermEvidence,
     UnknownValue,
 };
 use crate::result::{Document, EquationEntry, TermEntry, TimeKind, VERSION};
@@ -293,7 +293,7 @@ fn equation_of(
                 coefficient: t.coefficient,
                 fixed: t.fixed,
                 standard_error: t.standard_error,
-                trust: trust(t),
+                evidence: trust(t),
                 runs: t.runs.clone(),
             })
             .collect(),
@@ -306,8 +306,8 @@ fn equation_of(
 }
 
 /// `None` for terms that were not judged.
-fn trust(t: &TermEntry) -> Option<Box<Trust>> {
-    Some(Box::new(Trust {
+fn trust(t: &TermEntry) -> Option<Box<TermEvidence>> {
+    Some(Box::new(TermEvidence {
         interval: t.interval,
         stability: t.stability,
         without: t.without.clone(),

@@ -104,10 +104,10 @@ fn terms(d: &Discovery, target: Signal, terms: &[FoundTerm]) -> Vec<TermEntry> {
         fixed: t.fixed,
         standard_error: t.standard_error.filter(|s| s.is_finite()),
         runs: t.runs.clone(),
-        interval: (t.trust.as_ref()).and_then(|t| t.interval.filter(finite)),
-        stability: t.trust.as_ref().and_then(|t| t.stability),
-        without: t.trust.as_ref().and_then(|t| t.without.clone()),
-        mark: t.trust.as_ref().map(|t| t.mark),
+        interval: (t.evidence.as_ref()).and_then(|t| t.interval.filter(finite)),
+        stability: t.evidence.as_ref().and_then(|t| t.stability),
+        without: t.evidence.as_ref().and_then(|t| t.without.clone()),
+        mark: t.evidence.as_ref().map(|t| t.mark),
     };
     terms.iter().map(entry).collect()
 }

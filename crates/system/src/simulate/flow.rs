@@ -15,7 +15,7 @@ const CALLS_PER_CHECK: u64 = 2048;
 pub(super) struct Flow<'a> {
     pub plant: &'a Plant,
     pub work: Workspace,
-    lines: Vec<InputSegment>,
+    segments: Vec<InputSegment>,
     /// Inputs that vary along the stretch.
     moving: Vec<usize>,
     /// Sizes of the guards of all switches; empty where none is.
@@ -37,7 +37,7 @@ impl<'a> Flow<'a> {
         Flow {
             plant,
             work,
-            lines: Vec::new(),
+            segments: Vec::new(),
             moving: Vec::new(),
             guard_sizes: Vec::new(),
             margins: Vec::new(),
@@ -47,22 +47,22 @@ impl<'a> Flow<'a> {
     }
 
     /// Sets the segments of the inputs from here on.
-    pub fn drive(&mut self, lines: impl Iterator<Item = InputSegment>) {
-        self.lines.clear();
-        self.lines.extend(lines);
+    pub fn set_inputs(&mut self, segments: impl Iterator<Item = InputSegment>) {
+        self.segments.clear();
+        self.segments.extend(segments);
         self.moving.clear();
-        for (i, line) in self.lines.iter().enumerate() {
-            self.plant.give_one(&mut self.work, i, line.value);
-            self.work.input_slopes[i] = line.slope;
-            if line.slope != 0.0 {
+        for (i, segment) in self.segments.iter().enumerate() {
+            self.plant.give_one(&mut self.work, i, segment.value);
+            self.work.input_slopes[i] = segment.slope;
+            if segment.slope != 0.0 {
                 self.moving.push(i);
             }
         }
     }
 
     /// The present segments, in the order of the form.
-    pub fn lines(&self) -> &[InputSegment] {
-        &self.lines
+    pub fn inputs(&self) -> &[InputSegment] {
+        &self.segments
     }
 
     #[inline]
@@ -111,7 +111,7 @@ impl<'a> Flow<'a> {
 
     /// Passes an event: settles the sides at `x`. If no side changes although the step from there to `end` crosses a guard right at its
     /// start, the switches take the side beyond the guard.
-    pub fn pass(
+    pub fn pass_event(
         &mut self,
         (t, x): (f64, &mut [f64]),
         sizes: &[f64],
@@ -159,7 +159,7 @@ impl<'a> Flow<'a> {
     #[inline]
     fn at(&mut self, t: f64) {
         for i in &self.moving {
-            let value = self.lines[*i].at(t);
+            let value = self.segments[*i].at(t);
             self.plant.give_one(&mut self.work, *i, value);
         }
     }

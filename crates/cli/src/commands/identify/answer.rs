@@ -64,7 +64,7 @@ impl Answer<'_> {
             _ => String::new(),
         };
         let mut evidence = d.equations.iter().filter_map(|e| e.evidence.as_ref());
-        let is_joint = measured.joint.is_some() || evidence.any(|e| e.together.is_some());
+        let is_joint = measured.joint.is_some() || evidence.any(|e| e.joint.is_some());
         let rows = match rows {
             0 => "no rows were ready".into(),
             n if is_joint => format!("{n} samples"),

@@ -32,7 +32,7 @@ pub(crate) fn exchanged_lags(
     let starts: Vec<LinearizationPoint> = starts.collect();
     starts.into_iter().find_map(|start| {
         let twin = fit(problem, start, &criterion, f64::INFINITY, observer)?;
-        (twin.arrived && twin.value < found.best.value + tie).then_some(twin)
+        (twin.converged && twin.value < found.best.value + tie).then_some(twin)
     })
 }
 
@@ -109,7 +109,7 @@ pub(crate) fn exchanged_constants(
             observer,
         )?;
         let near = |(a, b): (&SoughtConstant, &SoughtConstant)| {
-            (a.value - b.value).abs() <= HIDDEN.other * b.value.abs()
+            (a.value - b.value).abs() <= HIDDEN.distinct * b.value.abs()
         };
         let same = twin.constants.iter().zip(constants).all(near);
         (!same && twin.value < found.best.value + tie).then_some(twin)

@@ -36,7 +36,8 @@ pub(super) fn value_of_start(problem: &Problem, observer: &mut dyn Observer) -> 
     let free = of_free_scale(problem);
     let short = problem.on_segments();
     let started = with_given_courses(short.as_ref().unwrap_or(problem), &free);
-    let best = best_start(&started, &free, HIDDEN.judged, observer).filter(|(fit, _)| fit.arrived);
+    let best = best_start(&started, &free, HIDDEN.courses_per_value, observer)
+        .filter(|(fit, _)| fit.converged);
     best.map_or(f64::INFINITY, |(fit, _)| fit.value)
 }
 
@@ -65,7 +66,7 @@ fn best_start(
     let mut best: Option<(Fit, Problem)> = None;
     for (courses, terms) in starts(problem, observer).into_iter().take(most) {
         let started = problem.with_hidden_courses(&courses, free);
-        let settled = best.as_ref().filter(|(fit, _)| fit.arrived);
+        let settled = best.as_ref().filter(|(fit, _)| fit.converged);
         let beat = settled.map_or(f64::INFINITY, |(fit, _)| fit.value);
         let (support, coefficients) = terms.into_iter().unzip();
         let point = LinearizationPoint {
@@ -73,7 +74,7 @@ fn best_start(
             coefficients,
             ..started.initial_point(&started.noise)
         };
-        let rank = |fit: &Fit| (!fit.arrived, fit.value);
+        let rank = |fit: &Fit| (!fit.converged, fit.value);
         let better = |fit: &Fit| best.as_ref().is_none_or(|(old, _)| rank(fit) < rank(old));
         if let Some(fit) = tightened(&started, point, beat, observer).filter(better) {
             best = Some((fit, started));

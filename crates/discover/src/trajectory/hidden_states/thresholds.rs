@@ -28,11 +28,11 @@ family! {
         /// Most courses that a fit of all laws is tried from.
         courses: usize = 24, unit "courses", source "set by hand";
         /// Courses that are fitted to judge a value of a constant.
-        judged: usize = 2, unit "courses", source "the same course with columns at another price seldom orders values otherwise";
+        courses_per_value: usize = 2, unit "courses", source "the same course with columns at another price seldom orders values otherwise";
         /// Pairs of parameters that are tried in each other's place.
         exchanges: usize = 12, unit "pairs", source "each costs a fit of all laws";
         /// Relative difference from which a value of a constant counts as another one.
-        other: f64 = 0.1, unit "of the value", source "a tenth is more than a settled fit moves";
+        distinct: f64 = 0.1, unit "of the value", source "a tenth is more than a settled fit moves";
         /// Most time constants tried.
         times: usize = 100, unit "time constants", source "from the step of a million samples to three times their record";
         /// Longest time constant tried.

@@ -23,11 +23,11 @@ pub(crate) fn undisturbed_value(
     observer: &mut dyn Observer,
 ) -> Option<f64> {
     let value = filtered(problem, fit, &mut |_| {}, observer).ok()?;
-    Some(value - centre(problem) + criterion.cost(problem, fit.support()))
+    Some(value - expected_square(problem) + criterion.cost(problem, fit.support()))
 }
 
 /// The expected χ² of the innovations, one for each reading: criteria of fits without process noise do not contain it, so it is subtracted.
-fn centre(problem: &Problem) -> f64 {
+fn expected_square(problem: &Problem) -> f64 {
     problem.measurements() as f64
 }
 
@@ -63,12 +63,12 @@ pub(super) fn disturbed_fit(
     observer: &mut dyn Observer,
 ) -> Option<Fit> {
     let code = CompiledLaws::new(&problem.system, &from.support);
-    let cost = criterion.cost(problem, &from.support) - centre(problem);
+    let cost = criterion.cost(problem, &from.support) - expected_square(problem);
     let rows = problem.system.constraints.on(&from.support);
     let mut point = from;
     let mut halving = StepHalving::default();
     halving.start_halving();
-    let (mut arrived, mut before) = (false, f64::INFINITY);
+    let (mut converged, mut before) = (false, f64::INFINITY);
     // Noises are estimated in every other step and in the last; in the first only if no fit before has estimated them.
     let mut estimate = beat == f64::INFINITY;
     let mut known = false;
@@ -107,7 +107,7 @@ pub(super) fn disturbed_fit(
             variances: constrained.solution.variances,
             value,
             law_misfit: 0.0,
-            arrived: false,
+            converged: false,
         };
         let gain = qr.square_without_step() - constrained.solution.residual;
         let still = (before - value).abs() < GAUSS_NEWTON.criterion_step;
@@ -120,7 +120,7 @@ pub(super) fn disturbed_fit(
             _ => {}
         }
         if gain < GAUSS_NEWTON.criterion_step && still && estimated {
-            arrived = true;
+            converged = true;
             break;
         }
         let hope = GAUSS_NEWTON.hopeless_gain * gain.max((before - value).abs());
@@ -136,8 +136,8 @@ pub(super) fn disturbed_fit(
             ..here
         };
     }
-    let (fit, arrived) = halving.best(arrived)?;
-    fit.value.is_finite().then_some(Fit { arrived, ..fit })
+    let (fit, converged) = halving.best(converged)?;
+    fit.value.is_finite().then_some(Fit { converged, ..fit })
 }
 
 /// The largest move of a state that is read, in units of its sensor's noise.

@@ -19,7 +19,7 @@ pub struct Fit {
     /// χ² of the slips between the laws and the trajectory, in units of the criterion.
     pub law_misfit: f64,
     /// Whether the fit converged.
-    pub arrived: bool,
+    pub converged: bool,
 }
 
 impl Fit {
@@ -70,8 +70,8 @@ impl Fit {
 
 /// The best fit judged so far, for use when every shorter step from it leaves the data.
 pub(super) fn best_judged(halving: StepHalving<Fit>) -> Option<Fit> {
-    let (fit, arrived) = halving.best(false)?;
-    fit.value.is_finite().then_some(Fit { arrived, ..fit })
+    let (fit, converged) = halving.best(false)?;
+    fit.value.is_finite().then_some(Fit { converged, ..fit })
 }
 
 /// Whether some state is so far from its readings, or from the smoothed trajectory where it has none, that the fit is of no use.

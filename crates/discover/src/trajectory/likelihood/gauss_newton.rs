@@ -44,7 +44,7 @@ pub(super) fn undisturbed_fit(
         };
         let constrained = constrained_step(&mut qr, &point.coefficients, &rows)?;
         let solved = constrained.solution;
-        if halving.is_careful() {
+        if halving.is_halving() {
             left += usize::from(halving.may_add_step());
             let none = vec![0.0; k];
             let moves = eliminated.states(&none, observer).ok()?;
@@ -68,7 +68,7 @@ pub(super) fn undisturbed_fit(
             }
         }
         let moves = eliminated.states(&solved.coefficients, observer).ok()?;
-        let start = halving.is_careful().then(|| point.clone());
+        let start = halving.is_halving().then(|| point.clone());
         let farthest = move_states(problem, &mut point, &moves);
         point.coefficients = constrained.coefficients;
         halving.starts(start, farthest);
@@ -91,7 +91,7 @@ pub(super) fn undisturbed_fit(
         let moved = moved.fold(0.0, f64::max);
         point.sigma = sigma;
         let still = farthest < GAUSS_NEWTON.state_step && moved < GAUSS_NEWTON.log_noise_step;
-        let level = match halving.is_careful() {
+        let level = match halving.is_halving() {
             true => halving.gain_is_negligible(new),
             false => (new - value).abs() < GAUSS_NEWTON.criterion_step,
         };
@@ -102,25 +102,25 @@ pub(super) fn undisturbed_fit(
             halving.start_halving();
         }
         value = new;
-        let arrived = still || level;
-        found = Some((solved.variances, residual_squares, law_misfit, arrived));
-        if arrived || hopeless {
+        let converged = still || level;
+        found = Some((solved.variances, residual_squares, law_misfit, converged));
+        if converged || hopeless {
             break;
         }
     }
     if halving.has_judged() {
-        let arrived = found.is_some_and(|(.., arrived)| arrived);
-        let (fit, arrived) = halving.best(arrived)?;
-        return fit.value.is_finite().then_some(Fit { arrived, ..fit });
+        let converged = found.is_some_and(|(.., converged)| converged);
+        let (fit, converged) = halving.best(converged)?;
+        return fit.value.is_finite().then_some(Fit { converged, ..fit });
     }
-    let (variances, residual_squares, law_misfit, arrived) = found?;
+    let (variances, residual_squares, law_misfit, converged) = found?;
     value.is_finite().then_some(Fit {
         point,
         variances,
         value,
         residual_squares,
         law_misfit,
-        arrived,
+        converged,
     })
 }
 
@@ -164,7 +164,7 @@ fn fit_here(
         value,
         residual_squares,
         law_misfit,
-        arrived: false,
+        converged: false,
     }
 }
 

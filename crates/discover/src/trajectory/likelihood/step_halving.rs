@@ -10,13 +10,13 @@ use crate::trajectory::thresholds::GAUSS_NEWTON;
 /// The control of one fit's steps.
 pub(super) struct StepHalving<Fit> {
     /// Whether the criterion has risen after a full step: from then on it is evaluated at every point before a step is taken.
-    careful: bool,
+    halves: bool,
     /// The best point so far at which the criterion was evaluated, as a fit.
     accepted: Option<(Fit, f64)>,
     /// Where the last full step began.
     start: Option<LinearizationPoint>,
     /// Largest move of a state in that step, in units of its noise.
-    reach: f64,
+    largest_move: f64,
     halvings: usize,
     /// Steps granted beyond the usual number.
     added: usize,
@@ -35,10 +35,10 @@ pub(super) enum StepDecision {
 impl<Fit> Default for StepHalving<Fit> {
     fn default() -> Self {
         StepHalving {
-            careful: false,
+            halves: false,
             accepted: None,
             start: None,
-            reach: 0.0,
+            largest_move: 0.0,
             halvings: 0,
             added: 0,
         }
@@ -46,27 +46,27 @@ impl<Fit> Default for StepHalving<Fit> {
 }
 
 impl<Fit> StepHalving<Fit> {
-    pub fn is_careful(&self) -> bool {
-        self.careful
+    pub fn is_halving(&self) -> bool {
+        self.halves
     }
 
     /// Whether the step limit may be raised by one, for an iteration that only evaluated the criterion.
     pub fn may_add_step(&mut self) -> bool {
         self.added += 1;
-        self.added <= GAUSS_NEWTON.careful_steps
+        self.added <= GAUSS_NEWTON.halving_steps
     }
 
-    /// Notes that a full step starts, and its largest move of a state, `reach`, in units of the noise. `at`: where it starts, for
+    /// Notes that a full step starts, and its largest move of a state, `largest_move`, in units of the noise. `at`: where it starts, for
     /// halving; `None` while full steps are trusted.
-    pub fn starts(&mut self, at: Option<LinearizationPoint>, reach: f64) {
+    pub fn starts(&mut self, at: Option<LinearizationPoint>, largest_move: f64) {
         self.start = at;
-        self.reach = reach;
+        self.largest_move = largest_move;
         self.halvings = 0;
     }
 
     /// From now on steps are halved where the criterion rises.
     pub fn start_halving(&mut self) {
-        self.careful = true;
+        self.halves = true;
     }
 
     /// Decides by the criterion `value` of the fit `here`, which has the coefficients of the point `at`.
@@ -94,7 +94,7 @@ impl<Fit> StepHalving<Fit> {
     /// The point halfway back to where the last step began; `None` while full steps are trusted, and after the most halvings.
     pub fn halfway(&mut self, from: LinearizationPoint) -> Option<LinearizationPoint> {
         let start = self.start.as_ref()?;
-        let known = self.careful && self.accepted.is_some();
+        let known = self.halves && self.accepted.is_some();
         if !known || self.halvings >= GAUSS_NEWTON.max_halvings {
             return None;
         }
@@ -107,12 +107,12 @@ impl<Fit> StepHalving<Fit> {
         self.best_value() - promised < GAUSS_NEWTON.criterion_step
     }
 
-    /// The best point at which the criterion was evaluated, and whether the fit has converged: as `arrived` says, or because the step
+    /// The best point at which the criterion was evaluated, and whether the fit has converged: as `converged` says, or because the step
     /// that no longer helped was as small as the steps at convergence are.
-    pub fn best(self, arrived: bool) -> Option<(Fit, bool)> {
-        let shortest = self.reach * 0.5_f64.powi(self.halvings as i32);
-        let arrived = arrived || shortest < GAUSS_NEWTON.state_step;
-        self.accepted.map(|(fit, _)| (fit, arrived))
+    pub fn best(self, converged: bool) -> Option<(Fit, bool)> {
+        let shortest = self.largest_move * 0.5_f64.powi(self.halvings as i32);
+        let converged = converged || shortest < GAUSS_NEWTON.state_step;
+        self.accepted.map(|(fit, _)| (fit, converged))
     }
 }
 

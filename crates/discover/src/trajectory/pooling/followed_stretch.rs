@@ -11,7 +11,7 @@ use sidc_progress::Observer;
 
 /// Where laws leave the readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Left {
+pub struct RunNotFollowed {
     pub trajectory: usize,
     /// Seconds; `None` where it is not known.
     pub time: Option<f64>,
@@ -23,7 +23,7 @@ pub(crate) fn left_by(
     (laws, noise): (&LinearizationPoint, &[f64]),
     run: usize,
     observer: &mut dyn Observer,
-) -> Option<Left> {
+) -> Option<RunNotFollowed> {
     let mut alone = with_fixed_laws(&problem.on_runs(&[run]), laws);
     // A record that is none of the laws' looks noisier than its sensor is.
     let n = alone.states();
@@ -35,7 +35,7 @@ pub(crate) fn left_by(
         let followed = followed(&alone, record, observer);
         if followed < length {
             let time = Some(alone.records[record].time[followed]);
-            return Some(Left {
+            return Some(RunNotFollowed {
                 trajectory: run,
                 time,
             });

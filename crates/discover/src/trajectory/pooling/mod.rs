@@ -6,7 +6,7 @@
 mod followed_stretch;
 mod run_estimates;
 
-pub use followed_stretch::Left;
+pub use followed_stretch::RunNotFollowed;
 pub(crate) use followed_stretch::left_by;
 pub(crate) use run_estimates::fit_by_run;
 pub use run_estimates::{Differing, RunValue, differing_coefficients};

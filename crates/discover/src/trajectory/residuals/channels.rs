@@ -16,7 +16,7 @@ use sidc_solve::{WHITENESS_LAGS, rms_autocorrelation, white_noise_bound};
 pub struct Channel {
     pub signal: Signal,
     /// Root mean square of the residuals, in the channel's units.
-    pub left: f64,
+    pub residual: f64,
     /// The sensor's noise, as declared or as smoothing shows it.
     pub noise: f64,
     /// The noise that the residuals show, where it grows with the signal.
@@ -24,7 +24,7 @@ pub struct Channel {
     /// Time constant of the noise, s, where it lasts from sample to sample.
     pub lasting: Option<f64>,
     /// Root mean square of residuals, each over the noise of its own record's sensor.
-    pub excess: f64,
+    pub noise_ratio: f64,
     /// How closely the fit was brought to its optimum; what it leaves below that says nothing.
     pub accuracy: f64,
     /// Standard deviation of the state.
@@ -32,9 +32,9 @@ pub struct Channel {
     pub readings: usize,
     /// Root mean square of the autocorrelation over lags 1 … 8, signed by the first: 0 for white residuals, 1 at most. Of noise that lasts, that
     /// of what is new in each residual.
-    pub memory: f64,
-    /// Bound of `memory` for white residuals, plus what the rounding of an encoder adds.
-    pub chance: f64,
+    pub autocorrelation: f64,
+    /// Bound of `autocorrelation` for white residuals, plus what the rounding of an encoder adds.
+    pub white_noise_bound: f64,
     /// Residuals of each file; empty unless they differ.
     pub files: Vec<File>,
     /// Isolated readings that noise does not explain.
@@ -74,16 +74,16 @@ impl Problem {
         let read = (0..self.states()).filter(|i| self.readings_of(*i) > 0);
         read.map(|i| Channel {
             signal: self.system.states[i],
-            left: noise(self, i),
+            residual: noise(self, i),
             noise: noise(self, i),
             growth: None,
             lasting: self.noise_memory(i),
-            excess: 1.0,
+            noise_ratio: 1.0,
             accuracy: accuracy(self, i),
             spread: self.spread[i],
             readings: self.readings_of(i),
-            memory: 0.0,
-            chance: 0.0,
+            autocorrelation: 0.0,
+            white_noise_bound: 0.0,
             files: Vec::new(),
             outliers: None,
             left_out: 0,
@@ -161,19 +161,19 @@ fn channel(problem: &Problem, fit: &Fit, state: usize) -> Channel {
     let rounded = rms_autocorrelation(&rounded.map(|s| s / total.max(f64::MIN_POSITIVE)));
     Channel {
         signal: problem.system.states[state],
-        left: (square / m).sqrt(),
+        residual: (square / m).sqrt(),
         noise: match own_scale {
             true => mean_noise(problem, fit.sigma(), state),
             false => noise(problem, state),
         },
         growth: growth(problem, fit, state),
         lasting: problem.noise_memory(state),
-        excess: (excess / m).sqrt(),
+        noise_ratio: (excess / m).sqrt(),
         accuracy: accuracy(problem, state),
         spread: problem.spread[state],
         readings,
-        memory: memory.copysign(correlation[0]),
-        chance: white_noise_bound(m) + rounded,
+        autocorrelation: memory.copysign(correlation[0]),
+        white_noise_bound: white_noise_bound(m) + rounded,
         files: files(problem, fit, state),
         outliers: outliers(problem, fit, state),
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),
@@ -198,14 +198,14 @@ fn channel_of(problem: &Problem, fit: &Fit, state: usize, all: &[Innovation]) ->
     let correlation = sums.map(|s| s / (m * excess * excess).max(f64::MIN_POSITIVE));
     Channel {
         signal: problem.system.states[state],
-        left: rms(&|i| i.value),
+        residual: rms(&|i| i.value),
         noise: mean_noise(problem, fit.sigma(), state),
-        excess,
+        noise_ratio: excess,
         accuracy: 0.0,
         spread: problem.spread[state],
         readings: problem.readings_of(state),
-        memory: rms_autocorrelation(&correlation).copysign(correlation[0]),
-        chance: white_noise_bound(m),
+        autocorrelation: rms_autocorrelation(&correlation).copysign(correlation[0]),
+        white_noise_bound: white_noise_bound(m),
         files: Vec::new(),
         outliers: None,
         left_out: problem.left_out.iter().filter(|l| l.state == state).count(),

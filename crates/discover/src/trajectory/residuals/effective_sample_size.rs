@@ -26,8 +26,8 @@ pub(crate) fn statistical_inefficiency(problem: &Problem, fit: &Fit) -> f64 {
 }
 
 fn inefficiency_of_channel(problem: &Problem, fit: &Fit, channel: &Channel) -> f64 {
-    let white = channel.memory.abs() <= channel.chance.max(RESIDUALS.white);
-    if white || channel.left < RESIDUALS.arithmetic * channel.spread {
+    let white = channel.autocorrelation.abs() <= channel.white_noise_bound.max(RESIDUALS.white);
+    if white || channel.residual < RESIDUALS.arithmetic * channel.spread {
         return 1.0;
     }
     let Some(state) = problem.system.state_index(channel.signal) else {

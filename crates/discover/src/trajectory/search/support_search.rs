@@ -99,7 +99,7 @@ fn explaining_start(
     let mut level = SearchLevel::new(problem, final_criterion(problem));
     level.fit([starting_point(problem, start)], observer);
     let fit = level.best.into_iter().next()?;
-    let explains = fit.arrived && explains_readings(problem, &fit);
+    let explains = fit.converged && explains_readings(problem, &fit);
     explains.then_some(fit.point)
 }
 

@@ -9,7 +9,7 @@ use crate::thresholds::FIGURES;
 use crate::typeset::mathml::{MathMl, escape};
 use sidc_lang::number::digits_apart;
 use sidc_lang::term::Language;
-use sidc_system::discovery::{Equation, FoundTerm, Mark, Trust};
+use sidc_system::discovery::{Equation, FoundTerm, Mark, TermEvidence};
 
 /// Width of a row's box.
 const ROW_WIDTH: f64 = 1000.0;
@@ -67,7 +67,7 @@ fn row(s: &Subject, e: &Equation, t: &FoundTerm, scale: f64) -> String {
     let unit = unit.filter(|u| u != "1").map_or_else(String::new, |u| {
         format!(" <span class=\"unit\">{}</span>", escape(&u))
     });
-    let trust = t.trust.as_deref();
+    let trust = t.evidence.as_deref();
     let figure = match t.fixed {
         true => "<span class=\"muted\">stated by the model</span>".into(),
         false => interval(d, t, scale),
@@ -108,7 +108,7 @@ fn row(s: &Subject, e: &Equation, t: &FoundTerm, scale: f64) -> String {
 
 /// Distances of the interval's ends from the coefficient, relative to it.
 fn deviation(t: &FoundTerm) -> Option<(f64, f64)> {
-    let (low, high) = t.trust.as_ref()?.interval?;
+    let (low, high) = t.evidence.as_ref()?.interval?;
     let c = t.coefficient;
     let (a, b) = ((low - c) / c.abs(), (high - c) / c.abs());
     (a.is_finite() && b.is_finite()).then_some((a, b))
@@ -116,7 +116,7 @@ fn deviation(t: &FoundTerm) -> Option<(f64, f64)> {
 
 fn interval(d: &sidc_system::discovery::Discovery, t: &FoundTerm, scale: f64) -> String {
     let (Some((a, b)), Some((low, high))) =
-        (deviation(t), t.trust.as_ref().and_then(|t| t.interval))
+        (deviation(t), t.evidence.as_ref().and_then(|t| t.interval))
     else {
         return "<span class=\"muted\">none</span>".into();
     };
@@ -145,7 +145,7 @@ fn interval(d: &sidc_system::discovery::Discovery, t: &FoundTerm, scale: f64) ->
     format!("{drawn}<span class=\"ends\">{words}</span>")
 }
 
-fn mark(trust: &Trust) -> String {
+fn mark(trust: &TermEvidence) -> String {
     let class = match trust.mark {
         Mark::Firm => "pass",
         Mark::Likely => "known",

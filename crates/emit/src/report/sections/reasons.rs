@@ -88,7 +88,10 @@ fn reasons(s: &Subject) -> String {
 fn marks(s: &Subject) -> Option<String> {
     let d = s.discovery;
     let terms = d.equations.iter().flat_map(|e| {
-        let judged = e.terms.iter().filter_map(|t| Some((t, t.trust.as_ref()?)));
+        let judged = e
+            .terms
+            .iter()
+            .filter_map(|t| Some((t, t.evidence.as_ref()?)));
         judged.map(move |(t, trust)| (e.target, t, trust.mark))
     });
     let terms: Vec<_> = terms.collect();

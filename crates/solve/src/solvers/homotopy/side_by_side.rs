@@ -19,7 +19,7 @@ pub fn side_by_side(
     observer: &mut dyn Observer,
 ) -> Vec<Solution> {
     let targets: Vec<_> = problems.iter().map(start).collect();
-    let mut runs: Vec<Run> = problems.iter().zip(&targets).map(Run::new).collect();
+    let mut runs: Vec<ActivePath> = problems.iter().zip(&targets).map(ActivePath::new).collect();
     loop {
         let going = runs.iter_mut().filter(|run| run.solution.is_none());
         let Some(run) = going.min_by_key(|run| run.steps()) else {
@@ -43,19 +43,19 @@ pub fn side_by_side(
 }
 
 /// One problem with its path.
-struct Run<'a> {
+struct ActivePath<'a> {
     problem: &'a Problem<'a>,
     path: Option<PathInProgress<'a>>,
     solution: Option<Solution>,
 }
 
-impl<'a> Run<'a> {
-    fn new((problem, started): (&'a Problem<'a>, &'a PreparedPath)) -> Run<'a> {
+impl<'a> ActivePath<'a> {
+    fn new((problem, started): (&'a Problem<'a>, &'a PreparedPath)) -> ActivePath<'a> {
         let (path, solution) = match started.run(problem) {
             Ok(path) => (Some(path), None),
             Err(solution) => (None, Some(solution)),
         };
-        Run {
+        ActivePath {
             problem,
             path,
             solution,

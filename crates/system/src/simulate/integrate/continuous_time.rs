@@ -98,7 +98,8 @@ impl Integration<'_> {
     /// Switches the inputs to their segments from `t` on.
     fn turn(&mut self, t: f64, guard: &Guard) -> Result<(), Ended> {
         let (drives, sampled) = (self.leg.drives, self.leg.sampled);
-        self.flow.drive(drives.iter().map(|d| d.line(sampled, t)));
+        self.flow
+            .set_inputs(drives.iter().map(|d| d.line(sampled, t)));
         self.explicit.restart();
         let settled = self.flow.settle((t, &mut self.x), &guard.sizes, &[]);
         settled.map_err(|kind| (kind, t))
@@ -131,7 +132,7 @@ impl Integration<'_> {
             *k < last
                 && self
                     .lines(time[*k])
-                    .zip(self.flow.lines())
+                    .zip(self.flow.inputs())
                     .all(|(next, line)| line.continues(&next))
         };
         let late = self.leg.drives.iter().any(|d| d.late() != 0.0);
@@ -252,7 +253,7 @@ impl Integration<'_> {
         let (q, outputs) = self.flow.unknowns(t, &self.x).map_err(|kind| (kind, t))?;
         let values = self.x.iter().chain(q).copied();
         self.path.rows.push(values.chain(outputs));
-        let inputs = self.flow.lines().iter().map(|l| l.at(t));
+        let inputs = self.flow.inputs().iter().map(|l| l.at(t));
         self.path.inputs.push(inputs);
         Ok(())
     }

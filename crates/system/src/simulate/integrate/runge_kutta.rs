@@ -160,7 +160,7 @@ impl RungeKutta {
                         let there = self.end.clone();
                         x.copy_from_slice(&state);
                         t = if part == 1.0 { end } else { t + part * h };
-                        flow.pass((t, x), &guard.sizes, (part, &switches, &there))
+                        flow.pass_event((t, x), &guard.sizes, (part, &switches, &there))
                             .map_err(|kind| (kind, t))?;
                         self.fresh = false;
                         continue;
@@ -277,7 +277,7 @@ impl RungeKutta {
                     x.copy_from_slice(&state);
                     done += part * (1.0 - done);
                     let at = t + done * h;
-                    flow.pass((at, x), &guard.sizes, (part, &switches, &end))?;
+                    flow.pass_event((at, x), &guard.sizes, (part, &switches, &end))?;
                 }
             }
         }

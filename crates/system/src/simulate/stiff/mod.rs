@@ -55,7 +55,7 @@ pub(super) fn advance(
         if flow.work.calls > guard.budget {
             return Err((FaultKind::TooMuchWork, t));
         }
-        match radau.attempt(flow, span, x, &scale, control.unsure()) {
+        match radau.attempt(flow, span, x, &scale, control.error_is_uncertain()) {
             Err(kind) => {
                 // The trial step may have left the domain of the equations; a shorter one may not.
                 failed = Some((kind, span.end));
@@ -94,7 +94,7 @@ pub(super) fn advance(
                     }
                     let there = x.to_vec();
                     x.copy_from_slice(&radau.within(part, &before));
-                    flow.pass((t, x), &guard.sizes, (part, &switches, &there))
+                    flow.pass_event((t, x), &guard.sizes, (part, &switches, &there))
                         .map_err(|kind| (kind, t))?;
                     allow(&mut scale, x, guard);
                     radau = Radau::new(x.len());
@@ -171,9 +171,9 @@ struct StepControl {
     /// The step that the last error suggests.
     h: f64,
     /// The step up to which the polynomial within it would be as exact as its end.
-    through: f64,
+    interpolant_step: f64,
     /// The last accepted step, and its error.
-    good: Option<(f64, f64)>,
+    last_accepted: Option<(f64, f64)>,
     /// The last attempt failed.
     rejected: bool,
 }
@@ -182,15 +182,15 @@ impl StepControl {
     fn new(h: f64) -> StepControl {
         StepControl {
             h,
-            through: h,
-            good: None,
+            interpolant_step: h,
+            last_accepted: None,
             rejected: false,
         }
     }
 
     /// True after a rejection and in the first step, where the error may be overestimated.
-    fn unsure(&self) -> bool {
-        self.rejected || self.good.is_none()
+    fn error_is_uncertain(&self) -> bool {
+        self.rejected || self.last_accepted.is_none()
     }
 
     fn shorten(&mut self, h: f64) {
@@ -201,10 +201,14 @@ impl StepControl {
     /// The next step: to the next stop, or beyond it if the polynomial allows that.
     fn span(&self, t: f64, stop: f64, last: f64) -> Span {
         let (near, far) = (stop - t, last - t);
-        let h = self.h.min(self.through.max(near));
+        let h = self.h.min(self.interpolant_step.max(near));
         // A step is stretched a little or halved, so that no tiny step is left before the end.
         let to = |end: f64, h: f64| Span { t, end, h };
-        let ahead = if self.through > near { far } else { near };
+        let ahead = if self.interpolant_step > near {
+            far
+        } else {
+            near
+        };
         let end = if ahead == far { last } else { stop };
         if h >= IMPLICIT.stretch * ahead {
             to(end, ahead)
@@ -223,7 +227,7 @@ impl StepControl {
         (within, through): (f64, bool),
         iterations: usize,
     ) -> bool {
-        self.through =
+        self.interpolant_step =
             IMPLICIT.safety * h * within.max(IMPLICIT.error_rounding).powf(-ERROR_EXPONENT);
         let most = 2.0 * IMPLICIT.iterations as f64;
         let safety = IMPLICIT.safety * (most + 1.0) / (most + iterations as f64);
@@ -233,7 +237,7 @@ impl StepControl {
         };
         if error >= 1.0 {
             let part = part(error, safety);
-            self.shorten(if self.good.is_none() {
+            self.shorten(if self.last_accepted.is_none() {
                 IMPLICIT.after_first * h
             } else {
                 h / part
@@ -244,7 +248,7 @@ impl StepControl {
             return false;
         }
         let mut next = h / part(error, safety);
-        if let Some((last, last_error)) = self.good {
+        if let Some((last, last_error)) = self.last_accepted {
             // Errors that grow from step to step are expected to grow further (Gustafsson 1994).
             let trend = part(error * error / last_error, IMPLICIT.safety * h / last);
             next = next.min(h / trend);
@@ -258,7 +262,7 @@ impl StepControl {
         // A step shortened by a stop is no reason for shorter steps.
         let cut = h < self.h && !self.rejected;
         self.h = if cut { next.max(self.h) } else { next };
-        self.good = Some((h, error.max(IMPLICIT.trend_floor)));
+        self.last_accepted = Some((h, error.max(IMPLICIT.trend_floor)));
         self.rejected = false;
         true
     }
