@@ -9,9 +9,9 @@ use sidc_data::Words;
 pub(crate) enum Meaning {
     /// Numbers, of this unit.
     Number(f64),
-    #[cfg(feature = "parquet")]
+    #[cfg(all(feature = "parquet", panic = "unwind"))]
     Unsigned,
-    #[cfg(feature = "parquet")]
+    #[cfg(all(feature = "parquet", panic = "unwind"))]
     Half,
     /// Times, in units of so many seconds.
     Moment(f64),
@@ -28,7 +28,7 @@ pub(crate) struct Gathered {
 }
 
 impl Gathered {
-    #[cfg(feature = "parquet")]
+    #[cfg(all(feature = "parquet", panic = "unwind"))]
     pub(crate) fn meaning(&self) -> Meaning {
         self.meaning
     }
@@ -50,7 +50,7 @@ impl Gathered {
         }
     }
 
-    #[cfg(feature = "parquet")]
+    #[cfg(all(feature = "parquet", panic = "unwind"))]
     pub(crate) fn len(&self) -> usize {
         self.numbers.len() + self.moments.len() + self.words.len()
     }

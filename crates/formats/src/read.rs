@@ -97,10 +97,10 @@ fn assembled(
     assemble(name, variables, first, limits)
 }
 
-#[cfg(feature = "parquet")]
+#[cfg(all(feature = "parquet", panic = "unwind"))]
 use crate::parquet::variables as columnar;
 
-#[cfg(not(feature = "parquet"))]
+#[cfg(not(all(feature = "parquet", panic = "unwind")))]
 fn columnar(
     _: Vec<u8>,
     _: &mut Budget,
@@ -111,10 +111,10 @@ fn columnar(
     ))
 }
 
-#[cfg(feature = "hdf5")]
+#[cfg(all(feature = "hdf5", panic = "unwind"))]
 use crate::hdf5::variables as hierarchical;
 
-#[cfg(not(feature = "hdf5"))]
+#[cfg(not(all(feature = "hdf5", panic = "unwind")))]
 fn hierarchical(_: Vec<u8>, _: &mut Budget) -> Result<Vec<crate::variables::Variable>, Fault> {
     Err(Fault::unsupported("an HDF5 or MATLAB 7.3 file, and this program was built without them").help(
         "in MATLAB, save('data.mat', …, '-v7') writes a file that is read; or build it with --profile embedded --features hdf5, or give the file to sidc in Python",
