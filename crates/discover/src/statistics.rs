@@ -27,7 +27,7 @@ pub(crate) fn autocorrelation_time(series: &[f64]) -> f64 {
     let mut time = 1.0;
     for k in 1..series.len() / 4 {
         let (earlier, later) = (&series[..series.len() - k], &series[k..]);
-        let product = wide(|| dot_in_lanes::<LANES>(earlier, later));
+        let product = wide(|| dot_in_lanes::<LANES, f64>(earlier, later));
         time += 2.0 * product / square;
         if k as f64 >= AUTOCORRELATION.window * time {
             break;

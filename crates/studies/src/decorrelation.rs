@@ -130,7 +130,7 @@ fn ways(program: &Program, samples: &Samples, noise: f64) -> Result<[bool; 4], S
 fn unit(phi: &dyn Dictionary, j: usize) -> Vec<f64> {
     let mut column = vec![0.0; phi.rows()];
     phi.column(j, &mut column);
-    let length = phi.norms()[j].max(f64::MIN_POSITIVE);
+    let length = phi.norm(j).max(f64::MIN_POSITIVE);
     column.iter_mut().for_each(|x| *x /= length);
     column
 }

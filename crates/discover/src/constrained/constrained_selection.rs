@@ -60,7 +60,7 @@ pub(crate) fn block(
     let columns: Vec<usize> = pool
         .iter()
         .copied()
-        .filter(|j| dictionary.norms()[*j] > 0.0)
+        .filter(|j| dictionary.norm(*j) > 0.0)
         .collect();
     let (m, n) = (dictionary.rows(), columns.len());
     let mut all = DMatrix::zeros(m, n + 1);

@@ -156,7 +156,7 @@ fn significant(members: &[Member], solution: &ConstrainedSolution) -> Supports {
     blocks
         .map(|(m, coefficients)| {
             let phi = m.design.phi.as_ref();
-            let size = |(j, a): &(usize, f64)| a.abs() * phi.norms()[*j];
+            let size = |(j, a): &(usize, f64)| a.abs() * phi.norm(*j);
             let largest = coefficients.iter().map(size).fold(0.0, f64::max);
             let mut strong: Vec<&(usize, f64)> = coefficients.iter().collect();
             strong.retain(|c| size(c) > JOINT_CERTIFICATE.negligible_share * largest);

@@ -64,11 +64,11 @@ fn fill_group(
             *squares += match factors.split_last() {
                 None => {
                     out.fill(1.0);
-                    dot_in_lanes::<8>(out, out)
+                    dot_in_lanes::<8, f64>(out, out)
                 }
                 Some((only, [])) => {
                     out.copy_from_slice(block.power(*only));
-                    dot_in_lanes::<8>(out, out)
+                    dot_in_lanes::<8, f64>(out, out)
                 }
                 Some((last, first)) => {
                     multiply(prefix.product(&block, first), block.power(*last), out)
@@ -116,7 +116,7 @@ fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) -> f64 {
     for (out, (a, b)) in out.chunks_mut(ROWS_AT_ONCE).zip(factors) {
         let products = a.iter().zip(b).map(|(a, b)| a * b);
         out.iter_mut().zip(products).for_each(|(o, p)| *o = p);
-        squares += dot_in_lanes::<8>(out, out);
+        squares += dot_in_lanes::<8, f64>(out, out);
     }
     squares
 }

@@ -41,20 +41,23 @@ pub fn compile(
     }
 }
 
-/// Most memory that [`compile`] takes, in bytes: Φ or its factors, a norm for every slot, and the table of powers. Evaluates nothing.
+/// Most memory that [`compile`] and pricing take, in bytes: Φ or its factors, a length for every slot, and the table of powers. Evaluates
+/// nothing.
 pub fn bytes(library: &Library, rows: usize) -> u128 {
     let blocks = library.blocks();
-    // Right factors are squared once.
-    let factors = |b: &sidc_lang::library::Block| b.left.len() as u128 + 2 * b.right.len() as u128;
+    // Right factors are kept in single precision too, and in double precision where that does not suffice.
+    let factors = |b: &sidc_lang::library::Block| (8 * b.left.len() + 20 * b.right.len()) as u128;
+    let slots = |b: &sidc_lang::library::Block| b.left.len() as u128 * b.right.len() as u128;
+    let rows = rows as u128;
     let columns = match listed(library) {
-        Some(terms) => terms.len() as u128,
-        None => blocks.iter().map(factors).sum(),
+        Some(terms) => 8 * terms.len() as u128 * (rows + 1),
+        None => {
+            rows * blocks.iter().map(factors).sum::<u128>()
+                + 4 * blocks.iter().map(slots).sum::<u128>()
+        }
     };
-    let slots = blocks
-        .iter()
-        .map(|b| b.left.len() as u128 * b.right.len() as u128);
     let powers = Plan::new(library.factors(), true).count() as u128;
-    8 * ((columns + powers) * rows as u128 + slots.sum::<u128>())
+    columns + 8 * powers * rows
 }
 
 /// Values of one term on every row, finite or not.

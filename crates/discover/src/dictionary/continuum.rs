@@ -302,7 +302,7 @@ mod tests {
                 .zip(&b)
                 .all(|(a, b)| (a - b).abs() <= 1e-12 * b.abs());
             assert!(same, "column {j}, slot {slot}, point {point:?}");
-            assert_eq!(found.phi.norms()[j] == 0.0, library.is_empty_slot(slot));
+            assert_eq!(found.phi.norm(j) == 0.0, library.is_empty_slot(slot));
         }
     }
 }

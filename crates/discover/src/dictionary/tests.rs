@@ -28,7 +28,7 @@ fn columns_are_weighted_products() {
     let terms = [Term::one(), x().pow(3.0).into_term().1];
     let phi = dense(&terms, &samples(&[1.0, -2.0, 3.0]), Some(&[1.0, 2.0, 1.0])).unwrap();
     assert_eq!(phi.values(), &[1.0, 2.0, 1.0, 1.0, -16.0, 27.0]);
-    assert!((phi.norms()[0] - 6f64.sqrt()).abs() < 1e-15);
+    assert!((phi.norm(0) - 6f64.sqrt()).abs() < 1e-15);
 }
 
 #[test]

@@ -140,8 +140,8 @@ fn solved(
     let target: Vec<f64> = across.get(column)?.iter().map(|x| -x).collect();
     let phi = Dense::new(n, all);
     // The 1-norm counts entries, not lengths of columns.
-    let lengths = phi.norms();
-    let grades = lengths.iter().map(|l| 1.0 / l.max(rounding)).collect();
+    let grade = |j| 1.0 / phi.norm(j).max(rounding);
+    let grades = (0..phi.cols()).map(grade).collect();
     let grades = Grades::of_columns(grades);
     let graded = Graded {
         columns: &phi,

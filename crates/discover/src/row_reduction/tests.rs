@@ -78,7 +78,7 @@ fn a_factor_has_the_least_squares_of_its_rows() {
         for (j, mut column) in phi.column_iter_mut().enumerate() {
             let mut values = vec![0.0; 3000];
             rows.dictionary.column(j, &mut values);
-            if rows.dictionary.norms()[j] > 0.0 {
+            if rows.dictionary.norm(j) > 0.0 {
                 column.copy_from_slice(&values);
             }
         }

@@ -109,7 +109,7 @@ impl<'a> ScaledDesign<'a> {
         let mut support = vec![usize::MAX; slots.len()];
         for slot in places {
             let term = library.term(slot)?;
-            let length = phi.norms().get(slot).copied().unwrap_or(0.0);
+            let length = phi.norm(slot);
             if length <= f64::MIN_POSITIVE {
                 zero_columns.push(term);
                 continue;

@@ -108,10 +108,13 @@ pub fn candidate_pool(dictionary: &dyn Dictionary, proposed: &[usize]) -> Vec<us
 
 /// Columns whose share |a|‖φ‖ is above rounding, largest first.
 pub fn proposed_columns(dictionary: &dyn Dictionary, coefficients: &[(usize, f64)]) -> Vec<usize> {
-    let norms = dictionary.norms();
-    let sizes = coefficients.iter().map(|(j, a)| (*j, a.abs() * norms[*j]));
-    let largest = sizes.clone().fold(0.0, |m: f64, (_, s)| m.max(s));
+    let sizes: Vec<(usize, f64)> = coefficients
+        .iter()
+        .map(|(j, a)| (*j, a.abs() * dictionary.norm(*j)))
+        .collect();
+    let largest = sizes.iter().fold(0.0, |m: f64, (_, s)| m.max(*s));
     let mut found: Vec<(usize, f64)> = sizes
+        .into_iter()
         .filter(|(_, s)| *s > TERM_SELECTION.negligible_share * largest)
         .collect();
     found.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -129,7 +132,7 @@ pub fn best_subset_search(
     let mut columns = vec![0.0; m * n];
     for (out, &j) in columns.chunks_exact_mut(m).zip(pool) {
         dictionary.column(j, out);
-        let norm = dictionary.norms()[j];
+        let norm = dictionary.norm(j);
         if norm > 0.0 {
             out.iter_mut().for_each(|x| *x /= norm);
         }

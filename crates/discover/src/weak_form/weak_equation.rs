@@ -189,7 +189,7 @@ impl Weak {
                 compile(library, &segment.nodes, None).map_err(|bad| located(bad, segment))?;
             let mut values = vec![0.0; segment.nodes.len()];
             for j in 0..slots {
-                if dictionary.norms()[j] == 0.0 {
+                if dictionary.norm(j) == 0.0 {
                     continue;
                 }
                 dictionary.column(j, &mut values);

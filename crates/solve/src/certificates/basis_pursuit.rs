@@ -143,8 +143,8 @@ fn dual_value(problem: &Problem, lambda: &[f64]) -> f64 {
 }
 
 fn rank_and_condition(problem: &Problem, support: &[usize]) -> (usize, f64) {
-    let norms = problem.dictionary.norms();
-    let lengths: Vec<f64> = support.iter().map(|&j| nonzero(norms[j])).collect();
+    let length = |j: &usize| nonzero(problem.dictionary.norm(*j));
+    let lengths: Vec<f64> = support.iter().map(length).collect();
     let unit = unit_columns(problem.dictionary, support, &lengths);
     let rank = RankRevealingQr::new(&unit).map_or(0, |p| p.rank);
     (rank, condition_number(&unit))

@@ -138,7 +138,7 @@ fn correlations_of(
             .filter(|(b, c, _)| *b == e && *c == j)
             .map(|(_, _, p)| p)
             .sum();
-        let length = problem.dictionary.norms()[j];
+        let length = problem.dictionary.norm(j);
         let correlation = (dot(&column, lambda) + multiplier_part).abs() * target_norm;
         // A column of zeros costs nothing, so its multipliers must cancel.
         let correlation = match (length > 0.0, correlation > 0.0) {

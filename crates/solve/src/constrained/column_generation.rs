@@ -90,8 +90,7 @@ fn working_sets(constrained: &ConstrainedProblem, start: &[Vec<usize>]) -> Vec<V
             let mut set = constrained.named_columns(e);
             set.extend(start.get(e).into_iter().flatten().filter(|j| **j < n));
             if n <= CONSTRAINED.whole_block {
-                let norms = problem.dictionary.norms();
-                set.extend((0..n).filter(|j| norms[*j] > 0.0));
+                set.extend((0..n).filter(|j| problem.dictionary.norm(*j) > 0.0));
             } else {
                 let priced =
                     problem

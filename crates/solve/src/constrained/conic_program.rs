@@ -297,8 +297,8 @@ impl<'a> ConicProgram<'a> {
 impl Block {
     fn new(problem: &Problem, columns: &[usize]) -> Block {
         let dictionary = problem.dictionary;
-        let norms = columns.iter().map(|&j| dictionary.norms().get(j));
-        let lengths: Vec<f64> = norms.map(|n| nonzero(n.copied().unwrap_or(0.0))).collect();
+        let lengths = columns.iter().map(|&j| nonzero(dictionary.norm(j)));
+        let lengths: Vec<f64> = lengths.collect();
         let target_norm = nonzero(norm(problem.target));
         let y = quotient(problem.target, target_norm);
         let unit = unit_columns(dictionary, columns, &lengths);

@@ -64,13 +64,15 @@ impl Dense {
             let mut found = PricingCollector::new(most, bound);
             for (i, values) in tasks {
                 for (j, column) in (i * group..).zip(values.chunks_exact(rows)) {
-                    let product = dot_in_lanes::<8>(column, lambda);
+                    let product = dot_in_lanes::<8, f64>(column, lambda);
                     let grade = grades.map_or(1.0, |g| g.of(j));
-                    if product.is_finite() {
-                        found.offer_all(j, &[product / grade], &self.norms[j..=j]);
-                    } else {
-                        found.offer(j, scaled_dot(column, self.norms[j], lambda) / grade);
-                    }
+                    let length = self.norms[j];
+                    let correlation = match product.is_finite() {
+                        _ if length == 0.0 => f64::NAN,
+                        true => product / length,
+                        false => scaled_dot(column, length, lambda),
+                    };
+                    found.offer(j, correlation / grade);
                 }
             }
             found
@@ -88,8 +90,12 @@ impl Dictionary for Dense {
         self.norms.len()
     }
 
-    fn norms(&self) -> &[f64] {
-        &self.norms
+    fn norm(&self, j: usize) -> f64 {
+        self.norms.get(j).copied().unwrap_or(0.0)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.norms.iter().all(|n| n.is_finite())
     }
 
     fn column(&self, j: usize, out: &mut [f64]) {

@@ -22,8 +22,12 @@ impl Dictionary for Graded<'_> {
         self.columns.cols()
     }
 
-    fn norms(&self) -> &[f64] {
-        self.columns.norms()
+    fn norm(&self, j: usize) -> f64 {
+        self.columns.norm(j)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.columns.is_finite()
     }
 
     fn weight(&self, j: usize) -> f64 {

@@ -63,11 +63,6 @@ impl Grades {
         self.right.get(r).copied().unwrap_or(1.0)
     }
 
-    /// The grades of some right factors.
-    pub(super) fn rights(&self, range: Range<usize>) -> &[f64] {
-        self.right.get(range).unwrap_or_default()
-    }
-
     /// Whether no product of some left and some right factors can have |φᵀλ|/w above the bound, since |φᵀλ| ≤ ‖φ‖‖λ‖. `length` is ‖λ‖.
     pub(super) fn dismiss(
         &self,

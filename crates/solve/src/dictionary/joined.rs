@@ -1,6 +1,6 @@
 //! The columns of two dictionaries, one after the other, each with its weights.
 //!
-//! In: two dictionaries of as many rows. Out: one. Stores lengths only.
+//! In: two dictionaries of as many rows. Out: one. Stores nothing.
 
 use super::operator::Dictionary;
 use super::pricing::{Priced, PricingCollector};
@@ -8,17 +8,13 @@ use super::pricing::{Priced, PricingCollector};
 /// Two dictionaries as one.
 pub struct Joined<'a> {
     parts: [&'a dyn Dictionary; 2],
-    norms: Vec<f64>,
 }
 
 impl<'a> Joined<'a> {
     /// Both have the same number of rows.
     pub fn new(parts: [&'a dyn Dictionary; 2]) -> Joined<'a> {
         debug_assert_eq!(parts[0].rows(), parts[1].rows());
-        Joined {
-            norms: parts.map(Dictionary::norms).concat(),
-            parts,
-        }
+        Joined { parts }
     }
 
     /// The part that holds a column, and its number there.
@@ -37,11 +33,16 @@ impl Dictionary for Joined<'_> {
     }
 
     fn cols(&self) -> usize {
-        self.norms.len()
+        self.parts.map(|p| p.cols()).iter().sum()
     }
 
-    fn norms(&self) -> &[f64] {
-        &self.norms
+    fn norm(&self, j: usize) -> f64 {
+        let (part, j) = self.part(j);
+        part.norm(j)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.parts.iter().all(|p| p.is_finite())
     }
 
     fn weight(&self, j: usize) -> f64 {
@@ -83,7 +84,7 @@ mod tests {
         let lambda = [0.3, -0.4, 0.9, 0.1];
         let both = Joined::new([&first, &second]);
         assert_eq!((both.rows(), both.cols()), (4, 10));
-        assert_eq!(both.norms(), whole.norms());
+        assert!((0..both.cols()).all(|j| both.norm(j) == whole.norm(j)));
         assert_eq!(both.price(&lambda, 4, 0.1), whole.price(&lambda, 4, 0.1));
         // The grade of a part is that of its columns alone.
         let grades = Grades::of_columns(vec![2.0; 4]);

@@ -13,11 +13,13 @@ pub trait Dictionary: Sync {
     fn rows(&self) -> usize;
     /// N, empty places included.
     fn cols(&self) -> usize;
-    /// ‖φ_j‖₂ of every column; length N.
-    fn norms(&self) -> &[f64];
+    /// ‖φ_j‖₂ of column `j`, in up to 2 M operations; zero past the last column.
+    fn norm(&self, j: usize) -> f64;
+    /// Whether all norms are numbers.
+    fn is_finite(&self) -> bool;
     /// w_j, the weight of column `j` in the 1-norm: ‖φ_j‖, and more where columns are [`super::Graded`]. Zero past the last column.
     fn weight(&self, j: usize) -> f64 {
-        self.norms().get(j).copied().unwrap_or(0.0)
+        self.norm(j)
     }
     /// Writes column `j` into `out` (length M).
     fn column(&self, j: usize, out: &mut [f64]);
@@ -27,9 +29,12 @@ pub trait Dictionary: Sync {
     fn price_graded(&self, grades: &Grades, lambda: &[f64], most: usize, bound: f64) -> Priced {
         let mut found = PricingCollector::new(most, bound);
         let mut column = vec![0.0; self.rows()];
-        for (j, length) in self.norms().iter().enumerate().filter(|(_, n)| **n > 0.0) {
+        for j in 0..self.cols() {
+            let length = self.norm(j);
             self.column(j, &mut column);
-            found.offer(j, scaled_dot(&column, *length, lambda) / grades.of(j));
+            if length > 0.0 {
+                found.offer(j, scaled_dot(&column, length, lambda) / grades.of(j));
+            }
         }
         found.finish()
     }

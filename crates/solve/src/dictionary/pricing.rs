@@ -4,13 +4,6 @@
 
 use std::cmp::Ordering;
 
-use crate::simd::wide;
-
-/// Columns compared at once, without branches.
-const LANES: usize = 8;
-/// Slightly below one, by more than the rounding of a product and a quotient.
-const BELOW: f64 = 1.0 - 1e-14;
-
 /// Columns whose correlation with λ exceeds a bound.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Priced {
@@ -62,59 +55,22 @@ impl PricingCollector {
         }
     }
 
-    /// Takes consecutive columns: φ_jᵀλ from column `first` on, and ‖φ_j‖. Columns of length zero are skipped.
-    pub fn offer_all(&mut self, first: usize, products: &[f64], norms: &[f64]) {
-        let (groups, few) = products.as_chunks::<LANES>();
-        let (group_norms, few_norms) = norms.as_chunks::<LANES>();
-        let columns = (first..).step_by(LANES);
-        wide(|| {
-            for (column, (products, norms)) in columns.zip(groups.iter().zip(group_norms)) {
-                if self.is_near(products, norms) {
-                    self.offer_group(column, products, norms);
-                }
-            }
-        });
-        let columns = first + groups.len() * LANES..;
-        for (column, (product, norm)) in columns.zip(few.iter().zip(few_norms)) {
-            self.offer(column, quotient(*product, *norm));
+    /// What a magnitude must exceed to be counted.
+    pub(super) fn bound(&self) -> f64 {
+        self.bound
+    }
+
+    /// What a magnitude must reach to be kept; it grows.
+    pub(super) fn threshold(&self) -> f64 {
+        match self.most {
+            0 => f64::INFINITY,
+            _ => self.threshold,
         }
     }
 
-    /// Whether a column may exceed the bound. Most groups exceed none; they are compared without a division.
-    #[inline(always)]
-    fn is_near(&self, products: &[f64; LANES], norms: &[f64; LANES]) -> bool {
-        let least = self.bound.max(0.0) * BELOW;
-        let near = |k: usize| products[k].abs() >= least * norms[k];
-        let near: [bool; LANES] = std::array::from_fn(near);
-        near.iter().fold(false, |any, n| any | n)
-    }
-
-    /// Correlations of a group. Those below the threshold are only counted.
-    #[inline(always)]
-    fn offer_group(&mut self, first: usize, products: &[f64; LANES], norms: &[f64; LANES]) {
-        // Divide first, then select: no branch.
-        let quotients: [f64; LANES] = std::array::from_fn(|k| products[k] / norms[k]);
-        let chosen = |k| {
-            if norms[k] > 0.0 {
-                quotients[k]
-            } else {
-                f64::NAN
-            }
-        };
-        let correlations: [f64; LANES] = std::array::from_fn(chosen);
-        let sizes = correlations.map(f64::abs);
-        let kept: usize = sizes
-            .iter()
-            .map(|s| usize::from(*s >= self.threshold))
-            .sum();
-        if self.most == 0 || kept == 0 {
-            let over = sizes.iter().map(|s| usize::from(*s > self.bound));
-            self.count += over.sum::<usize>();
-            return;
-        }
-        for (column, correlation) in (first..).zip(correlations) {
-            self.offer(column, correlation);
-        }
+    /// Counts columns that exceed the bound and are not kept.
+    pub(super) fn count(&mut self, columns: usize) {
+        self.count += columns;
     }
 
     /// Merges collectors with the same bounds.
@@ -154,12 +110,6 @@ impl PricingCollector {
     }
 }
 
-/// φ_jᵀλ/‖φ_j‖; NaN, which exceeds no bound, for a column of length zero.
-#[inline]
-fn quotient(product: f64, norm: f64) -> f64 {
-    if norm > 0.0 { product / norm } else { f64::NAN }
-}
-
 fn by_magnitude(a: &(usize, f64), b: &(usize, f64)) -> Ordering {
     b.1.abs().total_cmp(&a.1.abs()).then_with(|| a.0.cmp(&b.0))
 }
@@ -191,26 +141,6 @@ mod tests {
             forwards.count,
             values.iter().filter(|v| v.abs() > 10.0).count()
         );
-    }
-
-    #[test]
-    fn many_at_once_are_the_same_as_one_by_one() {
-        let products: Vec<f64> = (0..1003).map(|i| f64::from(i * 37 % 101 - 50)).collect();
-        let norms: Vec<f64> = (0..1003).map(|i| f64::from(i % 5)).collect();
-        for (most, bound) in [(0, 3.0), (7, 10.0), (9, 0.0), (2000, 1.0), (3, -1.0)] {
-            let (mut a, mut b) = (
-                PricingCollector::new(most, bound),
-                PricingCollector::new(most, bound),
-            );
-            for (j, (p, n)) in products.iter().zip(&norms).enumerate() {
-                if *n > 0.0 {
-                    a.offer(j, p / n);
-                }
-            }
-            b.offer_all(0, &products[..501], &norms[..501]);
-            b.offer_all(501, &products[501..], &norms[501..]);
-            assert_eq!(a.finish(), b.finish());
-        }
     }
 
     #[test]

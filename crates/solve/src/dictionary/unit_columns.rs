@@ -7,9 +7,8 @@ use crate::thresholds::NUMERICAL_RANK;
 
 /// Indices of the columns that are not all zero.
 pub(crate) fn usable_columns(dictionary: &dyn Dictionary) -> Vec<usize> {
-    let norms = dictionary.norms();
-    (0..norms.len())
-        .filter(|&j| norms[j] > NUMERICAL_RANK.zero_column)
+    (0..dictionary.cols())
+        .filter(|&j| dictionary.norm(j) > NUMERICAL_RANK.zero_column)
         .collect()
 }
 

@@ -23,11 +23,10 @@ pub struct LeastSquares {
 /// Least squares of least norm: QR or LQ to a square core, then its singular value decomposition (Golub & Van Loan,
 /// section 5.5). Inputs that are not finite give a residual of ‖y‖ and zero coefficients.
 pub fn minimum_norm_least_squares(dictionary: &dyn Dictionary, target: &[f64]) -> LeastSquares {
-    let norms = dictionary.norms();
-    let kept: Vec<usize> = (0..norms.len())
-        .filter(|&j| norms[j] > f64::MIN_POSITIVE && norms[j].is_finite())
-        .collect();
-    let lengths: Vec<f64> = kept.iter().map(|&j| norms[j]).collect();
+    let norms = (0..dictionary.cols()).map(|j| (j, dictionary.norm(j)));
+    let (kept, lengths): (Vec<usize>, Vec<f64>) = norms
+        .filter(|(_, n)| *n > f64::MIN_POSITIVE && n.is_finite())
+        .unzip();
     let unit = unit_columns(dictionary, &kept, &lengths);
     let size = norm(target);
     let y = quotient(target, nonzero(size));

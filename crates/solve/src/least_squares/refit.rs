@@ -37,10 +37,7 @@ pub struct Refit {
 /// assert_eq!(fit.rank, 2);
 /// ```
 pub fn refit(dictionary: &dyn Dictionary, target: &[f64], support: &[usize]) -> Refit {
-    let norms: Vec<f64> = support
-        .iter()
-        .map(|&j| dictionary.norms().get(j).copied().unwrap_or(0.0))
-        .collect();
+    let norms: Vec<f64> = support.iter().map(|&j| dictionary.norm(j)).collect();
     let usable: Vec<usize> = (0..support.len())
         .filter(|&k| norms[k] > f64::MIN_POSITIVE && norms[k].is_finite())
         .collect();

@@ -27,7 +27,7 @@ pub(super) fn reflect(v: &[f64], tau: f64, y: &mut [f64]) {
     let (Some((_, v)), Some((head, tail))) = (v.split_first(), y.split_first_mut()) else {
         return;
     };
-    let along = tau * (*head + dot_in_lanes::<16>(v, tail));
+    let along = tau * (*head + dot_in_lanes::<16, f64>(v, tail));
     *head -= along;
     axpy(-along, v, tail);
 }
@@ -35,7 +35,7 @@ pub(super) fn reflect(v: &[f64], tau: f64, y: &mut [f64]) {
 /// ‖x‖₂ without overflow, fast where the sum of squares is safe.
 #[inline(always)]
 pub(super) fn norm(x: &[f64]) -> f64 {
-    let squares = dot_in_lanes::<16>(x, x);
+    let squares = dot_in_lanes::<16, f64>(x, x);
     if squares == 0.0 && x.iter().all(|x| *x == 0.0) || is_safe(squares) {
         return squares.sqrt();
     }

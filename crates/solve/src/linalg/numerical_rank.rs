@@ -112,9 +112,9 @@ fn tridiagonal(mut a: DMatrix<f64>) -> (Vec<f64>, Vec<f64>) {
             let column = &mut column[j..];
             rank_two_update(column, &v[j..], &w[j..]);
             axpy(next[j], column, &mut image[j..]);
-            image[j] += dot_in_lanes::<16>(&column[1..], &next[j + 1..]);
+            image[j] += dot_in_lanes::<16, f64>(&column[1..], &next[j + 1..]);
         }
-        let half = 0.5 * tau * dot_in_lanes::<16>(&image[k + 1..], &next[k + 1..]);
+        let half = 0.5 * tau * dot_in_lanes::<16, f64>(&image[k + 1..], &next[k + 1..]);
         for i in k + 1..n {
             v[i] = next[i];
             w[i] = tau * (image[i] - half * next[i]);

@@ -2,13 +2,13 @@
 //!
 //! In: numbers, column after column. Out: products, in an order of summation that is fixed.
 
-use nalgebra::{DMatrix, DMatrixViewMut, Dyn, Matrix, MatrixView, RawStorage, Storage};
+use nalgebra::{DMatrix, DMatrixViewMut, Dyn, Matrix, MatrixView, RawStorage, RealField, Storage};
 
 use super::vectors::dot_in_lanes;
 use crate::simd::wide;
 
 /// A view of any layout, such as that of a transpose.
-pub type Strided<'a> = MatrixView<'a, f64, Dyn, Dyn, Dyn, Dyn>;
+pub type Strided<'a, T = f64> = MatrixView<'a, T, Dyn, Dyn, Dyn, Dyn>;
 
 /// Largest dimension that nalgebra (0.35) multiplies by loops of its own; larger products go to blocked kernels.
 const UNBLOCKED: usize = 5;
@@ -18,19 +18,20 @@ const GRAM_PANEL: usize = 64;
 const COLUMNS_AT_ONCE: usize = 4;
 /// Aᵀ without a copy, A by columns of `rows` numbers.
 pub fn transposed(a: &[f64], rows: usize, columns: usize) -> Strided<'_> {
-    Strided::from_slice_with_strides(a, columns, rows, rows.max(1), 1)
+    Strided::<f64>::from_slice_with_strides(a, columns, rows, rows.max(1), 1)
 }
 
 /// C = α A B + β C
-pub fn gemm<A, B>(
-    alpha: f64,
-    a: &Matrix<f64, Dyn, Dyn, A>,
-    b: &Matrix<f64, Dyn, Dyn, B>,
-    beta: f64,
-    mut c: DMatrixViewMut<f64>,
+pub fn gemm<T, A, B>(
+    alpha: T,
+    a: &Matrix<T, Dyn, Dyn, A>,
+    b: &Matrix<T, Dyn, Dyn, B>,
+    beta: T,
+    mut c: DMatrixViewMut<T>,
 ) where
-    A: Storage<f64, Dyn, Dyn> + RawStorage<f64, Dyn, Dyn>,
-    B: Storage<f64, Dyn, Dyn> + RawStorage<f64, Dyn, Dyn>,
+    T: RealField + Copy,
+    A: Storage<T, Dyn, Dyn> + RawStorage<T, Dyn, Dyn>,
+    B: Storage<T, Dyn, Dyn> + RawStorage<T, Dyn, Dyn>,
 {
     if c.nrows().min(c.ncols()).min(a.ncols()) > UNBLOCKED {
         return c.gemm(alpha, a, b, beta);
@@ -113,7 +114,7 @@ pub fn gemv_tr(a: &[f64], rows: usize, v: &[f64]) -> Vec<f64> {
     // A loop, because `collect` is compiled apart, without the wide instructions.
     wide(|| {
         for (o, column) in out.iter_mut().zip(a.chunks_exact(rows)) {
-            *o = dot_in_lanes::<16>(column, v);
+            *o = dot_in_lanes::<16, f64>(column, v);
         }
     });
     out

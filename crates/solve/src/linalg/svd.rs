@@ -123,9 +123,9 @@ fn orthogonalise(w: &mut DMatrix<f64>, v: &mut DMatrix<f64>, p: usize, q: usize)
     let column = |j: usize| &w.as_slice()[j * m..(j + 1) * m];
     let (x, y) = (column(p), column(q));
     let (xx, yy, xy) = (
-        dot_in_lanes::<16>(x, x),
-        dot_in_lanes::<16>(y, y),
-        dot_in_lanes::<16>(x, y),
+        dot_in_lanes::<16, f64>(x, x),
+        dot_in_lanes::<16, f64>(y, y),
+        dot_in_lanes::<16, f64>(x, y),
     );
     let bound = f64::EPSILON * (xx * yy).sqrt();
     if xy == 0.0 || xy.abs() <= bound {

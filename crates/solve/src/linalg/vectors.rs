@@ -1,18 +1,20 @@
 //! Vectors: dot products, norms, differences.
 
+use nalgebra::RealField;
+
 /// aᵀb in `LANES` running sums, which the processor adds side by side. Their order is fixed, so the result is too.
 #[inline(always)]
-pub fn dot_in_lanes<const LANES: usize>(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
+pub fn dot_in_lanes<const LANES: usize, T: RealField + Copy>(a: &[T], b: &[T]) -> T {
+    let mut sums = [T::zero(); LANES];
     let (heads, tails) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let rest = heads.remainder().iter().zip(tails.remainder());
-    let rest: f64 = rest.map(|(a, b)| a * b).sum();
+    let rest = rest.fold(T::zero(), |sum, (a, b)| sum + *a * *b);
     for (a, b) in heads.zip(tails) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
+            *sum += *a * *b;
         }
     }
-    sums.iter().sum::<f64>() + rest
+    sums.iter().fold(T::zero(), |sum, x| sum + *x) + rest
 }
 
 /// aᵀb/‖a‖ where aᵀb itself overflows; `norm` is ‖a‖.
@@ -77,6 +79,6 @@ mod tests {
     #[test]
     fn dot_products_have_remainders() {
         let a: Vec<f64> = (1..=11).map(f64::from).collect();
-        assert_eq!(dot_in_lanes::<8>(&a, &a), 506.0);
+        assert_eq!(dot_in_lanes::<8, f64>(&a, &a), 506.0);
     }
 }

@@ -30,7 +30,7 @@ pub(super) fn generate_columns(
     for _ in 0..COLUMN_GENERATION.max_rounds {
         let working_set: Vec<usize> = columns.iter().copied().collect();
         let restricted = restrict(dictionary, &working_set);
-        let grade = |j: &usize| dictionary.weight(*j) / nonzero(dictionary.norms()[*j]);
+        let grade = |j: &usize| dictionary.weight(*j) / nonzero(dictionary.norm(*j));
         let grades = Grades::of_columns(working_set.iter().map(grade).collect());
         let mut found = solve(&Problem {
             dictionary: &Graded {

@@ -70,13 +70,14 @@ struct Pursuit<'a> {
 
 impl<'a> Pursuit<'a> {
     fn new(problem: &'a Problem<'a>, target_norm: f64) -> Pursuit<'a> {
-        let norms = problem.dictionary.norms().iter();
+        let dictionary = problem.dictionary;
+        let norms = (0..dictionary.cols()).map(|j| dictionary.norm(j));
         Pursuit {
             problem,
             target_norm,
             allowed: (problem.tolerance / target_norm).max(CERTIFICATES.consistent),
             short_columns: norms
-                .filter(|n| **n > 0.0 && **n <= NUMERICAL_RANK.zero_column)
+                .filter(|n| *n > 0.0 && *n <= NUMERICAL_RANK.zero_column)
                 .count(),
             selected: Vec::new(),
             basis: Vec::new(),
@@ -114,7 +115,7 @@ impl<'a> Pursuit<'a> {
         let dictionary = self.problem.dictionary;
         let priced = dictionary.price(&self.residual, 1 + self.short_columns, 0.0);
         let mut usable = priced.columns.into_iter();
-        let usable = usable.find(|(j, _)| dictionary.norms()[*j] > NUMERICAL_RANK.zero_column);
+        let usable = usable.find(|(j, _)| dictionary.norm(*j) > NUMERICAL_RANK.zero_column);
         let (column, correlation) = usable.ok_or(End::Exhausted)?;
         if !correlation.is_finite() {
             return Err(End::Stopped);
@@ -135,7 +136,7 @@ impl<'a> Pursuit<'a> {
     fn outside(&self, column: usize) -> Option<Vec<f64>> {
         let mut q = vec![0.0; self.residual.len()];
         self.problem.dictionary.column(column, &mut q);
-        let length = self.problem.dictionary.norms()[column];
+        let length = self.problem.dictionary.norm(column);
         q.iter_mut().for_each(|v| *v /= length);
         for _ in 0..2 {
             for b in &self.basis {

@@ -113,10 +113,7 @@ struct Elimination {
 impl Elimination {
     fn new(problem: &Problem, target_norm: f64) -> Elimination {
         let kept = usable_columns(problem.dictionary);
-        let norms: Vec<f64> = kept
-            .iter()
-            .map(|&j| problem.dictionary.norms()[j])
-            .collect();
+        let norms: Vec<f64> = kept.iter().map(|&j| problem.dictionary.norm(j)).collect();
         Elimination {
             unit: unit_columns(problem.dictionary, &kept, &norms),
             kept,

@@ -27,8 +27,8 @@ impl Columns {
     /// Of a problem whose numbers are finite and whose target is not zero.
     pub fn new(problem: &Problem) -> Columns {
         let kept = usable_columns(problem.dictionary);
-        let norms = problem.dictionary.norms();
-        let norms: Vec<f64> = kept.iter().map(|&j| norms[j]).collect();
+        let norm_of = |j: &usize| problem.dictionary.norm(*j);
+        let norms: Vec<f64> = kept.iter().map(norm_of).collect();
         let unit = unit_columns(problem.dictionary, &kept, &norms);
         let length = norm(problem.target);
         let tolerance = (problem.tolerance / length).max(CERTIFICATES.consistent);
@@ -82,7 +82,7 @@ impl Columns {
         for direction in self.directions(support) {
             project_off(&mut left, &direction);
         }
-        dot_in_lanes::<8>(&left, &left)
+        dot_in_lanes::<8, f64>(&left, &left)
     }
 
     /// An orthonormal basis of these columns: Gram–Schmidt twice, which is enough (Giraud, Langou & Rozložník 2005).
@@ -117,7 +117,8 @@ impl Columns {
         let mixed = mixing_rows(self.rows, few);
         let reduce = |column: &[f64]| -> Vec<f64> {
             let rows = mixed.chunks_exact(self.rows);
-            rows.map(|row| dot_in_lanes::<8>(row, column)).collect()
+            rows.map(|row| dot_in_lanes::<8, f64>(row, column))
+                .collect()
         };
         let columns = self.values.chunks_exact(self.rows.max(1));
         Columns {
@@ -148,7 +149,7 @@ pub(super) fn mixing_rows(rows: usize, few: usize) -> Vec<f64> {
 /// v − (dᵀv) d, for a unit vector d.
 pub(super) fn project_off(vector: &mut [f64], direction: &[f64]) {
     wide(|| {
-        let along = dot_in_lanes::<8>(vector, direction);
+        let along = dot_in_lanes::<8, f64>(vector, direction);
         axpy(-along, direction, vector);
     });
 }

@@ -97,7 +97,7 @@ impl Growth {
         let target = self.along[best] / self.lengths[best].sqrt();
         wide(|| {
             for p in open {
-                let product = dot_in_lanes::<8>(basis.vector(*p), &direction);
+                let product = dot_in_lanes::<8, f64>(basis.vector(*p), &direction);
                 self.lengths[*p] = (self.lengths[*p] - product * product).max(0.0);
                 self.along[*p] -= product * target;
             }
@@ -121,7 +121,7 @@ fn orthonormalised(vector: &[f64], directions: &[Vec<f64>]) -> Option<Vec<f64>> 
             super::columns::project_off(&mut out, d);
         }
     }
-    let length = dot_in_lanes::<8>(&out, &out).sqrt();
+    let length = dot_in_lanes::<8, f64>(&out, &out).sqrt();
     out.iter_mut().for_each(|x| *x /= length);
     (length > 0.0).then_some(out)
 }
@@ -155,7 +155,7 @@ fn spanned(basis: &DualBasis, places: &[usize]) -> Vec<(Vec<f64>, f64)> {
         };
         let mut length = 1.0;
         for (d, c) in directions.iter().zip(&products) {
-            let product = dot_in_lanes::<8>(vector, d);
+            let product = dot_in_lanes::<8, f64>(vector, d);
             along -= product * c;
             length -= product * product;
         }

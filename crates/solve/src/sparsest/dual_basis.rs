@@ -80,7 +80,7 @@ impl Triangle {
 
     /// φᵀλ of the columns at these places.
     pub fn products(&self, lambda: &[f64], places: &[usize]) -> Vec<f64> {
-        let product = |p: &usize| dot_in_lanes::<8>(self.column(*p), &lambda[..*p + 1]);
+        let product = |p: &usize| dot_in_lanes::<8, f64>(self.column(*p), &lambda[..*p + 1]);
         wide(|| places.iter().map(product).collect())
     }
 
@@ -92,7 +92,7 @@ impl Triangle {
         wide(|| {
             for p in first..n {
                 let column = self.column(p);
-                let known = dot_in_lanes::<8>(&column[first..p], &x[first..p]);
+                let known = dot_in_lanes::<8, f64>(&column[first..p], &x[first..p]);
                 x[p] = (right[p] - known) / nonzero(column[p]);
             }
         });
@@ -101,8 +101,8 @@ impl Triangle {
 
     /// (yᵀλ, ‖λ‖) where λ goes on with the part of the target that no column reaches.
     pub fn value(&self, lambda: &[f64]) -> (f64, f64) {
-        let reached = dot_in_lanes::<8>(lambda, &self.target) + self.outside;
-        let square = dot_in_lanes::<8>(lambda, lambda) + self.outside;
+        let reached = dot_in_lanes::<8, f64>(lambda, &self.target) + self.outside;
+        let square = dot_in_lanes::<8, f64>(lambda, lambda) + self.outside;
         (reached, square.sqrt())
     }
 }
@@ -122,7 +122,7 @@ impl DualBasis {
         }
         let along = vectors
             .chunks_exact(n.max(1))
-            .map(|w| dot_in_lanes::<8>(w, &triangle.target))
+            .map(|w| dot_in_lanes::<8, f64>(w, &triangle.target))
             .collect();
         DualBasis {
             vectors,
@@ -157,9 +157,9 @@ impl DualBasis {
         let states = self.live.iter_mut().zip(&mut self.along);
         wide(|| {
             for (w, (live, along)) in vectors.zip(states).filter(|(_, (live, _))| **live) {
-                let product = dot_in_lanes::<8>(w, &direction);
+                let product = dot_in_lanes::<8, f64>(w, &direction);
                 axpy(-product, &direction, w);
-                let length = dot_in_lanes::<8>(w, w).sqrt();
+                let length = dot_in_lanes::<8, f64>(w, w).sqrt();
                 // What rounding left of it points nowhere.
                 *live = length > SPARSEST.lost_direction;
                 w.iter_mut().for_each(|x| *x /= nonzero(length));

@@ -48,10 +48,10 @@ impl<'a> Leaf<'a> {
         let each = columns.chunks_exact(rows.max(1));
         let products = |with: &[f64]| -> Vec<f64> {
             let each = each.clone();
-            wide(|| each.map(|c| dot_in_lanes::<8>(c, with)).collect())
+            wide(|| each.map(|c| dot_in_lanes::<8, f64>(c, with)).collect())
         };
         let (along, probed) = (products(&target), products(&probe));
-        let lengths = each.clone().map(|c| dot_in_lanes::<8>(c, c)).collect();
+        let lengths = each.clone().map(|c| dot_in_lanes::<8, f64>(c, c)).collect();
         Leaf {
             all,
             included,
@@ -81,7 +81,7 @@ impl<'a> Leaf<'a> {
     /// Supports with two columns more.
     pub fn pairs(&self) -> Vec<Vec<usize>> {
         let here = self.pairs_of(0..self.free.len());
-        let product = |i: usize, j: usize| dot_in_lanes::<8>(self.column(i), self.column(j));
+        let product = |i: usize, j: usize| dot_in_lanes::<8, f64>(self.column(i), self.column(j));
         let passing = here.pairs(&product).into_iter();
         let passing = passing.map(|(i, j)| self.support(&[i, j]));
         passing.filter(|s| self.all.fits(s)).collect()
@@ -99,21 +99,22 @@ impl<'a> Leaf<'a> {
         let (target, probe) = (self.along[first] / length, self.probed[first] / length);
         let after = first + 1..self.free.len();
         let products: Vec<f64> = wide(|| {
-            let product = |j: usize| dot_in_lanes::<8>(self.column(j), &direction);
+            let product = |j: usize| dot_in_lanes::<8, f64>(self.column(j), &direction);
             after.clone().map(product).collect()
         });
         let mut rest = self.pairs_of(after.clone());
         rest.target_probed -= target * probe;
         let mut left = self.target.clone();
         project_off(&mut left, &direction);
-        rest.square = dot_in_lanes::<8>(&left, &left);
+        rest.square = dot_in_lanes::<8, f64>(&left, &left);
         for (k, p) in products.iter().enumerate() {
             rest.lengths[k] = (rest.lengths[k] - p * p).max(0.0);
             rest.target_products[k] -= p * target;
             rest.probe_products[k] -= p * probe;
         }
         let product = |i: usize, j: usize| {
-            let whole = dot_in_lanes::<8>(self.column(first + 1 + i), self.column(first + 1 + j));
+            let whole =
+                dot_in_lanes::<8, f64>(self.column(first + 1 + i), self.column(first + 1 + j));
             whole - products[i] * products[j]
         };
         let passing = rest.pairs(&product).into_iter();
@@ -126,8 +127,8 @@ impl<'a> Leaf<'a> {
             lengths: self.lengths[places.clone()].to_vec(),
             target_products: self.along[places.clone()].to_vec(),
             probe_products: self.probed[places].to_vec(),
-            target_probed: dot_in_lanes::<8>(&self.target, &self.probe),
-            square: dot_in_lanes::<8>(&self.target, &self.target),
+            target_probed: dot_in_lanes::<8, f64>(&self.target, &self.probe),
+            square: dot_in_lanes::<8, f64>(&self.target, &self.target),
             allowed: self.all.square.max(0.0),
         }
     }

@@ -56,22 +56,22 @@ fn greedy(all: &Columns, observer: &mut dyn Observer) -> Vec<usize> {
     let mut columns = all.values.clone();
     let mut target = all.target.clone();
     let mut support: Vec<usize> = Vec::new();
-    while dot_in_lanes::<8>(&target, &target) > all.square
+    while dot_in_lanes::<8, f64>(&target, &target) > all.square
         && support.len() < SPARSEST.start_terms
         && observer.go_on()
     {
         let gain = |j: usize| {
             let column = &columns[j * all.rows..(j + 1) * all.rows];
-            let length = dot_in_lanes::<8>(column, column);
+            let length = dot_in_lanes::<8, f64>(column, column);
             let usable = length > NUMERICAL_RANK.dependent && !support.contains(&j);
-            usable.then(|| dot_in_lanes::<8>(column, &target).powi(2) / length)
+            usable.then(|| dot_in_lanes::<8, f64>(column, &target).powi(2) / length)
         };
         let gains = (0..all.count()).filter_map(|j| Some((j, gain(j)?)));
         let Some((best, _)) = gains.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else {
             break;
         };
         let mut direction = columns[best * all.rows..(best + 1) * all.rows].to_vec();
-        let length = dot_in_lanes::<8>(&direction, &direction).sqrt();
+        let length = dot_in_lanes::<8, f64>(&direction, &direction).sqrt();
         direction.iter_mut().for_each(|x| *x /= length);
         for column in columns.chunks_exact_mut(all.rows) {
             project_off(column, &direction);
@@ -116,9 +116,9 @@ fn largest_share(all: &Columns, support: &[usize]) -> f64 {
             project_off(&mut column, &d);
             project_off(&mut target, &d);
         }
-        let length = dot_in_lanes::<8>(&column, &column);
+        let length = dot_in_lanes::<8, f64>(&column, &column);
         match length > 0.0 {
-            true => (dot_in_lanes::<8>(&column, &target) / length).abs(),
+            true => (dot_in_lanes::<8, f64>(&column, &target) / length).abs(),
             false => 0.0,
         }
     };

@@ -69,8 +69,7 @@ pub fn judged(
     truth: Option<Vec<(usize, f64)>>,
     start: Instant,
 ) -> Outcome {
-    let norms = problem.dictionary.norms();
-    let share = |(j, a): &(usize, f64)| a.abs() * norms.get(*j).copied().unwrap_or(0.0);
+    let share = |(j, a): &(usize, f64)| a.abs() * problem.dictionary.norm(*j);
     let largest = solution.coefficients.iter().map(share).fold(0.0, f64::max);
     let exact = truth.is_some_and(|truth| {
         let right = |(j, c): &(usize, f64)| ((solution.coefficient(*j) - c) / c).abs() <= EXACT;

@@ -104,24 +104,25 @@ fn errors(law: &Law, regression: &Regression, tolerance: f64) -> [f64; 4] {
     let length = regression.target.iter().map(|y| y * y).sum::<f64>().sqrt();
     let solution = SOLVERS[0].solve(&regression.problem(tolerance), &mut Unwatched);
     let answer = super::setup::Answer::of(law, regression, &solution);
-    let norms = regression.dictionary.norms();
     let columns: Vec<usize> = law.truth.iter().filter_map(|t| t.column).collect();
     let whole: f64 = law
         .truth
         .iter()
         .zip(&columns)
-        .map(|(t, j)| (t.coefficient * norms[*j]).powi(2))
+        .map(|(t, j)| (t.coefficient * regression.dictionary.norm(*j)).powi(2))
         .sum();
     let off = |found: &dyn Fn(usize) -> f64| -> f64 {
         let own = law.truth.iter().zip(&columns).enumerate();
-        own.map(|(k, (t, j))| ((found(k) - t.coefficient) * norms[*j]).powi(2))
+        own.map(|(k, (t, j))| ((found(k) - t.coefficient) * regression.dictionary.norm(*j)).powi(2))
             .sum()
     };
     let others = solution
         .coefficients
         .iter()
         .filter(|(j, _)| !columns.contains(j));
-    let false_ones: f64 = others.map(|(j, a)| (a * norms[*j]).powi(2)).sum();
+    let false_ones: f64 = others
+        .map(|(j, a)| (a * regression.dictionary.norm(*j)).powi(2))
+        .sum();
     let fit = refit(regression.dictionary.as_ref(), &regression.target, &columns).coefficients;
     let pursuit = off(&|k| answer.coefficients[k]) + false_ones;
     let oracle = off(&|k| fit[k]);

@@ -27,8 +27,9 @@ impl Unit {
         let rows = phi.rows();
         let mut values = Vec::with_capacity(rows * phi.cols());
         let mut column = vec![0.0; rows];
-        for (j, length) in phi.norms().iter().enumerate() {
-            if *length > 0.0 {
+        for j in 0..phi.cols() {
+            let length = phi.norm(j);
+            if length > 0.0 {
                 phi.column(j, &mut column);
                 values.extend(column.iter().map(|v| v / length));
             }

@@ -53,23 +53,22 @@ pub fn figures(setup: &Setup, records: &[Record], effort: Effort) -> Result<Vec<
 fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
     let unit = Unit::of(phi);
     let ratios = unit.ratios(law.truth.len(), 2000, 1);
-    let norms = phi.norms();
     let truth = law.truth.iter();
     // A term that never moves, as a force that is not there, has no column.
     let support: Vec<(usize, f64)> = truth
         .filter_map(|t| Some((t.column?, t.coefficient.signum())))
-        .filter(|(j, _)| norms[*j] > 0.0)
+        .filter(|(j, _)| phi.norm(*j) > 0.0)
         .collect();
     let columns: Vec<usize> = support.iter().map(|(j, _)| *j).collect();
     let column = |j: usize| {
         let mut out = vec![0.0; phi.rows()];
         phi.column(j, &mut out);
-        out.iter_mut().for_each(|v| *v /= norms[j]);
+        out.iter_mut().for_each(|v| *v /= phi.norm(j));
         out
     };
     let own: Vec<Vec<f64>> = columns.iter().map(|j| column(*j)).collect();
     let (mut cosine, mut recovery, mut dual) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for j in (0..phi.cols()).filter(|j| norms[*j] > 0.0 && !columns.contains(j)) {
+    for j in (0..phi.cols()).filter(|j| phi.norm(*j) > 0.0 && !columns.contains(j)) {
         let other = column(j);
         let along = own
             .iter()
@@ -80,7 +79,7 @@ fn figures_of(law: &Law, phi: &dyn Dictionary) -> Figures {
         let parts = || {
             fit.iter()
                 .zip(&support)
-                .map(|(a, (i, sign))| (a * norms[*i], sign))
+                .map(|(a, (i, sign))| (a * phi.norm(*i), sign))
         };
         recovery = recovery.max(parts().map(|(a, _)| a.abs()).sum());
         dual = dual.max(parts().map(|(a, sign)| a * sign).sum::<f64>().abs());

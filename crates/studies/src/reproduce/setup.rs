@@ -139,7 +139,6 @@ pub struct Answer {
 
 impl Answer {
     pub fn of(law: &Law, regression: &Regression, solution: &Solution) -> Answer {
-        let norms = regression.dictionary.norms();
         let columns: Vec<usize> = law.truth.iter().filter_map(|t| t.column).collect();
         let found = |t: &True| t.column.map_or(0.0, |j| solution.coefficient(j));
         let coefficients: Vec<f64> = law.truth.iter().map(found).collect();
@@ -147,7 +146,7 @@ impl Answer {
         let error = pairs().map(|(t, a)| ((a - t.coefficient) / t.coefficient).abs());
         let shares: Vec<f64> = columns
             .iter()
-            .map(|j| solution.coefficient(*j).abs() * norms[*j])
+            .map(|j| solution.coefficient(*j).abs() * regression.dictionary.norm(*j))
             .collect();
         let largest = shares.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let least = shares.iter().copied().fold(f64::INFINITY, f64::min);
@@ -158,7 +157,7 @@ impl Answer {
                 .filter(|(j, _)| !columns.contains(j))
         };
         let wrong = others()
-            .map(|(j, a)| a.abs() * norms[*j])
+            .map(|(j, a)| a.abs() * regression.dictionary.norm(*j))
             .fold(0.0, f64::max);
         let squares = pairs()
             .map(|(t, a)| (a - t.coefficient).powi(2))

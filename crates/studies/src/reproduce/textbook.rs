@@ -94,12 +94,12 @@ impl Point {
 
 pub fn solve(regression: &Regression) -> Outcome {
     let phi = regression.dictionary.as_ref();
-    let used: Vec<usize> = (0..phi.cols()).filter(|j| phi.norms()[*j] > 0.0).collect();
+    let used: Vec<usize> = (0..phi.cols()).filter(|j| phi.norm(*j) > 0.0).collect();
     let mut a = DMatrix::zeros(phi.rows(), used.len());
     for (k, j) in used.iter().enumerate() {
         let mut column = vec![0.0; phi.rows()];
         phi.column(*j, &mut column);
-        a.set_column(k, &(Vector::from_vec(column) / phi.norms()[*j]));
+        a.set_column(k, &(Vector::from_vec(column) / phi.norm(*j)));
     }
     let size = regression.target.iter().map(|y| y * y).sum::<f64>().sqrt();
     let b = Vector::from_column_slice(&regression.target) / size;
@@ -108,7 +108,7 @@ pub fn solve(regression: &Regression) -> Outcome {
     let raw = used
         .iter()
         .zip(point.x.iter())
-        .map(|(j, x)| (*j, x * size / phi.norms()[*j]));
+        .map(|(j, x)| (*j, x * size / phi.norm(*j)));
     Outcome {
         coefficients: raw.collect(),
         end,

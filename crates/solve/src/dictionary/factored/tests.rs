@@ -33,10 +33,10 @@ fn answers_do_not_depend_on_the_number_of_threads() {
     assert!(one.columns.len() == 50 && one.count > 50);
     for threads in [2, 3, 8] {
         assert_eq!(one, phi.price_on(threads, None, &lambda, (50, 0.5)));
-        let mut norms = vec![0.0; phi.cols()];
-        phi.measure(threads, &[17], &mut norms).unwrap();
-        norms[17] = 0.0;
-        assert_eq!(norms, phi.norms());
+        let mut lengths = vec![0.0; phi.cols()];
+        assert!(phi.measure(threads, &[17], &mut lengths).unwrap());
+        lengths[17] = f32::INFINITY;
+        assert_eq!(lengths, phi.lengths);
     }
 }
 
@@ -50,10 +50,10 @@ fn every_slot_has_its_own_product() {
         for (row, value) in column.iter().enumerate() {
             assert_eq!(*value, phi.left[l * 13 + row] * phi.right[r * 13 + row]);
         }
-        assert!((norm(&column) / phi.norms()[j] - 1.0).abs() < 1e-14);
+        assert!((norm(&column) / phi.norm(j) - 1.0).abs() < 1e-14);
     }
     phi.column(17, &mut column);
-    assert!(column.iter().all(|x| *x == 0.0) && phi.norms()[17] == 0.0);
+    assert!(column.iter().all(|x| *x == 0.0) && phi.norm(17) == 0.0);
 }
 
 /// A bound lets tiles of high grade be left out; what exceeds it is the same.
@@ -79,5 +79,67 @@ fn grades_divide_correlations_and_nothing_above_the_bound_is_left_out() {
         }
         let two = phi.price_on(2, Some(&grades), &lambda, (phi.cols(), bound));
         assert_eq!(two, found);
+    }
+}
+
+/// Factors of any size, few and many columns on either side, λ of which a column sees little: what is counted and kept is what the columns
+/// give one by one.
+#[test]
+fn what_single_precision_leaves_open_is_computed() {
+    let (rows, sizes) = (29, [1e-170, 1e-9, 1.0, 1e130]);
+    let mut state = 7_u64;
+    let mut uniform = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    for (lefts, rights) in [(1, 300), (300, 1), (3, 40), (61, 67), (260, 270)] {
+        let mut factors = |count: usize| -> Vec<f64> {
+            let column = |j: usize| -> Vec<f64> {
+                let shared = if j % 3 == 0 { 1e-5 } else { 1.0 };
+                (0..rows)
+                    .map(|_| sizes[j % 4] * (1.0 + shared * uniform()))
+                    .collect()
+            };
+            (0..count).flat_map(column).collect()
+        };
+        let all = [factors(lefts), factors(rights)];
+        let block = Block {
+            first_slot: 0,
+            left: 0..lefts,
+            right: 0..rights,
+        };
+        let phi = Factored::new(rows, all, vec![block], &[0]).ok().unwrap();
+        let mean: Vec<f64> = (0..rows)
+            .map(|i| f64::from(u8::from(i % 2 == 0)) - 14.0 / 28.0)
+            .collect();
+        for lambda in [
+            mean.clone(),
+            mean.iter().map(|x| 1e7 * x).collect(),
+            vec![0.0; rows],
+        ] {
+            let each = phi.price_each(None, &lambda, (phi.cols(), -1.0)).columns;
+            let usable = (0..phi.cols()).filter(|j| phi.norm(*j) > 0.0).count();
+            assert_eq!(each.len(), usable);
+            let middle = each[each.len() / 2].1.abs();
+            let few = each[each.len() / 50].1.abs();
+            for bound in [
+                -1.0,
+                0.0,
+                few,
+                1.0000001 * few,
+                middle,
+                0.9999999 * middle,
+                1.0,
+            ] {
+                for most in [0, 1, 5, each.len()] {
+                    let found = phi.price(&lambda, most, bound);
+                    let above = || each.iter().filter(|(_, c)| c.abs() > bound);
+                    assert_eq!(found.count, above().count(), "{lefts} × {rights}, {bound}");
+                    assert!(found.columns.iter().eq(above().take(most)));
+                }
+            }
+        }
     }
 }

@@ -52,8 +52,12 @@ impl Dictionary for Counted<'_> {
         self.inner.cols()
     }
 
-    fn norms(&self) -> &[f64] {
-        self.inner.norms()
+    fn norm(&self, j: usize) -> f64 {
+        self.inner.norm(j)
+    }
+
+    fn is_finite(&self) -> bool {
+        self.inner.is_finite()
     }
 
     fn column(&self, j: usize, out: &mut [f64]) {

@@ -1,0 +1,295 @@
+//! Pricing: which columns exceed a bound, and the largest of them.
+//!
+//! In: λ, grades, a bound. Out: [`Priced`], in double precision. Products in single precision tell most columns from those asked for; the others
+//! are computed again, column by column. Where most columns are left open, all products are of double precision.
+
+use std::ops::Range;
+
+use super::Factored;
+use super::rounding::{Line, Rounding};
+use super::tiles::{Scaled, scaled};
+use crate::dictionary::grades::Grades;
+use crate::dictionary::pricing::{Priced, PricingCollector};
+use crate::linalg::{dot_in_lanes, is_safe, norm, scaled_dot};
+use crate::simd::wide;
+use crate::threads;
+
+/// Columns compared at once, without branches.
+const LANES: usize = 16;
+/// Products in single precision are given up where more than one column in so many is left open: a column costs as much as 8 of them.
+const OPEN_SHARE: usize = 8;
+/// Columns that may be left open before that.
+const OPEN: usize = 4096;
+
+/// A pricing in one precision.
+struct Screening<'a, T> {
+    phi: &'a Factored,
+    grades: Option<&'a Grades>,
+    lambda: &'a [f64],
+    rounding: Rounding,
+    /// Right factors as [`super::tiles::scaled`] lays them out, and their grades.
+    right: &'a [T],
+    right_grades: Vec<T>,
+    /// Most columns that are computed again.
+    patience: usize,
+}
+
+/// A line in one precision.
+#[derive(Clone, Copy)]
+struct Comparison<T> {
+    slope: T,
+    offset: T,
+}
+
+impl<T: Scaled> From<Line> for Comparison<T> {
+    fn from(line: Line) -> Comparison<T> {
+        Comparison {
+            slope: T::of(line.slope),
+            offset: T::of(line.offset),
+        }
+    }
+}
+
+impl<T: Scaled> Comparison<T> {
+    /// What is compared with a product, given the grade of its right factor and its length.
+    #[inline(always)]
+    fn with(self, grade: T, length: f32) -> T {
+        (self.slope * grade + self.offset) * T::of(f64::from(length))
+    }
+}
+
+/// What products are compared with: below the bound, above it, below what is kept.
+struct Lines<T> {
+    below: Comparison<T>,
+    above: Comparison<T>,
+    unkept: Comparison<T>,
+}
+
+/// What one thread has found.
+struct Found {
+    collector: PricingCollector,
+    /// Columns seen, and computed again.
+    seen: usize,
+    open: usize,
+    column: Vec<f64>,
+}
+
+impl Factored {
+    /// Prices all columns. Tiles whose grades alone keep them within the bound are not computed.
+    pub(super) fn price_on(
+        &self,
+        threads: usize,
+        grades: Option<&Grades>,
+        lambda: &[f64],
+        wanted: (usize, f64),
+    ) -> Priced {
+        if wanted.1 < 0.0 {
+            // Every column exceeds the bound; an infinite length would seem to.
+            return self.price_each(grades, lambda, wanted);
+        }
+        let single = Rounding::new::<f32>(lambda).filter(|r| !r.hides(wanted.1));
+        let found = single.and_then(|rounding| {
+            let screening =
+                Screening::new(self, grades, lambda, rounding, &self.scaled_right, OPEN);
+            screening.price(threads, wanted)
+        });
+        found.unwrap_or_else(|| self.price_in_double(threads, grades, lambda, wanted))
+    }
+
+    fn price_in_double(
+        &self,
+        threads: usize,
+        grades: Option<&Grades>,
+        lambda: &[f64],
+        wanted: (usize, f64),
+    ) -> Priced {
+        let Some(rounding) = Rounding::new::<f64>(lambda) else {
+            return match norm(lambda) == 0.0 {
+                true => Priced::default(),
+                // Not a number, or too small to be scaled.
+                false => self.price_each(grades, lambda, wanted),
+            };
+        };
+        let right: Vec<f64> = scaled(&self.right, &self.scales[1], self.rows, &self.blocks);
+        let screening = Screening::new(self, grades, lambda, rounding, &right, usize::MAX);
+        screening.price(threads, wanted).unwrap_or_default()
+    }
+
+    /// Column by column.
+    pub(super) fn price_each(
+        &self,
+        grades: Option<&Grades>,
+        lambda: &[f64],
+        (most, bound): (usize, f64),
+    ) -> Priced {
+        let mut collector = PricingCollector::new(most, bound);
+        let mut column = vec![0.0; self.rows];
+        for slot in (0..self.lengths.len()).filter(|slot| !self.is_empty(*slot)) {
+            let grade = grades.map_or(1.0, |g| g.of(slot));
+            collector.offer(slot, self.correlation(slot, lambda, &mut column) / grade);
+        }
+        collector.finish()
+    }
+
+    /// φ_jᵀλ/‖φ_j‖ of a slot that is not empty.
+    fn correlation(&self, slot: usize, lambda: &[f64], column: &mut [f64]) -> f64 {
+        self.product(slot, column);
+        let [product, square] =
+            wide(|| [lambda, column].map(|other| dot_in_lanes::<LANES, f64>(column, other)));
+        match product.is_finite() && is_safe(square) {
+            true => product / square.sqrt(),
+            // What under- or overflowed is brought to length one first.
+            false => scaled_dot(column, norm(column), lambda),
+        }
+    }
+}
+
+impl<'a, T: Scaled> Screening<'a, T> {
+    fn new(
+        phi: &'a Factored,
+        grades: Option<&'a Grades>,
+        lambda: &'a [f64],
+        rounding: Rounding,
+        right: &'a [T],
+        patience: usize,
+    ) -> Screening<'a, T> {
+        let count = right.len() / phi.rows.max(1);
+        let grade = |r| T::of(grades.map_or(1.0, |g| g.right(r)));
+        Screening {
+            phi,
+            grades,
+            lambda,
+            rounding,
+            right,
+            right_grades: (0..count).map(grade).collect(),
+            patience,
+        }
+    }
+
+    /// `None` where too many columns are left open.
+    fn price(&self, threads: usize, (most, bound): (usize, f64)) -> Option<Priced> {
+        let (phi, scale) = (self.phi, self.rounding.scale);
+        let grade = |l: usize| self.grades.map_or(1.0, |g| g.left(l));
+        let prepare = |l: usize, column: &[f64], out: &mut [T]| {
+            let (inverse, grade) = (1.0 / phi.scales[0][l], 1.0 / (scale * grade(l)));
+            let prepared = column.iter().zip(self.lambda);
+            let prepared = prepared.map(|(x, l)| T::of(x * inverse * (l * grade)));
+            out.iter_mut().zip(prepared).for_each(|(o, p)| *o = p);
+        };
+        let length = norm(self.lambda);
+        let wanted = |left: Range<usize>, right: Range<usize>| {
+            let graded = self.grades;
+            graded.is_none_or(|g| !g.dismiss(left, right, length, bound))
+        };
+        let found = threads::share(threads, phi.tasks(), |tasks| {
+            let mut found = Found {
+                collector: PricingCollector::new(most, bound),
+                seen: 0,
+                open: 0,
+                column: vec![0.0; phi.rows],
+            };
+            for task in tasks {
+                let all = phi.products(&task, self.right, wanted, prepare, |l, right, products| {
+                    let slot = task.block.slot(l, right.start);
+                    self.screen(
+                        slot,
+                        grade(l),
+                        (products, &self.right_grades[right]),
+                        &mut found,
+                    );
+                    found.open <= self.patience.max(found.seen / OPEN_SHARE)
+                });
+                if !all {
+                    return None;
+                }
+            }
+            Some(found.collector)
+        });
+        let collectors: Option<Vec<PricingCollector>> = found.into_iter().collect();
+        collectors.map(PricingCollector::finish_all)
+    }
+
+    /// Takes consecutive products with one left factor. Columns below the bound are left out, those above it and below what is kept are counted,
+    /// and the others are computed.
+    fn screen(
+        &self,
+        first: usize,
+        grade: f64,
+        (products, grades): (&[T], &[T]),
+        found: &mut Found,
+    ) {
+        let lengths = &self.phi.lengths[first..first + products.len()];
+        let (bound, threshold) = (found.collector.bound(), found.collector.threshold());
+        let lines = Lines::<T> {
+            below: self.rounding.below(bound, grade).into(),
+            above: self.rounding.above(bound, grade).into(),
+            unkept: self.rounding.below(threshold, grade).into(),
+        };
+        let (groups, rest) = products.as_chunks::<LANES>();
+        let (group_grades, rest_grades) = grades.as_chunks::<LANES>();
+        let (group_lengths, rest_lengths) = lengths.as_chunks::<LANES>();
+        let (mut open, mut count) = (Vec::new(), 0);
+        wide(|| {
+            let groups = groups.iter().zip(group_grades).zip(group_lengths);
+            for (at, ((s, g), n)) in (first..).step_by(LANES).zip(groups) {
+                lines.compare(at, (s, g, n), &mut open, &mut count);
+            }
+        });
+        let at = first + groups.len() * LANES;
+        let rest = (
+            &padded(rest, T::zero()),
+            &padded(rest_grades, T::one()),
+            &padded(rest_lengths, f32::INFINITY),
+        );
+        lines.compare(at, rest, &mut open, &mut count);
+        found.seen += products.len();
+        found.collector.count(count);
+        let slots = first..first + products.len();
+        for slot in open.into_iter().filter(|slot| slots.contains(slot)) {
+            if !self.phi.is_empty(slot) {
+                found.open += 1;
+                let exact = self.phi.correlation(slot, self.lambda, &mut found.column);
+                let grade = self.grades.map_or(1.0, |grades| grades.of(slot));
+                found.collector.offer(slot, exact / grade);
+            }
+        }
+    }
+}
+
+/// The beginning of a group, filled up.
+fn padded<T: Copy>(values: &[T], with: T) -> [T; LANES] {
+    std::array::from_fn(|k| values.get(k).copied().unwrap_or(with))
+}
+
+impl<T: Scaled> Lines<T> {
+    /// Adds the columns of a group that are above the bound and not kept to `count`, and those that rounding leaves open to `open`.
+    #[inline(always)]
+    fn compare(
+        &self,
+        first: usize,
+        (s, g, n): (&[T; LANES], &[T; LANES], &[f32; LANES]),
+        open: &mut Vec<usize>,
+        count: &mut usize,
+    ) {
+        // Comparisons with what is not a number are false, and leave the column open.
+        let is_below: [bool; LANES] =
+            std::array::from_fn(|k| s[k].abs() < self.below.with(g[k], n[k]));
+        if is_below.iter().fold(true, |all, x| all & x) {
+            return;
+        }
+        let is_counted: [bool; LANES] = std::array::from_fn(|k| {
+            let size = s[k].abs();
+            (size > self.above.with(g[k], n[k])) & (size < self.unkept.with(g[k], n[k]))
+        });
+        *count += is_counted.iter().map(|x| usize::from(*x)).sum::<usize>();
+        let is_open: [bool; LANES] = std::array::from_fn(|k| !(is_below[k] | is_counted[k]));
+        if is_open.iter().fold(false, |any, x| any | x) {
+            open.extend(
+                (first..)
+                    .zip(is_open)
+                    .filter(|(_, x)| *x)
+                    .map(|(slot, _)| slot),
+            );
+        }
+    }
+}
