@@ -1,7 +1,7 @@
-//! Models with one more state, which nothing measures, as the texts that a user would write.
+//! Adds an unmeasured state to a model, as text that a user could have written.
 //!
-//! In: a text without errors, its model. Out: a longer text, and its new and changed statements. New ones stand at the end, so that every
-//! variable of the model keeps its number. Judges nothing; who takes such a text compiles it.
+//! In: a text without errors and its model. Out: the longer text, with its new and changed statements. New statements are appended, so that
+//! the variables of the model keep their numbers. Nothing is judged here; the caller compiles the text.
 
 use std::collections::BTreeSet;
 
@@ -22,12 +22,12 @@ pub struct AddedState {
     pub lines: Vec<String>,
     /// The name of the state.
     pub state: String,
-    /// The name of its time constant, where it has one.
+    /// The name of its time constant, if it has one.
     pub constant: Option<String>,
 }
 
-/// The input behind a first-order lag whose time constant, in seconds, is sought in a range: `du_lag = (u - u_lag)/tau`. `None` where the laws
-/// have no such input, or its rate as well.
+/// Puts a first-order lag between an input and the laws: `du_lag = (u - u_lag)/tau`, with tau unknown in a range of seconds. `None` if no
+/// law uses the input, a law uses its rate, a symmetry flips it, or the text has families.
 pub fn behind_lag(
     text: &str,
     model: &Model,
@@ -64,8 +64,9 @@ pub fn behind_lag(
     Some(edited.with(&lines, state, Some(constant)))
 }
 
-/// The state behind a sensor with a first-order lag whose time constant, in seconds, is sought in a range: `dx = (x_true - x)/tau`, where x is
-/// what the sensor reads. `None` where the model says more of the sensor, or declares the state in a range of names.
+/// Puts a first-order lag between a state and its sensor: `dx = (x_true - x)/tau`, where x is what the sensor reads and tau is unknown in a
+/// range of seconds. `None` if the state is hidden, delayed, flipped by a symmetry, declared in a range of names, or has noise given for a
+/// derivative; or if the text has families.
 pub fn behind_sensor(
     text: &str,
     model: &Model,
@@ -116,20 +117,20 @@ pub fn behind_sensor(
     Some(edited.with(&lines, state, Some(constant)))
 }
 
-/// `None` for a text with families of equations, which are no longer alike where one has another state.
+/// `None` if the text has families of equations: the new state would make their members differ.
 fn no_families(text: &str) -> Option<()> {
     let (tokens, _) = tokenize(FileId(0), text);
     (!tokens.iter().any(|t| t.is("["))).then_some(())
 }
 
-/// The statements that laws stand in.
+/// The statements that contain laws.
 const LAWS: [Option<Keyword>; 3] = [None, Some(Keyword::Let), Some(Keyword::Constrain)];
 
 fn in_symmetry(model: &Model, var: VarId) -> bool {
     model.symmetries.iter().any(|s| s.flipped.contains(&var))
 }
 
-/// An attribute with a unit, in a model that declares units.
+/// A unit attribute, if the model declares units.
 fn in_units(model: &Model, unit: &str) -> String {
     match model.vars.iter().any(|v| v.unit.is_some()) {
         true => format!(", unit \"{unit}\""),
@@ -137,8 +138,8 @@ fn in_units(model: &Model, unit: &str) -> String {
     }
 }
 
-/// A state that drives the laws of these equations and has a library of its own: that of the first of them, and itself. `None` where an
-/// equation states a part of its law, which the state could not share.
+/// Adds a state that drives the laws of these equations. Its own library is that of the first equation, plus the state itself. `None`
+/// unless every equation is searched and has no known part, which the new state could not share.
 pub fn driven_by_state(text: &str, model: &Model, equations: &[usize]) -> Option<AddedState> {
     no_families(text)?;
     let mut names = Names::of(text);
@@ -194,7 +195,7 @@ impl Names {
         Names(names.map(|t| normalise(t.text)).collect())
     }
 
-    /// A name that no variable has, nor the derivative of one, with a number where the plain one is taken.
+    /// A name that clashes with no variable or derivative: the plain one, with a number if that is taken.
     fn unused(&mut self, plain: &str) -> String {
         let free = |name: &String| !self.0.contains(name) && !self.0.contains(&format!("d{name}"));
         let numbered = (2..).map(|k| format!("{plain}{k}"));
@@ -209,7 +210,7 @@ impl Names {
 struct Edited<'t> {
     text: &'t str,
     tokens: Vec<Token<'t>>,
-    /// Byte ranges with what takes their place.
+    /// Byte ranges and their replacements.
     edits: Vec<((usize, usize), String)>,
     /// The statements that changed.
     changed: Vec<String>,
@@ -238,7 +239,7 @@ impl<'t> Edited<'t> {
         tokens.any(|t| t.kind == TokenKind::Name && names.contains(&normalise(t.text)))
     }
 
-    /// Other names for variables in a statement, each with the name it takes.
+    /// Renames variables in a statement; `names` holds pairs of an old and a new name.
     fn rename(&mut self, piece: &StatementTokens, names: &[(String, String)]) {
         let mut written = String::new();
         let mut renamed = false;
@@ -266,7 +267,7 @@ impl<'t> Edited<'t> {
         }
     }
 
-    /// A statement for each name of a declaration, in their order; that of `first_order` without its order. `None` for ranges of names.
+    /// Splits a declaration into one statement for each name. The one for `first_order` loses its `order`. `None` for ranges of names.
     fn declare_one_by_one(&mut self, piece: &StatementTokens, first_order: &str) -> Option<()> {
         let tokens = self.tokens[piece.tokens.clone()].iter();
         let code: Vec<&Token> = tokens.filter(|t| t.is_code()).collect();

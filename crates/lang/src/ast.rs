@@ -5,13 +5,13 @@
 
 use crate::source::{FileId, Span};
 
-/// One `.sid` file, with the statements of those that it includes in place of the lines that say so.
+/// One `.sid` file, with each `include` replaced by the statements of the included file.
 #[derive(Clone, Debug)]
 pub struct File {
     pub id: FileId,
     /// The text itself, so that a message can quote it.
     pub text: String,
-    /// The files that it includes, and those that they do, each once.
+    /// All included files, direct and indirect, each once.
     pub included: Vec<(FileId, String)>,
     pub statements: Vec<Statement>,
     /// Statements that could not be understood; their errors are reported already.
@@ -83,10 +83,10 @@ pub enum StatementKind {
         targets: Vec<Expr>,
         known: bool,
         right: Expr,
-        /// What it would be, written by itself, where it is one of a family.
+        /// The equation as it would be written alone, if it is a member of a family.
         written: Option<String>,
     },
-    /// `dx[i] ~ <x[i-1], x[i]>, i = 1..10`: an equation, or what is said of coefficients; [`crate::check`] writes it out.
+    /// `dx[i] ~ <x[i-1], x[i]>, i = 1..10`: an equation, a constraint or a statement about coefficients; [`crate::check`] expands it.
     Family {
         statement: Box<StatementKind>,
         over: Box<IndexRange>,
@@ -176,7 +176,7 @@ pub struct Expr {
 #[derive(Clone, Debug)]
 pub enum ExprKind {
     Number(f64),
-    /// `2%`, as a part of 1.
+    /// `2%`, stored as 0.02.
     Share(f64),
     /// A quoted header or unit, without its quotes.
     Text(String),
@@ -246,7 +246,7 @@ impl File {
         self.statements.iter().find(|s| s.span.holds(at))
     }
 
-    /// A part of the text with other words in it.
+    /// The text of `whole` with replacements.
     pub fn edited(&self, whole: Span, mut edits: Vec<(Span, String)>) -> String {
         edits.sort_by_key(|(at, _)| at.start);
         let text = |from: usize, to: usize| self.slice(Span::new(whole.file, from, to));
@@ -260,7 +260,7 @@ impl File {
         out
     }
 
-    /// Factors as they were written, without those that were between them; empty if there are none.
+    /// A product of these factors as they were written; empty if there are none.
     pub fn product_of<'a>(&self, factors: impl IntoIterator<Item = &'a (Side, Expr)>) -> String {
         let mut out = String::new();
         for (side, x) in factors {
@@ -277,7 +277,7 @@ impl File {
 }
 
 impl StatementKind {
-    /// The expressions of an equation, a constraint or what is said of coefficients, to be changed.
+    /// The expressions of an equation, a constraint or a statement about coefficients.
     pub fn expressions_mut(&mut self) -> Vec<&mut Expr> {
         match self {
             StatementKind::Equation { targets, right, .. } => {
@@ -312,7 +312,7 @@ impl Expr {
         self.find(&|e| matches!(&e.kind, ExprKind::Call(call) if sought(call)))
     }
 
-    /// The first expression that satisfies the condition, depth first, itself before its parts.
+    /// The first expression that satisfies the condition, depth first, each before its parts.
     pub fn find(&self, sought: &impl Fn(&Expr) -> bool) -> Option<&Expr> {
         match sought(self) {
             true => Some(self),
@@ -320,7 +320,7 @@ impl Expr {
         }
     }
 
-    /// The places of a name, those in the numbers of generators too.
+    /// The places of a name, including those in the numbers of generators.
     pub fn places_of(&self, name: &str) -> Vec<Span> {
         let mut out = Vec::new();
         self.find_places(name, &mut out);
@@ -355,7 +355,7 @@ impl Expr {
         }
     }
 
-    /// [`Expr::children`], and the numbers of a generator, to be changed.
+    /// [`Expr::children`] and the numbers of a generator, mutable.
     pub fn children_mut(&mut self) -> Vec<&mut Expr> {
         match &mut self.kind {
             ExprKind::Number(_) | ExprKind::Share(_) | ExprKind::Text(_) | ExprKind::Name(_) => {

@@ -1,6 +1,6 @@
 //! A diagnostic is data: a stable code, a message, places and a remedy. Layout and colour are added in [`mod@super::render`].
 //!
-//! Every pass builds its own from named constructors beside it. No pass prints.
+//! Every pass builds its own with named constructors. No pass prints.
 
 use crate::source::Span;
 use crate::thresholds::SPELLING;
@@ -33,13 +33,13 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// What to do, ready to copy where possible.
     pub help: Option<String>,
-    /// The help as changes of the text, where it can be said so; each does it alone.
+    /// Alternative changes of the text, each of which follows the help.
     pub fixes: Vec<Fix>,
-    /// Fixes that take the text around them into account: [`mod@super::fixes`] makes them, after the checks.
+    /// Fixes that depend on the surrounding text; [`mod@super::fixes`] turns them into `fixes` after the checks.
     pub(crate) edits: Vec<Vec<Edit>>,
 }
 
-/// A change of the text: what stands at a place is replaced.
+/// A change of the text: the text at a place is replaced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
     /// Empty to insert.
@@ -51,35 +51,35 @@ pub struct Fix {
 /// A part of a fix, by what it does to the model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Edit {
-    /// Other text at a place; at an empty one it is inserted.
+    /// Replaces the text at a place; inserts at an empty one.
     Replace(Span, String),
-    /// What a place is of goes: an attribute, a name, a term, an entry, an argument, else the statement; with the sign or line that it leaves
-    /// without use.
+    /// Removes what a place belongs to: an attribute, a name, a term, an entry, an argument, else the statement; with the sign or line that
+    /// would be left over.
     Remove(Span),
-    /// The statement at a place goes.
+    /// Removes the statement at a place.
     RemoveStatement(Span),
-    /// Exactly this goes, with its line.
+    /// Removes exactly this text, with its line.
     RemoveLine(Span),
-    /// The attribute of the declaration at a place goes.
+    /// Removes an attribute of the declaration at a place.
     RemoveAttribute(Span, &'static str),
-    /// The declaration at a place gets an attribute, or another value of it.
+    /// Adds an attribute to the declaration at a place, or changes its value.
     Attribute(Span, &'static str, String),
-    /// A line of its own above the statement at a place, or below it.
+    /// Inserts a line above the statement at a place, or below it.
     Above(Span, String),
     Below(Span, String),
-    /// The term that a library is a part of becomes the library.
+    /// Replaces the term that contains a library by the library.
     Alone(Span),
-    /// A call becomes a summand of its own.
+    /// Makes a call a summand of its own.
     Summand(Span),
-    /// A name nothing else has, made of this one.
+    /// Renames to an unused name made from this one.
     Rename(Span, String),
-    /// Another name wherever this one stands in the statement at a place.
+    /// Renames throughout the statement at a place.
     RenameAll(Span, String, String),
-    /// The first statement moves above the second.
+    /// Moves the first statement above the second.
     Move(Span, Span),
-    /// The name at a place is declared by another word.
+    /// Declares the name at a place with another keyword.
     Redeclare(Span, &'static str),
-    /// The library of the second equation is added to that of the first.
+    /// Adds the library of the second equation to that of the first.
     Join(Span, Span),
 }
 
@@ -129,7 +129,7 @@ impl Diagnostic {
         self
     }
 
-    /// A second place, where it is known.
+    /// A second place, if it is known.
     pub fn also_if_known(self, span: Option<Span>, text: impl Into<String>) -> Self {
         match span {
             Some(span) => self.also(span, text),
@@ -154,7 +154,7 @@ impl Diagnostic {
         self
     }
 
-    /// A change to what the help shows, unless that is shortened.
+    /// A fix with the text that the help shows, unless that is shortened.
     pub fn fix_if_whole(self, span: Span, text: impl Into<String>) -> Self {
         let text = text.into();
         match text.contains('…') {
@@ -163,18 +163,18 @@ impl Diagnostic {
         }
     }
 
-    /// A change that follows the help, with what it needs around its place.
+    /// A fix that depends on the surrounding text.
     pub(crate) fn edit(self, edit: Edit) -> Self {
         self.edit_all([edit])
     }
 
-    /// Several changes that follow the help together.
+    /// Several edits that make one fix.
     pub(crate) fn edit_all(mut self, edits: impl IntoIterator<Item = Edit>) -> Self {
         self.edits.push(edits.into_iter().collect());
         self
     }
 
-    /// What stands at a place is to go: [`Edit::Remove`].
+    /// A fix by [`Edit::Remove`].
     pub(crate) fn remove(self, at: Span) -> Self {
         self.edit(Edit::Remove(at))
     }
@@ -202,7 +202,7 @@ pub fn did_you_mean<'a>(
         .map(|(_, c)| c)
 }
 
-/// Edits forgiven in a name of so many characters.
+/// Edits allowed in a name of this many characters.
 fn allowed_edits(characters: usize) -> usize {
     SPELLING.edits + characters / SPELLING.characters_per_edit
 }

@@ -219,7 +219,7 @@ impl<'a, 't> Layout<'a, 't> {
         })
     }
 
-    /// Between the brackets of `x[i-1]`, which are near each other.
+    /// Whether token `i` is inside the brackets of `x[i-1]`. An index is short, so only a few tokens are searched.
     fn in_index(&self, i: usize) -> bool {
         let before = self.tokens.iter().take(i).rev();
         let mut near = before.take(MESSAGES.index);

@@ -1,7 +1,7 @@
 //! Models in several files: `include "constants.sid"` stands for the statements of that file.
 //!
-//! In: a text among the sources, and who reads others. Out: those others among the sources; one [`File`] with the statements of all. A file
-//! is read once, however often it is included. Opens no file itself.
+//! In: a text among the sources, and a function that reads files. Out: the included files among the sources; one [`File`] with the
+//! statements of all. A file is read once, however often it is included. Opens no file itself.
 
 use std::collections::BTreeSet;
 
@@ -16,8 +16,8 @@ use crate::thresholds::MODEL;
 /// Reads a file by its path: its text, or why there is none.
 pub type Read<'a> = &'a mut dyn FnMut(&str) -> Result<String, String>;
 
-/// Adds to the sources what a text includes, and what that does. Paths lead from the folder of the file that names them. Returns the paths
-/// that were read, in order.
+/// Adds to the sources the files that a text includes, directly or indirectly. Paths are relative to the folder of the including file.
+/// Returns the paths that were read, in order.
 pub fn load(file: FileId, sources: &mut Sources, read: Read) -> Vec<String> {
     let mut loaded: Vec<(String, FileId)> = Vec::new();
     let name = sources.get(file).map_or(String::new(), |s| plain(&s.name));
@@ -74,7 +74,7 @@ fn paths(text: &str) -> Vec<(String, std::ops::Range<usize>)> {
     path.collect()
 }
 
-/// A path as seen from the folder of another file.
+/// A path resolved against the folder of another file.
 fn beside(from: &str, path: &str) -> String {
     let path = path.replace('\\', "/");
     let drive = path.as_bytes().get(1) == Some(&b':');
@@ -85,7 +85,7 @@ fn beside(from: &str, path: &str) -> String {
     }
 }
 
-/// A path without `.` and, behind the name of a folder, `..`, so that one file has one name.
+/// A path without `.` and without `..` after a folder, so that one file has one name.
 fn plain(path: &str) -> String {
     let path = path.replace('\\', "/");
     let mut parts: Vec<&str> = Vec::new();
@@ -102,7 +102,7 @@ fn plain(path: &str) -> String {
     parts.join("/")
 }
 
-/// Parses a text with all that it includes: the statements of other files stand where they are named.
+/// Parses a text with all that it includes: an included file's statements replace the statement that names it.
 pub(crate) fn parse_all(id: FileId, sources: &Sources) -> (File, Vec<Diagnostic>) {
     let text = sources.get(id).map_or("", |s| s.text.as_str());
     let (file, found) = parse(id, text);
@@ -155,7 +155,7 @@ impl Joined<'_> {
         let (mut file, found) = parse(id, text);
         self.found.extend(found);
         self.file.included.push((id, file.text.clone()));
-        // Each file may say its version.
+        // Each file may begin with its version.
         if matches!(file.statements.first(), Some(s) if matches!(s.kind, StatementKind::Version(v) if v == 1.0))
         {
             file.statements.remove(0);
@@ -163,7 +163,7 @@ impl Joined<'_> {
         self.add(file);
     }
 
-    /// What the file would have declared is unknown: the model is none.
+    /// The file may have declared any name, so there is no model.
     fn missing(&mut self, span: Span, error: Diagnostic) {
         self.found.push(error);
         self.file.broken.push(crate::ast::Broken {
@@ -186,7 +186,7 @@ fn no_files(at: Span, path: &str) -> Diagnostic {
         .help("its statements may stand here instead")
 }
 
-/// One text that says the same: the files in place of the lines that include them.
+/// One text with the same meaning: files in place of the lines that include them.
 pub fn flattened(id: FileId, sources: &Sources) -> String {
     let mut read = BTreeSet::from([id]);
     flat(id, sources, &mut read)
@@ -210,7 +210,7 @@ fn flat(id: FileId, sources: &Sources, read: &mut BTreeSet<FileId>) -> String {
     out
 }
 
-/// A text without the `sidc 1` that it begins with.
+/// A text without its leading `sidc 1`.
 fn without_version(text: &str) -> String {
     let (tokens, _) = tokenize(FileId(0), text);
     let (pieces, _) = split_statements(FileId(0), &tokens);

@@ -36,7 +36,8 @@ use diagnostic::Diagnostic;
 use model::Model;
 use source::{FileId, Sources, Span};
 
-/// Parses and checks one model, with the files that it includes where [`includes::load`] has read them. The model is `None` exactly if a finding is an error. Findings are sorted by severity, then place.
+/// Parses and checks one model, with the included files that [`includes::load`] has read. The model is `None` exactly if a diagnostic is an
+/// error. Diagnostics are sorted by severity, then place.
 pub fn compile(
     id: FileId,
     sources: &Sources,
@@ -51,7 +52,7 @@ pub fn compile(
     (model.filter(|_| !failed), found)
 }
 
-/// The first primary place of a finding, in bytes, those of the model's own text first; its beginning if it has none.
+/// The first primary place of a diagnostic, in bytes, with those in the model's own text first; the beginning of the text if it has none.
 fn place(d: &Diagnostic, own: FileId) -> (Option<FileId>, usize) {
     let primary = d.labels.iter().filter(|l| l.primary);
     let place = |s: Span| ((s.file != own).then_some(s.file), s.start);

@@ -22,7 +22,7 @@ pub struct Model {
     /// The variables of kind [`VarKind::Unknown`], in order of declaration.
     pub unknowns: Vec<UnknownConstant>,
     pub constraints: Vec<Constraint>,
-    /// Coefficients that may have a value of their own in each run.
+    /// Coefficients that may differ from run to run.
     pub per_run: Vec<Coefficient>,
     pub symmetries: Vec<Symmetry>,
     /// Largest sum of |exponents| of a term, if limited.
@@ -32,19 +32,19 @@ pub struct Model {
     pub data: DataBlock,
 }
 
-/// Which norms an answer may be the minimum of.
+/// The norms that an answer may minimise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PreferredNorms {
-    /// The answer of fewest terms among all norms.
+    /// The answer with the fewest terms among those of all norms.
     #[default]
     Any,
-    /// `prefer plain`: a term weighs as much as its column is long.
+    /// `prefer plain`: the weight of a term is the length of its column.
     Plain,
-    /// `prefer degree`: a term weighs more, the higher its degree.
+    /// `prefer degree`: the weight of a term grows with its degree.
     Degree,
 }
 
-/// `symmetry y, theta -> -(y, theta)`: the equations hold as well with these variables' signs changed.
+/// `symmetry y, theta -> -(y, theta)`: the equations also hold with the signs of these variables changed.
 #[derive(Clone, Debug)]
 pub struct Symmetry {
     pub flipped: Vec<VarId>,
@@ -70,7 +70,7 @@ pub struct Var {
     pub noise: BTreeMap<u8, SensorNoise>,
     /// Time constant of the noise of a state's own sensor, if declared: 0 for white noise. Finite, not negative.
     pub noise_memory: Option<f64>,
-    /// Its unit. Time is in seconds in a model that declares any unit.
+    /// Its unit. In a model with units, time is in seconds unless declared otherwise.
     pub unit: Option<Unit>,
     /// How an input moves between samples, if declared.
     pub between: Option<Between>,
@@ -90,17 +90,17 @@ pub enum VarKind {
     Output,
     /// Constant along a trajectory.
     Param,
-    /// A number that is sought with the terms: [`Model::unknowns`].
+    /// A constant that is estimated with the coefficients: [`Model::unknowns`].
     Unknown,
 }
 
-/// `unknown k in 0.1 .. 10`: a number inside terms that is sought with them.
+/// `unknown k in 0.1 .. 10`: a constant inside terms that is estimated with their coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnknownConstant {
     pub var: VarId,
-    /// Where it is sought, ends included; both signs and nine decades if not said. `from` is below `to`.
+    /// The range of its value, ends included and `from` below `to`; both signs and nine decades if `None`.
     pub range: Option<(f64, f64)>,
-    /// Whether every run has its own.
+    /// Whether every run has its own value.
     pub per_run: bool,
 }
 
@@ -111,12 +111,12 @@ pub enum Between {
     Linear,
 }
 
-/// How many seconds later than recorded an input acts; or how many seconds ago the state was what its sensor reads. Finite numbers.
+/// How late an input acts, or a sensor reads a state, in seconds. Finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Delay {
     /// `delay 0.09`, not negative.
     Known(f64),
-    /// `delay in 0 .. 0.2`: sought there, ends included; `from` is below `to`.
+    /// `delay in 0 .. 0.2`: estimated within this range, ends included; `from` is below `to`.
     Within { from: f64, to: f64 },
 }
 
@@ -196,7 +196,7 @@ pub enum LibKind {
         args: Vec<LibExpr>,
         numbers: Vec<NumberArg>,
     },
-    /// `required(A)`: the same terms, which no penalty takes out of the answer.
+    /// `required(A)`: the same terms, which stay in every answer.
     Required(Box<LibExpr>),
     /// A `let` library used by name: `span` is the use, `body.span` the definition.
     Named {
@@ -247,7 +247,7 @@ pub struct DataBlock {
     /// The whole block, if written.
     pub span: Option<Span>,
     pub entries: Vec<DataEntry>,
-    /// `step 0.01`: sampling interval in seconds where there is no time column.
+    /// `step 0.01`: sampling interval in seconds if there is no time column.
     pub step: Option<(f64, Span)>,
     /// `run = "exp_id"`: the column that splits one file into trajectories.
     pub run: Option<(String, Span)>,
@@ -260,8 +260,8 @@ impl DataBlock {
         1 + further.max().unwrap_or(0)
     }
 
-    /// The header of the column that a signal called `name` is read from as it stands; `None` where the block converts it, or leaves
-    /// it out.
+    /// The header of the column that a signal called `name` is read from unchanged; `None` if the block converts it, leaves it out, or has
+    /// a column for each run.
     pub fn column<'a>(&'a self, signal: Signal, name: &'a str) -> Option<&'a str> {
         let Some(entry) = self.entries.iter().find(|e| e.signal == signal) else {
             return Some(name);
@@ -281,7 +281,7 @@ pub struct DataEntry {
     pub span: Span,
     /// `None` for `dy = none`.
     pub source: Option<ColumnExpr>,
-    /// The sources in the second run and in those after it, where experiments stand side by side; empty if all read the same.
+    /// The sources in the second run and later ones, for experiments side by side; empty if all runs read the same source.
     pub beside: Vec<ColumnExpr>,
 }
 
@@ -331,7 +331,7 @@ impl Model {
         self.var(s.var)?.noise_memory.filter(|_| s.der == 0)
     }
 
-    /// States whose noise is declared to last from sample to sample, in order of declaration.
+    /// States whose noise is declared to be autocorrelated, in order of declaration.
     pub fn lasting_noise(&self) -> impl Iterator<Item = Signal> {
         let states = self.vars_of(VarKind::State);
         let lasting = states.filter(|(_, v)| v.noise_memory.is_some_and(|m| m > 0.0));
@@ -360,7 +360,7 @@ impl Model {
         self.var(id).is_some_and(|v| v.hidden)
     }
 
-    /// True if some delay is to be sought.
+    /// True if some delay is to be estimated.
     pub fn seeks_delays(&self) -> bool {
         self.delays()
             .any(|(_, d)| matches!(d, Delay::Within { .. }))
@@ -372,7 +372,7 @@ impl Model {
         units::derivative(of(s.var)?, of(VarId::TIME)?, s.der)
     }
 
-    /// True if a derivative or the next sample of a variable has an equation.
+    /// True if a variable, one of its derivatives or its next sample has an equation.
     pub fn has_equation(&self, id: VarId) -> bool {
         self.equations.iter().any(|e| e.target.var == id)
     }
@@ -397,18 +397,18 @@ impl SignalNames for Model {
     }
 }
 
-/// Decades on each side of 1 where no range is said.
+/// Decades on each side of 1 if no range is given.
 const DECADES: f64 = 4.5;
 
 impl UnknownConstant {
-    /// The ranges in which it is sought, from their lower to their upper end: of one sign each, but for a range that the model says.
+    /// The ranges of its value, lower end first: the declared one, or one for each sign.
     pub fn ranges(&self) -> Vec<(f64, f64)> {
         let (least, most) = (10_f64.powf(-DECADES), 10_f64.powf(DECADES));
         self.range
             .map_or_else(|| vec![(least, most), (-most, -least)], |range| vec![range])
     }
 
-    /// That of its ranges which holds a value.
+    /// The range that contains a value, or else the first.
     pub fn range_about(&self, value: f64) -> (f64, f64) {
         let ranges = self.ranges();
         let mut holding = ranges
@@ -421,7 +421,7 @@ impl UnknownConstant {
             .unwrap_or((value, value))
     }
 
-    /// The middle of its range, between ends of one sign in the logarithm; 1 without a range.
+    /// The middle of its range, in the logarithm if both ends have one sign; 1 without a range.
     pub fn start(&self) -> f64 {
         match self.range {
             None => 1.0,

@@ -1,9 +1,8 @@
-//! Numbers as people read them: so many significant digits.
+//! Numbers as people read them, with a chosen number of significant digits.
 //!
-//! Used wherever a figure is printed, so that all print alike. Typography (true minus signs, raised exponents) is left to those
-//! who typeset.
+//! Used wherever a figure is printed, so that all look alike. True minus signs and raised exponents are left to code that typesets.
 
-/// A number with so many significant digits, plain or in powers of ten, without trailing zeros.
+/// A number with `digits` significant digits, plain or in powers of ten, without trailing zeros.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
@@ -32,8 +31,8 @@ pub fn significant(x: f64, digits: usize) -> String {
     }
 }
 
-/// A number with its standard error in the last two digits: `0.91(20)`, `12.3(1.4)`. An error that so many significant digits do not
-/// show is left out.
+/// A number with its standard error in the last two digits: `0.91(20)`, `12.3(1.4)`. An error too small to show in `digits` significant
+/// digits is left out.
 pub fn with_error(x: f64, error: f64, digits: usize) -> String {
     let size = decade(x).max(decade(error));
     let hidden = error < 0.5 * 10_f64.powi(decade(x) + 1 - digits as i32);
@@ -44,7 +43,7 @@ pub fn with_error(x: f64, error: f64, digits: usize) -> String {
         let unit = 10_f64.powi(size);
         return format!("{}e{size}", with_error(x / unit, error / unit, digits));
     }
-    // The place of the last digit: two digits of the error, none behind the point of a large one.
+    // Decimals for two digits of the error, and none if the error is large.
     let decimals = (1 - decade(rounded(error, 2))).max(0) as usize;
     let shown = match error < 1.0 && decimals > 0 {
         true => format!("{:.0}", error * 10_f64.powi(decimals as i32)),
@@ -61,18 +60,18 @@ fn decade(x: f64) -> i32 {
     }
 }
 
-/// The number nearest to `x` that has so many significant digits.
+/// The number nearest to `x` that has `digits` significant digits.
 pub fn rounded(x: f64, digits: usize) -> f64 {
     let text = format!("{x:.*e}", digits.saturating_sub(1));
     text.parse().unwrap_or(x)
 }
 
-/// A share as per cent with two significant digits: `0.33 %`.
+/// A share as a percentage with two significant digits: `0.33 %`.
 pub fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 2))
 }
 
-/// Significant digits with which the ends of an interval differ, and two more.
+/// Significant digits that tell the ends of an interval apart, and two more.
 pub fn digits_apart(low: f64, high: f64) -> usize {
     let size = low.abs().max(high.abs());
     let digits = (size / (high - low).abs()).log10().ceil();

@@ -10,12 +10,12 @@ use std::fmt;
 pub struct SensorNoise {
     /// In units of the signal.
     pub floor: f64,
-    /// Part of the value.
+    /// As a part of the value.
     pub share: f64,
 }
 
 impl SensorNoise {
-    /// The same at every value.
+    /// The same noise at every value.
     pub fn constant(deviation: f64) -> SensorNoise {
         SensorNoise {
             floor: deviation,
@@ -28,7 +28,7 @@ impl SensorNoise {
         self.share > 0.0
     }
 
-    /// Whether it is a noise at all: no part is negative or infinite, and one is above 0.
+    /// Whether it is a valid noise: no part is negative or infinite, and one is above 0.
     pub fn is_valid(&self) -> bool {
         let part = |x: f64| x >= 0.0 && x.is_finite();
         part(self.floor) && part(self.share) && self.floor + self.share > 0.0
@@ -42,7 +42,7 @@ impl SensorNoise {
         }
     }
 
-    /// Root mean square of the standard deviations of readings of these values; NaN are missing.
+    /// Root mean square of the standard deviations of readings of these values; values that are not finite are skipped.
     pub fn rms<'a>(&self, values: impl IntoIterator<Item = &'a f64>) -> f64 {
         if !self.grows() {
             return self.floor;
@@ -53,7 +53,7 @@ impl SensorNoise {
     }
 }
 
-/// As the language has it: `0.01`, `2%`, `0.01+2%`.
+/// As written in the language: `0.01`, `2%`, `0.01+2%`.
 impl fmt::Display for SensorNoise {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = 100.0 * self.share;

@@ -26,7 +26,7 @@ impl Span {
         Span::new(self.file, self.start, self.start)
     }
 
-    /// The place right behind it.
+    /// The place right after it.
     pub fn after(self) -> Span {
         Span::new(self.file, self.end, self.end)
     }
@@ -46,7 +46,7 @@ impl Span {
     }
 }
 
-/// One text: a model, or an excerpt (one line, usually) of a data file.
+/// One text: a model, or an excerpt (usually one line) of a data file.
 #[derive(Clone, Debug)]
 pub struct Source {
     pub name: String,
@@ -59,7 +59,7 @@ pub struct Source {
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<Source>,
-    /// For each file, the paths that it includes, each with its text or why that could not be read.
+    /// For each file, the paths that it includes, each with its text or why it could not be read.
     links: BTreeMap<(FileId, String), Result<FileId, String>>,
 }
 
@@ -131,7 +131,7 @@ impl Sources {
     }
 }
 
-/// The largest character boundary of a text that is not behind a byte offset.
+/// The largest character boundary of a text at or before a byte offset.
 pub(crate) fn floor_boundary(text: &str, at: usize) -> usize {
     let at = at.min(text.len());
     (0..=at)
@@ -140,7 +140,7 @@ pub(crate) fn floor_boundary(text: &str, at: usize) -> usize {
         .unwrap_or(0)
 }
 
-/// Replaces control characters and invisible ones by signs of the same length in bytes. Line ends and tabs stay.
+/// Replaces control and invisible characters by visible ones of the same length in bytes. Line ends and tabs stay.
 pub fn printable(text: &str) -> String {
     text.chars()
         .map(|c| match c {
@@ -173,7 +173,7 @@ pub fn is_unseen(c: char) -> bool {
 mod tests {
     use super::*;
 
-    /// Places in a text stay where they were.
+    /// Byte offsets stay valid.
     #[test]
     fn what_nobody_sees_is_replaced_byte_for_byte() {
         for c in ('\0'..=char::MAX).filter(|c| is_unseen(*c)) {

@@ -89,7 +89,7 @@ family! {
     }
 }
 
-/// Bytes that the libraries of a model may take, if nothing else is said. A constant, which callers may use in constants of theirs.
+/// Bytes that the libraries of a model may take by default. A `const`, so that callers may use it in constants.
 pub const MEMORY: u64 = 4_000_000_000;
 
 family! {

@@ -1,6 +1,6 @@
-//! The state of one check: the file, the names found so far, and what was found wrong.
+//! The state of one check: the file, the names found so far, and the diagnostics.
 //!
-//! In: findings. Out: nothing. The passes over statements and expressions are methods, each in the file of its subject.
+//! The passes over statements and expressions are methods, each in the file of its subject.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,12 +22,12 @@ pub struct Checker<'a> {
     pub written: usize,
     /// The names of all functions that the model defines.
     pub own_names: BTreeSet<String>,
-    /// Those that are defined so far.
+    /// The functions that are defined so far.
     pub functions: BTreeMap<String, OwnFunction<'a>>,
     pub used_functions: BTreeSet<String>,
     /// The arguments of the functions whose bodies are being read, the innermost last.
     pub arguments: Vec<Arguments>,
-    /// Codes and places of what was found in bodies.
+    /// Codes and places of errors in function bodies, so that each is reported once.
     pub told_in_calls: BTreeSet<(&'static str, Option<Span>)>,
 }
 
@@ -36,7 +36,7 @@ impl<'a> Checker<'a> {
         self.found.push(d);
     }
 
-    /// Reports an error, and is the `None` of the caller.
+    /// Reports an error and returns the caller's `None`.
     pub fn fail<T>(&mut self, d: Diagnostic) -> Option<T> {
         self.found.push(d);
         None

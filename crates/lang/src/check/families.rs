@@ -1,7 +1,7 @@
 //! Families of equations, `dx[i] ~ <x[i-1], x[i]>, i = 1..10`: written out, one equation for each value of the index.
 //!
-//! In: a parsed file. Out: the same without families, and what is wrong with them. Places stay those of what was written. An index beyond what is
-//! declared is an error, but where the range is cyclic. Looks up declared names only to say so.
+//! In: a parsed file. Out: the file without families, and their errors. Expanded equations keep the places of the text that they come from.
+//! An index beyond the declared names is an error, unless the range is cyclic; names are looked up only for such errors.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +11,7 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::thresholds::MODEL;
 
-/// The file with every family written out, and the errors of those that could not be; `None` where there are none.
+/// The file with every family written out, and the errors of those that could not be; `None` if there are none.
 pub fn write_out(file: &File) -> Option<(File, Vec<Diagnostic>)> {
     let is_family = |s: &Statement| matches!(s.kind, StatementKind::Family { .. });
     if !file.statements.iter().any(is_family) {
@@ -44,7 +44,7 @@ pub fn write_out(file: &File) -> Option<(File, Vec<Diagnostic>)> {
             Ok(all) => out.statements.extend(all),
             Err(d) => {
                 found.push(d);
-                // Its equations are not missing, but wrong.
+                // Marked as broken, so that its equations are not reported as missing too.
                 out.broken.push(crate::ast::Broken {
                     keyword: None,
                     names: Vec::new(),
@@ -56,7 +56,7 @@ pub fn write_out(file: &File) -> Option<(File, Vec<Diagnostic>)> {
     Some((out, found))
 }
 
-/// Names that declarations and `let`s make, ranges written out.
+/// Names from declarations and `let`s, with ranges written out.
 fn declared(file: &File) -> BTreeSet<String> {
     let mut all = BTreeSet::new();
     for s in &file.statements {
@@ -80,7 +80,7 @@ fn declared(file: &File) -> BTreeSet<String> {
     all
 }
 
-/// `x1..x12`; nothing for what is no range of names.
+/// The names of `x1..x12`; empty if it is not a range of names.
 fn range_of_names(from: &Expr, to: &Expr) -> Vec<String> {
     let split = |e: &Expr| {
         let name = e.as_name()?;
@@ -119,7 +119,7 @@ struct Member<'a> {
 }
 
 impl Pass<'_> {
-    /// The ends of a range of an index.
+    /// The first and last value of an index.
     fn values(
         &self,
         statement: &StatementKind,
@@ -144,7 +144,7 @@ impl Pass<'_> {
         Ok((from, to))
     }
 
-    /// The last number, or the first, of the declared names that a statement has an index for.
+    /// The greatest or least number among the declared names that the statement indexes.
     fn declared_end(&self, statement: &StatementKind, last: bool) -> Option<usize> {
         let indexed = |e: &Expr| matches!(e.kind, ExprKind::Indexed(..));
         let mut kind = statement.clone();
@@ -161,7 +161,7 @@ impl Pass<'_> {
         if last { numbers.max() } else { numbers.min() }
     }
 
-    /// A name for an index that nothing else has.
+    /// An unused name for an index.
     fn free_index(&self) -> String {
         let usual = ["i", "j", "k", "m", "n"].map(str::to_string);
         let more = (0..).map(|k| format!("i_{k}"));
@@ -169,7 +169,7 @@ impl Pass<'_> {
         all.find(|n| !self.declared.contains(n)).unwrap_or_default()
     }
 
-    /// The whole number that an expression of numbers, plain `let`s and the index is.
+    /// The value of an expression of numbers, plain `let`s and the index, if it is a whole number.
     fn number(&self, e: &Expr, index: Option<(&str, i64)>, depth: usize) -> Option<i64> {
         let inner = |x: &Expr| self.number(x, index, depth);
         match &e.kind {
@@ -201,7 +201,7 @@ impl Pass<'_> {
         }
     }
 
-    /// The statement of one value.
+    /// The statement for one value of the index.
     fn member(
         &self,
         s: &Statement,
@@ -224,7 +224,7 @@ impl Pass<'_> {
         Ok(Statement { span: s.span, kind })
     }
 
-    /// Names in place of what has an index, the number in place of the index itself.
+    /// Replaces indexed names by plain ones, and the index by its value.
     fn write(
         &self,
         e: &mut Expr,
@@ -251,7 +251,7 @@ impl Pass<'_> {
         }
     }
 
-    /// `x[i + 1]` where i has a value: `x3`.
+    /// `x[i + 1]` with i = 2 is `x3`.
     fn indexed(
         &self,
         span: Span,
@@ -287,13 +287,13 @@ impl Pass<'_> {
         }
     }
 
-    /// Whether a name or what it is the derivative of is declared.
+    /// Whether a name, or the variable that it is a derivative of, is declared.
     fn is_declared(&self, name: &str) -> bool {
         let letters = name.len() - name.trim_start_matches('d').len();
         (0..=letters).any(|k| name.get(k..).is_some_and(|n| self.declared.contains(n)))
     }
 
-    /// Whether some number makes a declared name of a stem.
+    /// Whether the stem with some number is a declared name.
     fn is_family(&self, stem: &str) -> bool {
         let letters = stem.len() - stem.trim_start_matches('d').len();
         let numbered = |stem: &str| {

@@ -1,4 +1,4 @@
-//! States that nothing measures: what a model may say of them.
+//! Hidden states: what a model may say about them.
 //!
 //! In: the checked model. Out: errors where a hidden state has a sensor, or no equation.
 
@@ -21,7 +21,7 @@ impl Checker<'_> {
                 self.say(errors::hidden_in_discrete(at, &var.name));
             }
         }
-        // An equation that could not be read may have been theirs.
+        // An equation that could not be read may be one of theirs.
         if !self.file.broken.is_empty() || self.found.iter().any(Diagnostic::is_error) {
             return;
         }
@@ -41,7 +41,7 @@ impl Checker<'_> {
         }
     }
 
-    /// What the model says of a sensor that is not there.
+    /// Errors where the model describes a sensor of a hidden state.
     fn sensor(&self, model: &Model, id: VarId, var: &Var, at: Span) -> Vec<Diagnostic> {
         let said = [
             (!var.noise.is_empty(), "the noise", "noise"),

@@ -1,6 +1,6 @@
 //! ast → model: names resolved, statements understood, libraries kept factored.
 //!
-//! In: one parsed file and the names of the generators. Out: the model, or none if there are errors, and every finding. Expands no
+//! In: one parsed file and the names of the generators. Out: the model, or none if there are errors, and all diagnostics. Expands no
 //! library and checks no generator's numbers; the library does.
 
 mod checker;
@@ -34,7 +34,7 @@ pub fn check(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<Diagno
         return check_equations(file, vocabulary);
     };
     let (model, more) = check_equations(&written, vocabulary);
-    // What is wrong in all equations of a family is told once.
+    // An error that all equations of a family share is reported once.
     for d in more {
         if !found.contains(&d) {
             found.push(d);
@@ -83,7 +83,7 @@ fn check_equations(file: &File, vocabulary: &Vocabulary) -> (Option<Model>, Vec<
 }
 
 impl<'a> Checker<'a> {
-    /// `sidc 1` comes first, and once.
+    /// `sidc 1` comes first; `sidc` and `system` are given once.
     fn headers(&mut self) {
         let mut before: Option<Span> = None;
         let mut first_system: Option<Span> = None;
@@ -129,7 +129,7 @@ impl<'a> Checker<'a> {
         block.unwrap_or_default()
     }
 
-    /// A missing equation, and notes on what is legal but probably not meant.
+    /// Reports a missing equation, and what is legal but probably not meant.
     fn notes(&mut self, model: &Model) {
         if model.equations.is_empty() {
             let written = |s: &Statement| matches!(s.kind, StatementKind::Equation { .. });
@@ -152,7 +152,7 @@ impl<'a> Checker<'a> {
             let idle = self.functions.iter();
             let idle = idle.filter(|(name, _)| !self.used_functions.contains(*name));
             let idle = idle.map(|(name, f)| errors::unused(f.span, name, false));
-            // A file that is included may say more than one model uses.
+            // An included file may declare more than this model uses.
             let own = |d: &Diagnostic| d.labels.iter().all(|l| l.span.file == self.file.id);
             let notes: Vec<Diagnostic> = notes.into_iter().chain(idle).filter(own).collect();
             self.found.extend(notes);

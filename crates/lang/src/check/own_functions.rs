@@ -1,7 +1,7 @@
-//! Functions that a model defines, `let sat(v) = tanh(v/vs)`: what is known of one, and what its arguments are while its body is read.
+//! Functions that a model defines, `let sat(v) = tanh(v/vs)`: their definitions, and their arguments while a body is read.
 //!
-//! In: definitions and arguments. Out: what a call needs. A call is its body read once more with the arguments in their places, so that
-//! terms have the normal form of what is written out by hand.
+//! In: definitions and arguments. Out: what a call needs. Each call reads the body again with its arguments, so that terms get the same
+//! normal form as if they were written out by hand.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -18,9 +18,9 @@ pub struct OwnFunction<'a> {
     pub body: &'a Ast,
     /// Whether its body is a library.
     pub library: bool,
-    /// Wrong; an error was reported.
+    /// Whether it is wrong; the error is reported already.
     pub wrong: bool,
-    /// How large a call becomes, as its arguments are.
+    /// The size of a call, depending on the sizes of its arguments.
     pub shape: Rc<Shape>,
 }
 
@@ -53,7 +53,7 @@ pub struct Size {
     pub depth: usize,
 }
 
-/// The size of a function's body without its arguments, and what each of these adds: how often it stands in the body, and how deep.
+/// The size of a function's body without its arguments, and for each argument how often it occurs in the body, and how deep.
 #[derive(Clone, Debug)]
 pub struct Shape {
     pub own: Size,
@@ -69,7 +69,7 @@ impl Shape {
         }
     }
 
-    /// Adds what stands inside, one level deeper.
+    /// Adds an inner expression that occurs `times` times, `levels` deeper.
     pub fn add(&mut self, inner: &Shape, times: usize, levels: usize) {
         let inner_sizes = std::iter::once(&inner.own).chain(&inner.params);
         let own = std::iter::once(&mut self.own).chain(&mut self.params);

@@ -24,7 +24,7 @@ pub struct Scope {
     pub discrete: Option<Span>,
     /// Names that broken statements would have declared.
     pub poisoned: BTreeSet<String>,
-    /// Whether a file is missing that may have declared any name.
+    /// Whether a missing file may have declared any name.
     pub incomplete: bool,
     pub used_vars: BTreeSet<VarId>,
     pub used_lets: BTreeSet<String>,
@@ -108,7 +108,7 @@ impl Scope {
         names.join(", ")
     }
 
-    /// Every name in order of declaration, cut short if there are many.
+    /// Every name, variables in order of declaration and then `let`s, cut short if there are many.
     pub fn in_scope(&self) -> String {
         let mut names: Vec<String> = Vec::new();
         for var in self.vars.iter().skip(1) {

@@ -1,4 +1,4 @@
-//! What messages suggest in the words of the model: calls with as many arguments as they take, names in scope.
+//! Suggestions for messages in terms of the model: calls with the right number of arguments, names in scope.
 //!
 //! In: calls and places. Out: texts. Reports nothing.
 
@@ -10,7 +10,7 @@ use crate::source::Span;
 use crate::thresholds::MESSAGES;
 
 impl Checker<'_> {
-    /// The text at a place, unless it is so long that a message is lost in it; in nested calls each would have the next.
+    /// The text at a place, or `…` if it is too long for a message: errors in nested calls would each quote all inner ones.
     pub fn shown(&self, at: Span) -> &str {
         const LONGEST: usize = 200;
         let text = self.text(at);
@@ -23,7 +23,7 @@ impl Checker<'_> {
         self.text(call.name.span.to(end)).to_string()
     }
 
-    /// A call with at least and at most so many arguments; `first` stands for one that is missing.
+    /// A call with its arguments cut to `most` and padded to `least`; `first` stands in if there are none.
     pub fn call_of(&self, call: &Call, (least, most): (usize, usize), first: &str) -> String {
         let given = call.args.iter().take(most).map(|x| self.shown(x.span));
         let mut texts: Vec<&str> = given.collect();
@@ -36,7 +36,7 @@ impl Checker<'_> {
         format!("{}({})", self.head(call), texts.join(", "))
     }
 
-    /// A call whose numbers behind the `;` are arguments, as far as it takes them.
+    /// A call with the numbers after its `;` turned into arguments, at most `most` in all.
     pub fn call_without_numbers(&self, call: &Call, most: usize) -> String {
         let numbers = call.numbers.iter().flatten();
         let all = call.args.iter().chain(numbers).take(most);
@@ -52,7 +52,7 @@ impl Checker<'_> {
         first.map_or("x", |v| v.name.as_str())
     }
 
-    /// A generator with its arguments, or with the states.
+    /// A call of a generator with the given arguments, or with the states.
     pub fn generator_example(&self, generator: &GeneratorSignature, call: Option<&Call>) -> String {
         let given = call.into_iter().flat_map(|c| &c.args);
         let mut atoms: Vec<&str> = given.map(|x| self.shown(x.span)).collect();
@@ -93,14 +93,14 @@ impl Checker<'_> {
         parts.try_for_each(|x| self.shift_names(x, by, edits))
     }
 
-    /// The sign between the targets of an equation and what follows.
+    /// The `=` between the targets of an equation and its right side.
     pub fn relation_sign(&self, target: Span, right: Span) -> Option<Span> {
         let gap = Span::new(target.file, target.end, right.start);
         let at = gap.start + self.text(gap).find('=')?;
         Some(Span::new(gap.file, at, at + 1))
     }
 
-    /// A declared name of a row of them, for `x[k]`.
+    /// A declared name with this stem, to suggest for `x[k]`.
     pub fn example_of_row(&self, name: &str, index: &Ast) -> String {
         let meant = format!("{name}{}", self.text(index.span));
         let rest = self.scope.signals.range(name.to_string()..);
@@ -125,7 +125,7 @@ impl Checker<'_> {
     }
 }
 
-/// Numbers of a generator as examples have them.
+/// Example numbers of a generator, with their `;`.
 pub fn numbers_example(generator: &GeneratorSignature) -> &'static str {
     match generator.usage {
         usage if !usage.contains(';') => "",
@@ -143,7 +143,7 @@ fn shifted(name: &str, by: i32) -> String {
     }
 }
 
-/// Whether an expression needs no brackets wherever it stands.
+/// Whether an expression never needs parentheses.
 pub fn is_atom(e: &Ast) -> bool {
     !matches!(
         e.kind,

@@ -1,7 +1,7 @@
 //! Whether a model is in discrete or in continuous time.
 //!
-//! In: the statements. Out: the place that makes the model discrete: its first `next`, `lag` or generator of lagged terms. An error
-//! for a derivative in such a model. Resolves no name.
+//! In: the statements. Out: the place that makes the model discrete: its first `next`, `lag` or generator of lagged terms. An error for a
+//! derivative in such a model.
 
 use crate::ast::{Call, Expr, StatementKind};
 use crate::check::checker::Checker;
@@ -37,7 +37,7 @@ impl Checker<'_> {
         e.find_call(&sampled).map(|found| found.span)
     }
 
-    /// Reports `dx` in a discrete model, where the name does not exist, and is true; false for other names.
+    /// Reports a derivative such as `dx` in a discrete model and returns true; returns false for other names.
     pub fn derivative_in_discrete(&mut self, at: Span, text: &str) -> bool {
         let Some(place) = self.scope.discrete else {
             return false;

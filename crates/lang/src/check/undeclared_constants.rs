@@ -1,6 +1,6 @@
-//! Names that nothing declares, where a constant would stand: inside a term, or before one.
+//! Undeclared names where a constant is likely: inside a term, or before one.
 //!
-//! In: the place of such a name. Out: the line that declares it as sought, or the library that needs no name for its coefficients.
+//! In: the place of such a name. Out: whether it is inside a term or a coefficient; for coefficients, the library that needs no names.
 
 use std::collections::BTreeSet;
 
@@ -10,9 +10,9 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::thresholds::MESSAGES;
 
-/// What an undeclared name stands for, as its place tells.
+/// What an undeclared name stands for, judged by its place.
 pub enum Undeclared {
-    /// A number that bends a term: the a of `exp(-a*x)`, the K of `x/(K + x)`, the n of `x^n`.
+    /// A number that a term depends on nonlinearly: the a of `exp(-a*x)`, the K of `x/(K + x)`, the n of `x^n`.
     InsideTerm,
     /// Numbers before terms: the a and b of `dx ~ a*x + b`.
     Coefficients(Coefficients),
@@ -90,7 +90,7 @@ impl Checker<'_> {
         let d = d.fix(*equation, library.as_str());
         let d = match said.len() {
             1 => self.declaring(d, at, &["state", "input"], name),
-            // One alone would leave the others.
+            // Declaring one name would leave the others undeclared.
             _ => d,
         };
         d.help(format!(
@@ -98,8 +98,8 @@ impl Checker<'_> {
         ))
     }
 
-    /// Whether the name at this place is inside an argument, a divisor or a power, together with something that is declared: a number there
-    /// is no coefficient.
+    /// Whether the name at this place stands with a declared one inside an argument, a divisor or a power, where a number is not a
+    /// coefficient.
     fn bends(&self, e: &Ast, at: Span) -> bool {
         let Some(inner) = child_with(e, at) else {
             return false;
@@ -128,8 +128,8 @@ impl Checker<'_> {
             || name == "pi"
     }
 
-    /// The undeclared factors and summands of a sum of terms, and the terms without them; `None` where libraries stand in it, no term has such
-    /// a factor beside something declared, or there are more of them than a message can show.
+    /// The undeclared factors and summands of a sum of terms, and the terms without them. `None` if the sum contains a library, if no
+    /// undeclared factor multiplies something declared, or if there are too many for a message.
     fn coefficients(&self, right: &Ast) -> Option<(Vec<PlacedName>, Vec<String>)> {
         if self.is_library(right) {
             return None;
@@ -146,7 +146,7 @@ impl Checker<'_> {
         for summand in summands {
             let (names, term) = self.without_coefficients(summand);
             if names.len() > 1 && term == "1" {
-                // Of `b*y` either may be a forgotten signal.
+                // In `b*y`, either may be a forgotten signal.
                 return None;
             }
             scaled |= !names.is_empty() && term != "1";
@@ -197,7 +197,7 @@ fn child_with(e: &Ast, at: Span) -> Option<&Ast> {
     holding.next()
 }
 
-/// The names of sums, products and powers, with their places; those of calls are not sought.
+/// Names and their places in an expression, except those inside calls.
 fn names_in(e: &Ast, out: &mut Vec<PlacedName>) {
     match &e.kind {
         ExprKind::Name(name) => out.push((name.clone(), e.span)),

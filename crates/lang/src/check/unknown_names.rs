@@ -1,4 +1,4 @@
-//! Names that nothing declares, and what was probably meant.
+//! Undeclared names, and what was probably meant.
 //!
 //! In: a name and its place. Out: one error for each name, with the nearest name in scope or the way to declare it.
 
@@ -68,7 +68,7 @@ impl Checker<'_> {
         self.fail(d)
     }
 
-    /// Whether the data block says where the values of this name are.
+    /// Whether the data block has an entry for this name.
     fn has_column(&self, text: &str) -> bool {
         let mut blocks = self.statements().filter_map(|s| match &s.kind {
             StatementKind::Data(entries) => Some(entries),
@@ -98,7 +98,7 @@ impl Checker<'_> {
         }
         let d = Diagnostic::error("unknown-signal", format!("no signal named `{text}`"));
         let constant = functions::constant(text).map(str::to_string);
-        // A name that a column is read for is none of the others misspelt.
+        // A name with an entry in the data block is not a misspelling of another.
         let meant = constant
             .or_else(|| self.meant(text))
             .filter(|_| !self.has_column(text));
@@ -140,7 +140,7 @@ impl Checker<'_> {
         }
     }
 
-    /// What may declare a name inside of a term: an exponent is no signal.
+    /// Keywords that may declare a name inside a term; an exponent is not a signal.
     fn keywords_inside(&self, at: Span) -> &'static [&'static str] {
         let before = self.file.text_of(at.file).get(..at.start).unwrap_or("");
         match before.trim_end_matches([' ', '(', '-']).ends_with('^') {
@@ -212,7 +212,7 @@ impl Checker<'_> {
         }
     }
 
-    /// For `ddx` where `x` has order 1: the declaration that it needs, and the change that makes it.
+    /// For `ddx` where `x` has order 1: the declaration that it needs, and the fix that makes it.
     fn too_high_derivative(&self, text: &str) -> Option<(String, Option<Fix>)> {
         let primes = text.len() - text.trim_end_matches('\'').len();
         let base = text.trim_end_matches('\'');
@@ -236,7 +236,7 @@ impl Checker<'_> {
         Some((help, self.raised_order(var.span?, order)))
     }
 
-    /// The declaration of the name at `declared` with another order.
+    /// A fix that sets the order of the name declared at `declared`.
     fn raised_order(&self, declared: Span, order: usize) -> Option<Fix> {
         self.statements().find_map(|s| {
             let StatementKind::Declare { attributes, .. } = &s.kind else {
@@ -254,7 +254,7 @@ impl Checker<'_> {
         })
     }
 
-    /// Behind the arguments of the function whose definition holds a place.
+    /// The place after the arguments of the function definition that holds `at`.
     fn last_param(&self, at: Span) -> Option<Span> {
         match &self.file.statement_at(at)?.kind {
             StatementKind::Function { params, .. } => Some(params.last()?.span.after()),
@@ -317,7 +317,7 @@ impl Checker<'_> {
         ))
     }
 
-    /// A word at the place that it has a meaning in.
+    /// Edits that move a misplaced word to where it has a meaning.
     fn in_its_place(&self, e: &Ast, call: &Call) -> Vec<Edit> {
         match call.name.text.as_str() {
             "known" | "required" => vec![Edit::Summand(e.span)],
@@ -348,7 +348,7 @@ impl Checker<'_> {
         ])
     }
 
-    /// What does the same as a foreign function: a state for an integral, a name for a derivative.
+    /// Edits with the effect of a foreign function: a state for an integral, a name for a derivative.
     fn instead_of(&self, e: &Ast, call: &Call) -> Option<Vec<Edit>> {
         let [x] = call.args.as_slice() else {
             return None;
@@ -372,7 +372,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A function of the model that is called by itself, or above its definition.
+    /// The error of a function that is called in or above its own definition.
     fn own_function_before(&self, at: Span, name: &str) -> Option<Diagnostic> {
         self.statements().find_map(|s| match &s.kind {
             StatementKind::Function { name: own, .. } if own.text == name => {

@@ -1,8 +1,8 @@
-//! The names that the language takes from outside: its generators.
+//! Names that the language gets from outside: generators.
 //!
-//! In: what the library says of each. Out: look-ups by name. Knows no generator by itself.
+//! In: signatures from the library. Out: look-up by name. No generator is built in.
 
-/// What the checker needs to know of a generator.
+/// What the checker needs to know about a generator.
 #[derive(Clone, Copy, Debug)]
 pub struct GeneratorSignature {
     pub name: &'static str,
@@ -10,11 +10,11 @@ pub struct GeneratorSignature {
     pub usage: &'static str,
     /// Only for models in discrete time.
     pub discrete_only: bool,
-    /// Its atoms become angles: pure numbers.
+    /// Its atoms are angles, and so must be pure numbers.
     pub of_angles: bool,
 }
 
-/// The names the language takes from outside.
+/// The generators that a model may call.
 #[derive(Clone, Debug, Default)]
 pub struct Vocabulary {
     pub generators: Vec<GeneratorSignature>,

@@ -1,7 +1,7 @@
-//! Fixes that need to know what stands around them: items with their commas, statements with their lines, free names.
+//! Fixes that depend on the surrounding text: items with their commas, statements with their lines, unused names.
 //!
-//! In: diagnostics with their [`Edit`]s, and the file. Out: the [`Fix`]es, each one span and its new text. Where an edit cannot be made, there is
-//! no fix.
+//! In: diagnostics with their [`Edit`]s, and the file. Out: the [`Fix`]es, each one span and its new text. An edit that cannot be made
+//! gives no fix.
 
 mod removal;
 mod rewriting;
@@ -13,9 +13,9 @@ use crate::ast::{File, Statement, StatementKind};
 use crate::diagnostic::{Diagnostic, Edit, Fix};
 use crate::source::{FileId, Span};
 
-/// Diagnostics that get such fixes; a text with more faults is hardly a model.
+/// Largest number of diagnostics that get such fixes; a text with more errors is hardly a model.
 const MOST: usize = 1000;
-/// Bytes that a fix may rewrite, so that fixes take no more memory than texts.
+/// Largest number of bytes that one fix may rewrite, to bound the memory of all fixes.
 const LONGEST: usize = 20_000;
 
 pub fn complete(found: &mut [Diagnostic], file: &File) {
@@ -80,7 +80,7 @@ impl<'a> Surroundings<'a> {
             },
             Edit::Alone(at) => self.alone(at)?,
             Edit::Summand(at) => self.summand(at)?,
-            // One of a range `x1..x12` has no place of its own.
+            // A name from a range `x1..x12` has no place of its own.
             Edit::Rename(span, name) if self.text(span) == name => Fix {
                 span,
                 text: self.free_name(&name),
@@ -94,7 +94,7 @@ impl<'a> Surroundings<'a> {
         Some(vec![one])
     }
 
-    /// Several changes of this text as one; they must not overlap.
+    /// Merges several changes of this text into one; they must not overlap.
     fn merged(&self, mut parts: Vec<Fix>) -> Option<Fix> {
         if parts.iter().any(|p| p.span.file != self.id) {
             return None;
@@ -126,7 +126,7 @@ impl<'a> Surroundings<'a> {
         self.statement(at).map_or(at, |s| s.span)
     }
 
-    /// The name with a number behind it that makes it a new one.
+    /// The name with a numeric suffix that makes it unused.
     fn free_name(&self, name: &str) -> String {
         let letter = |c: char| c.is_alphanumeric() || c == '_';
         let words = self
@@ -138,7 +138,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// What a statement says, without the range of its index.
+/// The statement itself, without the range of its index.
 fn said(s: &Statement) -> &StatementKind {
     match &s.kind {
         StatementKind::Family { statement, .. } => statement,

@@ -1,6 +1,6 @@
-//! What is taken out of a model, with what it leaves without use: a comma, a colon, a sign, a line.
+//! Removals from a model, with the comma, colon, sign or line that would be left over.
 //!
-//! In: a place. Out: the change that takes out what the place is of.
+//! In: a place. Out: the change that removes what the place belongs to.
 
 use super::{Surroundings, said};
 use crate::ast::{Attribute, Call, Expr, ExprKind, Sign, StatementKind};
@@ -8,7 +8,7 @@ use crate::diagnostic::Fix;
 use crate::source::Span;
 
 impl Surroundings<'_> {
-    /// Takes out the attribute, name, argument, entry or term at a place, or else its statement.
+    /// Removes the attribute, name, argument, entry or term at a place, or else its statement.
     pub fn without(&self, at: Span) -> Option<Fix> {
         let Some(s) = self.statement(at) else {
             return Some(self.without_line(at));
@@ -82,13 +82,13 @@ impl Surroundings<'_> {
         }
     }
 
-    /// One of several items of a list.
+    /// Removes the item at a place; `None` if it is the only one.
     fn without_one_of(&self, at: Span, items: &[Span]) -> Option<Fix> {
         let item = items.iter().find(|i| i.holds(at))?;
         (items.len() > 1).then(|| self.without_item(*item))
     }
 
-    /// An item with its comma, or the colon before it.
+    /// Removes an item with its comma, or with the colon before it.
     fn without_item(&self, item: Span) -> Fix {
         let before = self.before(item);
         let after = self.after(item);
@@ -111,7 +111,7 @@ impl Surroundings<'_> {
         removed(span)
     }
 
-    /// An entry of a data block, alone on its line or among others behind `;`.
+    /// Removes an entry of a data block, alone on its line or separated from others by `;`.
     fn without_entry(&self, entry: Span) -> Fix {
         let (before, after) = (self.before(entry), self.after(entry));
         let (start, rest) = (before.trim_end(), after.trim_start());
@@ -126,7 +126,7 @@ impl Surroundings<'_> {
         self.without_line(entry)
     }
 
-    /// A statement with its line and what is said of it there; without the line where it shares that.
+    /// Removes a statement with its line and comment; only the statement if it shares the line.
     pub fn without_line(&self, at: Span) -> Fix {
         let before = self.before(at).trim_end_matches([' ', '\t']);
         let end = self.line_end(at).end;
@@ -138,7 +138,7 @@ impl Surroundings<'_> {
         removed(Span::new(at.file, before.len(), end + line_break))
     }
 
-    /// The end of the line of a statement, behind its comment; the end of the statement where more follows.
+    /// The end of a statement's line, after its comment; the end of the statement if another one follows on that line.
     pub fn line_end(&self, at: Span) -> Span {
         let after = self.after(at);
         let line = after.split('\n').next().unwrap_or("");
@@ -162,7 +162,7 @@ impl Surroundings<'_> {
         self.whole.get(at.end..).unwrap_or("")
     }
 
-    /// Takes out the item of a list, or the summand outside of lists, that a place is in. Nothing if that is all there is.
+    /// Removes the item of a list, or the summand outside lists, that holds a place. `None` if it is the only one.
     pub fn without_term(&self, e: &Expr, at: Span) -> Option<Fix> {
         match &e.kind {
             ExprKind::Sum(parts) => {
@@ -187,12 +187,12 @@ impl Surroundings<'_> {
     }
 }
 
-/// A generator: only these have numbers behind a `;`.
+/// Only generators have numbers after a `;`.
 pub fn is_generator(call: &Call) -> bool {
     call.numbers.is_some()
 }
 
-/// A list or a generator as an item of another.
+/// Whether an item of a list is itself a list or a generator.
 fn is_set(e: &Expr) -> bool {
     match &e.kind {
         ExprKind::List(_) => true,

@@ -1,6 +1,6 @@
-//! What changes its place or its form in a model: statements that move or are joined, calls that become summands, declarations.
+//! Changes of place or form: statements that move or are joined, calls that become summands, declarations.
 //!
-//! In: places. Out: the changes of the text that do it together.
+//! In: places. Out: the changes of the text, to be made together.
 
 use super::removal::{attribute_span, is_generator};
 use super::{LONGEST, Surroundings, said};
@@ -23,7 +23,7 @@ impl Surroundings<'_> {
         })
     }
 
-    /// A declared name by another word: where other names share its line, it gets one of its own.
+    /// Declares a name with another keyword, on a line of its own if other names share its statement.
     pub fn redeclared(&self, at: Span, keyword: &str) -> Option<Vec<Fix>> {
         let s = self.statement(at)?;
         let StatementKind::Declare {
@@ -111,7 +111,7 @@ impl Surroundings<'_> {
         })
     }
 
-    /// A term's summands, and the library in place of that with it.
+    /// A term's summands, with the library in place of the one that contains it.
     fn summands_as_items(&self, item: &Expr, at: Span) -> Vec<String> {
         match &item.kind {
             ExprKind::Sum(parts) => {
@@ -161,7 +161,7 @@ impl Surroundings<'_> {
         Some(Fix { span, text })
     }
 
-    /// What stands in the brackets of a call.
+    /// Replaces a call by the text in its parentheses.
     fn argument(&self, call: Span) -> Option<Fix> {
         let (_, inside) = self.text(call).strip_suffix(')')?.split_once('(')?;
         let text = inside.to_string();
@@ -169,7 +169,7 @@ impl Surroundings<'_> {
     }
 }
 
-/// The innermost item of a list, or argument of a generator, that a place is in.
+/// The innermost item of a list, or argument of a generator, that holds a place.
 fn item_with(e: &Expr, at: Span) -> Option<&Expr> {
     let inner = e.children().into_iter().find(|x| x.span.holds(at))?;
     let own = match &e.kind {

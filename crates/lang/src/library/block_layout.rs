@@ -43,7 +43,7 @@ impl From<LimitExceeded> for LayoutError {
 
 /// Bytes of a slot: the norm of its column, one `f64`.
 pub(crate) const SLOT_BYTES: u128 = 8;
-/// Bytes of a term in a list with its factors, about.
+/// Approximate bytes of a term in a list, with its factors.
 const TERM_BYTES: u128 = 160;
 
 /// The lists whose products are the left and right terms of blocks.
@@ -132,7 +132,7 @@ pub(crate) fn lay_out(
     Ok(Library::new(layout.blocks, empty))
 }
 
-/// The products without terms of no parity, largest first; products inside larger ones are left out.
+/// The products, largest first, without terms of no definite parity; products inside larger ones are left out.
 fn ordered(set: &TermSet, rule: &SelectionRule) -> Result<Vec<Product>, LayoutError> {
     let mut all = Vec::with_capacity(set.products().len());
     for product in set.products() {
@@ -200,7 +200,7 @@ impl Layout<'_> {
         Ok(pieces.into_iter().map(balanced_split).collect())
     }
 
-    /// Adds the blocks of two sides. Small ones are listed term by term, those terms that satisfy `keep`.
+    /// Adds the blocks of two sides. Small blocks are listed term by term, as far as the terms satisfy `keep`.
     fn add(&mut self, sides: &Sides, keep: impl Fn(&Term) -> bool) -> Result<(), LimitExceeded> {
         for block in self.blocks_of(sides)? {
             let degenerate = block.left.len() < 2 || block.right.len() < 2;
@@ -277,7 +277,7 @@ impl Layout<'_> {
         };
         let number = self.rule.size(common.factors());
         self.budget.need(number.saturating_mul(SLOT_BYTES))?;
-        // A bound on degrees would leave few of the products of whole lists.
+        // With a bound on degrees, few products of whole lists would remain.
         if common.exclusions().is_empty() && self.rule.degrees().is_none() {
             let lists = common.factors();
             let mut blocks = range.clone();
@@ -325,7 +325,7 @@ fn balanced_split(lists: Vec<Arc<TermList>>) -> Sides {
     best.unwrap_or_else(|| at(lists.len()))
 }
 
-/// Each list, the longest first, to the side that is shorter so far (Graham 1969, longest processing time first).
+/// Assigns each list, longest first, to the side that is shorter so far (longest processing time first, Graham 1969).
 fn longest_first(lists: &[Arc<TermList>]) -> Sides {
     let mut order: Vec<usize> = (0..lists.len()).collect();
     order.sort_by_key(|i| Reverse(lists.get(*i).map_or(0, |l| l.len())));

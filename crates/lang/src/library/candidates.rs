@@ -56,12 +56,12 @@ impl Library {
         self
     }
 
-    /// A library of blocks; `empty` are the slots that are no candidates, ascending.
+    /// A library of blocks; `empty` are the slots without a candidate, ascending.
     pub fn products(blocks: Vec<Block>, empty: Vec<usize>) -> Library {
         Library::new(blocks, empty)
     }
 
-    /// The same library with these slots empty, but for those that are required.
+    /// The same library with these slots empty, except for required ones.
     pub fn without(&self, slots: &[usize]) -> Library {
         let mut empty = self.empty.clone();
         let kept = |slot: &usize| self.required.binary_search(slot).is_err();
@@ -85,7 +85,7 @@ impl Library {
         self.len() == 0
     }
 
-    /// Number of terms as written, before `symmetry` and `limit` statements pruned them; `None` if there are none of those.
+    /// Number of terms as written, before `symmetry` and `limit` statements pruned them; `None` if there are no such statements.
     pub fn before(&self) -> Option<u128> {
         self.before
     }

@@ -1,6 +1,6 @@
 //! Expands set expressions: one function for each operation on sets.
 //!
-//! In: the expression of one equation. Out: its set of terms, and what is wrong with it. Sets stay products of lists.
+//! In: the expression of one equation. Out: its set of terms, and diagnostics. Sets stay products of lists.
 
 use std::collections::BTreeSet;
 
@@ -21,7 +21,7 @@ use crate::source::Span;
 use crate::term::{Expr, Language, Signal, SignalNames, Term};
 use crate::thresholds::LIBRARY;
 
-/// One expansion: the equation it is for, and the findings so far. Methods return `None` after reporting an error.
+/// One expansion: the equation it is for, and the diagnostics so far. Methods return `None` after reporting an error.
 pub(crate) struct Expansion<'a> {
     model: &'a Model,
     target: Signal,
@@ -109,7 +109,7 @@ impl<'a> Expansion<'a> {
             let list = self
                 .set(part)
                 .and_then(|set| self.made(part.span, set.list()));
-            // What is to be said of its terms is said of the library.
+            // Diagnostics about these terms have been reported for the library.
             self.diagnostics.truncate(told);
             let Some(list) = list else { continue };
             for term in list.terms() {
@@ -248,7 +248,7 @@ impl<'a> Expansion<'a> {
         if weight == 0.0 {
             return self.fail(library_errors::zero_term(span));
         }
-        // For a factor of −1 and for a constant no note is worth its line.
+        // A factor of −1 or a constant is not worth a note.
         if weight.abs() != 1.0 && !term.is_one() {
             let (written, column) = (
                 Language(self.model).expr(x),

@@ -1,4 +1,4 @@
-//! Gradings: how much more than its column's length a term weighs in the 1-norm.
+//! Gradings: the weight of a term in the 1-norm beyond the length of its column.
 //!
 //! In: a term. Out: its grade. The grade of a product is the product of its factors' grades.
 
@@ -9,33 +9,33 @@ use crate::term::{Atom, Term};
 
 /// A grading of the 1-norm: a term weighs κ^d times the length of its column, d its degree.
 ///
-/// In coupled implicit systems a law plus multiples of the other laws holds as well, and can have a smaller 1-norm than the law.
-/// Multiples have a higher degree, so a weight that grows with the degree takes that away.
+/// In coupled implicit systems a law plus multiples of the other laws also holds, and can have a smaller 1-norm than the law. Multiples
+/// have a higher degree, so a weight that grows with the degree prevents this.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grading {
     /// κ > 0; 1 is the plain norm.
     pub base: f64,
-    /// How much of a degree each power of a factor counts; `None` counts 1 for all. A factor that is not listed counts 1.
+    /// How much each power of a factor adds to the degree: 1 for factors that are not listed, and for all with `None`.
     pub counts: Option<Arc<BTreeMap<Atom, f64>>>,
-    /// A factor whose terms weigh [`Grading::DEAR`] times as much for each power: they come in only where nothing else fits.
+    /// Each power of this factor multiplies the weight by [`Grading::DEAR`], so that its terms are selected only if nothing else fits.
     pub penalized: Option<Atom>,
 }
 
 impl Grading {
-    /// The plain norm: a term weighs as much as its column is long.
+    /// The plain norm: the weight of a term is the length of its column.
     pub const PLAIN: Grading = Grading {
         base: 1.0,
         counts: None,
         penalized: None,
     };
-    /// What a power of a dear factor weighs: more than coefficients of laws differ, and little enough to be computed with.
+    /// The weight of each power of a dear factor: more than coefficients of laws differ, little enough for the arithmetic.
     pub const DEAR: f64 = 1e5;
 
     pub fn is_plain(&self) -> bool {
         self.base == 1.0
     }
 
-    /// κ^d, times what dear factors weigh
+    /// κ^d, times the weight of dear factors.
     pub fn of(&self, term: &Term) -> f64 {
         let count = |atom: &Atom| {
             let counted = self.counts.as_ref().and_then(|c| c.get(atom));

@@ -53,7 +53,7 @@ pub(crate) fn unwieldy(span: Span, why: LimitExceeded) -> Diagnostic {
     }
 }
 
-/// `kept` of `all` terms, if that many could be counted.
+/// `kept` of `all` terms, if `all` could be counted.
 pub(crate) fn pruned(
     span: Span,
     target: &str,
@@ -68,7 +68,7 @@ pub(crate) fn pruned(
     .at(span, "")
 }
 
-/// A required term that is no candidate; `by` are the statements that restrict candidates.
+/// A required term that is not a candidate; `by` are the statements that restrict candidates.
 pub(crate) fn required_left_out(span: Span, term: &str, by: Option<String>) -> Diagnostic {
     let d = Diagnostic::error(
         "required-term",
@@ -127,7 +127,8 @@ pub(crate) fn misuse(name_span: Span, usage: &str, m: Misuse) -> Diagnostic {
     d.help(m.help)
 }
 
-/// `removed` is the `-` and its right side; `single` holds both sides as text where each is one term, so that a difference of numbers may be meant.
+/// `removed` is the `-` and its right side; `single` holds both sides as text if each is one term, since a difference of numbers may then
+/// be meant.
 pub(crate) fn removes_nothing(
     span: Span,
     removed: Span,

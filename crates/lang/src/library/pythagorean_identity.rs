@@ -119,12 +119,12 @@ fn identity(model: &Model, written: &LibExpr, pair: &PythagoreanPair, count: u12
     library_errors::dependent(written.span, &identity, &example, count)
 }
 
-/// True if every product of the set is a list.
+/// True if every product of the set is a single list.
 pub(crate) fn is_listed(set: &TermSet) -> bool {
     set.products().iter().all(|p| p.factors().len() == 1)
 }
 
-/// The number of [`count_by_intersection`], term by term.
+/// The same number as [`count_by_intersection`], counted term by term.
 pub(crate) fn count_by_lookup(
     set: &TermSet,
     rule: &SelectionRule,
@@ -140,7 +140,7 @@ pub(crate) fn count_by_lookup(
     admitted.filter(there).count() as u128
 }
 
-/// Number of terms T·sin² for which T and T·cos² are there too; `None` where counting takes too long.
+/// Number of terms T·sin² for which T and T·cos² are in the set too; `None` if counting takes too long.
 ///
 /// The sets {T·sin²}, {T}·sin² and {T·cos²}·sin²/cos² are products over the same factors, and so is their intersection. Both squares
 /// are even, so the rule admits T and T·cos² wherever it admits T·sin².

@@ -1,4 +1,4 @@
-//! Unknown constants that only scale a term: its coefficient would be sought twice.
+//! Unknown constants that only scale a term, so that its coefficient would be estimated twice.
 //!
 //! In: a model, the library of an equation. Out: an error for each such constant.
 
@@ -7,7 +7,7 @@ use crate::library::Library;
 use crate::model::{Model, RightSide, UnknownConstant};
 use crate::term::{Atom, Language, Signal, Term};
 
-/// At most one for each constant.
+/// At most one error for each constant.
 pub fn scaling_unknowns(model: &Model, library: &Library) -> Vec<Diagnostic> {
     let one = |unknown: &UnknownConstant| {
         let signal = Signal::new(unknown.var);
@@ -49,8 +49,7 @@ pub fn scaling_unknowns(model: &Model, library: &Library) -> Vec<Diagnostic> {
     model.unknowns.iter().filter_map(one).collect()
 }
 
-/// Whether a constant that differs from run to run stands in a known part, or in a term that it does more than scale: its values are then more
-/// than coefficients by run.
+/// Whether a constant occurs in a known part or inside a factor. If it differs from run to run, it is then more than a coefficient by run.
 fn is_fixed_elsewhere(model: &Model, library: &Library, signal: Signal) -> bool {
     let known = model.equations.iter().any(|e| match &e.right {
         RightSide::Known(e) => e.mentions(signal),

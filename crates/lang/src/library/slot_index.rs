@@ -41,7 +41,7 @@ impl SlotIndex {
         SlotIndex { entries }
     }
 
-    /// The first slot of `term` in the blocks of a range; `blocks` are those that the index was made of.
+    /// The first slot of `term` in the blocks of a range; `blocks` must be those that the index was made from.
     pub fn find(&self, blocks: &[Block], range: Range<usize>, term: &Term) -> Option<usize> {
         let pairs = self.entries.iter().zip(blocks);
         pairs

@@ -55,7 +55,7 @@ fn atoms() -> Vec<Expr> {
     ]
 }
 
-/// An expression that fails readably.
+/// An expression that is printed as text when a test fails.
 #[derive(Clone)]
 struct Shown(LibExpr);
 
@@ -137,7 +137,7 @@ fn expression() -> impl Strategy<Value = LibExpr> {
                 .prop_map(|(a, b)| written(LibKind::Union(a, b))),
             pair.clone()
                 .prop_map(|(a, b)| written(LibKind::Product(a, b))),
-            // Something to remove is there: (A + B) − B.
+            // (A + B) − B, so that there is something to remove.
             pair.prop_map(|(a, b)| {
                 let union = LibKind::Union(a, b.clone());
                 written(LibKind::Difference(Box::new(written(union)), b))
@@ -221,7 +221,7 @@ fn admits(model: &Model, term: &Term) -> bool {
         })
 }
 
-/// The library and its number of identities, where that can be counted.
+/// The library and its number of identities, if that can be counted.
 fn factored(model: &Model, e: &LibExpr) -> Option<(Library, Option<u128>)> {
     let mut pass = expansion::Expansion::new(model, TARGET, MEMORY);
     let set = pass.library(e)?;

@@ -275,7 +275,7 @@ impl AstBuilder<'_> {
         })
     }
 
-    /// `symmetry = { SOI ~ "symmetry" ~ ("(" ~ names ~ ")" | names) ~ "->" ~ image ~ EOI }`, `image = { flipped | names }`
+    /// `symmetry = { SOI ~ "symmetry" ~ ("(" ~ names ~ ")" ~ "->" | names ~ "->") ~ image ~ EOI }`, `image = { flipped | names }`
     fn symmetry(&self, mut inner: Pairs<Rule>) -> Result<StatementKind> {
         let names = self.items(self.next(&mut inner)?)?;
         let image = self.next(&mut inner)?;
@@ -314,7 +314,7 @@ impl AstBuilder<'_> {
         Ok(StatementKind::Include { path, at })
     }
 
-    /// `items = { item ~ ("," ~ item)* ~ ","? }`, and `names`, `numbers` alike
+    /// `items = { item ~ ("," ~ item)* ~ ","? }`, and likewise `names` and `numbers`
     fn items(&self, pair: Pair<Rule>) -> Result<Vec<Expr>> {
         pair.into_inner().map(|p| self.item(p)).collect()
     }

@@ -1,7 +1,6 @@
-//! What completes a statement that does not match its rule, where few words say that.
+//! Suggests how to complete a statement that does not match its rule.
 //!
-//! In: where the statement fails, and its error. Out: the error with a help and, where it can be made, the change. Names come from the
-//! statement itself.
+//! In: where the statement fails, and its error. Out: the error with a help and, if possible, a fix. Names come from the statement itself.
 
 use std::collections::BTreeSet;
 
@@ -11,7 +10,7 @@ use crate::parse::grammar::Rule;
 use crate::parse::token::TokenKind;
 use crate::source::Span;
 
-/// Tokens of a statement of which nothing is lost when it is deleted.
+/// Largest number of tokens in a statement that can be deleted without loss.
 pub const STUB: usize = 4;
 
 pub fn completed(s: &FailurePoint, rule: Rule, d: Diagnostic, example: &str) -> Diagnostic {
@@ -95,7 +94,7 @@ fn of_rule(s: &FailurePoint, rule: Rule) -> Option<Completion> {
     }
 }
 
-/// The names of a symmetry as it is written: `symmetry x, y -> -(x, y)`.
+/// A symmetry rewritten with the names in it: `symmetry x, y -> -(x, y)`.
 pub fn symmetry_line(s: &FailurePoint) -> Option<String> {
     let words = s.tokens.get(1..)?;
     let signs = [",", "-", "->", "=", "(", ")"];
@@ -170,7 +169,7 @@ fn named_argument(s: &FailurePoint) -> Option<Completion> {
     ))
 }
 
-/// `x` of `ddx`, of `x'` and of `x`.
+/// The `x` of `ddx`, `x'` or `x`.
 fn underived(name: &str) -> &str {
     let name = name.trim_end_matches('\'');
     let base = name.trim_start_matches('d');

@@ -73,7 +73,7 @@ fn subscript(c: char) -> Option<&'static str> {
     })
 }
 
-/// The spelling of a name with combining marks that no precomposed letter has: dots become leading `d`s, other marks go.
+/// The spelling of a name with combining marks that no precomposed letter has: dots become leading `d`s, other marks are dropped.
 pub fn accented(name: &str) -> Option<String> {
     if !name.contains(is_mark) {
         return None;

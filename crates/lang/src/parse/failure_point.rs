@@ -34,7 +34,7 @@ impl<'t> FailurePoint<'_, 't> {
         from.span(self.file).to(to.span(self.file))
     }
 
-    /// The text of the tokens from one to before another, with single spaces.
+    /// The text of the tokens `from..to`, with single spaces.
     pub fn phrase(&self, from: usize, to: usize) -> String {
         let mut out = String::new();
         for token in (from..to).filter_map(|i| self.get(i)) {

@@ -11,7 +11,7 @@ use pest_derive::Parser;
 #[grammar = "grammar/sid.pest"]
 pub struct SidParser;
 
-/// `x^2` binds tighter than `-x`, that tighter than `*` and `/`, those tighter than `+` and `-`.
+/// Operators from loosest to tightest: `+ -`, `* /`, the minus of `-x`, `^`.
 pub static PRECEDENCE: LazyLock<PrattParser<Rule>> = LazyLock::new(|| {
     PrattParser::new()
         .op(Op::infix(Rule::add, Assoc::Left) | Op::infix(Rule::subtract, Assoc::Left))

@@ -1,8 +1,8 @@
 //! Text → tokens with places, comments and line ends included.
 //!
-//! In: any text. Out: tokens that cover everything but blanks, and an error for each character or number that the language does
-//! not have. Its users are the cut into statements, the explanation of syntax errors, and the formatter. The grammar reads the
-//! text itself, where comments and line ends are white space.
+//! In: any text. Out: tokens that cover everything but blanks, and an error for each character or number that the language does not have.
+//! Used by the statement splitter, the explanation of syntax errors, and the formatter. The grammar reads the text itself, where comments
+//! and line ends are white space.
 
 use std::collections::BTreeSet;
 
@@ -67,7 +67,7 @@ struct Lexer<'t> {
     out: Vec<Token<'t>>,
     /// The first token of the line in `out`.
     line: usize,
-    /// The last `*/` of the text, so that it is not sought from each `/*` again.
+    /// The last `*/` of the text, so that it is searched for only once.
     last_comment_end: Option<usize>,
     /// Names that run over a range somewhere in the text: `, i = 1..10`.
     indices: BTreeSet<&'t str>,
@@ -76,7 +76,7 @@ struct Lexer<'t> {
     errors: Vec<Diagnostic>,
 }
 
-/// Longest text from the comma to the dots of `, i = 1..10` that is looked at.
+/// Longest text from the comma to the dots of `, i = 1..10` that is searched.
 const INDEX_RANGE: usize = 60;
 
 /// The names of all ranges `, i = 1..` of a text.
@@ -149,7 +149,7 @@ impl<'t> Lexer<'t> {
         }
     }
 
-    /// Whether a name is declared here: behind the keyword of a declaration, and names and commas.
+    /// Whether a name is declared here: after the keyword of a declaration, with only names and commas between.
     fn declares(&self) -> bool {
         let line = self.out.get(self.line..).unwrap_or(&[]);
         let mut code = line.iter().filter(|t| t.is_code());
@@ -322,7 +322,7 @@ impl<'t> Lexer<'t> {
         (self.span(start), ours)
     }
 
-    /// True at the `[` of `x[k+1]`: directly behind a name, and closed within a few characters. The bound keeps the lexer linear.
+    /// True at the `[` of `x[k+1]`: right after a name, and closed within a few characters. The bound keeps the lexer linear.
     fn is_index(&self) -> bool {
         let beside = |t: &Token| t.kind == TokenKind::Name && t.end == self.at;
         let mut inside = self.rest().chars().take(MESSAGES.index);
@@ -330,7 +330,7 @@ impl<'t> Lexer<'t> {
         self.out.last().is_some_and(beside) && closed
     }
 
-    /// The text before the next quote of a word processor on this line, and where that ends.
+    /// The text before the next quote of a word processor on this line, and where the quote ends.
     fn to_pasted_quote(&self) -> Option<(&'t str, usize)> {
         let line = self.rest().split('\n').next()?;
         let closes = |(_, c): &(usize, char)| confusables::ascii(*c) == Some("\"");

@@ -65,7 +65,7 @@ pub fn parse(id: FileId, text: &str) -> (File, Vec<Diagnostic>) {
             None => file.broken.push(broken(id, &tokens, &piece)),
         }
     }
-    // Brackets of a statement in another language are that language's.
+    // Brackets in a statement of another language follow its rules, not ours.
     let in_foreign = |at: Span| {
         let before = foreign.partition_point(|s| s.start <= at.start);
         let last = before.checked_sub(1).and_then(|i| foreign.get(i));
@@ -83,7 +83,7 @@ fn names_one_file(own: &[Token]) -> bool {
     matches!(code.as_slice(), [_, path] if path.kind == TokenKind::Text)
 }
 
-/// A statement, if it could be understood; what is wrong with it is added to the errors.
+/// A statement, if it could be understood; its errors are added to `errors`.
 fn statement(
     id: FileId,
     text: &str,
@@ -123,7 +123,7 @@ fn statement(
     built.map_err(|e| errors.push(*e)).ok()
 }
 
-/// `, i =` outside of brackets, behind a relation; `angles` are brackets but where they compare.
+/// Whether `, i =` follows a relation outside brackets. `angles` is true if `<` and `>` are brackets and not relations.
 fn has_index_range(own: &[Token], angles: bool) -> bool {
     let code: Vec<&Token> = own.iter().filter(|t| t.is_code()).collect();
     let (mut depth, mut related) = (0usize, false);
@@ -217,7 +217,7 @@ fn broken(id: FileId, tokens: &[Token], piece: &StatementTokens) -> Broken {
                 | Keyword::Unknown
                 | Keyword::Let
         ),
-        // Without a relation it is no equation, so its keyword is misspelt.
+        // Without a relation it is not an equation, so its keyword is misspelt.
         None => !own.iter().any(|t| t.is("~") || t.is("=")),
     };
     let names = own

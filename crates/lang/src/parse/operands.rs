@@ -1,6 +1,6 @@
 //! Small parts of expressions: chains of operators, ranges, numbers.
 //!
-//! In: operands that are built, or pairs of digits. Out: nodes and values. Reports nothing.
+//! In: operands, or pest's pairs of digits. Out: nodes and values. Reports nothing.
 
 use pest::iterators::Pair;
 

@@ -128,7 +128,7 @@ impl<'t> Splitter<'t> {
         }
     }
 
-    /// The `}` of a data block without its `{`: what stands between them is of the block, and not equations.
+    /// The `}` of a data block without its `{`: the lines before it belong to the block and are not equations.
     fn unopened_block(&self, start: usize, keyword: Option<Keyword>) -> Option<usize> {
         let next = self.next_code(start + 1)?;
         if keyword != Some(Keyword::Data) || self.get(next)?.is("{") {
@@ -200,7 +200,7 @@ impl<'t> Splitter<'t> {
             keyword,
             Some(Keyword::Constrain | Keyword::Data | Keyword::Symmetry)
         );
-        // What an open quote swallowed may have closed a bracket.
+        // An unclosed quote may have swallowed a closing bracket.
         let quote = token.kind == TokenKind::Bad && token.text.starts_with('"');
         open.sound &= !quote;
         open.minuses = if token.is("-") { open.minuses + 1 } else { 0 };

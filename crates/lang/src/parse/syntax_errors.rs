@@ -1,13 +1,13 @@
 //! Errors of syntax, found before any name is looked up.
 //!
-//! Constructors only: places and parts of the user's text in, a [`Diagnostic`] with a fix to copy out.
+//! Constructors only: places and parts of the user's text in, a [`Diagnostic`] with a fix out.
 
 use crate::ast::KEYWORDS;
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, is_unseen};
 
 pub fn unclosed_quote(at: Span, text: &str) -> Diagnostic {
-    // A brace at the end of the line closes the data block, and is no part of a header.
+    // A brace at the end of the line closes the data block, and is not part of a header.
     let text = text.trim_end();
     let inside = text.trim_end_matches('}').trim_end();
     let rest = text.get(inside.len()..).unwrap_or("");
@@ -157,7 +157,7 @@ pub fn too_deep(at: Span, limit: usize) -> Diagnostic {
     .help("name an inner part with `let`")
 }
 
-/// `end`: behind the last word that the bracket may hold.
+/// `end` is the place after the last token that the bracket may hold.
 pub fn unclosed_bracket(at: Span, end: Span, open: &str, close: &str) -> Diagnostic {
     Diagnostic::error("unclosed-bracket", format!("`{open}` is never closed"))
         .at(at, "opened here")
@@ -206,7 +206,7 @@ pub fn closing_bracket(open: &str) -> &'static str {
     }
 }
 
-/// `inside` is what stands behind `data`, and `ours` the same in braces.
+/// `inside` is the place of what follows `data`, and `ours` the same text in braces.
 pub fn data_without_brace(at: Span, inside: Span, ours: &str) -> Diagnostic {
     Diagnostic::error("syntax", "a data block needs braces")
         .at(at, "expected `{` right after `data`")

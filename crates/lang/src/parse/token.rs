@@ -1,6 +1,4 @@
-//! A piece of the text: what kind it is, and where it stands.
-//!
-//! In: places. Out: what a token is asked. Cuts no text.
+//! A token: its kind, place and text.
 
 use crate::source::{FileId, Span};
 

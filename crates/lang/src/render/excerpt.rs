@@ -1,7 +1,7 @@
-//! Cuts source lines that are too long to show down to the places a finding points at.
+//! Cuts long source lines down to the places that a diagnostic points at.
 //!
-//! In: a finding and the texts its places point into. Out: both with long lines cut to the neighbourhood of the places and `…` for
-//! what was left out; nothing where all lines are short enough. Changes no message.
+//! In: a diagnostic and the texts its places point into. Out: both, with long lines cut to the parts near the places and `…` for the rest;
+//! nothing if all lines are short enough. Changes no message.
 
 use crate::diagnostic::{Diagnostic, Label};
 use crate::source::{FileId, Source, Sources, Span, floor_boundary};
@@ -9,7 +9,7 @@ use crate::thresholds::MESSAGES;
 
 const LEFT_OUT: char = '…';
 
-/// A finding whose lines fit, with its texts.
+/// A diagnostic whose lines fit, with its texts.
 pub(crate) struct Short {
     pub finding: Diagnostic,
     pub sources: Sources,

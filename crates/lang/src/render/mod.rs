@@ -1,6 +1,6 @@
 //! Diagnostics → text, plain or coloured. The only place that knows the diagnostics crate.
 //!
-//! In: findings as data, and the texts their places point into. Out: what a terminal shows. Adds no content.
+//! In: diagnostics, and the texts their places point into. Out: what a terminal shows. Adds no content.
 
 mod excerpt;
 
@@ -16,7 +16,7 @@ use crate::source::{FileId, Source, Sources, floor_boundary, printable};
 use crate::thresholds::MESSAGES;
 use excerpt::shorten;
 
-/// All findings, each followed by an empty line. Of very many, the first ones and the number of the others.
+/// All diagnostics, each followed by an empty line; of very many, the first ones and the number of the others.
 pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> String {
     let sources = &sources.printable();
     let diagnostics = &first_of_each(diagnostics);
@@ -37,7 +37,7 @@ pub fn render(diagnostics: &[Diagnostic], sources: &Sources, colour: bool) -> St
     }
 }
 
-/// The first [`MESSAGES`] allow of each severity; the last of them says how many were left out.
+/// The first diagnostics of each severity, as many as [`MESSAGES`] allows; the last of them says how many were left out.
 fn first_of_each(diagnostics: &[Diagnostic]) -> Vec<Diagnostic> {
     let mut counts = std::collections::BTreeMap::new();
     let mut shown = Vec::new();
@@ -78,7 +78,7 @@ fn write_all<W: WriteColor>(
             Some(s) => (&s.finding, &Lines::with_columns(&s.sources, &s.columns)),
             None => (d, &whole),
         };
-        // Writing to memory cannot fail. A place outside its text can: the message is then written without places.
+        // Writing to memory cannot fail, but a place outside its text is refused; the message is then written without places.
         let mut write = |d: &Diagnostic| {
             let converted = convert(d, files.sources);
             term::emit_to_write_style(&mut out, &config, files, &converted)
@@ -127,7 +127,7 @@ fn convert(d: &Diagnostic, sources: &Sources) -> report::Diagnostic<FileId> {
         )
 }
 
-/// A text without its middle if it is very long: names from files have any length.
+/// A text without its middle if it is very long: names from files may have any length.
 fn brief(text: &str) -> String {
     let length = text.chars().count();
     if length <= MESSAGES.text {
@@ -205,7 +205,7 @@ fn plain(line: &str) -> String {
     out
 }
 
-/// The texts, with the starts of their lines as they are needed.
+/// The texts, with their line starts found on demand.
 struct Lines<'a> {
     sources: &'a Sources,
     /// Column numbers of places in shortened lines: those of the whole line.
@@ -314,7 +314,7 @@ mod tests {
         let words = ["word"; 60].join(" ");
         let lines: Vec<String> = wrap("help: ", &words).lines().map(str::to_string).collect();
         assert!(lines.len() == 3 && lines.iter().all(|l| l.chars().count() <= MESSAGES.width));
-        // A line that ends has no room for one word more.
+        // One more word would not fit on the line.
         assert!(
             lines
                 .iter()

@@ -1,7 +1,7 @@
 //! Partial derivatives, exact, in the normal form.
 //!
-//! In: an expression and a signal. Out: its derivative by that signal with every other signal fixed, `dx` included where `x` is the
-//! signal. Never multiplies out. The derivatives of functions are in the table of `function.rs`.
+//! In: an expression and a signal. Out: its derivative with respect to that signal, with every other signal fixed: for `x`, `dx` is fixed
+//! too. Never multiplies out. The derivatives of functions are in the table of `function.rs`.
 
 use crate::term::expr::Factor;
 use crate::term::{Atom, Expr, Signal, Term};
@@ -28,7 +28,7 @@ impl Term {
         self.factors().enumerate().map(summand).sum()
     }
 
-    /// The term with one less in the exponent of factor `i`.
+    /// The term with the exponent of factor `i` lowered by one.
     fn lowered(&self, i: usize) -> Term {
         let mut factors = self.0.clone();
         if let Some(factor) = factors.get_mut(i) {

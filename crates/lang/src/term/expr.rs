@@ -1,7 +1,7 @@
 //! The normal form: an [`Expr`] is a sum of weighted [`Term`]s, a term a product of powers of [`Atom`]s.
 //!
-//! In: signals, numbers, functions. Out: expressions by `+ - * / ^` that are equal if they were written in another order. Products
-//! of sums are not multiplied out: `x*(1 - x)` stays one product, because the user wrote one candidate column.
+//! In: signals, numbers, functions. Out: expressions by `+ - * / ^` that are equal in whatever order they were written. Products of sums
+//! are not multiplied out: `x*(1 - x)` stays one product, because the user wrote one candidate column.
 
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -172,7 +172,7 @@ impl Expr {
         Expr::from(Term::signal(s))
     }
 
-    /// A function of expressions; of numbers it is evaluated.
+    /// A function of expressions; evaluated if they are numbers.
     pub fn call(f: Func, args: Vec<Expr>) -> Self {
         let numbers: Option<Vec<f64>> = args.iter().map(Expr::as_number).collect();
         match numbers {

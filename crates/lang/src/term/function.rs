@@ -15,8 +15,8 @@ pub struct Function {
     pub arity: (usize, usize),
     /// Value; NaN or ±∞ outside the domain.
     pub eval: fn(&[f64]) -> f64,
-    /// Partial derivative by the argument of that number, as an expression of the arguments. At a kink it is the mean of
-    /// both sides; of `sign` and `step` it is 0, at the jump too.
+    /// Partial derivative with respect to the argument of this index, as an expression of the arguments. At a kink it is the mean of both
+    /// sides; of `sign` and `step` it is 0, at the jump too.
     pub slope: fn(&[Expr], usize) -> Expr,
     /// Where it is real and finite, in words; empty if everywhere.
     pub domain: &'static str,
@@ -43,7 +43,7 @@ pub enum UnitRule {
     Lost,
 }
 
-/// The name of a function in each target language; empty where the language lacks it, so that the target refuses.
+/// The name of a function in each target language; empty if the language lacks it, so that the target refuses it.
 ///
 /// A call with more than two arguments is written as nested calls of two, from left to right.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ pub struct Spelling {
     pub c: &'static str,
     pub numpy: &'static str,
     pub sympy: &'static str,
-    /// MATLAB and Octave. `real_` in front: its complex values become NaN.
+    /// MATLAB and Octave. With `real_` in front, complex values become NaN.
     pub matlab: &'static str,
 }
 
@@ -150,11 +150,11 @@ fn one_plus(k: f64, x: Expr) -> Expr {
     Expr::number(1.0) + x.pow(2.0).scale(k)
 }
 
-/// The derivative of `min` or `max` (`f`) by argument `i`: 1 where that argument is taken, 0 elsewhere. `toward` is 1 for max, −1
-/// for min.
+/// The derivative of `min` or `max` (`f`) with respect to argument `i`: 1 where that argument is taken, 0 elsewhere. `toward` is 1 for max,
+/// −1 for min.
 ///
-/// Built from left to right, the extreme so far against the next argument. A tie gives half to each side, so that the derivatives
-/// by all arguments add up to 1 however many are tied.
+/// Compares the extreme so far with the next argument, from left to right. A tie gives half to each side, so that the derivatives with
+/// respect to all arguments add up to 1 however many are tied.
 fn picks(f: &str, toward: f64, x: &[Expr], i: usize) -> Expr {
     let best = |n: usize| match (Func::named(f), x.get(..n)) {
         (Some(f), Some(first)) if n > 1 => Expr::call(f, first.to_vec()),

@@ -2,7 +2,7 @@
 //!
 //! In: names already resolved to [`Signal`]s. Out: [`Expr`]s and [`Term`]s that can be compared, merged, printed, differentiated and
 //! evaluated. Knows nothing of files, data tables or solvers. `expr.rs` and `function.rs` use each other, because the derivative of a
-//! function is an expression and an expression calls functions; nothing else here is circular.
+//! function is an expression and an expression calls functions; no other files depend on each other in circles.
 
 mod derivative;
 mod evaluate;

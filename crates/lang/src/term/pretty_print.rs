@@ -20,7 +20,7 @@ pub trait Notation {
     fn signal(&self, s: Signal) -> String;
     fn number(&self, x: f64) -> String;
     fn call(&self, f: Func, args: &[String]) -> String;
-    /// `base` is text that binds at least as tightly as an atom, the exponent one that [`Notation::exponent`] made.
+    /// `base` binds at least as tightly as an atom; `exponent` is a positive number or was made by [`Notation::exponent`].
     fn power(&self, base: &str, exponent: &str) -> (String, Precedence);
     /// An exponent from its text, and how tightly that binds.
     fn exponent(&self, text: String, _: Precedence) -> String {
@@ -102,7 +102,7 @@ pub fn write_expr(n: &impl Notation, e: &Expr) -> (String, Precedence) {
     }
 }
 
-/// The terms in order, but a positive one in front: `x2 - x1`, not `-x1 + x2`.
+/// The terms in order, except that a positive one comes first: `x2 - x1`, not `-x1 + x2`.
 fn positive_first(e: &Expr) -> Vec<(f64, &Term)> {
     let mut terms: Vec<(f64, &Term)> = e.terms().collect();
     if let Some(first) = terms.iter().position(|(w, _)| *w > 0.0) {
@@ -167,7 +167,7 @@ impl<N: SignalNames + ?Sized> Language<'_, N> {
         write_expr(self, e).0
     }
 
-    /// A sum of weighted terms, the weights with so many digits: `1.2*x - 0.5*x^3`.
+    /// A sum of weighted terms, with weights of `digits` digits: `1.2*x - 0.5*x^3`.
     pub fn sum<'t>(&self, terms: impl Iterator<Item = (f64, &'t Term)>, digits: usize) -> String {
         let rounded = terms.map(|(w, t)| Expr::from((rounded(w, digits), t.clone())));
         self.expr(&rounded.sum())
@@ -262,7 +262,7 @@ mod tests {
         let e = x().scale(-1.0).pow(0.5);
         assert_eq!(e.eval(&|_| -4.0), 2.0);
         assert_eq!(text(e), "(-x)^0.5");
-        // (x y)^0.5 is a number where both are below zero.
+        // (x y)^0.5 is real if both are negative.
         let e = (x() * y()).pow(0.5);
         assert_eq!(e.eval(&|_| -3.0), 3.0);
         assert_eq!(text(e), "(x*y)^0.5");

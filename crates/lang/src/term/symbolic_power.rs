@@ -1,7 +1,7 @@
 //! Powers whose exponents are symbols.
 //!
-//! In: a base and an exponent. Out: b^e in the normal form, exp(e·log b), in which only numbers are exponents; and from such an atom its
-//! base and exponent again, so that it is printed, computed and emitted as the power that was written.
+//! In: a base and an exponent. Out: b^e in the normal form, exp(e·log b), in which only numbers are exponents; and the base and
+//! exponent of such an atom, so that it is printed, computed and emitted as the power that was written.
 
 use crate::term::{Atom, Expr, Func, Signal};
 

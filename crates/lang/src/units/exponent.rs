@@ -82,7 +82,7 @@ impl Exponent {
     }
 }
 
-/// `2`, `0.5`, and `(1/3)` where decimals do not end.
+/// `2`, `0.5`, and `(1/3)` if two decimals are not enough.
 impl std::fmt::Display for Exponent {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if 100 % self.denominator == 0 {

@@ -1,6 +1,6 @@
 //! Units as an algebra: texts such as `kg*m/s^2` multiplied, divided, raised to powers, compared, simplified.
 //!
-//! In: texts, and terms whose signals have units. Out: units, or nothing where one is unknown. Converts no value: a unit says
+//! In: texts, and terms whose signals have units. Out: units, or nothing if one is unknown. Converts no value: a unit says
 //! what a number is counted in, and the number stays what it is.
 
 mod exponent;

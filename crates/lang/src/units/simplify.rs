@@ -40,12 +40,12 @@ impl Unit {
         }
     }
 
-    /// True of `N*m`: who wrote a torque does not want joules.
+    /// True of `N*m`: a torque is not given in joules.
     fn is_torque(&self) -> bool {
         self.to_string() == "N*m"
     }
 
-    /// Number of symbols with their powers counted, then of distinct symbols.
+    /// Sum of the sizes of the exponents, then number of symbols.
     fn length(&self) -> (f64, usize) {
         let symbols = self.factors.values().map(|p| p.value().abs()).sum();
         (symbols, self.factors.len())

@@ -1,6 +1,6 @@
 //! Units of terms, from the units of their signals.
 //!
-//! In: a term, and the unit of each signal. Out: its unit; `None` where a signal has none, and where a number may carry one.
+//! In: a term, and the unit of each signal. Out: its unit; `None` if a signal has none or a number may carry one.
 
 use crate::term::{Atom, Expr, Signal, Term, UnitRule};
 use crate::units::unit::Unit;

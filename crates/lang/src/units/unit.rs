@@ -10,7 +10,7 @@ use crate::thresholds::UNITS;
 use crate::units::exponent::Exponent;
 use crate::units::unit_table::Symbol;
 
-/// A product of powers of symbols, each once, in the order of print; empty is the pure number 1.
+/// A product of powers of symbols, each once, in the order in which they are printed; empty is the pure number 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Unit {
     pub(crate) factors: BTreeMap<Symbol, Exponent>,
@@ -31,7 +31,7 @@ impl Unit {
         Unit::default()
     }
 
-    /// The unit of time where none is declared.
+    /// The unit of time if none is declared.
     pub fn second() -> Unit {
         Unit::symbol(Symbol::base("s"))
     }
@@ -42,7 +42,7 @@ impl Unit {
         }
     }
 
-    /// The product; `None` where an exponent is beyond its limits.
+    /// The product; `None` if an exponent is beyond its limits.
     pub fn times(&self, other: &Unit) -> Option<Unit> {
         let mut out = self.clone();
         for (symbol, power) in &other.factors {
@@ -59,7 +59,7 @@ impl Unit {
         Some(out)
     }
 
-    /// The quotient; `None` where an exponent is beyond its limits.
+    /// The quotient; `None` if an exponent is beyond its limits.
     pub fn per(&self, other: &Unit) -> Option<Unit> {
         self.times(&other.inverse())
     }
@@ -124,7 +124,7 @@ impl Unit {
 }
 
 impl FromIterator<(Symbol, Exponent)> for Unit {
-    /// Of distinct symbols with exponents that are not zero.
+    /// From distinct symbols with nonzero exponents.
     fn from_iter<I: IntoIterator<Item = (Symbol, Exponent)>>(factors: I) -> Unit {
         Unit {
             factors: factors.into_iter().collect(),

@@ -24,7 +24,7 @@ pub struct UnitSyntaxError {
 }
 
 impl UnitSyntaxError {
-    /// With other words at its place.
+    /// Suggests `ours` at the place of the error.
     fn mended_here(mut self, text: &str, ours: &str) -> Self {
         let (before, after) = (text.get(..self.at.start), text.get(self.at.end..));
         self.mended = format!("{}{ours}{}", before.unwrap_or(""), after.unwrap_or(""));
@@ -133,7 +133,7 @@ impl<'t> Parser<'t> {
         self.peek().filter(|c| fits(*c)).and_then(|_| self.take())
     }
 
-    /// The longest run of such characters.
+    /// Takes the longest run of characters that fit.
     fn run(&mut self, fits: impl Fn(char) -> bool) -> &'t str {
         let rest = self.rest();
         let end = rest.find(|c| !fits(c)).unwrap_or(rest.len());
@@ -167,7 +167,7 @@ impl<'t> Parser<'t> {
         }
     }
 
-    /// Factors side by side, `kg m`. Behind a `/` they are ambiguous.
+    /// Factors side by side, `kg m`. After a `/` they are ambiguous.
     fn product(&mut self, divided: bool) -> Result<Unit, UnitSyntaxError> {
         let start = self.at;
         let mut unit = self.factor()?;
@@ -237,7 +237,7 @@ impl<'t> Parser<'t> {
         Ok(unit)
     }
 
-    /// A known unit, one with its exponent behind it (`m2`), or a custom unit.
+    /// A known unit, one directly followed by its exponent (`m2`), or a custom unit.
     fn word(&mut self) -> Unit {
         let start = self.at;
         self.take();
@@ -285,7 +285,7 @@ impl<'t> Parser<'t> {
         ))
     }
 
-    /// `^2`, `^-1`, `^0.5`, `^(1/3)`, `**2`, `²`, and `2` or `-2` right behind a word.
+    /// `^2`, `^-1`, `^0.5`, `^(1/3)`, `**2`, `²`, and `2` or `-2` right after a word.
     fn power(&mut self) -> Result<Option<Exponent>, UnitSyntaxError> {
         let start = self.at;
         let raised = self.text.get(start..).unwrap_or("");

@@ -16,13 +16,13 @@ pub(crate) struct Known {
     pub also: &'static [&'static str],
     /// Written-out names: not accepted, but offered as corrections.
     pub names: &'static [&'static str],
-    /// How many of its SI base units one is.
+    /// Its size in SI base units.
     scale: f64,
     /// Exponents of kg, m, s, A, K, mol, cd.
     dimensions: [i8; 7],
     /// Takes prefixes.
     prefixed: bool,
-    /// Replaces base units where that makes a coefficient's unit shorter.
+    /// Replaces base units if that makes a coefficient's unit shorter.
     pub shortens: bool,
 }
 
@@ -123,7 +123,7 @@ const PAIRS: [(&str, &str); 6] = [
     ("A", "s"),
 ];
 
-/// Custom units are printed behind the counts (`thousand pelts`), before everything else.
+/// Custom units are printed after the counts (`thousand pelts`), before everything else.
 const CUSTOM_RANK: usize = 2;
 
 /// One word of a unit, with its prefix; ordered as printed.
@@ -205,7 +205,7 @@ impl Symbol {
         }
     }
 
-    /// log₁₀ of how many of its base units one is.
+    /// log₁₀ of its size in its base units.
     pub fn scale(&self) -> f64 {
         self.entry()
             .map_or(0.0, |k| k.scale.log10() + f64::from(self.ten))

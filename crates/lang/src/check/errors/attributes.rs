@@ -1,4 +1,4 @@
-//! Errors of attributes: what they take, and where they stand.
+//! Errors in attributes: wrong values and wrong places.
 //!
 //! Constructors only: places and values in, diagnostics out.
 
@@ -135,7 +135,7 @@ pub fn delay_in_discrete(at: Span, place: Span, keyword: &str) -> Diagnostic {
     }
 }
 
-/// `whole` is the attribute, `examples` what may stand in its place.
+/// `whole` is the attribute; `examples` are possible replacements.
 pub fn attribute_value(
     (at, whole): (Span, Span),
     key: &str,

@@ -1,4 +1,4 @@
-//! Errors of entries in the data block.
+//! Errors in entries of the data block.
 //!
 //! Constructors only: places and values in, diagnostics out.
 
@@ -15,7 +15,7 @@ pub fn step(at: Span, value: f64) -> Diagnostic {
     .fix(at, "0.01")
 }
 
-/// `header` is what stands there, without quotes.
+/// `header` is the text found, without quotes.
 pub fn run(at: Span, header: &str) -> Diagnostic {
     Diagnostic::error(
         "data-entry",
@@ -26,8 +26,8 @@ pub fn run(at: Span, header: &str) -> Diagnostic {
     .fix(at, format!("\"{header}\""))
 }
 
-/// Signals of experiments side by side with different numbers of sources: place, name and number of each; `sources` are the place of those
-/// that are wrong, and the first of them.
+/// Two signals with different numbers of sources, each given by place, name and count. `sources` is the place of the wrong sources and the
+/// text of the first.
 pub fn sources_differ(
     (at, name, count): (Span, String, usize),
     (first, other, expected): (Span, String, usize),
@@ -43,7 +43,7 @@ pub fn sources_differ(
     .fix(sources.0, sources.1)
 }
 
-/// Experiments side by side and a column of runs.
+/// Experiments side by side, together with a column of runs.
 pub fn side_and_below(at: Span, run: Span) -> Diagnostic {
     Diagnostic::error(
         "data-entry",
@@ -55,7 +55,7 @@ pub fn side_and_below(at: Span, run: Span) -> Diagnostic {
     .remove(run)
 }
 
-/// `whole` are the sources of all runs.
+/// `whole` is the place of the sources of all runs.
 pub fn nothing_in_one_run(at: Span, whole: Span) -> Diagnostic {
     Diagnostic::error("data-entry", "`none` stands alone")
         .at(at, "a source of one run among several")

@@ -1,4 +1,4 @@
-//! Errors of declarations and names.
+//! Errors in declarations and names.
 //!
 //! Constructors only; the caller decides which name was probably meant.
 
@@ -27,7 +27,7 @@ pub fn future_version(at: Span, version: f64) -> Diagnostic {
     .fix(at, "sidc 1")
 }
 
-/// A second statement or entry of a kind that is given once.
+/// A second statement or entry where only one is allowed.
 pub fn twice(at: Span, first: Span, what: &str) -> Diagnostic {
     Diagnostic::error("given-twice", format!("a second {what}"))
         .at(at, "given again here")
@@ -42,7 +42,7 @@ fn always_taken(at: Span, name: &str) -> Diagnostic {
     Diagnostic::error("name-taken", message).at(at, "cannot be declared")
 }
 
-/// `let t(a) = a`, `let f(t) = t`; the name is to be another in `within`.
+/// `let t(a) = a`, `let f(t) = t`; the fix renames throughout `within`.
 pub fn taken_by_function(at: Span, name: &str, within: Span) -> Diagnostic {
     let other = format!("{name}_0");
     let d = always_taken(at, name).help(format!("choose another name, such as `{other}`"));
@@ -61,7 +61,7 @@ pub fn taken(at: Span, name: &str) -> Diagnostic {
     })
 }
 
-/// `state x` and `input dx`, or one name declared twice; `alone`: whether the place is the name, and no range of several.
+/// `state x` and `input dx`, or one name declared twice; `alone` is true if the place holds one name and not a range.
 pub fn clash((at, alone): (Span, bool), var: &Var, derivative: u8, other: &Var) -> Diagnostic {
     let name = "d".repeat(usize::from(derivative)) + &var.name;
     let renamed = match (derivative, other.span) {
@@ -119,7 +119,7 @@ pub fn declared_derivative(at: Span, name: &str) -> Diagnostic {
     ])
 }
 
-/// `gap`: between the two words.
+/// `gap` is the place between the two words.
 pub fn two_names(at: Span, gap: Span, keyword: &str, first: &str, second: &str) -> Diagnostic {
     let d = Diagnostic::error(
         "syntax",
@@ -139,7 +139,7 @@ pub fn two_names(at: Span, gap: Span, keyword: &str, first: &str, second: &str) 
     }
 }
 
-/// `state f(z)`, `state x + y`; `names` are those that stand in it.
+/// `state f(z)`, `state x + y`; `names` are those found in it.
 pub fn not_a_name(at: Span, keyword: &str, names: &[&str]) -> Diagnostic {
     let d = Diagnostic::error("syntax", "only a name can be declared").at(at, "not a name");
     let d = match names {
@@ -163,7 +163,7 @@ pub fn too_many_variables(at: Span, limit: usize) -> Diagnostic {
         .help("identify parts of the system one at a time")
 }
 
-/// `ours` is what is meant in its place.
+/// `ours` is the replacement in discrete time.
 pub fn derivative_in_discrete(at: Span, name: &str, ours: &str, place: Span) -> Diagnostic {
     Diagnostic::error(
         "mixed-time",
@@ -177,7 +177,7 @@ pub fn derivative_in_discrete(at: Span, name: &str, ours: &str, place: Span) -> 
     .fix(at, ours)
 }
 
-/// `sin` alone; `negated` is the x of `sin -x` and its place, `example` an argument.
+/// `sin` alone; `negated` is the x of `sin -x` and its place, `example` a possible argument.
 pub fn function_without_argument(
     at: Span,
     name: &str,
@@ -204,7 +204,7 @@ pub fn function_without_argument(
     }
 }
 
-/// `example` is a call of it.
+/// `example` is a complete call.
 pub fn generator_without_arguments(at: Span, name: &str, example: &str) -> Diagnostic {
     Diagnostic::error(
         "generator-form",
@@ -235,7 +235,7 @@ pub fn word_elsewhere(at: Span, word: &str, help: &str) -> Diagnostic {
     .help(help)
 }
 
-/// `x(1 - x)`, `x y` where x is a signal; `fixed` is the same with its `*`, `listed` with a comma where two names stand side by side.
+/// `x(1 - x)` or `x y`, where x is a signal. `fixed` is the text with a `*`; `listed` has a comma instead, if it is two names.
 pub fn product_without_sign(
     at: Span,
     name: &str,
@@ -253,7 +253,7 @@ pub fn product_without_sign(
     }
 }
 
-/// Two lines of a list, and nothing between them.
+/// Two lines of a list without a comma or operator between them.
 pub fn missing_comma(at: Span, left: &str, right: &str) -> Diagnostic {
     Diagnostic::error(
         "implicit-product",
@@ -264,8 +264,7 @@ pub fn missing_comma(at: Span, left: &str, right: &str) -> Diagnostic {
     .fix(at.after(), ",")
 }
 
-/// A function that other languages have; `whole` is the call.
-/// `instead` does the same by other means, if there is no expression for it.
+/// A function of other languages; `whole` is the call. `instead` has the same effect where no expression can replace the call.
 pub fn foreign_function(whole: Span, call: &Call, meant: Meant, instead: Vec<Edit>) -> Diagnostic {
     let name = &call.name.text;
     let d = Diagnostic::error(

@@ -1,6 +1,6 @@
-//! Errors of equations and constraints, and notes on models without errors.
+//! Errors in equations and constraints, and notes on models without errors.
 //!
-//! Constructors only, but for the notes, which are chosen here.
+//! Constructors only, except for the notes, which are selected here.
 
 use crate::ast::File;
 use crate::check::scope::Scope;
@@ -10,7 +10,7 @@ use crate::source::Span;
 use crate::term::VarId;
 use crate::thresholds::MESSAGES;
 
-/// `dx - y ~ …`: `sum` is what the right side begins with for it.
+/// `dx - y ~ …`; `sum` is the text to put before the right side.
 pub fn not_a_target(
     at: Span,
     (target, sign): (&str, &str),
@@ -91,7 +91,7 @@ pub fn second_equation(at: Span, first: Span, name: &str) -> Diagnostic {
         .edit(Edit::Join(first, at))
 }
 
-/// `sought`: what makes terms that are sought of it, or takes it away.
+/// `sought` are edits that turn the part into candidates or remove it.
 pub fn known_with_target(at: Span, target: Span, name: &str, sought: Vec<Edit>) -> Diagnostic {
     Diagnostic::error("known-part", format!("the known part contains its own target `{name}`"))
         .at(at, "known, and sought")
@@ -111,7 +111,7 @@ pub fn known_library(at: Span, sign: Option<Span>) -> Diagnostic {
     sign.into_iter().fold(d, |d, sign| d.fix(sign, "~"))
 }
 
-/// `ours` is what is meant, `added` the same with its sign, for the place `whole`.
+/// `ours` is the correct spelling; `added`, the same with its sign, replaces `whole`.
 pub fn known_subtracted(at: Span, whole: Span, ours: &str, added: &str) -> Diagnostic {
     Diagnostic::error("known-part", "`known(…)` is added as it stands")
         .at(at, "no `-`, power or `;` here")
@@ -142,7 +142,7 @@ pub fn constraint_without_coefficient(at: Span) -> Diagnostic {
     .edit(Edit::RemoveStatement(at))
 }
 
-/// `said` is all that is said.
+/// `said` is the place of the whole attribute.
 pub fn per_run_words(at: Span, said: Span) -> Diagnostic {
     Diagnostic::error("per-run", "what may be said of a coefficient is `per run`")
         .at(at, "something else")
@@ -183,7 +183,7 @@ pub fn coefficient_of_known(at: Span, equation: Span) -> Diagnostic {
     .help("constrain an equation written with `~`")
 }
 
-/// `coef(dx, 2*x)`; `ours` is the same of x, and its place.
+/// `coef(dx, 2*x)`; `ours` is the place and the text of the coefficient of x alone.
 pub fn coefficient_of_multiple(at: Span, weight: f64, ours: Option<(Span, String)>) -> Diagnostic {
     let d = Diagnostic::error(
         "constraint",
@@ -200,7 +200,7 @@ pub fn coefficient_of_multiple(at: Span, weight: f64, ours: Option<(Span, String
     }
 }
 
-/// A model without an equation, with one that would fit it.
+/// A model without an equation; suggests one made of its declared names.
 pub fn no_equation(at: Option<Span>, model: &Model, file: &File) -> Diagnostic {
     let states: Vec<&Var> = model.vars_of(VarKind::State).map(|(_, v)| v).collect();
     let inputs = model.vars_of(VarKind::Input).map(|(_, v)| v.name.clone());
@@ -261,7 +261,7 @@ pub fn loose_ends(model: &Model, scope: &Scope) -> Vec<Diagnostic> {
     out
 }
 
-/// One note for all states without an equation; the model of a part of a large system has many.
+/// One note for all states without an equation, because a model of part of a large system has many.
 fn driven_states(states: &[&Var]) -> Option<Diagnostic> {
     let shown = MESSAGES.listed_names;
     let at = states.first()?.span?;

@@ -1,4 +1,4 @@
-//! Errors of expressions: arithmetic, libraries, and one in the place of the other.
+//! Errors in expressions: arithmetic, libraries, and one where the other is expected.
 //!
 //! Constructors only; each names the rule that was broken and the spelling that keeps it.
 
@@ -104,7 +104,7 @@ pub fn range_of_names(at: Span, listed: &str) -> Diagnostic {
         .fix(at, listed)
 }
 
-/// `turned` is the range from its other end.
+/// `turned` is the range with its ends swapped.
 pub fn range_bounds(
     at: Span,
     (from, to): (usize, usize),
@@ -124,7 +124,7 @@ pub fn range_bounds(
     }
 }
 
-/// `x^y`; `whole` is the power, and `ours` the same in functions.
+/// `x^y`; `whole` is the power, and `ours` the same with `exp` and `log`.
 pub fn exponent_not_a_number(at: Span, whole: Span, ours: &str) -> Diagnostic {
     Diagnostic::error("exponent", "an exponent is a number")
         .at(at, "depends on a signal")
@@ -169,7 +169,7 @@ pub fn not_constant(at: Span, what: &str) -> Diagnostic {
     .fix_if_whole(at, example)
 }
 
-/// A number for a purpose, as the reference writes it.
+/// An example number for this purpose, as in the reference.
 fn example_number(what: &str) -> &'static str {
     match what {
         "the number after `;`" => "3",
@@ -201,7 +201,7 @@ pub fn numbers_of_function(at: Span, name: &str, ours: &str) -> Diagnostic {
     .fix_if_whole(at, ours)
 }
 
-/// `ours` is the call with as many arguments as it takes.
+/// `ours` is the call with the right number of arguments.
 pub fn arity(
     at: Span,
     (name, found): (&str, usize),
@@ -256,7 +256,7 @@ pub fn lag(at: Span, k: f64, signal: &str) -> Diagnostic {
         .fix(at, near.to_string())
 }
 
-/// `lag(sin(x), 1)`; `ours` is the whole call and what is meant by it, if that is known.
+/// `lag(sin(x), 1)`; `ours` is the place of the whole call and its replacement, if there is one.
 pub fn shift_of_expression(at: Span, ours: Option<(Span, String)>) -> Diagnostic {
     let d = Diagnostic::error("lag", "only a declared signal can be shifted")
         .at(at, "not the name of one");
@@ -268,7 +268,7 @@ pub fn shift_of_expression(at: Span, ours: Option<(Span, String)>) -> Diagnostic
     }
 }
 
-/// `poly(x, 2)`: `last` is the last argument, and whether it is a number; `comma` what stands before that. `example` is a number with its sign.
+/// `poly(x, 2)`. `last` is the last argument and whether it is a number; `comma` is the gap before it; `example` is a number with its `;`.
 pub fn numbers_missing(
     at: Span,
     name: &str,

@@ -1,9 +1,9 @@
-//! Families of equations and their indices.
+//! Errors in families of equations and their indices.
 
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::source::Span;
 
-/// The index of a family with the name of something else.
+/// An index of a family that has the name of something else.
 pub fn index_declared(at: Span, name: &str, other: &str) -> Diagnostic {
     Diagnostic::error(
         "name-clash",
@@ -16,8 +16,7 @@ pub fn index_declared(at: Span, name: &str, other: &str) -> Diagnostic {
     .edit(Edit::RenameAll(at, name.to_string(), other.to_string()))
 }
 
-/// An end of a range that is no whole number.
-/// `example` is one that the names have.
+/// An end of a range that is not a whole number; `example` is a number that occurs in the declared names.
 pub fn index_end(at: Span, example: Option<usize>) -> Diagnostic {
     let d = Diagnostic::error("index", "an index runs between whole numbers")
         .at(at, "no whole number that is known here")
@@ -54,7 +53,7 @@ pub fn index_not_whole(at: Span, index: &str) -> Diagnostic {
     .fix(at, index)
 }
 
-/// `x[i + 1]` at the end of the names; `over` is the index with its value, `range` where it is said.
+/// `x[i + 1]` beyond the last declared name. `name` is the index with its `value`, `range` the place of its range.
 pub fn index_beyond(at: Span, wanted: &str, (name, value): (&str, i64), range: Span) -> Diagnostic {
     Diagnostic::error("index", format!("`{wanted}` is not declared"))
         .at(at, format!("`{wanted}` where {name} is {value}"))
@@ -63,7 +62,7 @@ pub fn index_beyond(at: Span, wanted: &str, (name, value): (&str, i64), range: S
         .fix(range.after(), " cyclic")
 }
 
-/// `x[3]` where no index runs; `name` is that of a signal.
+/// `x[3]` outside a family; `name` is a signal to write instead.
 pub fn index_without_range(at: Span, name: &str) -> Diagnostic {
     Diagnostic::error("index", "an index stands only in a family of equations")
         .at(at, "no index runs here")

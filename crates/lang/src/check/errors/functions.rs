@@ -1,10 +1,10 @@
-//! Functions that a model defines.
+//! Errors in functions that a model defines.
 
 use crate::ast::Ident;
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::source::Span;
 
-/// A call with the wrong number of arguments; `at` and where the function is defined. `ours` is the call with as many as it takes.
+/// A call with the wrong number of arguments; `ours` is the call with the right number.
 pub fn own_arity(
     (at, definition): (Span, Span),
     name: &str,
@@ -36,7 +36,7 @@ pub fn second_argument(at: Span, first: Span, name: &str) -> Diagnostic {
         .edit(Edit::Rename(at, name.to_string()))
 }
 
-/// An argument with a name that means something else in the model; `renamed` is the statement with another name for it.
+/// An argument whose name means something else in the model; `renamed` is the statement with the argument renamed.
 pub fn argument_hides(
     (at, declared): (Span, Option<Span>),
     (name, meaning): (&str, &str),
@@ -54,7 +54,7 @@ pub fn argument_hides(
     .fix(statement, renamed)
 }
 
-/// `a'` of an argument a; `last` is behind the arguments.
+/// `a'` of an argument a; `last` is the place after the last argument.
 pub fn argument_differentiated(at: Span, name: &str, last: Option<Span>) -> Diagnostic {
     let rate = format!("d{name}");
     let d = Diagnostic::error("unknown-signal", format!("the argument `{name}` has no derivative"))
@@ -81,7 +81,7 @@ pub fn form_as_function(at: Span, name: &str) -> Diagnostic {
     .edit(Edit::Rename(at, name.to_string()))
 }
 
-/// A function with the name of one of the language.
+/// A function that replaces a built-in one.
 pub fn function_replaced(at: Span, name: &str) -> Diagnostic {
     Diagnostic::note(
         "function-replaced",
@@ -98,7 +98,7 @@ pub fn function_without_let(at: Span, statement: Span, line: &str) -> Diagnostic
         .fix(statement.before(), "let ")
 }
 
-/// A call in the data block, and the place of its name; `ours` is the function's body with the columns.
+/// A call in the data block; `at` is the place of its name, `ours` the function's body with the columns.
 pub fn own_function_in_data((at, whole): (Span, Span), ours: &str, definition: Span) -> Diagnostic {
     Diagnostic::error(
         "unknown-function",

@@ -1,10 +1,10 @@
-//! What can be wrong about a state that nothing measures.
+//! Errors in the use of hidden states.
 
 use crate::diagnostic::{Diagnostic, Edit};
 use crate::model::Var;
 use crate::source::Span;
 
-/// `key` is the attribute that says so; none for the entry at the place.
+/// `key` is the attribute that needs a sensor; `None` if it is the data entry at `at`.
 pub fn hidden_sensor(
     (at, declared): (Span, Option<Span>),
     name: &str,

@@ -1,6 +1,6 @@
-//! What can be wrong with the meaning of a model, by the kind of statement it is about.
+//! Errors in the meaning of a model, by kind of statement.
 //!
-//! Constructors only: places and names in, a [`crate::diagnostic::Diagnostic`] with a fix to copy out.
+//! Constructors only. In: places and names. Out: a [`crate::diagnostic::Diagnostic`] with a fix to copy.
 
 mod attributes;
 mod data_entries;

@@ -1,4 +1,4 @@
-//! Errors of symmetries, limits and preferences.
+//! Errors in symmetries, limits and preferences.
 //!
 //! Constructors only: places and names in, diagnostics out.
 

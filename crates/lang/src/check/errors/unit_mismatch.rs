@@ -1,13 +1,13 @@
-//! Errors of units: texts that are no unit, sums and arguments of the wrong unit.
+//! Errors in units: texts that are not units, sums and arguments of the wrong unit.
 //!
-//! Constructors only; every fix is a line of the model with a number that carries the missing unit.
+//! Constructors only. Sums and arguments are fixed by a factor: a conversion, or a number that carries the missing unit.
 
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::thresholds::MESSAGES;
 use crate::units::{Commensurability, Misspelling, Unit, UnitSyntaxError};
 
-/// `whole` is the text, `mended` the same as a unit.
+/// `whole` is the place of the text, `mended` a valid unit in its place.
 pub fn unit_text(
     (at, whole): (Span, Span),
     fault: &UnitSyntaxError,
@@ -95,7 +95,7 @@ pub fn unit_sum(first: &Summand, second: &Summand, joint: Joint) -> Diagnostic {
     })
 }
 
-/// `sin(x)` of metres; `place` is that of the argument with its brackets, if it needs any.
+/// `sin(x)` with x in metres. For an argument without parentheses, `place` starts right after the function, so that a fix can add them.
 pub fn unit_argument(
     name: &str,
     argument: &Summand,
@@ -139,7 +139,7 @@ pub fn unit_argument(
     d.help(format!("{by}: `{name}({x}/1)` with the 1 in {u}"))
 }
 
-/// A factor of conversion, without the rounding of its logarithm.
+/// A conversion factor without the rounding error of its logarithm.
 fn exact(x: f64) -> String {
     let rounded = format!("{x:.11e}");
     rounded

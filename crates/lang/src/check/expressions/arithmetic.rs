@@ -45,19 +45,19 @@ impl Checker<'_> {
         }
     }
 
-    /// `"x"` outside of the data block.
+    /// `"x"` outside the data block.
     pub fn text_in_model<T>(&mut self, e: &Ast, text: &str) -> Option<T> {
         let known = self.scope.signal(text).is_some();
         self.fail(errors::text_in_model(e.span, text, known))
     }
 
-    /// `x[i]` outside of a family.
+    /// `x[i]` outside a family.
     pub fn stray_index<T>(&mut self, e: &Ast, name: &Ident, index: &Ast) -> Option<T> {
         let example = self.example_of_row(&name.text, index);
         self.fail(errors::index_without_range(e.span, &example))
     }
 
-    /// The `e` of `e^x`, where no signal has that name.
+    /// The `e` of `e^x`, unless a signal has that name.
     fn is_eulers_number(&self, e: &Ast) -> bool {
         let is_e = |name: &&str| matches!(*name, "e" | "ℯ");
         let free = |name| !self.is_declared(name) && !self.scope.is_poisoned(name);
@@ -135,7 +135,7 @@ impl Checker<'_> {
         self.fail(errors::not_finite(e.span))
     }
 
-    /// Refuses `sat x^2` of the model's own functions, as the parser does of those of the language.
+    /// Refuses `sat x^2` for the model's own functions, as the parser does for built-in ones.
     pub fn one_argument(&mut self, e: &Ast, base: &Ast, exponent: &Ast) -> Option<()> {
         let ExprKind::Call(call) = &base.kind else {
             return Some(());

@@ -63,7 +63,7 @@ struct Pass<'c, 'f> {
     checker: &'c Checker<'f>,
     /// Units of `let`s by name, each computed once.
     lets: BTreeMap<&'f str, Measure>,
-    /// Those of the arguments of the functions whose bodies are being measured, the innermost last; with their values, if they are numbers.
+    /// Units of the arguments of the functions being measured, innermost last, with their values if they are numbers.
     arguments: Vec<BTreeMap<&'f str, (Measure, Option<f64>)>>,
     found: Vec<Diagnostic>,
 }
@@ -215,7 +215,7 @@ impl<'f> Pass<'_, 'f> {
         Measure::Is(unit)
     }
 
-    /// The unit of what a function of the model makes of these arguments.
+    /// The unit of a call of one of the model's own functions.
     fn own_call(&mut self, e: &'f Ast, call: &'f Call) -> Measure {
         let Some(f) = self.checker.functions.get(&call.name.text).cloned() else {
             return Measure::Any;
@@ -287,7 +287,8 @@ impl<'f> Pass<'_, 'f> {
         }
     }
 
-    /// Checks an argument that must be a pure number or an angle in rad; `bare` is its place behind the function, if it has no brackets.
+    /// Checks an argument that must be a pure number or an angle in rad. If it has no parentheses, `bare` is its place, from right after
+    /// the function.
     fn pure(&mut self, function: &str, e: &'f Ast, bare: Option<Span>) {
         let Measure::Is(unit) = self.measure(e) else {
             return;

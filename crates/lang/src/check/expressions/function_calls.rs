@@ -1,7 +1,6 @@
 //! Calls of functions that the model defines.
 //!
-//! In: a call. Out: what the body of the function is with these arguments: an expression or a library. What is
-//! wrong in a body with these arguments is shown with the call.
+//! In: a call. Out: the body of the function with these arguments: an expression or a library. Errors in a body are shown with the call.
 
 use crate::ast::{Call, Expr as Ast};
 use crate::check::checker::{Checker, every};
@@ -14,7 +13,7 @@ use crate::source::Span;
 use crate::term::{Expr, Func};
 
 impl<'a> Checker<'a> {
-    /// What an argument of the function that is being read stands for.
+    /// What this argument of the function being read stands for.
     pub fn argument(&self, name: &str) -> Option<&Argument> {
         self.arguments.last()?.get(name)
     }
@@ -24,7 +23,7 @@ impl<'a> Checker<'a> {
         self.own_names.contains(name)
     }
 
-    /// The generator of this name, unless the model has a function of the same.
+    /// The generator of this name, unless the model defines a function of that name.
     pub fn generator_named(&self, name: &str) -> Option<&'a GeneratorSignature> {
         match self.is_own_function(name) {
             true => None,
@@ -32,7 +31,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The function of the language of this name, unless the model has one of the same.
+    /// The built-in function of this name, unless the model defines one of that name.
     pub fn function_named(&self, name: &str) -> Option<Func> {
         match self.is_own_function(name) {
             true => None,
@@ -45,7 +44,7 @@ impl<'a> Checker<'a> {
         self.functions.get(name).is_some_and(|f| f.library)
     }
 
-    /// The function that a call is of; the inner `None` after an error.
+    /// The model's function that is called; the outer `None` if there is none, the inner after an error.
     fn called(&mut self, e: &Ast, call: &Call) -> Option<Option<OwnFunction<'a>>> {
         let name = call.name.text.as_str();
         let function = self.functions.get(name)?.clone();
@@ -96,7 +95,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// The library that a call is.
+    /// The library that a call stands for.
     pub fn own_library(&mut self, e: &Ast, call: &Call) -> Option<LibExpr> {
         let f = self.called(e, call).flatten()?;
         if call.power.is_some() {
@@ -115,7 +114,7 @@ impl<'a> Checker<'a> {
         Some(names.zip(values.into_iter().map(Argument::Value)).collect())
     }
 
-    /// Reads the body of a function with its arguments; what is found in it is found in this call.
+    /// Reads the body of a function with its arguments, and shows the errors in it with this call.
     fn inside<T>(
         &mut self,
         call: Span,
@@ -130,7 +129,7 @@ impl<'a> Checker<'a> {
         let inside = self.found.split_off(before.min(self.found.len()));
         for d in inside {
             let primary = d.labels.iter().find(|l| l.primary).map(|l| l.span);
-            // The same fault of one body is told once, however often it is called.
+            // An error in a body is reported once, however often the function is called.
             let again = outermost && !self.told_in_calls.insert((d.code, primary));
             if !again {
                 self.found.push(in_call(d, call));
@@ -140,9 +139,9 @@ impl<'a> Checker<'a> {
     }
 }
 
-/// A finding in the body of a function, shown with its call.
+/// A diagnostic from the body of a function, shown with its call.
 pub fn in_call(mut d: Diagnostic, call: Span) -> Diagnostic {
-    // What is not to be there is the call; in the body it may be right with other arguments.
+    // A fix removes the call and not the part of the body, which may be right with other arguments.
     for edit in d.edits.iter_mut().flatten() {
         if let Edit::Remove(at) = edit {
             *at = call;

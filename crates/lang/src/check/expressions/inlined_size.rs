@@ -17,7 +17,7 @@ impl Checker<'_> {
         self.within_limits(e.span, size)
     }
 
-    /// The size, unless a statement of it is beyond the limits.
+    /// The size, or `None` after an error if it is beyond the limits of one statement.
     pub fn within_limits(&mut self, at: Span, size: Size) -> Option<Size> {
         if size.nodes > MODEL.statement_nodes || size.depth > MODEL.depth {
             return self.fail(errors::too_large(at, size.depth));
@@ -62,7 +62,7 @@ impl Checker<'_> {
         for (i, part) in e.children().into_iter().enumerate() {
             let (times, levels) = match called.map(|f| f.shape.params.get(i)) {
                 None => (1, 1),
-                // As often as the argument stands in the body, and once to read it.
+                // Once for each occurrence in the body, and once to read it.
                 Some(size) => size.map_or((1, 1), |s| (s.nodes.saturating_add(1), s.depth + 1)),
             };
             total.add(&self.shape(part, params), times, levels);

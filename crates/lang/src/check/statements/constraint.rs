@@ -190,7 +190,7 @@ impl Checker<'_> {
         Some(out)
     }
 
-    /// Whether the equation of a target was written, and left out because something in it is wrong, which is reported already.
+    /// Whether an equation of this target was written but dropped because of an error, which is reported already.
     fn has_wrong_equation(&self, target: &Ast) -> bool {
         let signal = |e: &Ast| e.as_name().and_then(|name| self.scope.signal(name));
         let same = |e: &Ast| match &e.kind {

@@ -1,4 +1,4 @@
-//! `data { }`: which column, in which unit, is which signal.
+//! `data { }`: which column each signal is read from, and how it is converted.
 //!
 //! In: the entries of the block. Out: arithmetic on column headers. Never looks at a data file.
 
@@ -46,7 +46,7 @@ impl Checker<'_> {
         block
     }
 
-    /// Experiments side by side: as many sources for every signal that has several, and no column of runs beside them.
+    /// Checks experiments side by side: all signals with several sources have equally many, and there is no column of runs.
     fn side_by_side(&mut self, block: &DataBlock) {
         let several = |e: &&DataEntry| !e.beside.is_empty();
         let Some(first) = block.entries.iter().find(several) else {

@@ -13,7 +13,7 @@ use crate::thresholds::MODEL;
 use crate::units;
 use crate::units::Unit;
 
-/// A noise, for messages.
+/// An example of a noise, for messages.
 const NOISE: &str = "0.01";
 
 /// What the attributes of one statement say.
@@ -143,7 +143,7 @@ impl Checker<'_> {
                 self.scope.poisoned.insert(second.to_string());
                 self.fail(d)
             }
-            // `y(2)`, perhaps its order.
+            // `y(2)`: the number may have been meant as an order.
             ExprKind::Call(call) => {
                 self.scope.poisoned.insert(call.name.text.clone());
                 let names = [call.name.text.as_str()];
@@ -286,7 +286,7 @@ impl Checker<'_> {
                         self.early_number(part, &a.key.text, NOISE)?,
                     ),
                 };
-                // Each part once, and added.
+                // Each part may occur once, and only with a plus.
                 let fits = *sign == Sign::Plus && *to == 0.0 && x > 0.0;
                 *to = if fits { x } else { f64::NAN };
             }
@@ -413,7 +413,7 @@ impl Checker<'_> {
         }
     }
 
-    /// A number from `let`s that are plain numbers: declarations are checked before all others, whatever the order of lines.
+    /// A number, in which only `let`s that are plain numbers may occur: declarations are checked before all other statements.
     fn early_number(&mut self, e: &Expr, key: &str, example: &str) -> Option<f64> {
         if let ExprKind::Text(text) = &e.kind {
             let said = text.split_whitespace().next().unwrap_or("");

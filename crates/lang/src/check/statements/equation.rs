@@ -98,7 +98,7 @@ impl Checker<'_> {
         }
     }
 
-    /// `right` is the other side, and `known` whether it is behind a `=`.
+    /// `right` is the other side; `known` is true if the sign is `=`.
     fn targets(&mut self, targets: &[Ast], right: &Ast, known: bool) -> Vec<(Signal, Span)> {
         let mut out = Vec::new();
         for e in targets {
@@ -130,7 +130,7 @@ impl Checker<'_> {
         out
     }
 
-    /// `dx - y ~ …`: `dx`, and `known(y) + ` for the right side.
+    /// For `dx - y ~ …`: `dx`, and `known(y) + ` to put before the right side.
     fn moved_right(&self, e: &Ast, known: bool) -> Option<(String, String)> {
         let ExprKind::Sum(parts) = &e.kind else {
             return None;
@@ -222,7 +222,7 @@ impl Checker<'_> {
         known.map(RightSide::Known)
     }
 
-    /// `sought`: what makes terms that are sought of it.
+    /// `sought` are edits that turn the part into candidates or remove it.
     fn known_part(
         &mut self,
         e: &Ast,
@@ -273,7 +273,7 @@ impl Checker<'_> {
         if let Some((Sign::Minus, first)) = rest.first() {
             return self.fail(errors::minus_from_nothing(first.span));
         }
-        // What is required is written beside the library and is part of it, whatever is taken out of that.
+        // Required terms are added after the differences of the library, which cannot remove them.
         if !rest.is_empty() {
             required.insert(0, self.set_sum(&rest)?);
         }
@@ -307,7 +307,7 @@ impl Checker<'_> {
         Some(LibExpr::new(e.span, LibKind::Required(Box::new(set))))
     }
 
-    /// A summand as it is added, where the sum up to it has a sign before it.
+    /// A summand, with a plus unless it comes first.
     fn added(&self, whole: Span, e: &Ast, ours: &str) -> String {
         match whole.start == e.span.start {
             true => ours.to_string(),

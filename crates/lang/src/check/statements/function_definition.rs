@@ -1,7 +1,7 @@
 //! `let sat(v) = tanh(v/vs)`: a function with a name.
 //!
-//! In: the statement. Out: the function in the checker's table. Names of its body are looked up here, so that a definition that nothing
-//! calls is checked too; what it means is decided by each call. A function may use those above it, which rules out circles.
+//! In: the statement. Out: the function in the checker's table. Names in the body are looked up here, so that a function that is never
+//! called is checked too; each call decides what the body means. A function may use only those above it, which rules out recursion.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -19,7 +19,7 @@ const FORMS: [&str; 7] = [
 ];
 
 impl<'a> Checker<'a> {
-    /// The names of all functions of the model, which no other meaning of these names comes before.
+    /// Collects the names of the model's own functions, which take precedence over built-in functions and generators.
     pub fn function_names(&mut self) {
         let names = self.statements().filter_map(|s| match &s.kind {
             StatementKind::Function { name, .. } => Some(name.text.clone()),
@@ -73,7 +73,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// Arguments have names that mean nothing else in the model.
+    /// Reports arguments that are given twice or whose names mean something else in the model.
     fn function_params(&mut self, s: &'a Statement, params: &'a [Ident], body: &'a Ast) {
         let mut seen: BTreeMap<&str, Span> = BTreeMap::new();
         for p in params {
@@ -97,7 +97,7 @@ impl<'a> Checker<'a> {
         }
     }
 
-    /// What a name is outside of functions, and where it is declared.
+    /// What a name means outside functions, and where it is declared.
     fn meaning_elsewhere(&self, text: &str) -> Option<(&'static str, Option<Span>)> {
         if let Some(signal) = self.scope.signal(text) {
             return Some(("a signal", self.scope.var(signal.var).and_then(|v| v.span)));
@@ -113,7 +113,7 @@ impl<'a> Checker<'a> {
         })
     }
 
-    /// `v_`, or with more of them: a name that is not in the text.
+    /// `v_`, with more underscores until it does not occur in the text.
     fn free_name(&self, text: &str) -> String {
         let mut other = format!("{text}_");
         while self.file.texts().any(|t| t.contains(&other)) {

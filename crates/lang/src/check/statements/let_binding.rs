@@ -1,4 +1,4 @@
-//! `let`: a number, an expression or a library with a name. Functions are defined in order with them.
+//! `let`: a number, an expression or a library with a name. Functions are defined in the same pass.
 //!
 //! In: the `let` statements. Out: their values in the scope. Plain numbers are defined first, so that attributes may use them. Every
 //! other `let` may use those above it, which rules out circular definitions.

@@ -1,6 +1,6 @@
 //! `symmetry`, `limit` and `prefer`: what is known about every term without data.
 //!
-//! In: these statements. Out: the variables whose sign each symmetry changes, and the bound on the degree, the norms. Prunes no library.
+//! In: these statements. Out: the variables whose signs each symmetry changes, the bound on the degree, and the norms. Prunes no library.
 
 use std::collections::BTreeSet;
 
@@ -41,7 +41,7 @@ impl Checker<'_> {
         out
     }
 
-    /// `x, y -> -(x, y)`; the signs one by one, `x, y -> -x, -y`, mean the same.
+    /// `x, y -> -(x, y)`, or with separate signs `x, y -> -x, -y`.
     fn symmetry(&mut self, names: &[Ast], image: &Image) -> Option<Vec<VarId>> {
         let left = self.flipped(names)?;
         let negated = |e: &Ast| match &e.kind {
@@ -68,7 +68,7 @@ impl Checker<'_> {
         Some(left)
     }
 
-    /// What was found in a symmetry since `before` gets the whole statement as it should be: with the names that can change their signs.
+    /// Adds a fix to the errors found since `before`: the whole statement, with the names that can change their signs.
     fn mend_symmetry(&mut self, statement: Span, names: &[Ast], before: usize) {
         let (mut flipped, mut seen) = (Vec::new(), BTreeSet::new());
         for e in names {

@@ -1,6 +1,6 @@
-//! `unknown`: a number inside terms that is sought with them.
+//! `unknown`: a constant inside terms that is estimated together with their coefficients.
 //!
-//! In: the statement. Out: a variable without a column, and where its value is sought.
+//! In: the statement. Out: a variable without a column, and the range of its values.
 
 use crate::ast::{Attribute, Expr, ExprKind, Ident};
 use crate::check::checker::Checker;

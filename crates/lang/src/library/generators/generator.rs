@@ -14,7 +14,7 @@ pub trait Generator: Sync {
     fn usage(&self) -> &'static str;
     /// One line for listings.
     fn about(&self) -> &'static str;
-    /// True if its terms exist only between samples of discrete time.
+    /// True if its terms exist only in discrete time.
     fn discrete_only(&self) -> bool {
         false
     }
@@ -22,7 +22,7 @@ pub trait Generator: Sync {
     fn of_angles(&self) -> bool {
         false
     }
-    /// Number of terms for so many atoms, by arithmetic; also checks the numbers.
+    /// Number of terms for this many atoms, by arithmetic; also checks the numbers.
     fn count(&self, atoms: usize, numbers: &[NumberArg]) -> Result<u128, Misuse>;
     /// The exponents, for a generator of monomials. Its terms are then kept as products of the powers of each atom, and there may
     /// be millions. The terms of other generators are listed.
@@ -54,7 +54,7 @@ impl Exponents {
     }
 }
 
-/// A wrong use of a generator: what is wrong, where if one number is at fault, and how to write it.
+/// A wrong use of a generator: the message, the place if one number is wrong, and how to write it.
 #[derive(Clone, Debug)]
 pub struct Misuse {
     pub message: String,
@@ -121,7 +121,7 @@ pub(crate) fn factors(atoms: &[Expr]) -> Vec<Term> {
     terms
 }
 
-/// The monomials of atoms one by one.
+/// The monomials of atoms, as a list.
 pub(crate) fn monomials(atoms: &[Expr], exponents: Exponents) -> Vec<Term> {
     let (least, most) = exponents.total;
     let mut all = vec![(0, Term::one())];

@@ -1,6 +1,6 @@
 //! Numbers of terms by arithmetic, so that `poly(x; 1000)` is refused before it takes memory.
 
-/// C(n, k), or `u128::MAX` where it does not fit.
+/// C(n, k), or `u128::MAX` if it does not fit.
 pub(crate) fn binomial(n: u128, k: u128) -> u128 {
     let k = k.min(n.saturating_sub(k));
     let mut c: u128 = 1;
@@ -14,7 +14,7 @@ pub(crate) fn binomial(n: u128, k: u128) -> u128 {
     c
 }
 
-/// base^exponent, or `u128::MAX` where it does not fit.
+/// base^exponent, or `u128::MAX` if it does not fit.
 pub(crate) fn power(base: u128, exponent: usize) -> u128 {
     u32::try_from(exponent)
         .ok()

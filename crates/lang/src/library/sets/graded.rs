@@ -27,7 +27,7 @@ type Histogram = BTreeMap<u64, u128>;
 
 /// Degrees are integers in millionths, so that sums of fractions such as 0.1 and 0.2 are exact.
 const MILLIONTHS: f64 = 1e6;
-/// Rounding of fractions such as 1/3 that the sum over many factors may reach, in millionths.
+/// Rounding error that a sum of many fractions such as 1/3 may reach, in millionths.
 const ROUNDING_SLACK: u64 = 100;
 
 /// The degree of a term in millionths. It adds up over products of coprime terms.

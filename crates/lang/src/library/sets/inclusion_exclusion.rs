@@ -1,7 +1,7 @@
 //! The size of a union of products by inclusion and exclusion.
 //!
-//! In: products. Out: how many distinct terms they have that a selection rule admits. Intersections and exclusions are products too,
-//! so they are counted the same way. Makes no term.
+//! In: products. Out: the number of their distinct terms that a selection rule admits. Intersections and exclusions are products too, so
+//! they are counted the same way. Makes no term.
 
 use crate::library::sets::product::Product;
 use crate::library::sets::selection_rule::SelectionRule;
@@ -14,7 +14,7 @@ pub(crate) struct Counter {
 }
 
 impl Counter {
-    /// Number of terms that the rule admits, each counted once; `None` where that takes too many steps.
+    /// Number of terms that the rule admits, each counted once; `None` if that takes too many steps.
     pub fn count(&mut self, products: &[Product], rule: &SelectionRule) -> Option<u128> {
         let mut total: u128 = 0;
         for (i, product) in products.iter().enumerate() {

@@ -21,7 +21,7 @@ pub(crate) struct Product {
     pub group: usize,
 }
 
-/// Sums of fractional exponents that are equal differ by less than this after rounding.
+/// Equal sums of fractional exponents differ by less than this after rounding.
 const DEGREE_ROUNDING: f64 = 1e-6;
 
 impl Product {
@@ -127,7 +127,7 @@ impl Product {
         Ok(Product::from_factors(factors.collect()).excluding(exclusions))
     }
 
-    /// Every term times one.
+    /// Every term multiplied by `by`.
     pub fn times_term(&self, by: &Term) -> Product {
         let mut left = by.clone();
         let mut factors: Vec<Arc<TermList>> = Vec::with_capacity(self.factors.len() + 1);
@@ -143,10 +143,10 @@ impl Product {
         Product::from_factors(factors).excluding(self.exclusions.iter().map(|h| h.times_term(by)))
     }
 
-    /// True if every term of the other is here, as far as that is seen without counting exclusions.
+    /// True only if every term of the other is here. May be false even so, since exclusions are not counted.
     ///
     /// # Errors
-    /// As for [`Product::and`].
+    /// As for [`Product::intersection`].
     pub fn is_superset(&self, other: &Product) -> Result<bool, LimitExceeded> {
         let common = match self.exclusions.is_empty() {
             true => other.without_exclusions().intersection(self)?,
@@ -155,10 +155,10 @@ impl Product {
         Ok(common.is_some_and(|c| c.size() == other.size()))
     }
 
-    /// The intersection; `None` if it is empty, as far as that is seen without counting exclusions.
+    /// The intersection; `None` if the factors have no common term. Exclusions may still leave it empty.
     ///
     /// # Errors
-    /// Lists that share atoms and whose common terms would have to be searched among too many.
+    /// Lists that share atoms and have too many products to search for common terms.
     pub fn intersection(&self, other: &Product) -> Result<Option<Product>, LimitExceeded> {
         let all: Vec<Arc<TermList>> = self.factors.iter().chain(&other.factors).cloned().collect();
         let mut common = Vec::new();
@@ -180,7 +180,7 @@ fn pick(lists: &[Arc<TermList>], which: &[usize]) -> Vec<Arc<TermList>> {
     picked.cloned().collect()
 }
 
-/// Terms that are products over both lists of lists; `None` if there are none.
+/// Terms that are products over both `mine` and `theirs`; `None` if there are none.
 fn common_list(
     mine: &[Arc<TermList>],
     theirs: &[Arc<TermList>],

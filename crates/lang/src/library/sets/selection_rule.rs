@@ -1,7 +1,7 @@
 //! The selection rule of one equation: under each symmetry a term must have the parity of the target, and its degree is bounded.
 //!
-//! In: the model's `symmetry` and `limit` statements. Out: which terms may be in the equation, and how many products are, counted
-//! on the factors. Makes no product.
+//! In: the model's `symmetry` and `limit` statements. Out: which terms may be in the equation, and how many admitted products there are,
+//! counted on the factors. Makes no product.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::thresholds::MESSAGES;
 /// One bit for each symmetry: set where a term is odd.
 pub(crate) type ParityBits = u64;
 
-/// Degree (0 where it is not bounded), and parities. Grades add up over products of coprime terms.
+/// Degree (0 if degrees are not bounded) and parities. Grades add up over products of coprime terms.
 type Grade = (u64, ParityBits);
 
 /// Which terms one equation may have.
@@ -83,7 +83,7 @@ impl SelectionRule {
         self.symmetries.iter().find(neither)
     }
 
-    /// A list without the terms of no definite parity: no product with them is admitted.
+    /// A list without its terms of no definite parity, since no product with them is admitted.
     pub fn with_definite_parity(&self, list: &Arc<TermList>) -> Arc<TermList> {
         if self.symmetries.is_empty() || list.terms().iter().all(|t| self.parity_bits(t).is_some())
         {
@@ -103,7 +103,7 @@ impl SelectionRule {
             let mut sum: BTreeMap<Grade, u128> = BTreeMap::new();
             for ((d, s), n) in &counts {
                 for ((e, t), m) in &own {
-                    // Degrees ascend: none of the others fits either.
+                    // Degrees ascend, so none of the others fits either.
                     if self.degrees.is_some_and(|bound| !bound.has(d + e)) {
                         break;
                     }
@@ -131,7 +131,7 @@ impl SelectionRule {
     }
 }
 
-/// The statements that prune a model's libraries, as they are printed: `symmetry y, theta; degree ≤ 4`.
+/// The statements that prune a model's libraries, as printed: `symmetry y, theta; degree ≤ 4`.
 pub fn restrictions(model: &Model) -> Option<String> {
     let mut parts: Vec<String> = model
         .symmetries

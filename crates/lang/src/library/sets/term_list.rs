@@ -19,10 +19,10 @@ pub(crate) struct TermList {
     degrees: (f64, f64),
 }
 
-/// What sets of products cannot do in reasonable memory and time.
+/// Why a set of products would take too much memory or time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LimitExceeded {
-    /// A list of so many terms, from factors that share atoms.
+    /// A list of this many terms, from factors that share atoms.
     List(u128),
     /// A union of too many products.
     Products,
@@ -83,7 +83,7 @@ impl TermList {
         TermList::new(self.terms.iter().filter(|t| keep(t)).cloned().collect())
     }
 
-    /// Every term times one.
+    /// Every term multiplied by `term`.
     pub fn times(&self, term: &Term) -> Arc<TermList> {
         TermList::new(self.terms.iter().map(|t| t.mul(term)).collect())
     }

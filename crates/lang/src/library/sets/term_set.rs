@@ -36,7 +36,7 @@ impl TermSet {
         self.products.iter().any(|p| p.contains(term))
     }
 
-    /// Number of distinct terms that the rule admits; `None` where too many products overlap.
+    /// Number of distinct terms that the rule admits; `None` if too many products overlap.
     pub fn count(&self, rule: &SelectionRule) -> Option<u128> {
         Counter::default().count(&self.products, rule)
     }
@@ -66,7 +66,7 @@ impl TermSet {
         Ok(TermList::new(terms))
     }
 
-    /// The term of a set of one.
+    /// The term of a set that has only one.
     pub fn single(&self) -> Option<Term> {
         if self.upper_bound() > LIBRARY.listed_terms {
             return None;
@@ -144,7 +144,7 @@ impl TermSet {
         lists.flat_map(|list| list.atoms())
     }
 
-    /// Every term times one.
+    /// Every term multiplied by `by`.
     pub fn times_term(&self, by: &Term) -> TermSet {
         let times_term = self.products.iter();
         TermSet::of_products(
@@ -154,7 +154,7 @@ impl TermSet {
         )
     }
 
-    /// The terms that are not in the other set, and whether any was.
+    /// The terms that are not in the other set, and whether any was removed.
     pub fn difference(&self, other: &TermSet) -> Result<(TermSet, bool), LimitExceeded> {
         let mut common = Vec::new();
         let mut left = Vec::with_capacity(self.products.len());
@@ -185,7 +185,7 @@ impl TermSet {
         Ok((left.merge_small(groups)?, any))
     }
 
-    /// Without one term; unchanged if it is not there.
+    /// The set without one term; unchanged if the term is not in it.
     pub fn without(mut self, term: &Term) -> TermSet {
         for product in self.products.iter_mut().filter(|p| p.contains(term)) {
             let exclusion = Product::of(TermList::new(vec![term.clone()]));

@@ -1,12 +1,12 @@
 //! Functions and constants: `ln(x)`, `pow(x, 2)`, `e^x`, `PI`, `sigmoid(x)`, `int(u)`.
 //!
-//! In: a name and the text of its arguments. Out: the same in this language, or what is done in place of it.
+//! In: a name and the text of its arguments. Out: the same in this language, or what to do instead.
 
-/// What a foreign function is here.
+/// The counterpart of a foreign function in this language.
 pub enum Meant {
     /// An expression that takes the place of the call.
     Expression(String),
-    /// What to do, where no expression does the same.
+    /// What to do if no expression has the same effect.
     Advice(&'static str),
 }
 
@@ -119,7 +119,7 @@ pub fn function(name: &str, arguments: &[&str]) -> Option<Meant> {
     }
 }
 
-/// What is done here in place of a function.
+/// What replaces a foreign function.
 pub enum Kind {
     Integral,
     Derivative,
@@ -137,7 +137,7 @@ pub fn kind(name: &str) -> Option<Kind> {
     }
 }
 
-/// What a target is that is written as a quotient, a call or a sample: `dx/dt`, `d^2x/dt^2`, `der(x)`, `x(k+1)`.
+/// Translates a target written as a quotient, a call or a sample: `dx/dt`, `d^2x/dt^2`, `der(x)`, `x(k+1)`.
 pub fn target(text: &str) -> Option<String> {
     let text: String = text.chars().filter(|c| !c.is_whitespace()).collect();
     if let Some(name) = text
@@ -175,7 +175,7 @@ pub fn constant(name: &str) -> Option<&'static str> {
     matches!(name, "PI" | "Pi" | "π" | "M_PI").then_some("pi")
 }
 
-/// The form with its argument, without brackets around what needs none. The brackets of a call stay.
+/// The form with its argument inserted, without needless parentheses. Those of a call stay.
 fn in_place(form: &str, x: &str) -> String {
     let mut pieces = form.split("(#)");
     let mut out = pieces.next().unwrap_or("").to_string();

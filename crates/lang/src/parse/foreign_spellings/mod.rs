@@ -18,7 +18,7 @@ pub(crate) fn foreign(at: Span, theirs: &str, ours: &str) -> Diagnostic {
         .fix(at, ours)
 }
 
-/// A foreign spelling, with what is to be said at its place.
+/// A foreign spelling, with the text of its label.
 fn foreign_because(at: Span, theirs: &str, why: &str) -> Diagnostic {
     let message = format!("`{theirs}` belongs to another language");
     Diagnostic::error("foreign-spelling", message).at(at, why)

@@ -18,7 +18,7 @@ pub struct Stumble<'a, 't> {
     pub at: usize,
 }
 
-/// The error where a token is one of another language's punctuation.
+/// The error of a token that is punctuation of another language.
 pub fn punctuation(s: &Stumble, rule: Rule) -> Option<Diagnostic> {
     match s.get(s.at)?.text {
         // `state x : order 2; unit "m"`
@@ -82,12 +82,12 @@ impl<'t> Stumble<'_, 't> {
         open
     }
 
-    /// The first closing bracket of a kind behind the place.
+    /// The first closing bracket of a kind after the place.
     fn closing(&self, bracket: &str) -> Option<usize> {
         (self.at..self.tokens.len()).find(|i| self.get(*i).is_some_and(|t| t.is(bracket)))
     }
 
-    /// Brackets from one place to another, around what is a list here.
+    /// The error of brackets around what is a list in this language.
     fn list(&self, from: usize, to: usize) -> Option<Diagnostic> {
         let at = self.span(from, to);
         let (open, close) = (self.get(from)?, self.get(to)?);
@@ -103,7 +103,7 @@ impl<'t> Stumble<'_, 't> {
         )
     }
 
-    /// A comma outside of lists.
+    /// A comma outside lists.
     fn comma(&self, rule: Rule) -> Option<Diagnostic> {
         match self.open().last() {
             Some(open) if self.get(*open)?.is("(") => {

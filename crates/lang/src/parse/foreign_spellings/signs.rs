@@ -13,13 +13,13 @@ use crate::thresholds::MESSAGES;
 pub struct ForeignSign {
     /// Bytes that it takes.
     pub len: usize,
-    /// A comment leaves its statement whole.
+    /// Whether it is a comment, which leaves its statement intact.
     pub comment: bool,
     pub error: Diagnostic,
 }
 
 impl ForeignSign {
-    /// A sign within a statement, which the statement cannot be read with.
+    /// A sign that makes its statement unreadable.
     fn new(len: usize, error: Diagnostic) -> ForeignSign {
         ForeignSign {
             len,
@@ -38,19 +38,19 @@ const PAIRS: [(&str, &str); 5] = [
     (":=", "="),
 ];
 
-/// Modules that functions are taken from elsewhere.
+/// Modules that functions come from in other languages.
 const MODULES: [&str; 14] = [
     "np", "numpy", "math", "Math", "jnp", "jax", "torch", "tf", "sp", "sympy", "sym", "ca",
     "casadi", "std",
 ];
 
-/// Where a sign stands: its file, its first byte, the text from there on, and the tokens before it on its line.
+/// The place of a sign: its file, its first byte, the text from there on, and the tokens before it on its line.
 pub struct Place<'a, 't> {
     pub file: FileId,
     pub start: usize,
     pub rest: &'t str,
     pub line: &'a [Token<'t>],
-    /// Whether a `*/` comes behind it.
+    /// Whether a `*/` follows.
     pub comment_ends: bool,
 }
 
@@ -59,7 +59,7 @@ impl<'t> Place<'_, 't> {
         Span::new(self.file, self.start, self.start + len)
     }
 
-    /// A sign of so many bytes that is `ours` here.
+    /// A sign of `len` bytes that is written `ours` in this language.
     fn spelt(&self, len: usize, ours: &str) -> ForeignSign {
         ForeignSign::new(len, foreign(self.span(len), &self.rest[..len], ours))
     }
@@ -68,7 +68,7 @@ impl<'t> Place<'_, 't> {
         self.line.last()
     }
 
-    /// The text up to a sign on the same line, from behind the first character on; a long one is none.
+    /// The text after the first character up to a sign on the same line; `None` if it is long.
     fn closed_by(&self, sign: char) -> Option<&'t str> {
         let inner = self.rest.get(1..)?;
         let mut near = inner.char_indices().take(MESSAGES.index);
@@ -76,7 +76,7 @@ impl<'t> Place<'_, 't> {
         (end.1 == sign).then(|| &inner[..end.0])
     }
 
-    /// Whether nothing but names and commas stands before on the line.
+    /// Whether only names and commas come before on the line.
     fn follows_names(&self) -> bool {
         let plain = |t: &Token| t.kind == TokenKind::Name || t.is(",");
         !self.line.is_empty() && self.line.len() < MESSAGES.index && self.line.iter().all(plain)
@@ -118,7 +118,7 @@ fn line_comment(place: &Place) -> ForeignSign {
     }
 }
 
-/// `/* … */`, over several lines too; one that is never closed ends with its line.
+/// `/* … */`, which may span lines; one that is never closed ends with its line.
 fn block_comment(place: &Place) -> ForeignSign {
     let rest = place.rest;
     let line = rest.find('\n').unwrap_or(rest.len());
@@ -252,7 +252,7 @@ fn unit(place: &Place, last: &Token, inner: &str, len: usize) -> Option<ForeignS
     Some(ForeignSign::new(len, error))
 }
 
-/// `x[k]`, `x[k+1]`, `x[n-2]`: where it stands, name and all, and what it is here.
+/// `x[k]`, `x[k+1]`, `x[n-2]`: the place with the name, and the spelling in this language.
 fn sample(place: &Place, name: &Token, inner: &str, len: usize) -> Option<(Span, String)> {
     let beside = name.kind == TokenKind::Name && name.end == place.start;
     let at = Span::new(place.file, name.start, place.start + len);
@@ -269,7 +269,7 @@ fn sample(place: &Place, name: &Token, inner: &str, len: usize) -> Option<(Span,
     Some((at, ours))
 }
 
-/// Whether a character may begin a foreign sign, so that most are passed at once.
+/// Whether a character may begin a foreign sign: a quick test that most fail.
 pub fn may_begin(c: char) -> bool {
     matches!(c, '*' | '.' | ':' | '/' | '<' | '\'' | '|' | '\\' | '[')
 }

@@ -1,6 +1,6 @@
 //! Statements: `const g = 9.81`, `for i in 1:3`, `if x > 0`, `include "a.sid"`, `def f(x)`, `x and y`, `;` at the end of a line.
 //!
-//! In: the tokens of a statement. Out: the error that says how it is written here, in place of all that the grammar would say.
+//! In: the tokens of a statement. Out: the error that says how it is written here, instead of the errors of the grammar.
 
 use super::{foreign, foreign_because};
 use crate::ast::Keyword;
@@ -40,7 +40,7 @@ const CHOICES: [&str; 7] = [
     "merge",
 ];
 
-/// Words that open statements, and the keyword here.
+/// Words that open statements in other languages, and the keyword in this one.
 const OPENING: [(&str, &str); 14] = [
     ("constraint", "constrain"),
     ("assume", "constrain"),
@@ -89,7 +89,7 @@ pub fn statement(
         .or_else(|| s.conjunction(keyword))
 }
 
-/// `;` behind a statement: the error, and the statement goes on without it.
+/// The error of a `;` after a statement, which is then read without it.
 pub fn semicolon(file: FileId, token: &Token) -> Diagnostic {
     let at = token.span(file);
     foreign_because(at, ";", "a statement ends with its line")
@@ -236,7 +236,7 @@ impl Written<'_, '_> {
         Some((at, format!("step({above})*{a} + step({below})*{b}")))
     }
 
-    /// The text from one token to before another, in brackets if there are several.
+    /// The text of the tokens `from..to`, in parentheses if there are several.
     fn bracketed(&self, from: usize, to: usize) -> Option<String> {
         let text = self.between(from, to)?;
         Some(match to - from {
@@ -254,7 +254,7 @@ impl Written<'_, '_> {
         self.at(0).to(self.at(self.own.len().saturating_sub(1)))
     }
 
-    /// A line that is only to go, if it opens no block.
+    /// Adds a fix that removes the line, unless it opens a block.
     fn line_out(&self, d: Diagnostic) -> Diagnostic {
         match self.has("{") {
             true => d,

@@ -1,7 +1,7 @@
 //! The expression graph: a directed acyclic graph in which equal subexpressions are one node (value numbering).
 //!
-//! In: expressions and the signals that will be given. Out: nodes in topological order. Keeps the order of operations of
-//! `Expr::eval`; never reorders a sum or a product.
+//! In: expressions and their input signals. Out: nodes in topological order. Keeps the order of operations of `Expr::eval`; never reorders
+//! a sum or a product.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use crate::term::{Atom, Expr, Func, Signal, Term};
 /// An operation on earlier nodes; numbers by their bits, so that equal means the same f64.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// A given signal, by the number of its row.
+    /// An input signal, by its row.
     Input(usize),
     Number(u64),
     Product(usize, usize),
@@ -52,7 +52,7 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// `inputs`: the signals that can be mentioned, by the number of their row. The first of two equal ones counts.
+    /// `inputs` are the signals that expressions may mention, in the order of their rows. Of two equal ones the first counts.
     pub fn new(inputs: &[Signal]) -> Graph {
         let mut graph = Graph::default();
         for (row, s) in inputs.iter().enumerate() {
@@ -61,7 +61,7 @@ impl Graph {
         graph
     }
 
-    /// With these signals in exponents, b^e is one operation.
+    /// Makes b^e one operation if the exponent has only these signals.
     #[must_use]
     pub fn with_constants(mut self, constants: &[Signal]) -> Graph {
         self.constants = constants.to_vec();
@@ -130,7 +130,7 @@ impl Graph {
                 }
                 let args: Result<Vec<usize>, Signal> = args.iter().map(|a| self.expr(a)).collect();
                 match (f.name, Func::named("sign")) {
-                    // No language has a step that is ½ at zero.
+                    // No target language has a step that is ½ at zero.
                     ("step", Some(sign)) => {
                         let half = 0.5f64.to_bits();
                         let side = self.add(Node::Call(sign, args?));

@@ -23,7 +23,7 @@ pub(super) enum Operation {
     Sum(f64, Range<usize>),
 }
 
-/// Operands of operations that have many, one behind the other.
+/// Operands of operations with many, one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Operands {
     summands: Vec<(f64, usize)>,
@@ -39,7 +39,7 @@ pub(super) trait Values {
     fn sum(self, start: f64, summands: &[(f64, usize)]);
 }
 
-/// What a node is to an evaluator.
+/// What a node becomes in an evaluator.
 pub(super) enum Lowered {
     /// A row of the inputs.
     Input(usize),
@@ -48,7 +48,7 @@ pub(super) enum Lowered {
 }
 
 impl Operands {
-    /// The operation of a node; `place` says where the nodes are that it uses.
+    /// The operation of a node; `place` gives the places of the nodes that it uses.
     pub fn lower(&mut self, node: &Node, place: impl Fn(usize) -> usize) -> Lowered {
         Lowered::Operation(match node {
             Node::Input(row) => return Lowered::Input(*row),

@@ -1,8 +1,7 @@
 //! Straight-line code run at one point at a time.
 //!
-//! In: expressions and the signals that will be given. Out: their values, in slots of a buffer that the caller keeps. Every node
-//! has a slot of its own, so that numbers are written once and not at each point. Never allocates while it runs: integrators
-//! call it millions of times.
+//! In: expressions and their input signals. Out: their values, in slots of a buffer that the caller keeps. Every node has a slot of its
+//! own, so that numbers are written once and not at each point. Never allocates while it runs: integrators call it millions of times.
 
 use super::expression_graph::{Graph, used_nodes};
 use super::operation::{Lowered, Operands, Operation, Values};
@@ -24,7 +23,7 @@ impl PointTape {
     /// `inputs`: the signals that the first slots hold, in order.
     ///
     /// # Errors
-    /// A signal that an expression mentions and that is not there.
+    /// A signal that an expression mentions and `inputs` lacks.
     pub fn new(outputs: &[Expr], inputs: &[Signal]) -> Result<PointTape, Signal> {
         let mut graph = Graph::new(inputs);
         let roots = graph.all(outputs)?;

@@ -1,7 +1,7 @@
 //! Straight-line code run at many points at once.
 //!
-//! In: expressions; then the values of their signals, point after point. Out: the values of the expressions, as
-//! `Expr::eval` gives them to rounding. Never allocates in the loop but what `work` lacks.
+//! In: expressions, then the values of their signals at many points. Out: the values of the expressions, equal to those of `Expr::eval` to
+//! rounding. Allocates only what `work` lacks, and a little in each block for functions of three or more arguments.
 
 use super::expression_graph::{Graph, Node};
 use super::operation::{Lowered, Operands, Operation, Values};
@@ -47,8 +47,8 @@ enum Action {
 }
 
 impl Tape {
-    /// `inputs`: the signals that points give, in the order of the rows of [`Tape::eval`]. `Err` is a signal that an
-    /// expression mentions and that is not there.
+    /// `inputs` are the signals in the order of the rows of [`Tape::eval`]. `Err` is a signal that an expression mentions and `inputs`
+    /// lacks.
     pub fn new(outputs: &[Expr], inputs: &[Signal]) -> Result<Tape, Signal> {
         let mut graph = Graph::new(inputs);
         let roots = graph.all(outputs)?;
@@ -67,16 +67,15 @@ impl Tape {
         self.outputs
     }
 
-    /// How many signals a point gives.
+    /// Number of signals at a point.
     pub fn inputs(&self) -> usize {
         self.inputs
     }
 
     /// The value of every expression at every point: that of [`Expr::eval`] to rounding, NaN and ±∞ included.
     ///
-    /// `inputs` is inputs × points, all values of the first signal, then of the second; `out` likewise is outputs × points. Values
-    /// behind these are neither read nor written; slices that are too short panic. `work` is scratch of any content, grown
-    /// as needed.
+    /// `inputs` is inputs × points, all values of the first signal, then of the second; `out` likewise is outputs × points. Values beyond
+    /// these are neither read nor written; slices that are too short panic. `work` is scratch of any content, grown as needed.
     pub fn eval(&self, inputs: &[f64], points: usize, out: &mut [f64], work: &mut Vec<f64>) {
         let block = (CACHED / self.registers.max(1)).clamp(BLOCK.0, BLOCK.1);
         let width = points.min(block);
@@ -119,7 +118,7 @@ impl Tape {
     }
 }
 
-/// All registers but the one that is written.
+/// All registers except the one that is written.
 struct Registers<'a> {
     below: &'a [f64],
     above: &'a [f64],
@@ -209,7 +208,7 @@ fn add<const N: usize>(
 struct Allocation {
     /// The last node that uses this one.
     last_use: Vec<Option<usize>>,
-    /// The rows of the output that a node is.
+    /// The rows of the output that a node goes to.
     rows: Vec<Vec<usize>>,
     register: Vec<usize>,
     free: Vec<usize>,
